@@ -42,8 +42,8 @@ def print_verdict(published: "Published") -> None:
         *(say(condition, "en") for condition in conditional(decision)),
     ):
         console.print(f"  {reason}", markup=False)
-    if certificate.due:
-        console.print(f"recalibration due {certificate.due}")
+    if published.due:
+        console.print(f"recalibration due {published.due}")
     for path in (published.pdf, published.dcc, published.record):
         if path:
             print(path)
@@ -66,7 +66,7 @@ def _document(published: "Published") -> dict[str, Any]:
         "as_found": _as_found(certificate.as_found),
         "replaces": certificate.replaces.model_dump(mode="json") if certificate.replaces else None,
         "steps": [step.model_dump(mode="json") for step in certificate.steps],
-        "due": certificate.due.isoformat() if certificate.due else None,
+        "due": published.due.isoformat() if published.due else None,
         "reasons": list(decision.reasons),
         "conditional": decision.marginal,
         "decisions": [made.model_dump(mode="json") for made in decision.limits],

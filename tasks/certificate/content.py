@@ -68,6 +68,7 @@ class Content:
 
     number: str
     title: Message
+    is_report: bool
     watermark: Message | None
     laboratory: Sayable
     laboratory_address: Sayable
@@ -108,6 +109,7 @@ def content(certificate: Certificate) -> Content:
     return Content(
         number=certificate.number,
         title=message(f"certificate-title.{kind}"),
+        is_report=kind == "invalid-run",
         watermark=message(f"certificate-watermark.{certificate.state}") if marked else None,
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),

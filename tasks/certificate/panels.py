@@ -20,6 +20,7 @@ COLOURS = {"x": AFTER, "y": BEFORE, "z": "#009e73"}  # as in the house's charts,
 MARKS = {"x": "o", "y": "s", "z": "^"}
 SIZE = 2.6  # pt, of a mark
 BAR = 0.7  # pt, of the line of a U
+PER_CENT, LARGEST_PPM = 1e-4, 1e3  # per ppm; from so many on an axis is in per cent
 
 Panel = Callable[["Axes", Sequence[Curve], int], None]
 
@@ -113,9 +114,11 @@ def _bars(
 def _power(curves: Sequence[Curve]) -> tuple[float, str]:
     """By what the values are multiplied so that they can be read, and the unit that they then have.
 
-    A power of a thousand, by the largest value with its U.
+    A power of a thousand, by the largest value with its U; thousands of ppm are per cent.
     """
     largest = max(abs(y) + U for curve in curves for y, U in zip(curve.y, curve.U, strict=True))
+    if curves[0].y_unit == "ppm" and largest >= LARGEST_PPM:
+        return PER_CENT, "%"
     thousands = math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
     named = unit_text(curves[0].y_unit).removeprefix("1")
     power = "" if thousands == 0 else power_of_ten(3 * thousands).removeprefix("×").strip()

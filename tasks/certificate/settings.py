@@ -4,8 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration
-from tasks.certificate.equipment import size
+from tasks.certificate.equipment import limits_of, size
 from tasks.certificate.fields import NOT_GIVEN, first_known, given, literal, slug
+from tasks.uncertainty.equipment import TAKEN_TO_BE_MET
 from tasks.words import Message, Sayable, message
 from tasks.words.rounding import as_given
 from tasks.words.typography import clause
@@ -13,6 +14,7 @@ from tasks.words.units import quantity_text
 
 UNITS = {"gravity_m_s2": "m/s2", "latitude_deg": "deg"}
 LIMIT = "limit of "
+RECOMMENDED_BY = "limits"  # the document that recommends those of the others
 LIMIT_UNITS = {"rate": "1", "ripple": "1", "gravity": "m/s2"}  # of the others: rad
 BY_EXAMPLE = " (the example's)"
 OF_UNIT = " (the unit's)"
@@ -34,8 +36,15 @@ class Setting:
 
 
 def settings(calibration: Calibration) -> Iterator[Setting]:
-    """Every setting that the calibration was made with."""
+    """Every setting that the calibration was made with.
+
+    Without the document that recommends limits, if every limit in the budgets is another's.
+    """
+    limits = limits_of(calibration)
+    none_recommended = bool(limits) and not any(each.source in TAKEN_TO_BE_MET for each in limits)
     for name, value in calibration.settings.items():
+        if name == RECOMMENDED_BY and none_recommended:
+            continue
         if isinstance(value, int | float):
             unit = UNITS.get(name, "1")
             shown = given(quantity_text(as_given(value), unit))

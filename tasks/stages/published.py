@@ -1,6 +1,7 @@
 """A certificate as it stands in the store."""
 
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 
 from schemas.certificate import Certificate, State
@@ -20,6 +21,11 @@ class Published:
     pdf: Path
     dcc: Path | None
     record: Path
+
+    @property
+    def due(self) -> date | None:
+        """The day of recalibration; None once another certificate or none counts."""
+        return None if self.state in ("amended", "withdrawn") else self.certificate.due
 
 
 def published(number: str, home: Home) -> Published:

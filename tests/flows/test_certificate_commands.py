@@ -25,6 +25,7 @@ def test_a_draft_is_checked_issued_and_withdrawn_and_the_trail_tells_it(mimucal,
     assert all(Path(issued[face]).exists() for face in ("pdf", "dcc", "record"))
     gone = mimucal("withdraw", issued["number"], "--why", "a wrong table", "--by", "Zhao")
     assert f"{issued['number']}: pass (withdrawn)" in gone.out
+    assert "due" not in gone.out  # nobody is to come back by a certificate that no longer counts
     entries = mimucal("trail", "--json").json["entries"]
     assert [(e["action"], e["person"]) for e in entries] == [
         ("draft", "Wang"), ("check", "Li"), ("issue", "Zhao"), ("withdraw", "Zhao")

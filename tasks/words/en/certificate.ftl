@@ -266,6 +266,7 @@ certificate-figure =
     .history = History of the unit
     .history-caption = Values of earlier certificates minus those of this one, with ± U of each. Certificates: { $certificates }.
 certificate-label-certificate-number = Certificate No.
+certificate-label-report-number = Report No.
 certificate-label-page = Page { $here } of { $last }
 certificate-label-basis = Basis of the calibration
 certificate-label-object = Condition and configuration of the object

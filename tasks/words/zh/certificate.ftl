@@ -266,6 +266,7 @@ certificate-figure =
     .history = 被校对象的历史
     .history-caption = 以往证书的值减去本证书的值，及各自的 ± U。证书：{ $certificates }。
 certificate-label-certificate-number = 证书编号
+certificate-label-report-number = 报告编号
 certificate-label-page = 第 { $here } 页 共 { $last } 页
 certificate-label-basis = 校准依据
 certificate-label-object = 被校对象的状态与配置

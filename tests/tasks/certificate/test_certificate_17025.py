@@ -109,6 +109,8 @@ def test_no_traceability_is_claimed_for_an_invalid_run() -> None:
         update={"remarks": (Remark(code="x", run="invalid", en="Invalid.", zh="无效。"),)}
     )
     made = content(certificate(calibration=invalid))
+    assert made.is_report  # and has a report number
+    assert not content(certificate()).is_report
     assert "no metrological traceability is claimed" in made.traceability[1]
 
 

@@ -1,15 +1,19 @@
 """Whose limits stand in the budgets, and what stands in none."""
 
+from typing import get_args
+
 import pytest
 from sample_certificate import calibration, printed
 
-from schemas.equipment import EquipmentLimit
+from schemas.equipment import EquipmentLimit, LimitName
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import budgets
 from tasks.certificate.equipment import limits_of, whose_limits
+from tasks.certificate.settings import settings
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
+from tasks.words import say
 
 OWN = EquipmentLimit(half_width=2e-6, distribution="normal", source="CNAS 2026-117")
 
@@ -51,6 +55,16 @@ def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) ->
     assert (rows["ε1"].half_width, rows["ε1"].distribution[1]) == ("2×10⁻⁶", "normal")
     assert rows["α1"].half_width == "10″"
     assert rows["α4"].source == ("JJF 2003—2022，6.2", "JJF 2003-2022, 6.2")
+
+
+def test_table_1_is_no_setting_where_every_limit_is_the_laboratorys_own(made) -> None:
+    def printed_settings(**own: EquipmentLimit) -> str:
+        return " ".join(say(each.value, "en") for each in settings(made(**own)))
+
+    assert "Table 1" in printed_settings(rate=OWN)
+    own = printed_settings(**dict.fromkeys(get_args(LimitName), OWN))
+    assert "Table 1" not in own
+    assert own.count("CNAS 2026-117") == len(get_args(LimitName))
 
 
 def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -> None:

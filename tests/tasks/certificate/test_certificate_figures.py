@@ -11,6 +11,7 @@ from sample_certificate import calibration, certificate, content, item, items
 from schemas.certificate import Certificate
 from schemas.curve import Curve
 from tasks.certificate.figures import drawn
+from tasks.certificate.panels import _power
 from tasks.certificate.pdf import render
 from tasks.curves.history import history
 
@@ -96,6 +97,17 @@ def test_the_history_names_the_certificates_it_comes_from() -> None:
     assert "M-2" in figure.caption[0]
     assert "M-2" in figure.caption[1]
     assert "2025-11" not in drawn(present.model_copy(update={"curves": curves}))["history"]
+
+
+@pytest.mark.parametrize(
+    ("unit", "largest", "read"),
+    [("ppm", 3600.0, (1e-4, "%")), ("ppm", 90.0, (1.0, "ppm")), ("deg/s", 2e-4, (1e6, "10⁻⁶ °/s"))],
+)
+def test_an_axis_has_a_unit_that_people_write(
+    unit: str, largest: float, read: tuple[float, str]
+) -> None:
+    one = curve("rate-residuals", "gyro_scale_factor", "x", y_unit=unit, y=(largest,) * 3)
+    assert _power([one.model_copy(update={"U": (0.0,) * 3})]) == read
 
 
 def test_what_is_written_in_a_figure_is_outlines_so_that_no_font_is_missing() -> None:
