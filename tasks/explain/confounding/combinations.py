@@ -21,7 +21,7 @@ from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.model.term import Term
 
-TAKEN_BACK = 0.5  # of the larger of two delays: what is left where one takes the other back
+CANCELLED = 0.5  # of the larger of two delays: less is left where one cancels the other
 
 
 @dataclass(frozen=True)
@@ -52,13 +52,11 @@ class Combination:
 
     @property
     def plausible(self) -> bool:
-        """Whether all parameters of the members are within the range of a working unit.
-
-        A low-pass that a lead of the clocks cancels is not plausible: together they shape errors of
-        the reference, or resonances, and hardly amount to a delay.
+        """Whether all parameters of the members are within the range of a working unit, and none
+        cancels another.
         """
         values, places = self.fit.model.values, self.fit.model.places
-        if self._taken_back():
+        if self.is_cancelled:
             return False
         return all(
             low <= values[places[one.term.key].start + q] <= high
@@ -67,13 +65,18 @@ class Combination:
             for low, high in [one.term.parameters[q].plausible]
         )
 
-    def _taken_back(self) -> bool:
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether a lead of the clocks cancels a low-pass.
+
+        Mostly these shape errors of the reference, or resonances, and hardly amount to a delay.
+        """
         delays = [
             max(group_delays(self.fit.model, [name]), key=abs)
             for name in ("time_offset", "bandwidth")
             if any(one.name == name for one in self.members)
         ]
-        return len(delays) == 2 and abs(sum(delays)) < TAKEN_BACK * max(map(abs, delays))
+        return len(delays) == 2 and abs(sum(delays)) < CANCELLED * max(map(abs, delays))
 
     def promises(self, others: Sequence[Form]) -> list[float]:
         """Chi-squared that each of some forms more promises to take away, by a linear step from

@@ -143,11 +143,13 @@ class _Family:
         if self._linear.triads_differ or self._smooths(alone):
             tried += self._delay_with_filter()
         tried += [self._fitted(pair) for pair in self._promising(alone)]
-        tried = [one for one in tried if one.plausible] or tried
-        best = self._fewest_effects(tried)
+        plausible = [one for one in tried if one.plausible] or tried
+        best = self._fewest_effects(plausible)
+        if len(names_of(best.members)) > 1:  # no likelier than a filter that a lead cancels
+            plausible += [one for one in tried if one.is_cancelled]
         names = [
             names_of(one.members)
-            for one in tried
+            for one in plausible
             if self._cost(one) - self._cost(best) < DISTINGUISHABLE
         ]
         if set(names_of(best.members)) == {"time_offset", "bandwidth"}:

@@ -14,9 +14,10 @@ from tasks.explain.search.design import banded_design
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, search
 from tasks.model.term import Column, Term
-from tasks.model.terms.electronics import BANDWIDTH
+from tasks.model.terms.electronics import BANDWIDTH, BANDWIDTH_BY_TRIAD
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient
 from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.gyro import GYRO_ANGULAR_ACCELERATION
 from tasks.model.terms.timing import TIME_OFFSET
 
 RUN = motion()
@@ -58,6 +59,25 @@ def warmed() -> tuple[FittedSelection, list[Candidate]]:
     return FittedSelection.of(selection, blocks, blocks.rate), [gradient, bias]
 
 
+def filtered_and_early() -> tuple[FittedSelection, list[Candidate]]:
+    """Accelerometers that are filtered, and stamps that are early by nearly as much; found as a
+    delay, and gyros that feel the angular acceleration.
+    """
+    filtered = read(RUN, (BANDWIDTH_BY_TRIAD, (0.0, 0.0068)), (TIME_OFFSET, (-0.007,)))
+    made = filtered + noise(len(RUN.t), 5, NOISY)
+    blocks = observed(made, RUN)
+    columns: list[Column] = []
+    whole: list[Candidate] = []
+    for term in (TIME_OFFSET, BANDWIDTH_BY_TRIAD, GYRO_ANGULAR_ACCELERATION):
+        own = tuple(range(len(term.parameters)))
+        whole.append(Candidate(term, tuple(len(columns) + q for q in own), own, 1))
+        columns += columns_of(term, RUN)
+    design = banded_design(blocks, made, columns, np.full(len(columns), np.inf))
+    kept = tuple(Selected(one, 1.0, 1.0, ()) for one in (whole[0], whole[2]))
+    selection = replace(search(design, whole, (), NOISY), selected=kept)
+    return FittedSelection.of(selection, blocks, blocks.rate), whole
+
+
 def names(fit: FittedSelection) -> set[str]:
     return {one.name for one in fit.selection.candidates}
 
@@ -78,6 +98,12 @@ def test_a_family_without_the_nuisance_is_compared_as_ever() -> None:
     fit, candidates = found("lever_arm")
     after = names(compared(fit, candidates))
     assert after in ({"lever_arm", "time_offset"}, {"lever_arm", "bandwidth"})
+
+
+def test_two_effects_are_no_likelier_than_a_filter_that_a_lead_cancels() -> None:
+    after = compared(*filtered_and_early())
+    groups = [set(one.group) for one in after.selection.selected]
+    assert {"time_offset", "bandwidth", "gyro_angular_acceleration"} in groups
 
 
 def test_what_is_not_plausible_gives_way_to_what_fits_as_well_and_is() -> None:
