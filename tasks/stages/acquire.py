@@ -109,7 +109,7 @@ def _forget(raw: list[RawRecording]) -> None:
 
 
 def _with_what_is_left(fault: Unusable, raw: list[RawRecording]) -> str:
-    """The fault and what is left; where nothing is, only why the run stopped."""
+    """The fault and what is kept; if nothing is, only why the run stopped."""
     left = what_is_left(raw)
     plain = fault.__cause__ if not left and isinstance(fault.__cause__, Unusable) else fault
     return f"{str(plain).rstrip('.')}{left}" if left else str(plain)

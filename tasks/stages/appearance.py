@@ -14,9 +14,9 @@ LARGEST = 2_000_000  # bytes of a file: each certificate holds it
 
 
 def with_appearance(laboratory: Laboratory, home: Home) -> Laboratory:
-    """The laboratory with what its files hold; as it is where it names none.
+    """The laboratory with the content of its files, if it names any.
 
-    Raises Unusable for a file that cannot be read or is none of its kind.
+    Raises Unusable for a file that cannot be read or is of the wrong kind.
     """
     named = {"logo": laboratory.logo, "seal": laboratory.seal, "template": laboratory.template}
     paths = {name: home.path / path for name, path in named.items() if path}

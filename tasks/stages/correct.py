@@ -61,10 +61,10 @@ def export_correction(order: ExportOrder, home: Home) -> tuple[Correction, str]:
 
 @stage("apply")
 def apply_correction(run: Run, home: Home, order: ApplyOrder) -> Corrected:
-    """Write a run with its unit's errors taken off, as a mimu-recording/1 folder.
+    """Write a run corrected for its unit's errors, as a mimu-recording/1 folder.
 
     Table, pose, environment and segments are the run's own. Raises Unusable for the result of
-    another unit, of an invalid run or of an AHRS, and for a folder that is taken.
+    another unit, of an invalid run or of an AHRS, and for an existing folder.
     """
     calibration = correcting_calibration(order.calibration, home)
     known, _, assumed = coefficients(calibration)

@@ -31,13 +31,13 @@ UNCERTAINTIES: dict[UncertaintyName, UncertaintyKind] = {
 def estimate(
     run: Run, home: Home, how: Estimation | None = None, laboratory: Laboratory | None = None
 ) -> Calibration:
-    """Calibrate a run and keep the result; the same result twice is one.
+    """Calibrate a run and store the result; the same result twice is stored once.
 
-    laboratory: that of the home, unless it is given. Its limits, and those of the standards in use,
-    go before those of the specification's Table 1, and at its latitude the run was made. With
-    terms, their contributions are taken off the readings first; that result stands beside the one
-    without them and supersedes only one with the same terms.
-    Raises Unusable for a term that this recording cannot have or does not determine.
+    laboratory: that of the home, unless given. Its limits, and those of the standards in use, take
+    precedence over Table 1 of the specification, and its latitude is checked. With terms, the
+    readings are corrected for their contributions first; that result stands beside the one without
+    them and supersedes only one with the same terms. Raises Unusable for a term that this recording
+    cannot have or does not determine.
     """
     laboratory = laboratory or settings.laboratory(home)
     calibration = calibration_of(run, home, how or Estimation(), laboratory)
@@ -79,7 +79,7 @@ def how_made(calibration: Calibration) -> Estimation:
 def _with_terms(
     recording: Recording, names: Sequence[str], calibrate: Callable[[Recording], Calibration]
 ) -> Calibration:
-    """The calibration of a recording from whose readings the named terms were taken off."""
+    """The calibration of a recording whose readings were corrected for the named terms."""
     # Late: a calibration without terms needs none of it.
     from tasks.explain.correction.adopt import adopt
     from tasks.explain.explain import explain

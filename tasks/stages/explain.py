@@ -41,11 +41,11 @@ class Explained:
 def explain_run(
     run: Run, home: Home, order: ExplainOrder, progress: Progress = silent
 ) -> Explained:
-    """Find where the standard's model and a run differ, and say which physics is missing.
+    """Find where the standard's model and a run differ, and which physics is missing.
 
-    What the standard's own model leaves out of a run is kept with it, unless the home only reads.
-    progress: is told what is being done, and how much of the whole is behind it. Raises
-    Unusable for a result, a simulation or a folder that cannot be used.
+    What the standard's own model leaves out of a run is stored with it, unless the home is
+    read-only. progress: is called with the current step and the share of the work that is done.
+    Raises Unusable for a result, a simulation or a folder that cannot be used.
     """
     # Late: the other stages need none of it.
     from tasks.explain.correction.consequences import consequences

@@ -25,7 +25,7 @@ def check_issuable(
 
 
 def _check_limits(certificate: Certificate) -> None:
-    """A verdict without limits is none; a calibration without one has to be ordered."""
+    """There is no verdict without limits; a calibration without one has to be ordered."""
     asked = certificate.order is None or certificate.order.conformity
     if not certificate.decision.limits and asked:
         unit = certificate.manifest.unit

@@ -27,7 +27,7 @@ from tasks.stages.stage import stage
 
 @stage("check certificate")
 def check(key: str, home: Home, person: str, reason: str | None = None) -> Published:
-    """Note that a person checked a draft; Unusable for what is none, and for its own author."""
+    """Record that a person checked a draft; Unusable for anything else, and for its own author."""
     now = datetime.now(UTC)
     with database.changing(home) as connection:
         entry, draft = _at_state(connection, key, home, "draft")

@@ -35,11 +35,10 @@ if TYPE_CHECKING:
 def next_recording(
     of: Sequence[Run], home: Home, order: NextOrder, progress: Progress = silent
 ) -> NextRecording:
-    """The shortest procedure that tells apart what a run's explanation could not.
+    """The shortest procedure that separates what a run's explanation could not.
 
-    of: runs of one unit; the first that leaves something open is asked. Writes the procedure.
-    Raises Unusable for runs of several units, where nothing is open, or where the station's table
-    is not known.
+    of: runs of one unit; the first one with an open question is used. Writes the procedure. Raises
+    Unusable for runs of several units, if nothing is open, or if the station's table is unknown.
     """
     from tasks.experiment.choose import Experiment
     from tasks.experiment.open_question import open_question

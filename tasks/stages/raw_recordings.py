@@ -18,7 +18,7 @@ from tasks.station.interrupted import interrupted
 
 @dataclass(frozen=True)
 class RawRecording:
-    """A raw file that is being written, and the interrupted run that goes on in it."""
+    """A raw file that is being written, and the interrupted run it continues."""
 
     new: NewRecording
     sink: RawWriter

@@ -44,12 +44,12 @@ def recalled(home: Home, until: date = date.max) -> list[Recalled]:
 
 
 def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
-    """Sends what is to be sent at a moment; gives what could not be, in a sentence each.
+    """Sends the reminders that are due at a moment; returns those that failed, in a sentence each.
 
-    Each reminder is sent once on each channel of its client. One that fails is tried again at a
+    Each reminder is sent once on each channel of its client. One that fails is tried again by a
     later call, after a pause that doubles from 5 minutes to 6 hours; in silent hours nothing is
-    sent, and the next call after them does it. Without recall.toml nothing is sent.
-    Raises Unusable for a channel that is none.
+    sent, and the next call after them sends it. Without recall.toml nothing is sent. Raises
+    Unusable for an invalid channel.
     """
     asked = settings.recall(home)
     if asked is None:

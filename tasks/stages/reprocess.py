@@ -46,10 +46,10 @@ def plan(order: ReprocessOrder, home: Home) -> Plan:
 
 @stage("reprocess")
 def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reprocessing:
-    """Make the newest results of a selection again, and say what changed.
+    """Re-process the newest results of a selection, and report what changed.
 
-    A result is made once under the same circumstances: a command that was broken off goes on where
-    it was, and after the end the same again only gives the report. What failed is tried again.
+    A result is made once under the same circumstances: an interrupted command continues where it
+    was, and when repeated after the end only gives the report. Failures are tried again.
     progress(done, total) is called after each result. Raises Unusable for a report folder that
     cannot be made.
     """

@@ -100,7 +100,7 @@ def _chosen(order: ReviewOrder, home: Home) -> tuple[list[Run], list[Skipped]]:
 
 
 def _recordings(named: str) -> list[str]:
-    """A recording itself; of a folder that is none, what is in it."""
+    """The recording at a path; for another folder, the recordings in it."""
     folder = Path(named)
     if not folder.is_dir() or (folder / MANIFEST).exists():
         return [named]

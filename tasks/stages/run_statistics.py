@@ -48,8 +48,8 @@ def keep_statistics(run: Run, recording: Recording, home: Home) -> None:
 
 
 def make_statistics(which: Sequence[Run], home: Home) -> Iterator[tuple[Run, str]]:
-    """Makes and keeps the statistics of runs in as many processes as there are processors; gives
-    each run as it is done, and why it has none; empty: it has.
+    """Makes and stores the statistics of runs in one process per processor; yields each finished
+    run, and why it has none; empty: it has.
     """
     workers = min(processors(), len(which) // WORTH_A_PROCESS)
     yield from fan_out(_made, [Job(run, home) for run in which], workers, _died)

@@ -54,10 +54,10 @@ def _starts_a_task() -> bool:
 def without_loss(
     function: Callable[P, R], by_prefect: Callable[[Callable[P, R]], Callable[P, Any]]
 ) -> Callable[P, R]:
-    """The function carried out by Prefect, whatever becomes of Prefect's server meanwhile.
+    """The function run by Prefect, whatever happens to Prefect's server meanwhile.
 
-    A server that ends costs the record of what ran, not what the function gave or why it failed;
-    one that ended before, and could not be told of the beginning, does not keep it from running.
+    A server that ends costs the record of the run, not the function's result or error; one that
+    ended before, and could not be informed of the beginning, does not prevent it.
     """
     ends: list[Callable[[], R]] = []
 

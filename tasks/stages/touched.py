@@ -23,7 +23,7 @@ WORTH_A_PROCESS = 8  # certificates that take longer than a process takes to beg
 
 @dataclass(frozen=True)
 class AffectedCertificate:
-    """A certificate, the run it stands on, and an effect of values (m,) SI."""
+    """A certificate, the run it is based on, and an effect with values (m,) SI."""
 
     certificate: str
     run: Run
@@ -35,7 +35,7 @@ class AffectedCertificate:
 def with_certificates(
     review: Review, found: Sequence[Found], chosen: Mapping[str, Run], home: Home
 ) -> Review:
-    """The review with what each finding moves in the certificates that stand on its runs.
+    """The review with what each finding changes in the certificates based on its runs.
 
     found: of each finding. chosen: runs by id.
     """

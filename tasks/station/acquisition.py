@@ -48,9 +48,9 @@ class Acquired:
 
 @dataclass(frozen=True)
 class NewRecording:
-    """The recording of a unit that is to be made: the station as that unit has it, and its sink.
+    """A recording to be made of one unit: the station as if it were alone, and the sink.
 
-    earlier: a run that was interrupted and goes on: its streams are in the sink.
+    earlier: an interrupted run that is continued; its streams are in the sink.
     """
 
     station: StationFile
@@ -70,11 +70,10 @@ class NewRecording:
 
 @dataclass(frozen=True)
 class RunRequest:
-    """A procedure to run on a station, and where the recordings and the progress go.
+    """A procedure to run on a station, and where recordings and progress go.
 
-    `ask` has a person turn the units over, where the station cannot. While `is_paused`, no further
-    segment begins. Raises Unusable, with one sentence, where procedure and station do not suit
-    each other.
+    `ask` has a person turn the units over if the station cannot. While `is_paused`, no further
+    segment begins. Raises Unusable, with one sentence, if procedure and station are incompatible.
     """
 
     station: StationFile
@@ -97,16 +96,15 @@ def check_run(procedure: Procedure, station: StationFile, ask: Ask | None) -> No
 
 
 def acquire(request: RunRequest) -> tuple[Acquired, ...]:
-    """Run a procedure on a station and write what it gives to the sinks as it comes.
+    """Run a procedure on a station and write its data to the sinks as they arrive.
 
-    Streams, in SI: imu over the unit's own time stamps, table as captured encoder angles
-    (rad, `<axis>_angle`) and environment over station time. The manifests are written after
-    every finished segment. One Acquired for each recording; a unit that fails is given up as long
-    as another is sound.
+    Streams, in SI: imu over the unit's own time stamps, table as captured encoder angles (rad,
+    `<axis>_angle`) and environment over station time. The manifests are written after every
+    finished segment. Returns one Acquired for each recording; a unit that fails is abandoned as
+    long as another is sound.
 
-    Raises Unusable, with one sentence, where the station does not answer, and where something
-    fails on the way; what was recorded until then is in the sink. Whatever ends the run, the
-    table is told to stop.
+    Raises Unusable, with one sentence, if the station does not answer or something fails on the
+    way; what was recorded until then is in the sink. Whatever ends the run, the table is stopped.
     """
     return asyncio.run(_acquire(request))
 

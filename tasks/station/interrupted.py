@@ -46,8 +46,8 @@ def interrupted(recording: Recording, link: UnitLink) -> Interrupted:
 def remaining(planned: Iterable[PlannedSegment], measured: set[str]) -> Iterator[PlannedSegment]:
     """The segments that are still to be measured, in order.
 
-    The unit is turned over again before the first of them: whoever comes back to an interrupted
-    run does not know in which attitude it was left.
+    The unit is turned over again before the first of them, since the attitude in which an
+    interrupted run left it is unknown.
     """
     turned_over = None
     for segment in planned:

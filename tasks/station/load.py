@@ -97,7 +97,7 @@ def _write(lines: list[bytes], link: UnitLink, load: CoefficientLines) -> None:
 
 
 def _is_acknowledged(port: Any, answer: bytes) -> bool:
-    """Whether the answer comes, among the frames that the unit goes on sending."""
+    """Whether the answer arrives, among the frames that the unit continues to send."""
     received, end_s = b"", time.monotonic() + ANSWER_S
     while time.monotonic() < end_s:
         received = received[-len(answer) :] + port.read(READ_BYTES)

@@ -16,13 +16,13 @@ NOT_OF_THE_FRAMES = {"url", "baudrate", "load"}
 
 
 class ManifestBuilder:
-    """Segments without holes between them, from the beginning of the run on.
+    """Segments without gaps between them, from the beginning of the run on.
 
-    `segments` are over station time; the manifest and the streams of the recording count from
+    `segments` are in station time; the manifest and the streams of the recording count from
     `origin_s`, the whole second of station time in which the run began; `acquired_at` is its UTC,
-    told by this computer's clock as `t_start`, a station time that was just read, by the table's.
-    Every segment carries `mount`, where the unit was turned over in its fixture. earlier: a run
-    that was interrupted, and goes on: its segments and its time are the beginning of this one's.
+    by this computer's clock when `t_start`, a station time just read, was current. Every segment
+    carries `mount`, if the unit was turned over in its fixture. earlier: an interrupted run that is
+    continued: its segments and its time are the beginning of this one's.
     """
 
     def __init__(
@@ -117,9 +117,10 @@ class ManifestBuilder:
         )
 
     def since_start(self, stream: Stream) -> Stream:
-        """A stream over station time as the recording has it; rows before the run are dropped.
+        """A stream over station time on the recording's time base, without rows from before the
+        run.
 
-        So are those that are no later than the end of an interrupted run that goes on.
+        Rows no later than the end of an interrupted run that is continued are dropped as well.
         """
         moved = Stream(np.round(stream.t - self.origin_s, 9), stream.columns)
         until_s = self._nothing_until_s

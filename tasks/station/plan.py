@@ -15,12 +15,12 @@ REFIX_S = 60.0
 
 @dataclass(frozen=True)
 class PlannedSegment:
-    """Bring the table to angles (deg), perhaps spin an axis, then dwell.
+    """Move the table to angles (deg), perhaps spin an axis, then dwell.
 
-    planned_s: what all of that is expected to take, from the end of the segment before. refix: the
-    unit is turned over before. fixture: the attitude of the fixture, None as long as it is that of
-    the station file. turn_by_deg: whole turns in place of a dwell. chamber_degc: to which the
-    chamber is set as the dwell begins.
+    planned_s: the expected duration of all of that, from the end of the previous segment. refix:
+    the unit is turned over first. fixture: the attitude of the fixture, None as long as it is that
+    of the station file. turn_by_deg: whole turns instead of a dwell. chamber_degc: the chamber's
+    set-point from the beginning of the dwell.
     """
 
     name: str

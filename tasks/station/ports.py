@@ -108,7 +108,7 @@ class Table(Protocol):
 class Climate:
     """One reading of the chamber at a station time (s): °C, %RH, V and hPa.
 
-    NaN: not measured; of the time: not told.
+    NaN: not measured; for the time: not reported.
     """
 
     station_s: float

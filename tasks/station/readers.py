@@ -74,7 +74,7 @@ class EncoderReader:
 
 @dataclass
 class ClimateReader:
-    """The chamber, about once a station second, held against the procedure's limits."""
+    """The chamber, about once a station second, checked against the procedure's limits."""
 
     chamber: Chamber
     clock: StationClock

@@ -74,7 +74,7 @@ class Sequencer:
         self.recorder.fill("pause", "transition", self.clock.station_s)
 
     async def _repeat_failed(self, measured: dict[str, PlannedSegment]) -> None:
-        """Measure anew what is not sound, for the units of which it is not."""
+        """Repeats segments that are not sound, for the units concerned."""
         for _ in range(REPEATS):
             await self._catch_up(self.recorder.t_end)
             failed = self.recorder.failed(measured)

@@ -37,7 +37,7 @@ class SetPoint:
         return f"at {self.value:g} {unit}" if unit else "at rest"
 
     def lateness(self, names: Sequence[str], state: TableState, limit_s: float) -> str:
-        """What is said of a table, with its axes' names, that has not come there in time (s)."""
+        """The message about a table, by its axes' names, that has not arrived in time (s)."""
         axis = state.axes[self.axis]
         return (
             f"axis {names[self.axis]} of the table has not settled {self.text} within "

@@ -17,7 +17,7 @@ from tasks.words import message
 
 
 class Sink(Protocol):
-    """Where a recording goes as it is made; what a call gives is soon on the disk."""
+    """Where a recording is written during the run; what a call passes is soon on disk."""
 
     def append(self, name: str, stream: Stream, /) -> object: ...
 

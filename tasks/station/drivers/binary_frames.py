@@ -8,13 +8,11 @@ from tasks.station.drivers.samples import FrameSearch, filled, no_samples
 
 
 def find_binary(data: bytes, frame: BinaryFrame) -> FrameSearch:
-    """Every frame with a right check sum, wherever it starts.
+    """Every frame with a correct checksum, wherever it starts.
 
-    `rest` goes before the next bytes.
-
-    A stretch of a frame's length that begins with the sync bytes, has a wrong check sum and
-    touches no good frame counts as a bad one. The search goes on at the next byte, so that
-    garbage costs no frame whose own bytes are intact.
+    `rest` goes before the next bytes. Bytes of a frame's length that begin with the sync bytes,
+    have a wrong checksum and overlap no good frame count as a bad frame. The search continues at
+    the next byte, so that garbage costs no frame whose own bytes are intact.
     """
     size = frame.size
     if len(data) < size:

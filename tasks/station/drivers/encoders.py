@@ -16,7 +16,7 @@ LATE_PERIODS = 5.0  # a poll that comes later leaves a gap
 
 
 class Unwrapped:
-    """Angles (n, axes) in deg that run on where the encoder begins anew."""
+    """Angles (n, axes) in deg that continue where the encoder wraps."""
 
     def __init__(self, turnover_deg: float | None) -> None:
         self._turnover = turnover_deg
@@ -86,9 +86,9 @@ class CapturedEncoders:
 class PolledEncoders:
     """The angles of a table that does not capture them, read one after another.
 
-    A sample's time is the table's own where it tells one, and else the middle of its exchange,
-    since `began_s`. `time_half_width_s`: half of the longest exchange so far, by which a sample's
-    time may be wrong.
+    The time of a sample is the table's own if it reports one, otherwise the middle of the exchange,
+    since `began_s`. `time_half_width_s`: half of the longest exchange so far, the possible error of
+    a sample's time.
     """
 
     block_samples = 1

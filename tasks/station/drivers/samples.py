@@ -40,13 +40,13 @@ def to_stream(samples: np.ndarray, frame: AnyFrame, shift_us: int = 0) -> Stream
 
 
 def counter_turn(frame: AnyFrame) -> int:
-    """After how many frames the counter begins anew; that of 32 bits where it is not known."""
+    """The number of frames after which the counter wraps; that of 32 bits if unknown."""
     bits = _bits(frame, "counter")
     return COUNTER_TURN if bits is None else min(2**bits, COUNTER_TURN)
 
 
 def stamp_turn_us(frame: AnyFrame) -> int | None:
-    """After how long the time stamp begins anew, µs; None where it does not in a lifetime."""
+    """The time after which the time stamp wraps, µs; None if it does not within a lifetime."""
     bits = _bits(frame, "time")
     if bits is None or bits > 32:
         return None
@@ -64,7 +64,9 @@ def _bits(frame: AnyFrame, name: str) -> int | None:
 
 
 def filled(frame: AnyFrame, raw: dict[str, np.ndarray], n: int) -> np.ndarray:
-    """Samples (n,) of the raw values of each field, (n,) each; stamps -1 where none is told."""
+    """Samples (n,) from the raw values of each field, (n,) each; stamps are -1 if there are
+    none.
+    """
     samples = np.empty(n, sample_type(frame))
     fields: dict[str, FrameField] = {field.name: field for field in frame.fields}
     samples["counter"] = raw.get("counter", NO_COUNTER)

@@ -10,12 +10,12 @@ STEPS = 10  # of a slow unit, that a step may be long
 
 
 class StampSequence:
-    """Takes the samples that were found, and gives those whose stamps follow each other.
+    """Takes the samples found, and returns those with consistent stamps.
 
-    A sample whose stamp does not follow the one before it counts only if the next one follows it:
-    then the unit has been silent, or has begun anew. Else a chance in garbage passed for a frame,
-    and `rejected` counts it. Stamps run on where the unit's own begin anew, and are those of the
-    counter, at the rate of the link, or of their arrival, where the frame has none.
+    A sample whose stamp does not follow the previous one counts only if the next one follows it:
+    the unit was silent, or was restarted. Otherwise garbage happened to look like a frame, and
+    `rejected` counts it. Stamps continue where the unit's own wrap; without a stamp in the frame
+    they are those of the counter, at the rate of the link, or of arrival.
     """
 
     def __init__(self, link: UnitLink) -> None:
@@ -66,7 +66,7 @@ class StampSequence:
         return self._sound(waiting)
 
     def _sound(self, waiting: np.ndarray) -> np.ndarray:
-        """One after the other: those that count; the last is held where the next one must tell."""
+        """The consistent samples, in order; the last is held back if the next one must decide."""
         stamps, kept, last_us = waiting["stamp"].tolist(), [], self._last_us
         self._held = waiting[:0]
         for place, stamp in enumerate(stamps):
@@ -95,7 +95,7 @@ class StampSequence:
         return np.asarray((steps > 0) & (steps <= self._longest_us))
 
     def _run_on(self, samples: np.ndarray) -> None:
-        """Add what the stamps have turned over by; a unit that begins anew has not."""
+        """Adds the wraps of the stamps; a restart is none."""
         if self._turn_us is None or not len(samples):
             return
         own = samples["stamp"].copy()

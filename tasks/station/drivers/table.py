@@ -20,9 +20,9 @@ POLL_S = 0.1
 
 
 class DescribedTable:
-    """A table as its description says. Raises as its backend does.
+    """A table by its description. Raises as its backend does.
 
-    Where it tells no time, station time is the wall time since it was found.
+    If it reports no time, station time is the wall time since the connection.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class DescribedTable:
         return TableState(station_s, now_s, axes, trips, took_s=now_s - asked_s)
 
     def _rates(self, values: Mapping[str, Any], station_s: float, angles: np.ndarray) -> np.ndarray:
-        """As the table tells them, else from what its angles have gone since the last reading."""
+        """The rates reported by the table, otherwise from its angles since the last reading."""
         before, self._before = self._before, (station_s, angles)
         if "rate" in values:
             return np.array(values["rate"], float)

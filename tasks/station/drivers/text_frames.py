@@ -17,10 +17,10 @@ CHECK_DIGITS = {"xor8": 2, "crc16_xmodem": 4}
 
 
 def find_text(data: bytes, frame: TextFrame) -> FrameSearch:
-    """Every whole line that looks like the frame and has a right check sum.
+    """Every whole line that matches the frame and has a correct checksum.
 
-    `rest` goes before the next bytes. Where frames have no check sum, a line counts only behind
-    the end of another: the beginning of the first that is heard may be missing.
+    `rest` goes before the next bytes. If frames have no checksum, a line counts only after the end
+    of another: the beginning of the first one may be missing.
     """
     end = frame.terminator.encode()
     *lines, rest = data.split(end)

@@ -17,11 +17,11 @@ LOOK_S = 0.5
 
 
 class UnitDriver:
-    """Takes samples from a line; made when the line has just been opened.
+    """Takes samples from a line that has just been opened.
 
-    Raises Unusable where the line breaks, carries no whole frame for SILENCE_S of wall time (a
-    pause in which nobody looked counts as LOOK_S at most), or where the unit starts its clock anew
-    without having been switched off and on between `switched_off` and `switched_on`.
+    Raises Unusable if the line breaks, carries no whole frame for SILENCE_S of wall time (a pause
+    in which nobody looked counts as LOOK_S at most), or if the unit restarts its clock without
+    having been switched off and on between `switched_off` and `switched_on`.
     """
 
     def __init__(self, link: UnitLink, line: Line) -> None:
@@ -47,7 +47,7 @@ class UnitDriver:
         self._line.end()
 
     def switched_off(self) -> None:
-        """From now on it may be silent, and then start its clock anew, once."""
+        """From now on the unit may be silent, and then restart its clock once."""
         self.is_off = self._may_restart = True
 
     def switched_on(self) -> None:
@@ -94,7 +94,7 @@ class UnitDriver:
         return np.maximum(periods.astype(np.int64) - 1, 0)
 
     def _restart_in(self, stamps: np.ndarray) -> int:
-        """Where in the stamps (n,) the unit's clock starts anew; n where it does not."""
+        """The index in the stamps (n,) at which the unit's clock restarts; n if it does not."""
         before = np.concatenate([[self._last_stamp], stamps[:-1]])
         back = np.flatnonzero(stamps <= before)
         self._last_stamp = int(stamps[-1])

@@ -14,7 +14,7 @@ def names() -> tuple[str, ...]:
 
 
 def load(name: str) -> Procedure:
-    """The procedure of that name. Raises Unusable, listing the names, if there is none."""
+    """The procedure of that name. Raises Unusable with the list of names if there is none."""
     if name not in names():
         raise Unusable(
             f"there is no procedure {name!r}: choose one of {', '.join(names())}, or give a file"

@@ -6,7 +6,7 @@ MINUTE_S = 60.0
 
 
 class VirtualChamber:
-    """Begins where the air is, and stays there until it is told otherwise."""
+    """Starts at the temperature of the air and stays there until commanded otherwise."""
 
     def __init__(self, design: ChamberLimits, degc: float) -> None:
         self._rate = design.rate_k_min / MINUTE_S

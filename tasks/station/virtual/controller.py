@@ -59,8 +59,8 @@ class ControllerServer(ModbusTcpServer):
 class Controller:
     """Devices 1 to 3 of the register map.
 
-    Whoever sets the watchdog holds the table: until it is set to 0, has bitten, or the
-    connection ends nobody else commands it, and only what its holder asks of it is a sign of life.
+    The client that sets the watchdog holds the table: until it sets it to 0, it has tripped, or the
+    connection ends, no other client commands it, and only the holder's requests reset the watchdog.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -108,7 +108,9 @@ class Controller:
         return self._holder is None or not self._holder.is_active()
 
     def _note_request(self, asking: Connection, address: int, sets_watchdog: bool) -> None:
-        """Whose sign of life it was, and of what; fetching encoders is none."""
+        """Which client sent a request, and whether it resets the watchdog; fetching encoders
+        does not.
+        """
         if sets_watchdog:
             self._hold(asking if self._table.watchdog else None)
         if address >= _CAPTURE:
@@ -117,7 +119,7 @@ class Controller:
             self._unheard_s = 0.0
 
     def watch(self) -> None:
-        """Stops the table where its holder is not heard for longer than the watchdog allows."""
+        """Stops the table if its holder is silent for longer than the watchdog allows."""
         now_s = wall_s()
         passed_s, self._looked_s = min(now_s - self._looked_s, LOOK_S), now_s
         self._unheard_s += passed_s

@@ -9,7 +9,7 @@ import numpy as np
 class Profile:
     """Pieces that begin at `t` (s) with angle (rad), rate (rad/s) and acceleration: (m,) each.
 
-    The last piece goes on for ever.
+    The last piece continues indefinitely.
     """
 
     t: np.ndarray

@@ -83,9 +83,9 @@ async def serve(
 ) -> None:
     """Runs the station until it is cancelled.
 
-    speed: station seconds in a wall second. Port 0 takes a free one; neighbours of the unit
-    have the ports behind its own. ready gets what a client
-    needs to find its way. Raises Unusable where a port cannot be had or the speed is no speed.
+    speed: station seconds per wall second. Port 0 chooses a free one; further units have the ports
+    after the first. ready is called with what a client needs to connect. Raises Unusable if a port
+    is not available or the speed is invalid.
     """
     if not 0.0 < speed < float("inf"):
         raise Unusable(
