@@ -59,8 +59,8 @@ class Abilities:
 
     @classmethod
     def of_recording(cls, recording: Recording) -> "Abilities":
-        """What the recording's own table did; raises Unusable where no encoders tell it. Whether
-        it has a chamber no recording tells.
+        """The abilities shown by the recording's own table; raises Unusable without encoders. No
+        recording shows whether the station has a chamber.
         """
         manifest, axes = recording.manifest, whole_motion(recording).axes
         if axes is None:

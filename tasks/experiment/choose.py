@@ -53,8 +53,8 @@ Pair = tuple[str, str]
 
 @dataclass(frozen=True)
 class Choice:
-    """A procedure, min that it takes, and the chi-squared by which it is expected to show that the
-    models of the pair that is told apart worst differ. bound: that decides if there is no noise.
+    """A procedure, its duration in min, and the expected chi-squared between the two models that
+    are hardest to separate. bound: the value that decides if there is no noise.
     """
 
     procedure: Procedure
@@ -160,7 +160,7 @@ class Experiment:
         return choice
 
     def left_by(self, blocks: Blocks, noises: Sequence[Noise]) -> float:
-        """Chi-squared by which a motion, as blocks tell it, tells the worst pair apart."""
+        """Chi-squared by which a motion, in blocks, separates the hardest pair."""
         left = {
             (truth, other): left_by_real_fit(
                 self.every[other], self._reading(blocks, truth), noises
@@ -207,8 +207,9 @@ class Experiment:
         return more
 
     def _share(self, so_far: Mapping[Pair, Separation]) -> float:
-        """Of what should be shown of the pair that is told apart worst: by how much more the other
-        leaves than the true one."""
+        """For the hardest pair, the share achieved of the required difference between the
+        residuals of the wrong and the right model.
+        """
         left = {pair: one.left for pair, one in so_far.items()}
         beyond = (
             (left[pair] - left[pair[0], pair[0]]) / enough(self.bound(pair))

@@ -13,8 +13,8 @@ from tasks.model.model import Model
 def rivals_of(
     choice: Choice, experiment: Experiment, name: str, others: Sequence[str]
 ) -> Mapping[str, Model]:
-    """What `explain` cannot tell from an effect in the proposed recording, or puts in its place,
-    each fitted to it with the effects that are there anyhow.
+    """The effects that `explain` cannot separate from one in the proposed recording, or names in
+    its place, each fitted to it together with the other effects present.
     """
     planned = experiment.planned(choice.procedure)
     rehearsed = experiment.noise.recording(planned, experiment.models[name])

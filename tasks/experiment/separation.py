@@ -47,15 +47,15 @@ class UnitNoise:
         return cls(fit.noises, fit.blocks.rate, full, (unit, reference))
 
     def _rows(self, fine: Recording) -> tuple[slice, slice]:
-        """Those of a planned motion that the unit and its reference tell."""
+        """The rows of a planned motion that the unit and its reference report."""
         step = sample_interval(fine.imu.t)
         unit, reference = (slice(None, None, max(1, round(s / step))) for s in self.intervals)
         return unit, reference
 
     def observed(self, fine: Recording, truth: Model) -> Blocks:
-        """Blocks of what a unit of the true model reads on a motion that was planned, weighted as
-        its own are. fine: told closely; the reference tells it as seldom as it does, so that what
-        happens between its samples is as unknown as it will be.
+        """Blocks of the readings of a unit of the true model on a planned motion, weighted as
+        its own are. fine: finely sampled; the reference reports it as rarely as it does, so that
+        the motion between its samples is as unknown as it will be.
         """
         readings = np.nan_to_num(truth.prediction(self._as_usual(full_rate(fine)).motion))
         readings += np.random.default_rng(0).normal(scale=QUIET, size=readings.shape)
@@ -77,8 +77,8 @@ class UnitNoise:
         return block_means(full, self.rate, fewest=1)
 
     def recording(self, fine: Recording, truth: Model) -> Recording:
-        """What a unit of the true model may record on a motion that was planned, with white noise
-        as it has it at rest. fine: told closely.
+        """A possible recording of a unit of the true model on a planned motion, with its white
+        noise at rest. fine: finely sampled.
         """
         rows, reference = self._rows(fine)
         readings = np.nan_to_num(truth.prediction(self._as_usual(full_rate(fine)).motion))
@@ -135,7 +135,7 @@ class Separation:
 
     @property
     def left(self) -> float:
-        """Chi-squared that the model cannot make up for."""
+        """Chi-squared for which the other model cannot compensate."""
         made_up = self.right @ inverse(self.normal + np.diag(self.prior)) @ self.right
         return max(float(self.chi2 - made_up), 0.0)
 

@@ -52,7 +52,7 @@ class Effect:
 
     @property
     def separated_by(self) -> Sayable | None:
-        """The recording that would tell it from what it is confused with."""
+        """The recording that would separate it from the effects it is confused with."""
         return separating_recording(self.name)
 
     @property
@@ -68,7 +68,7 @@ def effect_name(name: str) -> Sayable:
 
 
 def separating_recording(name: str) -> Sayable | None:
-    """The recording that would tell an effect from what it is confused with."""
+    """The recording that would separate an effect from those it is confused with."""
     return _attribute(name, "separated-by")
 
 

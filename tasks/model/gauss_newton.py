@@ -58,7 +58,7 @@ def _step(model: Model, motion: Motion, readings: np.ndarray, whiten: Whiten) ->
 def _chord(
     model: Model, before: Step, motion: Motion, readings: np.ndarray, scores: Scores
 ) -> Step:
-    """The step from where a model stands by the columns and the covariance of an earlier one."""
+    """A step from the present model with the columns and the covariance of an earlier one."""
     right, chi2 = scores(before.columns, readings - model.prediction(motion))
     return _promised(model, before.columns, before.covariance, right, chi2)
 
@@ -112,9 +112,9 @@ def _iterated(
     settled: Callable[[Model, Step], bool],
     scores: Scores | None,
 ) -> tuple[Model, bool | None]:
-    """The model after one linearisation, and whether it settled; None where it goes on.
+    """The model after one linearisation, and whether it settled; None if it has to continue.
 
-    The columns, which are large, end with it: those of the next never stand beside them.
+    The columns, which are large, are released on return: those of the next never coexist with them.
     """
     step = _step(model, motion, readings, whiten)
     stepped = model.stepped(step.change, step.covariance)

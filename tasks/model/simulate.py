@@ -59,9 +59,9 @@ def linearise(
 ) -> Design:
     """Prediction and columns at the values (p,).
 
-    What a sensor makes of its input is linear in its parameters; parameters of motion, input and
-    signal are differentiated by central differences, exact for what is quadratic.
-    wanted: (p,) bool, parameters whose columns are asked for; those of the others are empty.
+    The response of a sensor to its input is linear in its parameters; parameters of motion, input
+    and signal are differentiated by central differences, exact for quadratic functions. wanted:
+    (p,) bool, parameters whose columns are requested; those of the others are empty.
     """
     moved, inputs = _felt(terms, motion, values)
     wanted = np.ones(len(values), bool) if wanted is None else wanted
@@ -127,9 +127,9 @@ def _passed(
 def _passed_columns(
     terms: tuple[Term, ...], motion: Motion, columns: tuple[Column, ...], values: np.ndarray
 ) -> list[Column]:
-    """What delays and filters make of columns; they are linear in the readings.
+    """The columns after delays and filters, which are linear in the readings.
 
-    They take each channel by itself: columns of different channels go through them together.
+    These act on each channel separately: columns of different channels pass through them together.
     """
     if all(term.stage != "signal" for term in terms):
         return list(columns)
@@ -160,8 +160,8 @@ def _side_by_side(columns: tuple[Column, ...]) -> list[dict[int, int]]:
 class _Differences:
     """Central differences of the readings by parameters of motion, input and signal.
 
-    Through the standard's terms: what other terms of a sensor would make of a small change of
-    their input is small twice over, and an iteration does without it.
+    Through the standard's terms only: the response of other sensor terms to a small change of their
+    input is of second order, and an iteration does without it.
     """
 
     def __init__(self, terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> None:

@@ -47,8 +47,8 @@ class Inputs:
 
     @classmethod
     def of(cls, motion: Motion) -> "Inputs":
-        """What a motion makes them feel. A gyro follows the specific force so little that, where
-        it is not known, gravity alone stands for it, or none.
+        """The inputs for a motion. A gyro depends so little on the specific force that gravity
+        alone replaces it where it is unknown, or zero.
         """
         force = motion.force
         known = np.isfinite(force)

@@ -23,9 +23,9 @@ FEW_STEPS = 20.0  # more are whole within rounding whatever they are
 
 
 def angle_variance(stamps: np.ndarray, angles: np.ndarray, even: np.ndarray) -> np.ndarray:
-    """Variance (n, k) rad² of angles `even` (n, k) rad, put on an even grid from those as read.
+    """Variance (n, k) rad² of angles `even` (n, k) rad, resampled evenly from those that were read.
 
-    stamps: (m,) s, angles: (m, k) rad as they were read; too few to tell count as exact.
+    stamps: (m,) s, angles: (m, k) rad as read; too few to estimate from count as exact.
     """
     if len(even) < NODE + ORDER:
         return np.zeros_like(even)

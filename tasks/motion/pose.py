@@ -30,10 +30,10 @@ SHAKEN = 0.2  # m/s²: scatter that no rest has
 
 @dataclass(frozen=True)
 class Tracking:
-    """Up to which frequency, Hz, poses tell the attitude and the place of a body.
+    """The frequency, Hz, up to which poses determine the attitude and the place of a body.
 
-    place: None where positions were not recorded. interval: s between frames. attitude_variance,
-    place_variance: rad², m² of one frame on one axis, by what the smoothing takes away.
+    place: None if positions were not recorded. interval: s between frames. attitude_variance,
+    place_variance: rad², m² of one frame on one axis, by what the smoothing removes.
     """
 
     attitude: float
@@ -69,7 +69,7 @@ class Tracking:
 
 @dataclass(frozen=True)
 class TrackedMotion:
-    """What poses tell at n times, NaN where nothing; vectors (n, 3) in the body's frame.
+    """The motion from poses at n times, NaN where unknown; vectors (n, 3) in the body's frame.
 
     up, north: unit vectors. rate: rad/s. acceleration: rad/s². translation: m/s², kinematic.
     """
@@ -93,9 +93,9 @@ def tracked_motion(recording: Recording, pose: Stream, at: np.ndarray) -> Tracke
 
 
 def motion_smoothed_twice(recording: Recording, pose: Stream, at: np.ndarray) -> TrackedMotion:
-    """The motion at the times `at` (n,) s of poses that were smoothed before, in the same band.
+    """The motion at the times `at` (n,) s from poses that were already smoothed, in the same band.
 
-    It differs from `tracked_motion` by about what smoothing takes off the motion itself.
+    It differs from `tracked_motion` by about what smoothing removes from the motion itself.
     """
     course = _course_of(pose)
     if course is None:
@@ -159,7 +159,7 @@ class SmoothStretch:
 
 @dataclass(frozen=True)
 class Course:
-    """Frames, up to which frequency they tell the motion, and their stretches smoothed to that."""
+    """Frames, the frequency up to which they determine the motion, and their smoothed parts."""
 
     frames: Frames
     tracking: Tracking

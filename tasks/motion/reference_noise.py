@@ -21,9 +21,9 @@ from tasks.motion.whole import Motion, attitude_stream
 class EncoderNoise:
     """Variance (m, k) rad² of a reading of each table axis at times t (m,) s.
 
-    rate: what is made of the readings. reported: (k,) bool, the rate is not the angle's.
-    steps: (k,) rad, 0 of an encoder without; what rounding makes of a rest no scatter shows.
-    span: s between the two angles that a mean rate is made of; 0: it is `rate`.
+    rate: of the rate derived from the readings. reported: (k,) bool, the rate is reported, not that
+    of the angle. steps: (k,) rad, 0 for an encoder without; the rounding of a rest shows in no
+    scatter. span: s between the two angles that give a mean rate; 0: it is `rate`.
     """
 
     t: np.ndarray

@@ -26,14 +26,14 @@ SEAM = 0.05  # rad that the vertical jumps by, at least, where the unit was fixe
 
 @dataclass(frozen=True)
 class Motion:
-    """Attitude and motion of the body at n times, in the body frame; NaN: not known.
+    """Attitude and motion of the body at n times, in the body frame; NaN: unknown.
 
-    t: (n,) s. up, north: (n, 3) unit vectors. rate: (n, 3) rad/s against the ground.
-    acceleration: (n, 3) rad/s², the derivative of the rate. gravity: m/s².
-    axes: those of the table, where encoders were recorded; each mount sees them its own way.
-    recorded: what else was recorded or is known at each time, (n,) each, by name.
-    translation: (n, 3) m/s², kinematic acceleration; None: it keeps its place, as on a table.
-    tracking: of poses, up to which frequency they tell what.
+    t: (n,) s. up, north: (n, 3) unit vectors. rate: (n, 3) rad/s relative to the ground.
+    acceleration: (n, 3) rad/s², the derivative of the rate. gravity: m/s². axes: of the table, if
+    encoders were recorded, relative to each mount. recorded: other recorded or known signals at
+    each time, (n,) each, by name. translation: (n, 3) m/s², kinematic acceleration; None: it does
+    not translate, as on a table. tracking: for poses, the frequencies up to which they determine
+    the motion.
     """
 
     t: np.ndarray

@@ -33,7 +33,7 @@ GROUND_ROTATION = GroundRotation(
 
 
 def ground_rotation(recording: Recording) -> tuple[Term, ...]:
-    """The term of a run whose manifest does not tell latitude and heading."""
+    """The term of a run whose manifest omits latitude and heading."""
     station = recording.manifest.station
     if station.latitude_deg is not None and station.heading_deg is not None:
         return ()

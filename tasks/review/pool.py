@@ -20,10 +20,10 @@ from tasks.review.run_statistics import STEP
 
 @dataclass(frozen=True)
 class ReviewedRun:
-    """Whose run it is, and when.
+    """The carriers of a run, and its time.
 
-    at: `acquired_at`, else the recording's name; runs are ordered by it. carriers: by level, what
-    of each level it belongs to; a level that its manifest does not tell is left out.
+    at: `acquired_at`, else the recording's name; runs are ordered by it. carriers: by level, the
+    carrier it belongs to; a level that its manifest omits is left out.
     """
 
     run: str
@@ -80,9 +80,9 @@ class Group:
 
 @dataclass(frozen=True)
 class Pool:
-    """Runs in the order of time with their statistics.
+    """Runs in order of time with their statistics.
 
-    carrier: by level (runs,) the number of each run's carrier among the `names`; −1: not told.
+    carrier: by level (runs,) the number of each run's carrier among the `names`; −1: unknown.
     """
 
     runs: tuple[ReviewedRun, ...]
@@ -164,7 +164,7 @@ def _group(rows: np.ndarray, some: Sequence[RunStatistics]) -> Group:
 
 
 def _numbers(runs: Sequence[ReviewedRun], level: Level, names: Sequence[str]) -> np.ndarray:
-    """(runs,) number of each run's carrier of a level; −1 where none is told."""
+    """(runs,) number of each run's carrier at a level; −1 if unknown."""
     place = {name: number for number, name in enumerate(names)}
     return np.array([place.get(run.carriers.get(level, ""), -1) for run in runs])
 

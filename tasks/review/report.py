@@ -170,7 +170,7 @@ def _words(
 
 
 def _deciding_run(level: Level, own: Message, other: Carrier) -> Message:
-    """The run that would tell one carrier from another."""
+    """The run that would separate one carrier from another."""
     as_well = _carrier(other.level, other.carrier)
     pair = {level: own, other.level: as_well}
     if set(pair) == {"unit", "station"}:
@@ -188,7 +188,7 @@ def _changed(side: str, moment: Moment) -> Message:
 
 
 def _minute(at: str) -> str:
-    """A moment to the minute as people read it; a recording's name as it is."""
+    """A moment to the minute in readable form; a recording's name unchanged."""
     try:
         moment = datetime.fromisoformat(at)
     except ValueError:

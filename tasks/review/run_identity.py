@@ -9,8 +9,8 @@ from tasks.review.pool import ReviewedRun
 
 
 def reviewed_runs(manifests: Mapping[str, Manifest]) -> dict[str, ReviewedRun]:
-    """Runs by their manifests, each by what it is called. A unit goes by its serial number, and by
-    its model too where several models have one of that number.
+    """Runs by their manifests, each with its carriers. A unit is identified by its serial
+    number, and by its model too if several models share that number.
     """
     models: dict[str, set[str]] = {}
     for manifest in manifests.values():

@@ -40,8 +40,8 @@ BELIEVED = 1.3  # chi-squared per degree of freedom from which on it is not chan
 def statistics_of(recording: Recording) -> RunStatistics:
     """The statistics of a run. Raises Unusable where `explain` would.
 
-    Events and faults of the logger are taken off first, as `explain` does; a delay of the stamps
-    stays in the readings, since it may be common to many runs.
+    Events and faults of the logger are removed first, as by `explain`; a delay of the stamps stays
+    in the readings, since it may be common to many runs.
     """
     _, right, full = without_faults(as_mean_rates(recording))
     clean = cleaned(right, full, delay_sought=False)

@@ -55,7 +55,7 @@ def fitting(found: TriadMatrix) -> list[np.ndarray]:
 
 
 def axis_mapping(triad: int, matrix: np.ndarray, with_mount: bool) -> AxisMapping:
-    """The event of a signed permutation; with_mount: a mount told wrong would do the same."""
+    """The event of a signed permutation; with_mount: a wrongly stated mount would look the same."""
     rows = [row for row in range(3) if matrix[row, row] != 1.0]
     texts = []
     for row in rows:
@@ -75,7 +75,7 @@ def axis_mapping(triad: int, matrix: np.ndarray, with_mount: bool) -> AxisMappin
 
 
 def _astray(found: TriadMatrix, matrix: np.ndarray) -> float:
-    """The largest angle between what is read of an input and what a permutation makes of it."""
+    """The largest angle between the response to an input and that of a permutation."""
     expected = matrix @ found.directions
     size = np.linalg.norm(found.reads, axis=0)
     cosine = np.sum(expected * found.reads, axis=0) / np.where(size > 0, size, 1.0)

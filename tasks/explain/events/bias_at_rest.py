@@ -107,10 +107,10 @@ def _near(best: _Follows, step: float) -> Iterator[tuple[float, float]]:
 
 @dataclass(frozen=True)
 class _Whitened:
-    """Gyro readings in blocks over their noise, less what the standard's model makes of them.
+    """Gyro readings in blocks, divided by their noise, minus their fit by the standard's model.
 
-    written: (n, 3) readings; size: (n,) the largest of a row. used: rows that blocks are made of.
-    weight, left: (blocks, 3). bases: of each axis (blocks, k) orthonormal, what the model reads.
+    written: (n, 3) readings; size: (n,) the largest of a row. used: rows that form blocks. weight,
+    left: (blocks, 3). bases: for each axis (blocks, k) orthonormal columns of the model.
     """
 
     t: np.ndarray
@@ -157,7 +157,7 @@ class _Whitened:
         return np.asarray(written.cumsum(axis=0) * self.interval)
 
     def regressor(self, quiet: float, wait: float) -> np.ndarray:
-        """(blocks, 3) the integral over the noise, less what the model can make of it."""
+        """(blocks, 3) the integral over the noise, minus its projection on the model."""
         found = _means(self.integral(quiet, wait)[self.used]) * self.weight
         for axis, base in enumerate(self.bases):
             found[:, axis] -= base @ (base.T @ found[:, axis])
@@ -178,7 +178,7 @@ class _Whitened:
         return _Follows(quiet, wait, rate**2 * total, rate, information, rates)
 
     def dispersion(self, found: _Follows) -> float:
-        """What is left, in means over cells, beside what white noise would leave; one at least."""
+        """Mean squared residual of means over cells, relative to white noise; at least one."""
         left = self.left + found.rate * self.regressor(found.quiet, found.wait)
         rows = [max(1, round(cell / (BLOCK * self.interval))) for cell in CELLS]
         cells = [in_blocks(left, count).mean(axis=1) * np.sqrt(count) for count in rows]

@@ -70,7 +70,9 @@ def _block_means(residual: Residual) -> Residual:
 
 
 def _at_changes(blocks: Residual, state: np.ndarray, fit: Ringing) -> bool:
-    """Whether bursts come where the rate changes: what is left of the motion then is no burst."""
+    """Whether bursts occur where the rate changes: a residual of the motion there is not a
+    burst.
+    """
     states = state[np.searchsorted(blocks.t, fit.starts).clip(0, len(state) - 1)]
     even = float((state != RATE_CHANGE).mean())
     return bool((states != RATE_CHANGE).sum() < 0.5 * even * len(states))

@@ -108,7 +108,7 @@ def _put_right(
     readings: np.ndarray, predicted: np.ndarray, motion: Motion, jumps: Mapping[int, float],
     way: Callable[[np.ndarray, float], np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """What (n, 6) to take off the readings, and how (6,) they then change from row to row.
+    """The correction (n, 6) of the readings, and how (6,) they then change from row to row.
 
     jumps: by channel. predicted: (n, 6), to begin with. way: multiples of a jump in a residual.
     """
@@ -175,7 +175,7 @@ def _about_usual(number: np.ndarray) -> np.ndarray:
 
 
 def _of_code(right: np.ndarray, added: np.ndarray, jump: float) -> bool:
-    """Whether what was added (n,) to a right reading (n,) is what its code makes of it."""
+    """Whether the error (n,) of a reading (n,) is determined by its code."""
     return _decided_by_code(right, added != 0.0, jump) or _torn(right, added, jump)
 
 

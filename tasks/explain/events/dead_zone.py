@@ -45,8 +45,8 @@ SIGNIFICANT = 1e-7
 
 @dataclass(frozen=True)
 class DeadZone(Event):
-    """thresholds, noise: by channel; none where only the bias is taken off at rest. less: the
-    channels whose larger readings have the threshold taken off.
+    """thresholds, noise: by channel; none if only the bias is subtracted at rest. less: the
+    channels whose larger readings are reduced by the threshold.
     """
 
     linear = False
@@ -184,10 +184,10 @@ def _set_to_zero(
 def _taken_off(
     reading: np.ndarray, motion: Motion, channel: int, quantiser: Quantiser | None
 ) -> tuple[float, float] | None:
-    """The threshold that is taken off the readings (n,) of a channel, and how well it is known.
+    """The threshold subtracted from the readings (n,) of a channel, and its uncertainty.
 
-    Readings other than zero follow the standard's model and a step with their sign; what is
-    predicted within the step is read as zero, and nothing else is.
+    Readings other than zero follow the standard's model and a step with their sign; predictions
+    within the step are read as zero, and nothing else is.
     """
     known = motion.felt[:, channel] & np.isfinite(reading)
     zero = known & (np.abs(reading) <= ZERO * np.nanmax(np.abs(reading), initial=0.0))
@@ -230,9 +230,9 @@ def _rests(motion: Motion) -> list[np.ndarray]:
 def _zeroed(
     reading: np.ndarray, rests: Sequence[np.ndarray], quantiser: Quantiser | None, soon: int
 ) -> bool:
-    """Whether the bias of each rest is taken off: there in its first `soon` rows and then gone.
+    """Whether the bias of each rest is subtracted: present in its first `soon` rows and then gone.
 
-    Or the means of rests lie nearer to zero than their noise lets them.
+    Or the means of rests are closer to zero than their noise permits.
     """
     parts = [reading[rows] for rows in rests if np.isfinite(reading[rows]).all()]
     if len(parts) < MIN_RESTS:

@@ -85,12 +85,11 @@ def events_in_residual(
 ) -> Events:
     """The events found before a regression, and lines, impacts and bursts in its residual.
 
-    t: (n,) s. residual: (n, 6) readings minus `events.applied` to what the fitted model predicts,
-    NaN where that is not known. noise: (6,) standard deviation of a sample, for channels whose
-    residual does not scatter. motion: at the same rows. start: of t = 0 on the
-    recording's own clock, s.
-    What is found adds to what the unit senses, so that it acts before all other events. Poses do
-    not tell how a body shakes: what is fast in the residual need not be an error.
+    t: (n,) s. residual: (n, 6) readings minus `events.applied` to the prediction of the fitted
+    model, NaN where that is unknown. noise: (6,) standard deviation of a sample, for channels whose
+    residual does not scatter. motion: at the same rows. start: of t = 0 on the recording's own
+    clock, s. These events add to what the unit senses, so they act before all others. Poses do not
+    show how a body vibrates: fast components of the residual need not be errors.
     """
     if motion.tracking is not None:
         return events

@@ -33,7 +33,9 @@ class Harmonic(NamedTuple):
 
 
 def find_lines(residual: Residual) -> tuple[AddedSignal, ...]:
-    """Steady lines in a residual; one that is there only at rest or in rotation is none."""
+    """Steady lines in a residual; one that occurs only at rest or only in rotation is not
+    steady.
+    """
     if len(residual.t) < 4 * LEVEL_BINS:
         return ()
     cleaned = residual  # of all lines; the residual only of the steady ones

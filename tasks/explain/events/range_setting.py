@@ -83,7 +83,7 @@ def find_range_setting(matrix: TriadMatrix, triad: int) -> RangeSetting | None:
 
 
 def _usual(common: float, triad: int) -> tuple[float, str]:
-    """The usual factor that is nearest, and its cause; else the factor as it is."""
+    """The nearest usual factor, and its cause; otherwise the factor itself."""
     factors = [(factor, cause) for cause, some in USUAL[triad].items() for factor in some]
     nearest = min([*factors, (1.0, "counts")], key=lambda one: abs(np.log(common / one[0])))
     return nearest if abs(np.log(common / nearest[0])) < NEAR else (common, "counts")

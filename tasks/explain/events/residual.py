@@ -46,11 +46,11 @@ class Residual:
         return float(self.t[-1] - self.t[0]) + self.interval
 
     def minus(self, signal: np.ndarray) -> Self:
-        """What is left once a signal (n, 6) is subtracted."""
+        """The residual minus a signal (n, 6)."""
         return replace(self, values=np.where(self.weight > 0, self.values - signal, 0.0))
 
     def without(self, *events: Event) -> Self:
-        """What is left once events are taken out as well."""
+        """The residual with events removed as well."""
         left = self
         for event in events:
             left = left.minus(event.applied(self.t, np.zeros(self.values.shape)))

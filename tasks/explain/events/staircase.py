@@ -45,7 +45,7 @@ class Staircase:
 
 
 def fit_staircase(delays: WindowDelays) -> Staircase | None:
-    """The staircase of the delays; None where they are none."""
+    """The staircase of the delays; None if they do not form one."""
     if len(delays.at) < MIN_WINDOWS:
         return None
     path, start = _best_path(delays)

@@ -29,9 +29,9 @@ class TriadMatrix:
 
 
 def triad_matrix(readings: np.ndarray, motion: Motion, triad: int) -> TriadMatrix | None:
-    """The matrix of a triad, 0 or 1, from readings (n, 6) rad/s, m/s²; None where it does not fit.
+    """The matrix of a triad, 0 or 1, from readings (n, 6) rad/s, m/s²; None if it does not fit.
 
-    One attitude alone tells what the accelerometers read of gravity but for their bias.
+    A single attitude shows the response of the accelerometers to gravity except for their bias.
     """
     means = _means(readings[:, list(TRIADS[triad])], motion, triad)
     if means is None:

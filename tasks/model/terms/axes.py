@@ -30,9 +30,9 @@ def turned_by(
 
 
 def level_axes(motion: Motion) -> tuple[np.ndarray, np.ndarray] | None:
-    """East and North in the body, (n, 3) each; None where no level direction is known.
+    """East and North in the body, (n, 3) each; None if no level direction is known.
 
-    Where the heading is not known the table's own y axis stands for North.
+    If the heading is unknown, the table's own y axis represents North.
     """
     north = motion.north
     if not np.isfinite(north).any():

@@ -54,11 +54,11 @@ def _low_passed(readings: np.ndarray, constant: float) -> np.ndarray:
 
 @lru_cache(maxsize=4)  # the same lengths again and again, at two rates
 def _slope(count: int) -> np.ndarray:
-    """What differentiating makes of each wave of x rad a row of `count` rows' transform: x, by
+    """Differentiation of each wave of x rad per row in the transform of `count` rows: x, by
     differences of tenth order.
 
-    Unlike x itself it has no jump at the highest frequency, which would ring about every corner
-    of a ramp.
+    Unlike x itself it has no jump at the highest frequency, which would ring at every corner of a
+    ramp.
     """
     x = 2.0 * np.pi * rfftfreq(count)
     shares = (2100.0, -600.0, 150.0, -25.0, 2.0)

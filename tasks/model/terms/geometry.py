@@ -14,9 +14,9 @@ from tasks.words import message
 
 @dataclass(frozen=True)
 class LeverArm(Term):
-    """The accelerometers at r, one common point, from where the rotation axes meet.
+    """The accelerometers at r, one common point, relative to the intersection of the rotation axes.
 
-    r runs along the axes in which the motion is told: of a tracked body its own.
+    r is in the axes of the reported motion: for a tracked body, its own.
     """
 
     def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
@@ -129,10 +129,11 @@ def remount_misalignment(fixing: np.ndarray) -> RemountMisalignment:
 
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
-    """Lever arms and bending where it turned; re-fixing where it was re-fixed on a table.
+    """Lever arms and compliance for rotation; re-fixing for a unit re-fixed on a table.
 
-    Without encoders the attitude is the labels', and every position a fixing of its own. Positions
-    of a tracked body, differentiated twice, do not tell three places millimetres apart.
+    Without encoders the attitude is that of the labels, and every position a separate fixing.
+    Positions of a tracked body, differentiated twice, do not resolve three places millimetres
+    apart.
     """
     places = (LEVER_ARM, SIZE_EFFECT) if motion.tracking is None else (LEVER_ARM,)
     turning = (*places, STRUCTURAL_COMPLIANCE, SAG) if turned(motion) else ()

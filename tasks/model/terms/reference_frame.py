@@ -18,11 +18,11 @@ from tasks.motion.whole import Motion
 
 @dataclass(frozen=True)
 class ReferenceFrame(Term):
-    """The true vertical leans in the tracking system's room by a level vector, always the same.
+    """The true vertical is tilted in the tracking system's room by a constant level vector.
 
-    Positions are measured in that room: what moves the body stays as it is. A turn between the
-    tracked body and the unit is no parameter of this term, and cannot be told from the standard's
-    cross coupling: of how far the gyros' matrix is turned as a whole, a remark tells.
+    Positions are measured in that room: the motion of the body is unchanged. A rotation between the
+    tracked body and the unit is not a parameter of this term, and cannot be distinguished from the
+    standard's cross coupling: a remark states how far the gyros' matrix is rotated as a whole.
     """
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
