@@ -23,11 +23,11 @@ def calibrate(
     evaluation: Evaluation | None = None,
     own_latitude_deg: float | None = None,
 ) -> Calibration:
-    """Every item of the specification that the recording determines, with what must be known.
+    """Every item of the specification that the recording determines, with its remarks.
 
-    evaluation: of the uncertainties; by the law of propagation with the limits of the recording's
-    specification where it is not given. own_latitude_deg: the laboratory's, where it is told.
-    Raises Unusable for a recording that the specification's method cannot serve.
+    evaluation: of the uncertainties; by default the law of propagation with the limits of the
+    recording's specification. own_latitude_deg: the laboratory's, if known. Raises Unusable for a
+    recording that the specification's method cannot use.
     """
     specification.check(recording)
     evaluation = evaluation or evaluation_for(recording)

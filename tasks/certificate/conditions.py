@@ -40,9 +40,9 @@ def conditions(
     configuration: Configuration,
     specification: Specification,
 ) -> ReportedConditions:
-    """Rate points, dwell, positions, mounting, and the largest rate where it was included.
+    """Rate points, dwell, positions, mounting, and the largest rate if it was included.
 
-    Where it was not, that is a deviation, which the remarks tell.
+    If it was not, that is a deviation, which the remarks state.
     """
     turned = any(segment.kind in ("rate", "rotation") for segment in calibration.segments)
     rates = largest_rate(calibration, configuration)

@@ -143,7 +143,7 @@ def content(certificate: Certificate) -> Content:
 def in_languages(part: Any, languages: Sequence[str]) -> Any:
     """A part of the content with every text in the languages, one after the other.
 
-    Messages are set as each language writes them; what the user wrote stands as it is.
+    Messages are typeset by the rules of each language; the user's own texts are not changed.
     """
     if isinstance(part, Message):
         return tuple(literal(typeset(say(part, lang), lang)) for lang in languages)

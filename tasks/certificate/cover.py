@@ -144,7 +144,7 @@ def verdict(decision: Decision) -> Message:
 def scope(
     calibration: Calibration, decision: Decision, specification: Specification
 ) -> Message | None:
-    """How many of the items the verdict speaks of; None where it speaks of none."""
+    """How many of the items the verdict covers; None if it covers none."""
     if calibration.validity.verdict == "invalid":
         return message("conformity-invalid-run")
     if not decision.limits:

@@ -12,7 +12,7 @@ NONE = Statement(en="—", zh="—")
 
 @dataclass(frozen=True)
 class Field:
-    """A label and what stands beside it."""
+    """A label and its value."""
 
     label: Message
     value: Sayable

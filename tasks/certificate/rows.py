@@ -103,7 +103,7 @@ def _limit_lines(limit: LimitDecision, exponent: int, two: bool) -> tuple[str, .
 
 
 def mark(limit: LimitDecision) -> Mark:
-    """The verdict as it stands beside a value; no probability where nothing was decided."""
+    """The verdict as printed beside a value; without a probability if nothing was decided."""
     chance = limit.probability_of_conformity
     shown = None if chance is None else probability_text(chance)
     return Mark(limit.verdict, limit.marginal, verdict_title(limit), shown)

@@ -34,10 +34,10 @@ class Signed:
 
 
 def check_pdf_signature(pdf: bytes, embedded: Any, trusted: Sequence[bytes]) -> Signed:
-    """A signature of a PDF, over all of it, with nothing changed since.
+    """Checks that a signature of a PDF covers all of it, and that nothing was changed since.
 
-    embedded: pyHanko's. trusted: certificates (DER) of which one must stand above the signer's;
-    empty: whichever does. Raises Broken.
+    embedded: pyHanko's. trusted: certificates (DER), one of which must have issued the signer's;
+    empty: any issuer. Raises Broken.
     """
     from pyhanko.sign.validation import validate_pdf_signature
     from pyhanko.sign.validation.settings import KeyUsageConstraints
@@ -74,7 +74,7 @@ def check_pdf_signature(pdf: bytes, embedded: Any, trusted: Sequence[bytes]) -> 
 
 
 def check_xml_signature(root: Element, trusted: Sequence[bytes]) -> Signed | None:
-    """The signature over a whole DCC; None where there is none. Raises Broken."""
+    """Checks the signature over a whole DCC; None if there is none. Raises Broken."""
     from signxml.xades import XAdESSignatureConfiguration, XAdESVerifier
 
     found = root.findall(f".//{DS}Signature")
@@ -136,7 +136,7 @@ def _signed(
 
 
 def _chain(certificates: list[x509.Certificate]) -> list[x509.Certificate]:
-    """The signer's certificate, which comes first, and those above it; all of them stand there."""
+    """The signer's certificate, then its issuers; all of them are in the file."""
     chain, others = certificates[:1], certificates[1:]
     while chain[-1].issuer != chain[-1].subject:
         above = next((each for each in others if each.subject == chain[-1].issuer), None)

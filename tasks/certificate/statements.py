@@ -45,8 +45,8 @@ def determined(item: Item | None) -> bool:
 def basis(
     calibration: Calibration, specification: Specification, deviates: bool
 ) -> tuple[Message, ...]:
-    """Which clauses the values follow, whether to the letter, what was taken off the readings
-    before, and which items have no value; deviates: whether a condition was not shown to be met.
+    """Which clauses the values follow, whether exactly, what was corrected for beforehand, and
+    which items have no value; deviates: whether a condition was not shown to be met.
     """
     statements = []
     values = [item for item in calibration.items.values() if determined(item)]
@@ -70,7 +70,7 @@ def basis(
 
 
 def _taken_off(term: AdoptedTerm) -> Message:
-    """What was taken off the readings: its parameters that the recording determines, with U."""
+    """What was corrected for: the parameters that the recording determines, with U."""
     title = quoted(term.title, term.title_zh)
     if not term.parameters:
         return message("certificate-taken-off", title=title)

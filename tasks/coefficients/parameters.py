@@ -44,9 +44,9 @@ def model_values(
 
 
 def model_uncertainties(calibration: Calibration) -> np.ndarray:
-    """Expanded uncertainties (p,), SI, of the same parameters; NaN where there is none.
+    """Expanded uncertainties (p,), SI, of the same parameters; NaN if there is none.
 
-    That of the g-sensitivity is the one without Earth's rotation, where there are both.
+    That of the g-sensitivity is the one without Earth's rotation, if there are both.
     """
     expanded = np.full(len(nominal_values(STANDARD_TERMS)), np.nan)
     for number, term, parameter in _numbered():

@@ -47,7 +47,7 @@ def as_csv(correction: Correction) -> str:
 
 
 def heading(correction: Correction, mark: str) -> str:
-    """Whose correction it is, what is left out of it, and its formulas, as lines of comment."""
+    """The unit, the omissions and the formulas of a correction, as lines of comment."""
     unit = correction.unit
     lines = [
         f"unit: {unit.manufacturer} {unit.model} {unit.serial}" if unit else "unit: unknown",

@@ -33,22 +33,22 @@ def decide(
 ) -> Decision:
     """The verdict on a calibration, limit by limit and overall.
 
-    Fail if any limited element fails by its decision rule; else inconclusive if a limited
-    element has no value, no uncertainty above zero or one too large for its rule, if a remark
-    blocks a pass, if U of a limited element rests on limits of a specification that the equipment
-    is only taken to meet, if there are `doubts` (further reasons, like `expired` gives), or if
-    there is no tolerance; else pass. `doubts_of` an item, by its name, leave the limited elements
-    that they are about undecided whatever their values, and do not count where none is limited.
+    Fail if any limited element fails by its decision rule; else inconclusive if a limited element
+    has no value, no uncertainty above zero or one too large for its rule, if a remark blocks a
+    pass, if U of a limited element rests on limits of a specification that the equipment is only
+    assumed to meet, if there are `doubts` (further reasons, such as those of `expired`), or if
+    there is no tolerance; else pass. `doubts_of` an item, by its name, leave its limited elements
+    undecided whatever their values, and do not count if none is limited.
 
-    An invalid run gives no verdict on any element, neither pass nor fail: its reasons alone stand.
+    An invalid run gives no verdict on any element, neither pass nor fail: only its reasons count.
 
-    A fail outranks the remarks that block a pass and the doubts about the whole run: they say
-    that conformity was not shown, and a value outside its limits does not show it either. To
-    reject too often costs a repetition, which the reasons name; to hide a failing value behind
-    an open condition would let a bad unit go on as merely not decided.
+    A fail outranks the remarks that block a pass and the doubts about the whole run: they say that
+    conformity was not shown, and a value outside its limits does not show it either. To reject too
+    often costs a repetition, which the reasons name; to hide a failing value behind an open
+    condition would let a bad unit pass as merely undecided.
 
-    Raises Unusable where the tolerance does not speak of this calibration: unknown item or
-    element, another unit.
+    Raises Unusable if the tolerance does not apply to this calibration: unknown item or element,
+    another unit.
     """
     doubts_of = doubts_of or {}
     decisions = tuple(_decisions(calibration, tolerance, doubts_of)) if tolerance else ()

@@ -29,7 +29,9 @@ class Deviation:
 
     @property
     def printed(self) -> Message:
-        """What stands on the certificate, and in the reasons where it prevents a pass."""
+        """The deviation as printed on the certificate, and among the reasons if it prevents a
+        pass.
+        """
         kind = "waived" if self.waived else "open"
         condition = message(f"conformity-waivable.{self.name.replace('_', '-')}")
         return message(f"conformity-deviation.{kind}", name=condition, sentence=self.sentence)

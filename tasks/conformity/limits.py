@@ -50,7 +50,7 @@ def nothing_accepted(limit: LimitDecision) -> bool:
 
 
 def accepted_edges(limit: LimitDecision) -> tuple[Decimal | None, Decimal | None] | None:
-    """The acceptance limits to the place of U; None where they are the limits, or there is none."""
+    """The acceptance limits, rounded like U; None if they equal the limits, or there is none."""
     if not limit.guard_band_factor or limit.U is None or nothing_accepted(limit):
         return None
     place = round_up(limit.U, limit.k or USUAL_K)
@@ -79,7 +79,7 @@ def relative_text(limit: LimitDecision) -> str | None:
 
 
 def probability_text(probability: float) -> str:
-    """A probability in per cent, told apart from 0 and 1 down to 0.1 %."""
+    """A probability in per cent, distinct from 0 and 1 down to 0.1 %."""
     if probability > NEARLY_CERTAIN:
         return "> 99.9 %"
     return "< 0.1 %" if probability < 1 - NEARLY_CERTAIN else f"{100 * probability:.1f} %"

@@ -43,7 +43,7 @@ def limited(item: Item | None, limit: Limit) -> tuple[str, ...]:
 
 
 def withdrawn(calibration: Calibration, name: str) -> bool:
-    """Whether an item is called unavailable as a whole although all its numbers stand there."""
+    """Whether an item is unavailable as a whole although all its numbers are there."""
     item = calibration.items.get(name)
     if name not in calibration.unavailable or item is None:
         return name in calibration.unavailable

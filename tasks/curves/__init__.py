@@ -14,8 +14,8 @@ from tasks.specifications.register import SPECIFICATIONS
 def curves_of_run(recording: Recording, calibration: Calibration) -> tuple[Curve, ...]:
     """Residuals over the rate, of the tumble, and the Allan deviation of the rests.
 
-    Each only where the run has what it takes. Nothing for a result with other segments than the
-    recording has now, whose means cannot be told apart.
+    Each only if the run has the data for it. Nothing for a result with other segments than the
+    recording has now, whose means cannot be assigned.
     """
     specification = SPECIFICATIONS[calibration.method]
     evidence = specification.gather(recording)

@@ -12,11 +12,11 @@ from tasks.conformity import decide
 def difference(
     before: Calibration, after: Calibration, tolerance: Tolerance | None = None
 ) -> Difference:
-    """What moved between two results by one method; nothing for two with equal numbers.
+    """What changed between two results by one method; nothing for two with equal numbers.
 
-    Verdicts on elements are by the same limits for both, and by nothing but the results: what an
-    expired standard or a missing validation does to either verdict is not a difference of code.
-    Limits that do not speak of such a result flip nothing.
+    Verdicts on elements are by the same limits for both, and by the results alone: the effect of an
+    expired standard or a missing validation on either verdict is not a difference of code. Limits
+    that do not apply to such a result change nothing.
     """
     return Difference(
         changed=tuple(_changes(before, after)), flips=tuple(_flips(before, after, tolerance))

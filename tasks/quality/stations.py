@@ -12,10 +12,10 @@ CONSISTENT = 0.05  # p, from which stations may differ by chance
 
 @dataclass(frozen=True)
 class Compared:
-    """What each of s stations reads beside the mean of those that agree with one another.
+    """The reading of each of s stations relative to the mean of those that are consistent.
 
-    difference, U: (s,) in the values' unit, k = 2; NaN for a station that no unit ties to the
-    others, U where fewer than two units tie it. pairs: (s,) how many pairs of runs it stands on.
+    difference, U: (s,) in the values' unit, k = 2; NaN for a station that no unit links to the
+    others, U if fewer than two units link it. pairs: (s,) number of pairs of runs used.
     """
 
     difference: np.ndarray
@@ -28,12 +28,12 @@ def against_each_other(
 ) -> Compared:
     """The stations' differences by least squares of the steps between a unit's successive runs.
 
-    All (n,), in the order of time. unit, station: numbers. adjusted: bool, whether a run's unit was
-    adjusted since its run before: that step says nothing. Steps take off what each unit is and
-    nearly all of its drift; U is of the scatter of the steps between units (covariance clustered by
-    units: A. C. Cameron, D. L. Miller, J. Human Resources 50 (2015) 317), so that drift and runs
-    that two steps share are in it. Their reference is the mean of the largest consistent subset
-    (M. G. Cox, Metrologia 44 (2007) 187): one station that is off does not put the others off.
+    All (n,), in order of time. unit, station: numbers. adjusted: bool, whether a run's unit was
+    adjusted since its previous run: that step is not used. Steps remove the unit's own value and
+    nearly all of its drift; U is from the scatter of the steps between units (covariance clustered
+    by units: A. C. Cameron, D. L. Miller, J. Human Resources 50 (2015) 317), so that it includes
+    drift and runs shared by two steps. Their reference is the mean of the largest consistent subset
+    (M. G. Cox, Metrologia 44 (2007) 187): one deviating station does not shift the others.
     """
     order = np.argsort(unit, kind="stable")
     before, after = order[:-1], order[1:]

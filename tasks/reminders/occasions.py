@@ -13,8 +13,8 @@ LONGEST_PAUSE = timedelta(hours=6)
 def occasion(due: date, issued_on: date, today: date) -> int | None:
     """The last occasion that has come; None before the first.
 
-    One from before the issue of the certificate is none: who has just got the certificate is not
-    reminded of it.
+    One from before the issue of the certificate does not count: nobody is reminded of a certificate
+    just received.
     """
     come = [
         days for days in OCCASIONS if issued_on < due + timedelta(days=days) <= today

@@ -13,7 +13,7 @@ NO_REASON = "the channel gave no reason"
 
 
 def check_channel(name: str, url: str) -> str:
-    """The URL of a channel with what the environment holds; Unusable for one that is none."""
+    """The URL of a channel with environment variables filled in; Unusable for an invalid one."""
     from apprise import Apprise
 
     try:

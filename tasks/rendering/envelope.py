@@ -22,8 +22,8 @@ class Envelope:
 def envelope(t: np.ndarray, values: np.ndarray, bins: int) -> Envelope:
     """The envelope of a signal over equal times.
 
-    t: (n,) s, strictly rising; values: (n,). With no more than two rows for a bin every row is
-    kept as it is. A bin without rows, in a gap of the recording, is left out.
+    t: (n,) s, strictly rising; values: (n,). With no more than two rows per bin every row is kept.
+    A bin without rows, in a gap of the recording, is left out.
     """
     if len(t) <= 2 * bins:
         return Envelope(t, values, values, is_reduced=False)

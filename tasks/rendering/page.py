@@ -34,7 +34,7 @@ def page(template: Path, **values: Any) -> str:
 
 
 def inline(svg: str) -> "Markup":
-    """A chart that stands in a page as it is."""
+    """A chart embedded in a page unchanged."""
     from markupsafe import Markup
 
     return Markup(svg)

@@ -24,9 +24,9 @@ from tasks.specifications.evidence import ClauseEvidence
 def run_remarks(
     evidence: ClauseEvidence, conditions: Conditions, items: Mapping[str, Item]
 ) -> tuple[Remark, ...]:
-    """What is to be said of a run, family by family.
+    """All remarks on a run, family by family.
 
-    items: by whose uncertainties a drift is measured.
+    items: by whose uncertainties a drift is judged.
     """
     return (
         *label_remarks(evidence, conditions),

@@ -35,7 +35,7 @@ def label_remarks(evidence: ClauseEvidence, conditions: Conditions) -> Iterator[
 
 
 def _no_reference(evidence: ClauseEvidence) -> Iterator[Remark]:
-    """Turns of which neither encoders nor a pose tell: the labels are their only witness."""
+    """Turns without encoders or pose: the labels are their only evidence."""
     turning = [label.name for label in evidence.labels if label.kind in ("rate", "rotation")]
     if turning and attitude_stream(evidence.recording) is None:
         yield run_remark("no_reference", *turning, count=len(turning))

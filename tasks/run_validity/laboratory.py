@@ -10,9 +10,9 @@ LATITUDE_DEG = 0.1  # two figures of one place, each rounded
 
 
 def laboratory_remarks(recording: Recording, latitude_deg: float | None) -> Iterator[Remark]:
-    """A latitude that is not the laboratory's; None where it does not say its own.
+    """A latitude other than the laboratory's; nothing if it does not state its own.
 
-    The gyros of many units do not show Earth's rotation, and then nothing in the data tells it.
+    The gyros of many units do not show Earth's rotation, and then nothing in the data reveals it.
     """
     stated = recording.manifest.station.latitude_deg
     if stated is None or latitude_deg is None:

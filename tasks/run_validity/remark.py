@@ -13,7 +13,7 @@ def run_remark(
 ) -> Remark:
     """A remark on the run, or on some segments; its message is called `validity-` and its code.
 
-    run: what it makes of the run; no unit passes on a run that is not valid.
+    run: its consequence for the run; no unit passes on a run that is not valid.
     """
     sentence = message(f"validity-{code.replace('_', '-')}", **arguments)
     return remark(code, sentence, segments, blocks_pass=run != "valid", run=run)

@@ -65,8 +65,8 @@ def _drift(
 ) -> tuple[str, float] | None:
     """The rest that is farthest off, and by how much (SI); None: within `allowed` and its noise.
 
-    Each is held against a fit of all: a reading for each column of `faces` (rests, k), and the
-    level part of Earth's rotation; where north is not known, that much more is allowed.
+    Each is compared with a fit of all: a reading for each column of `faces` (rests, k), and the
+    level part of Earth's rotation; if north is unknown, that much more is allowed.
     """
     means = evidence.means[rests, channel]
     if len(rests) <= faces.shape[1] or not np.isfinite(means).all():

@@ -85,8 +85,8 @@ def _level(shown: EarthRate, latitude_deg: float) -> Iterator[Remark]:
 def _vertical(shown: EarthRate, latitude_deg: float) -> Iterator[Remark]:
     """The vertical part has the sign of the latitude.
 
-    A sensitivity to gravity that all three gyros have alike cannot be told from it: what they have
-    in common is expected to be no larger than what they have apart.
+    A sensitivity to gravity common to all three gyros cannot be separated from it: their common
+    part is expected to be no larger than their differences.
     """
     expected = float(np.sin(np.radians(latitude_deg)))
     as_given, otherwise = abs(shown.vertical - expected), abs(shown.vertical + expected)

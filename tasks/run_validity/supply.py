@@ -14,7 +14,7 @@ LEVEL = (1.0, 60.0)  # V: nothing else supplies an inertial unit
 
 
 def supply_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
-    """A supply that is not known, fell, rose, or is none."""
+    """A supply that is unknown, fell, rose, or is implausible."""
     t, values = readings(evidence.recording.environment, "supply_voltage")
     bare = not_covered(t, evidence.segments)
     if bare:

@@ -24,13 +24,12 @@ SecondValue = Literal["value_without_earth_rotation", "value_model"]
 
 @dataclass(frozen=True)
 class ItemDefinition:
-    """What an item is, whatever a recording gives for it.
+    """The definition of an item, independent of any recording.
 
-    letter, subscript: the symbol of an element; {e} stands for the element, {twice} for it twice.
-    elements: in the order in which they are printed; unit: as results carry it.
-    second_value: the field of a result's item that stands beside the value by the clause.
-    divisor, power: the symbols of the equipment's errors that the value is divided by
-    (`tasks.uncertainty.equipment`), and to which power.
+    letter, subscript: the symbol of an element; {e} is replaced by the element, {twice} by it
+    twice. elements: in printing order; unit: as in results. second_value: the field of a result's
+    item for the value beside that of the clause. divisor, power: the symbols of the equipment's
+    errors by which the value is divided (`tasks.uncertainty.equipment`), and to which power.
     """
 
     key: str

@@ -56,8 +56,8 @@ def contrasts(
 def _has_known_input(label: Segment, channel: int) -> bool:
     """Whether a segment's inputs are known to the level of a bias.
 
-    A turn about a gyro's own axis is not: the table's rate and the straightness of the line come
-    in. Nor is a rest in which an accelerometer lies level: each setting of the table tilts it anew.
+    For a turn about a gyro's own axis they are not: the table's rate and the linearity matter. Nor
+    for a rest with a level accelerometer: each setting of the table has another tilt.
     """
     if label.up is None or label.kind == "rotation":
         return False

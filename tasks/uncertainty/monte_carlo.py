@@ -99,7 +99,7 @@ def monte_carlo(
 
 
 def has_deviation(quantities: Sequence[InputQuantity]) -> bool:
-    """Whether the draws' standard deviation settles: it does not for `t` of 4 dof or fewer.
+    """Whether the draws' standard deviation converges: not for `t` of 4 dof or fewer.
 
     With two or fewer there is none at all (6.4.9.4); up to four its own variance is infinite.
     """

@@ -109,12 +109,12 @@ def type_a_dof(
 ) -> float:
     """Effective degrees of freedom of the variance of o·U, Welch-Satterthwaite (GUM G.4).
 
-    weights: o (n,) of all segment means; variance: of o·U, whole. The white noise of a segment
-    comes from its own B blocks: 0.8·(B − 1) degrees (by simulation, within 5 % from 4 blocks
-    on). The drift comes from what all segments leave unexplained: as many degrees as there are
-    independent contrasts between them (`drift.contrasts`), or, where there are none, four for
-    each segment, the differences of its longest blocks. What else is in the variance (readings
-    of an angle, by the thousand) counts as known. Without any variance: infinitely many.
+    weights: o (n,) of all segment means; variance: of o·U in total. The white noise of a segment
+    comes from its own B blocks: 0.8·(B − 1) degrees (by simulation, within 5 % from 4 blocks on).
+    The drift comes from the residuals of all segments: as many degrees as there are independent
+    contrasts between them (`drift.contrasts`), or, if there are none, four for each segment, the
+    differences of its longest blocks. Everything else in the variance (thousands of angle readings)
+    counts as known. Without any variance: infinitely many.
     """
     if variance <= 0.0:
         return math.inf

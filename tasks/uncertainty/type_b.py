@@ -32,11 +32,11 @@ ROUNDING = 1e-12  # of a sum: what is less is zero
 
 @dataclass(frozen=True)
 class Weights:
-    """How much the readings that an attitude error reaches count in a result.
+    """The weights in a result of the readings that an attitude error affects.
 
-    rests: (n,), each rest by itself; faces: (m,), each face (one axis up, all headings).
-    mountings: (…,), each error of the fixture: the faces where every one is mounted anew; with one
-    mounting the difference of each axis up and down, to which one tilt goes with opposite signs.
+    rests: (n,), each rest by itself; faces: (m,), each face (one axis up, all headings). mountings:
+    (…,), each error of the fixture: the faces if every one is mounted separately; with one mounting
+    the difference of each axis up and down, since one tilt has opposite signs there.
     """
 
     rests: np.ndarray

@@ -31,9 +31,9 @@ class Site:
 
 @dataclass(frozen=True)
 class TableErrors:
-    """What the table does otherwise than it says.
+    """Errors of the table relative to what it reports.
 
-    rate: true over told rate of a whole turn, less one. ripple, phase: the same within a turn,
+    rate: true over reported rate of a whole turn, minus one. ripple, phase: the same within a turn,
     ripple·cos(angle + phase). level: (2,) rad, the outer axis off the vertical.
     """
 
@@ -75,7 +75,7 @@ class Journey:
     def stay(
         self, seconds: float, label: Mapping[str, Any], creep: np.ndarray | None = None
     ) -> None:
-        """Goes on at the rate that it has; a segment of the recording, a little after the move.
+        """Continues at the present rate; a segment of the recording, shortly after the move.
 
         creep: (3,) rad, small angles by which the body turns meanwhile.
         """

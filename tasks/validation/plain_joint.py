@@ -64,7 +64,9 @@ def _gyro(
     covariance: np.ndarray,
     one: np.ndarray,
 ) -> tuple[np.ndarray, float, np.ndarray]:
-    """K (3,), bias and g-sensitivity (3,) per g: the rests first, then all with those taken off."""
+    """K (3,), bias and g-sensitivity (3,) per g: the rests first, then all with those
+    subtracted.
+    """
     both = np.hstack([one, up])
     block = covariance[np.ix_(at_rest, at_rest)]
     zero = _gls(both[at_rest], read[at_rest], block)

@@ -25,9 +25,9 @@ def record(
     """A simulated unit's recording, and the truth of each element of every item, in printed units.
 
     Errors of Table 1: the rate's for the run; the outer axis off the vertical for the run; table
-    angles anew for each setting of middle and inner axis; one fixture and one set of axes that are
-    not square for the run. An ideal one turns whole turns, in which the level part of
-    Earth's rotation averages out.
+    angles drawn for each setting of middle and inner axis; one fixture and one set of non-square
+    axes for the run. An ideal table makes whole turns, over which the level part of Earth's
+    rotation averages out.
     """
     errors = TableErrors(
         rate=simulated.error(*JJF2003.rate_at(RATES[0] * DEGREE)),

@@ -8,11 +8,11 @@ from schemas.text import Statement
 
 @dataclass(frozen=True)
 class Message:
-    """Which sentence of the catalogues, and its named arguments.
+    """A sentence of the catalogues, by its identifier, and its named arguments.
 
-    Numbers that are measured come as text, rounded where they are made; whole numbers come as
-    they are, so that a catalogue can tell one from many. A message or a published statement
-    within a message is said in the same language, a tuple of them as a list.
+    Measured numbers are given as text, rounded where they are made; whole numbers as numbers, so
+    that a catalogue can choose singular or plural. A message or a published statement inside a
+    message is rendered in the same language, a tuple of them as a list.
     """
 
     id: str

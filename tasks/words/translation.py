@@ -124,7 +124,7 @@ def texts(sayable: Sayable) -> Mapping[str, str]:
 
 
 def statement(sayable: Sayable) -> Statement:
-    """A message as it is published, in every language."""
+    """A message rendered for publication, in every language."""
     if isinstance(sayable, Statement):
         return sayable
     return Statement(**texts(sayable))

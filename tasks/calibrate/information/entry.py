@@ -26,11 +26,11 @@ def entry(
     without_U: np.ndarray | bool = False,  # noqa: N803
     about: str | None = None,
 ) -> Information:
-    """Values with standard uncertainties, one of each element, NaN where there is none; U = k·u.
+    """Values with standard uncertainties, one for each element, NaN if there is none; U = k·u.
 
     name: of the title's message; sentences: what it is and how it was found; factor: from the
-    values' unit to the printed one; about: the item that it stands beside. without_U: where u is
-    no complete uncertainty, so that no U is stated.
+    values' unit to the printed one; about: the item it refers to. without_U: u is not a complete
+    uncertainty, so that no U is stated.
     """
     title = message(f"information-{name.replace('_', '-')}")
     values = factor * np.array(value, float)
@@ -61,7 +61,7 @@ def student_k(dof: np.ndarray) -> float:
 
 
 def of_axes(id_: str, axes: Sequence[str], **arguments: str) -> list[Message]:
-    """A sentence about some axes; none where there are none."""
+    """A sentence about some axes; none for no axes."""
     return [message(id_, axes=", ".join(axes), **arguments)] if axes else []
 
 
@@ -77,7 +77,7 @@ def type_b(item: Item | None, elements: Iterable[str]) -> np.ndarray:
 
 
 def or_why_not(u: np.ndarray) -> list[Message]:
-    """The sentence on what u (n,) holds: type B as well, or why there is none."""
+    """The sentence on what u (n,) includes: type B as well, or why there is none."""
     known = bool(np.isfinite(u).any())
     return [message(f"information-type-b.{'contained' if known else 'not-evaluated'}")]
 

@@ -42,7 +42,7 @@ def _laboratory(laboratory: Laboratory | None) -> Element:
 
 
 def _core(certificate: Certificate) -> Element:
-    """Where nothing gives the day of calibration, that of issue stands for it, as in `due`."""
+    """If no day of calibration is given, that of issue replaces it, as in `due`."""
     order = certificate.order
     performed = day(certificate.calibrated_on or certificate.issued_on)
     used = [dcc.usedLangCodeISO639_1(language) for language in LANGUAGES]

@@ -9,7 +9,9 @@ VERSION = "3.3.0"
 
 
 def record_of(certificate: Certificate) -> bytes:
-    """The record as it is kept, attached to the DCC, and named by its SHA-256 in the QR code."""
+    """The record as it is stored, attached to the DCC, and identified by its SHA-256 in the QR
+    code.
+    """
     return certificate.model_dump_json(indent=1).encode()
 
 

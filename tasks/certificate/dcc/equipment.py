@@ -16,7 +16,7 @@ def equipment(certificate: Certificate) -> list[Element]:
 
 
 def identification(issuer: str, value: str, name: Sayable, **attributes: str) -> Element:
-    """A number that something goes by, and who gave it."""
+    """An identification number, and who assigned it."""
     return dcc.identification(dcc.issuer(issuer), plain("value", value), named(name), **attributes)
 
 

@@ -42,7 +42,7 @@ def described(*sayables: Sayable, tag: str = "description") -> Element:
 
 
 def plain(tag: str, text: str) -> Element:
-    """A text that is the same in every language; a dash where there is none."""
+    """A text that is the same in every language; a dash if it is empty."""
     return dcc(tag, literal(text) or "—")
 
 

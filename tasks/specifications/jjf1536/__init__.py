@@ -47,10 +47,10 @@ def check(recording: Recording) -> None:
 
 
 def _check_wrapping(recording_id: str, name: str, angle: np.ndarray) -> None:
-    """Raises Unusable where an angle starts anew each turn: it is not accumulated.
+    """Raises Unusable if an angle wraps once a turn instead of being accumulated.
 
-    A jump back of about a whole turn, between rows that move by less than a quarter, is one; a
-    single one may be a disturbance, and is treated as that.
+    A jump back of about a whole turn, between rows that move by less than a quarter, is a wrap; a
+    single one may be a disturbance, and is treated as such.
     """
     step = np.diff(angle)
     quiet = np.abs(step) < 0.5 * np.pi

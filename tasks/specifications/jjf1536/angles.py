@@ -71,8 +71,8 @@ def resolution(imu: Stream) -> np.ndarray:
 def angle_increments(imu: Stream, segment: Segment, step: np.ndarray) -> Increments | None:
     """The increments of a segment, None with fewer than two readings.
 
-    The reading at the segment's end closes its last increment; where angles began anew there,
-    that increment jumps. step: (3,) resolution, rad.
+    The reading at the segment's end closes its last increment; if the angles were reset there, that
+    increment jumps. step: (3,) resolution, rad.
     """
     rows = imu.rows(segment.t_start, segment.t_end)
     if rows.stop - rows.start < 2:

@@ -103,7 +103,7 @@ def position_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
 
 
 def _recorded(evidence: ClauseEvidence) -> tuple[Literal["gyro", "accel"], ...]:
-    """The triads that some segment has; both where there is none."""
+    """The triads present in any segment; both if there is none."""
     known: tuple[Literal["gyro", "accel"], ...] = ("gyro", "accel")
     return tuple(t for t in known if any(map(SERVES[t], evidence.segments))) or known
 

@@ -60,7 +60,8 @@ class EquipmentResponse:
     def lines(self, weights: np.ndarray) -> tuple[Contribution, ...]:
         """The lines of Σ o·U over the channels; weights: o (6, n).
 
-        By what is told of rate, gravity and latitude: what they truly are acts the other way.
+        For errors of the stated rate, gravity and latitude: the true ones act with the opposite
+        sign.
         """
         gravity = (weights.T * self.gravity).sum() / self.local_gravity
         latitude = (weights.T * self.latitude).sum()
@@ -76,9 +77,10 @@ class EquipmentResponse:
         return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
 
     def covariance(self, channel: int) -> np.ndarray:
-        """Covariance (n, n) of one channel's means by what the model cannot follow: the angles.
+        """Covariance (n, n) of one channel's means by the angle errors that the model cannot
+        follow.
 
-        Rate, gravity and latitude change the parameters, not what is left over.
+        Errors of rate, gravity and latitude change the parameters, not the residuals.
         """
         tilt, lean = self.tilt[:, :, channel], self.lean[:, :, channel]
         leaning, across = lean.T @ lean, tilt.T @ tilt
@@ -188,9 +190,9 @@ def _setting(evidence: ClauseEvidence, i: int) -> str:
 
 
 def _level_directions(evidence: ClauseEvidence, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """Two level directions (n, 3) across each other, in the body; zero in turns, as on average.
+    """Two perpendicular level directions (n, 3) in the body; zero in turns, as on average.
 
-    North and east where they are known, else by the turns that the labels tell.
+    North and east if known, otherwise by the turns that the labels state.
     """
     first = motion.north.copy()
     for i, segment in enumerate(evidence.segments):

@@ -20,10 +20,10 @@ LONGEST = 60.0  # s: a longer way between two rests drifts
 
 @dataclass(frozen=True)
 class Moves:
-    """Gyro increments of all moves, made equally long with zeros.
+    """Gyro increments of all moves, padded with zeros to equal length.
 
-    turns: (moves, rows, 3) rad as the gyro read them, bias taken off; before, after: (moves, 3)
-    unit verticals in the body.
+    turns: (moves, rows, 3) rad as read by the gyro, bias subtracted; before, after: (moves, 3) unit
+    verticals in the body.
     """
 
     turns: np.ndarray

@@ -75,7 +75,7 @@ def _of_elements(
 
 
 def _lacking(text: str, **listed: Sequence[str]) -> Message:
-    """What is lacking; nothing lacking, the segments do not tell the parameter apart."""
+    """What is missing; if nothing is, the segments do not separate the parameter from others."""
     if not any(listed.values()):
         return NOT_DISTINGUISHED
     return message(text, **{name: ", ".join(values) for name, values in listed.items()})

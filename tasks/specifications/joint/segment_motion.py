@@ -123,9 +123,9 @@ def _turned_by_gyro(
 
 
 def _turned(evidence: ClauseEvidence) -> np.ndarray:
-    """(3,) bool: axes with a run of rates or a turn; about the others what is left is misalignment.
+    """(3,) bool: axes with a run of rates or a turn; the rest about the others is misalignment.
 
-    Ten microradians of it would be taken for an input, and the axis for one that was turned.
+    Ten microradians of it would otherwise count as an input, and the axis as one that was turned.
     """
     return np.array([bool(evidence.points[axis] or evidence.turns[axis]) for axis in AXES])
 

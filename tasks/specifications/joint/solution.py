@@ -32,13 +32,13 @@ SETTLED = 1e-12  # of a parameter, in its own SI unit: nothing changes any more
 
 @dataclass(frozen=True)
 class Joint:
-    """What the joint fit gives.
+    """The result of the joint fit.
 
-    estimates: by term, by parameter, in the term's SI unit.
-    offset: by axis, rad/s, what the gyro reads at no rate in the attitude of its rate runs.
-    excess: (6,) for each channel the largest factor by which its samples scatter too much.
-    covariance: (6, n, n) of the segment means, by whose inverse each channel is weighted.
-    earth: what the rests show of Earth's rotation; where they refute it, it was not taken off.
+    estimates: by term, by parameter, in the term's SI unit. offset: by axis, rad/s, the gyro
+    reading at zero rate in the attitude of its rate runs. excess: (6,) for each channel the largest
+    factor by which its samples scatter too much. covariance: (6, n, n) of the segment means, by
+    whose inverse each channel is weighted. earth: Earth's rotation as shown by the rests; it is not
+    subtracted if they refute it.
     """
 
     estimates: dict[str, Estimates]
@@ -54,13 +54,14 @@ def solve_jointly(
     equipment: Equipment,
     terms: tuple[Term, ...] = STANDARD_TERMS,
 ) -> Joint:
-    """Both steps of the method (`zero_correction`), with Earth's rotation taken off, to rest.
+    """Both steps of the method (`zero_correction`), with Earth's rotation subtracted, to
+    convergence.
 
     The accelerometers need one step: bias, scale factor, cross coupling and rate sensitivity by
-    least squares over everything. What scatters is measured against the noise and against what
-    the equipment may do to each segment. Earth's rotation is known but for the scale factor that
-    reads it, so that it is predicted, taken off, and predicted again; where the rests refute it
-    nothing is taken off. Terms that are not linear are linearised anew in each round.
+    least squares over everything. Scatter is compared with the noise and with the possible
+    equipment errors of each segment. Earth's rotation is known except for the scale factor that
+    reads it, so it is predicted, subtracted, and predicted again; if the rests refute it, nothing
+    is subtracted. Non-linear terms are linearised again in each round.
     """
     latitude = None if evidence.earth and evidence.earth.refuted else evidence.latitude_deg
 

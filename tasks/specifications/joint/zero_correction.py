@@ -67,8 +67,8 @@ def zero_corrected(
     """Both steps for means (n,); design: (n, p), its columns with their roles.
 
     used: (n,) bool, the dynamic and static segments; zero: (n,) bool, the rests of step 2, where
-    bias and g-sensitivity stand beside the further columns. Where no rest determines the
-    g-sensitivity it is not taken off, and the bias is not determined. Without a column to correct
+    bias and g-sensitivity are estimated beside the further columns. If no rest determines the
+    g-sensitivity it is not subtracted, and the bias is not determined. Without a column to correct,
     step 1 is all.
     """
     role = np.array(roles)
@@ -117,9 +117,9 @@ def _generalised(design: np.ndarray, covariance: np.ndarray) -> Solution:
 
 
 def _determined(design: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Combinations (p, r) of parameters that a design (n, p) tells apart; (p,) bool, which alone.
+    """Combinations (p, r) of parameters that a design (n, p) determines; (p,) bool, which alone.
 
-    Of the design itself: whitening by a covariance that is nearly singular loses the digits.
+    Of the design itself: whitening by a nearly singular covariance loses the digits.
     """
     scale = np.linalg.norm(design, axis=0)
     scale[scale == 0] = 1.0
