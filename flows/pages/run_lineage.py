@@ -10,6 +10,7 @@ from flows.pages.parts import facts, link, table
 from flows.pages.states import badge, certificate_state
 from schemas.pages.run import CertificateShown, RunShown
 from storage.catalogue.lineage import MANIFEST
+from tasks.certificate.settings import setting
 from tasks.words import message
 
 
@@ -77,7 +78,8 @@ def lineage(shown: RunShown, view: View) -> Component:
         for each in shown.standards
     ]
     standard_names = ("name", "serial", "certificate", "document")
-    settings = [(name, "–" if each is None else str(each)) for name, each in shown.settings.items()]
+    made_with = [setting(*each) for each in shown.settings.items()]
+    settings = [(view.say(each.name), view.say(each.value)) for each in made_with]
     return dmc.Stack(
         [
             facts(

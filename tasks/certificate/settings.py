@@ -43,14 +43,16 @@ def settings(calibration: Calibration) -> Iterator[Setting]:
     limits = limits_of(calibration)
     none_recommended = bool(limits) and not any(each.source in TAKEN_TO_BE_MET for each in limits)
     for name, value in calibration.settings.items():
-        if name == RECOMMENDED_BY and none_recommended:
-            continue
-        if isinstance(value, int | float):
-            unit = UNITS.get(name, "1")
-            shown = given(quantity_text(as_given(value), unit))
-            yield Setting(_name(name), shown, value, unit)
-        else:
-            yield Setting(_name(name), _printed_value(name, value))
+        if not (name == RECOMMENDED_BY and none_recommended):
+            yield setting(name, value)
+
+
+def setting(name: str, value: float | str | None) -> Setting:
+    """A setting as results carry it."""
+    if not isinstance(value, int | float):
+        return Setting(_name(name), _printed_value(name, value))
+    unit = UNITS.get(name, "1")
+    return Setting(_name(name), given(quantity_text(as_given(value), unit)), value, unit)
 
 
 def _name(name: str) -> Sayable:

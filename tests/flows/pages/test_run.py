@@ -1,14 +1,17 @@
 """The page of one run says what the store says of it, and shows what others wrote as text."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
+from plotly.utils import PlotlyJSONEncoder
 
 from flows.pages.app import make_app
 from flows.pages.page import View
 from flows.pages.run_data import data
+from flows.pages.run_lineage import lineage
 from flows.pages.shell import page_at
 from flows.pages.signals import data as signals
 from schemas.base import Unusable
@@ -49,6 +52,17 @@ def test_values_limits_and_margin_are_those_of_the_certificate(shown: RunShown) 
     assert (limit.text, limit.decision.verdict) == ("±1", "pass")
     assert limit.margin == pytest.approx(0.75 / 0.02)
     assert shown.limits_of == shown.certificates[0].number
+
+
+@pytest.mark.parametrize(("language", "name"), [("zh", "所用重力加速度"), ("en", "gravity used")])
+def test_settings_have_the_names_that_a_certificate_prints(
+    shown: RunShown, language: str, name: str
+) -> None:
+    made = shown.model_copy(update={"settings": {"gravity_m_s2": 9.8015, "latitude_deg": None}})
+    written = json.dumps(lineage(made, View(language)).to_plotly_json(), cls=PlotlyJSONEncoder)
+    assert json.dumps(name)[1:-1] in written
+    assert "9.8015 m/s" in written
+    assert "gravity_m_s2" not in written
 
 
 def test_limits_of_an_earlier_result_do_not_stand_beside_a_new_one(tmp_path: Path) -> None:
