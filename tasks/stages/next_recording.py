@@ -176,7 +176,7 @@ def _sentence(
         return message("next-decides-by-silence", effects=effects, silent=left, **figures)
     if choice.is_enough:
         return message("next-decides", effects=effects, **figures)
-    why = _why(choice)
+    why = _why(choice, order.minutes)
     known = [one for one in map(separating_recording, question.names) if one is not None]
     if not known:
         return message("next-impossible", effects=effects, why=why, **figures)
@@ -184,11 +184,11 @@ def _sentence(
     return message("next-undecided", effects=effects, why=why, other=other, **figures)
 
 
-def _why(choice: "Choice") -> Message:
-    """Whether more of the same would do: evidence adds up with time."""
+def _why(choice: "Choice", most_minutes: float) -> Message:
+    """Whether more of the same would do than was allowed: evidence adds up with time."""
     if choice.left < NOTHING_SHOWN:
         return message("next-nothing-moves")
-    longer = LONGER_BY * choice.minutes / choice.share
+    longer = LONGER_BY * max(choice.minutes, most_minutes) / choice.share
     if longer > LONGEST_MIN:
         return message("next-too-little", hours=f"{longer / 60.0:.0f}")
     return message("next-longer", minutes=f"{ceil(longer / 5.0) * 5:d}")

@@ -35,7 +35,8 @@ async def connected(
 ) -> AsyncIterator[Bench]:
     """The bench of a station file with the units at some links, for the length of the block.
 
-    Raises Unusable where the table or a unit's line cannot be reached.
+    Raises Unusable where the table or a unit's line cannot be reached, and where the chamber is to
+    be set and its driver cannot set it.
     """
     names = tuple(axis.name for axis in station.station.table_axes or ())
     devices = Devices(names)
@@ -45,7 +46,9 @@ async def connected(
             fixture = BusFixture(await drivers.do(devices.fixture(station.fixture)), drivers)
         try:
             table = BusTable(await drivers.do(devices.table(station.table)), drivers)
-            chamber = BusChamber(await drivers.do(devices.chamber(station.chamber)), drivers)
+            is_set = station.limits.chamber is not None
+            found = await drivers.do(devices.chamber(station.chamber, is_set))
+            chamber = BusChamber(found, drivers)
             with ExitStack() as lines:
                 units = tuple(
                     UnitDriver(link, lines.enter_context(closing(UnitLine(link)))) for link in links

@@ -168,7 +168,8 @@ async def _unit(station: StationFile) -> Message:
 
 
 async def _climate_of(devices: Devices, station: StationFile) -> Climate:
-    return await (await devices.chamber(station.chamber)).climate()
+    is_set = station.limits.chamber is not None
+    return await (await devices.chamber(station.chamber, is_set)).climate()
 
 
 def _itself(found: Message) -> Message:

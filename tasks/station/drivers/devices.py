@@ -6,6 +6,7 @@ from typing import Any, TypeAlias
 from schemas.base import Unusable
 from schemas.described import Described, ModbusDevice, TextDevice
 from schemas.devices import ChamberDevice, FixtureDevice, PythonDevice, TableDevice
+from schemas.station import SET_TEMPERATURE
 from tasks.station.drivers.backend import Backend, check_expected
 from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.drivers.modbus_device import ModbusBackend
@@ -39,10 +40,16 @@ class Devices:
             return table
         return await DescribedTable.find(device, self._backend(device), self._names)
 
-    async def chamber(self, device: ChamberDevice) -> Chamber:
-        """The chamber."""
+    async def chamber(self, device: ChamberDevice, is_set: bool) -> Chamber:
+        """The chamber. is_set: whether the station file has limits within which it is set."""
         if isinstance(device, PythonDevice):
             chamber: Chamber = self._from_entry_point("chamber", device)
+            if is_set and not callable(getattr(chamber, SET_TEMPERATURE, None)):
+                raise Unusable(
+                    f"limits.chamber of the station file allows temperatures to be set, and the "
+                    f"driver {device.name} of chamber.name has no method {SET_TEMPERATURE}: take "
+                    f"limits.chamber out of the station file, or add the method to the driver"
+                )
             return chamber
         backend = self._backend(device)
         await check_expected(device, backend, "chamber")

@@ -45,6 +45,26 @@ def test_a_driver_of_another_package_gets_its_options_and_axes_and_is_closed(mon
     assert (table.options, table.names, table.is_open) == ({"port": 3}, ("a", "b"), False)
 
 
+class OnlyMeasures:
+    """A chamber of another package that measures its air and cannot set it."""
+
+    def __init__(self, options: dict[str, Any]) -> None:
+        self.options = options
+
+    def close(self) -> None: ...
+
+
+def test_a_chamber_of_another_package_that_cannot_be_set_is_refused_where_it_is_to_be(monkeypatch):
+    point = EntryPoint("own", f"{__name__}:OnlyMeasures", "mimucal.chambers")
+    monkeypatch.setattr(EntryPoint, "load", lambda _: OnlyMeasures)
+    monkeypatch.setattr(module, "entry_points", lambda group: [point] * (group == point.group))
+    made, device = Devices(("a",)), PythonDevice(driver="python", name="own")
+
+    asyncio.run(made.chamber(device, is_set=False))
+    with pytest.raises(Unusable, match=r"driver own .* no method set_temperature"):
+        asyncio.run(made.chamber(device, is_set=True))
+
+
 class Words:
     """A link that answers every register with its address and notes what was asked."""
 
