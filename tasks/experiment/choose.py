@@ -147,7 +147,8 @@ class Experiment:
                 return self._shortened(more, choice)
             if len(more) == len(chosen):
                 return choice
-            chosen, needed = more, 1.05 * needed * max(1.0 / max(choice.share, LITTLE), 1.0)
+            by_linear = max(self._share(_total(more)), needed)  # a long block shows more at once
+            chosen, needed = more, 1.05 * by_linear / max(choice.share, LITTLE)
 
     def _shortened(self, chosen: Sequence["_Measured"], choice: Choice) -> Choice:
         """With as few of the blocks as real fits, which show more than linear ones, need."""

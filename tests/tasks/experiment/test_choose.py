@@ -7,7 +7,7 @@ import pytest
 
 from schemas.recording import Recording
 from tasks.experiment.abilities import Abilities
-from tasks.experiment.choose import NOTHING, Experiment
+from tasks.experiment.choose import NOTHING, Choice, Experiment
 from tasks.experiment.open_question import open_question
 from tasks.experiment.separation import UnitNoise, enough, probability_right
 from tests.proof.plant.case import Case
@@ -63,3 +63,26 @@ def test_what_is_left_where_nothing_shows_need_not_show_itself() -> None:
     assert silent.pairs == (
         ("temperature_bias", "thermal_transient"), ("temperature_bias", NOTHING)
     )  # fmt: skip
+
+
+class Optimistic(Experiment):
+    """Blocks of 100 s that in linear form show 0.6 of what is needed, and in real form 0.45."""
+
+    def _extended(self, chosen, needed, minutes):  # type: ignore[no-untyped-def]
+        more = list(chosen)
+        while self._share(more) < needed and 100.0 * (len(more) + 1) <= 60.0 * minutes:
+            more.append(1)
+        return more
+
+    def _share(self, so_far):  # type: ignore[no-untyped-def]
+        return 0.6 * len(so_far)
+
+    def _judged(self, chosen):  # type: ignore[no-untyped-def]
+        return Choice(None, 100.0 * len(chosen) / 60.0, 0.45 * len(chosen) * enough(30.0), 30.0)  # type: ignore[arg-type]
+
+
+def test_blocks_are_added_until_the_real_form_shows_enough(monkeypatch) -> None:
+    monkeypatch.setattr("tasks.experiment.choose._total", lambda some: some)
+    made = Optimistic({}, None, None, None, "d")  # type: ignore[arg-type]
+    assert made.shortest(15.0).minutes == pytest.approx(5.0)
+    assert not made.shortest(4.0).is_enough
