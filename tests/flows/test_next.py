@@ -115,7 +115,7 @@ def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(
     answered(0.0)
     said = mimucal("next", run, "--json").json["statement"]["en"]
     assert "--minutes" not in said
-    assert "No motion of this table" in said
+    assert "As far as the encoders of this table resolve its motion" in said
 
 
 def test_runs_of_two_units_are_refused_in_one_sentence(
