@@ -208,9 +208,7 @@ class Experiment:
         return more
 
     def _share(self, so_far: Mapping[Pair, Separation]) -> float:
-        """For the hardest pair, the share achieved of the required difference between the
-        residuals of the wrong and the right model.
-        """
+        """For the hardest pair, the achieved share of the required excess of the wrong model."""
         left = {pair: one.left for pair, one in so_far.items()}
         beyond = (
             (left[pair] - left[pair[0], pair[0]]) / enough(self.bound(pair))
