@@ -23,6 +23,7 @@ from tasks.words import say
 from tests.own_limits import laboratory_file
 
 SMALL = "real/ferraris_session"
+EARTH = 7.292115e-5  # rad/s
 STEP = 0.01  # deg/s that the known answer adds to gyro x
 
 
@@ -293,16 +294,17 @@ def true_rate_sensitivity(folder: Path) -> dict[str, float]:
 
 
 def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
-    mimucal, plant_arm, asked_once, tmp_path
+    mimucal, plant_on_earth, tmp_path
 ) -> None:
-    done = mimucal("explain", plant_arm, "--out", tmp_path / "report", "--json")
+    done = mimucal("explain", plant_on_earth, "--out", tmp_path / "report", "--json")
     assert done.code == 0, done.err
     assert done.json["verdict"] == "explained"
-    assert done.json["findings"][0]["effect"] == "lever_arm"
+    assert done.json["findings"][0]["effect"] == "earth_rotation"
     moved = {(c["item"], c["element"]): c for c in done.json["findings"][0]["consequences"]}
-    for element, true in true_rate_sensitivity(plant_arm).items():  # eq. (12) turns its sign
-        change = moved["accel_rate_sensitivity", element]
-        assert abs(change["before"] + true) > 20.0 * abs(change["after"] + true)
+    latitude = np.radians(read_folder(plant_on_earth).manifest.station.latitude_deg)
+    vertical = np.degrees(EARTH * np.sin(latitude))  # deg/s, that stands still with a vertical axis
+    change = moved["gyro_g_sensitivity", "zz"]
+    assert change["before"] - change["after"] == pytest.approx(vertical, rel=0.05)
     assert (tmp_path / "report" / "report.html").exists()
 
 
@@ -311,6 +313,11 @@ def test_engine_as_it_is_gives_the_unit_its_true_rate_sensitivity_back(
     mimucal, plant_arm, asked_once
 ) -> None:
     """Off the axes by centimetres, it reads an arm as p_ij: hundreds of U beside the truth."""
+    explained = mimucal("explain", plant_arm, "--json")
+    moved = {(c["item"], c["element"]): c for c in explained.json["findings"][0]["consequences"]}
+    for element, true in true_rate_sensitivity(plant_arm).items():  # eq. (12) turns its sign
+        change = moved["accel_rate_sensitivity", element]
+        assert abs(change["before"] + true) > 20.0 * abs(change["after"] + true)
     done = mimucal("calibrate", plant_arm, "--terms", "lever_arm", "--json")
     assert done.code == 0, done.err
     item = done.json["items"]["accel_rate_sensitivity"]

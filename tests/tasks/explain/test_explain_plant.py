@@ -181,7 +181,7 @@ def test_where_nothing_is_missing_nothing_is_said() -> None:
     [
         ("plant_earth_rotation", ["earth_rotation"]),
         ("plant_lever_arm", ["lever_arm"]),
-        ("plant_time_offset", ["time_offset"]),
+        pytest.param("plant_time_offset", ["time_offset"], marks=pytest.mark.rehearsal),
         ("plant_tilt_and_temperature", ["axis_tilt", "temperature_bias"]),
     ],
 )
@@ -212,6 +212,7 @@ def test_the_arm_is_as_long_as_it_was_made() -> None:
     assert_known("plant_lever_arm", "lever_arm", true)
 
 
+@pytest.mark.rehearsal
 def test_the_delay_is_as_long_as_it_was_made() -> None:
     assert_known("plant_time_offset", "time_offset", truth("plant_time_offset")["time_offset"])
 
@@ -242,7 +243,11 @@ def test_what_is_in_no_catalogue_is_unnamed_and_says_what_it_follows() -> None:
     [
         ("plant_earth_rotation", earth),
         ("plant_lever_arm", lambda run, true: lever_arm(run, true["lever_arm"])),
-        ("plant_time_offset", lambda run, true: time_offset(run, true["time_offset"])),
+        pytest.param(
+            "plant_time_offset",
+            lambda run, true: time_offset(run, true["time_offset"]),
+            marks=pytest.mark.rehearsal,
+        ),
         ("plant_tilt_and_temperature", tilt_and_temperature),
         ("plant_unlisted", relaxation),
     ],
