@@ -4,6 +4,10 @@ z² = Σ |S(f)|² / L(f): S, what the effect changes in the misfit, L, the spect
 without it: noise, the reference's errors and whatever else is hidden. From both the standard's
 columns took their part. With nothing but noise left, z is the visibility of the plain plant.
 
+S is of readings before noise and rounding: each code that comes out otherwise, as the smallest
+change makes of many, is a difference as large as a step, and chance. Only what a logger does is
+seen in the codes alone.
+
 What an effect adds at random, as a table's vibration that folds into the band, is no part of its
 truth and would look the same whatever rectifies it: it belongs to L. Without an effect that
 shakes the samples means, therefore, the same recording with the effect's strength at zero.
@@ -29,8 +33,8 @@ SMALLEST, LARGEST = 1e-3, 15.0  # strengths: from 17 on some are beyond what is 
 def standing(played: Played, rest: Played, by_size: bool = False) -> float:
     """z of what `played` has beyond `rest`, the same recording without it."""
     count = min(len(played.reported), len(rest.reported))
-    signal = (_misfit(played)[:count] - _misfit(rest)[:count]).T
-    left = (_misfit(rest, with_reference=True)[:count]).T
+    signal = _difference(played, rest, count).T
+    left = _misfit(rest, _logged(rest), rest.misread)[:count].T
     total = 0.0
     for channel in range(6):
         columns = _columns(rest.reported[:count], channel)
@@ -70,14 +74,29 @@ def at_standing(rough: RoughCase, called: str, z: float) -> tuple[RoughCase, flo
     return rough.with_strength(called, best[0]), best[1]
 
 
-def _misfit(played: Played, with_reference: bool = False) -> np.ndarray:
-    """Readings less the true standard's model on the reported motion, (n, 6)."""
+def _difference(played: Played, rest: Played, count: int) -> np.ndarray:
+    """(count, 6) what the misfit has beyond that of the rest."""
+    analog = _misfit(played, played.truth)[:count] - _misfit(rest, rest.truth)[:count]
+    if analog.any():
+        return analog
+    return _misfit(played, _logged(played))[:count] - _misfit(rest, _logged(rest))[:count]
+
+
+def _logged(played: Played) -> np.ndarray:
+    return played.recording.imu.stack(GYRO + ACCEL)
+
+
+def _misfit(played: Played, readings: np.ndarray, misread: np.ndarray | None = None) -> np.ndarray:
+    """Readings (n, 6) less the true standard's model on the reported motion.
+
+    misread: (n, 6) what the reference's noise adds to it.
+    """
+    reported = played.reported[: len(readings)]
+    if misread is not None:
+        reported = reported + misread[: len(reported)]
     unit = draw_unit(played.rough.case.seed)
-    reported = played.reported
-    if with_reference:
-        reported = reported + played.misread[: len(reported)]
-    readings = played.recording.imu.stack(GYRO + ACCEL)
-    return np.asarray(readings - unit.reads(reported[:, :3].T, reported[:, 3:].T).T)
+    modelled = unit.reads(reported[:, :3].T, reported[:, 3:].T).T
+    return np.asarray(readings[: len(reported)] - modelled)
 
 
 def _columns(reported: np.ndarray, channel: int) -> np.ndarray:
