@@ -85,13 +85,13 @@ def poses(
 ) -> Stream:  # fmt: skip
     """What a tracker says: at t where the body was `delay` s before, with white noise."""
     rng, t = np.random.default_rng(seed), np.arange(0.0, seconds, 1.0 / frames)
-    seen = by_hand(t - delay)
+    observed = by_hand(t - delay)
     error = turn_noise * rng.standard_normal((len(t), 3))
     columns = dict(
-        zip(("qw", "qx", "qy", "qz"), turned_a_little(seen.attitude, error).T, strict=True)
+        zip(("qw", "qx", "qy", "qz"), turned_a_little(observed.attitude, error).T, strict=True)
     )
     if places:
-        found = seen.place + place_noise * rng.standard_normal((len(t), 3))
+        found = observed.place + place_noise * rng.standard_normal((len(t), 3))
         columns |= dict(zip(("px", "py", "pz"), found.T, strict=True))
     return Stream(t, columns)
 

@@ -41,7 +41,7 @@ class ThermalResponse:
         air = median if room is None else float(np.nanmedian(room.columns["temperature"]))
         return cls(*_warm_up(recording.imu.t, degc), air_degc=air, chamber=chamber)
 
-    def course(self, t: np.ndarray, set_points: Sequence[SetPoint]) -> np.ndarray:
+    def temperatures(self, t: np.ndarray, set_points: Sequence[SetPoint]) -> np.ndarray:
         """(n,) °C of the unit at even times t (s) since it was switched on."""
         step = float(t[1] - t[0])
         most = self.chamber.rate_k_min / MINUTE_S

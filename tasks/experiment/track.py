@@ -108,7 +108,7 @@ def planned_recording(
     noise = np.random.default_rng(0).normal(scale=QUIET, size=(6, len(t)))
     readings = dict(zip((*GYRO, *ACCEL), noise, strict=True))
     if thermal is not None and track.set_points:
-        readings["temperature"] = thermal.course(t, track.set_points)
+        readings["temperature"] = thermal.temperatures(t, track.set_points)
     return Recording(like.model_copy(update=fields), Stream(t, readings), Stream(t, columns))
 
 

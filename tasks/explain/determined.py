@@ -85,9 +85,14 @@ class DeterminedModel:
         return tuple(found)
 
     def change(self, step: np.ndarray) -> np.ndarray:
-        """(n, 6) by which the readings grow with a step (q,) of parameters and shapes."""
-        more, less = (self._moved(sign * step).prediction(self.motion) for sign in (1.0, -1.0))
-        return np.asarray((more - less) / 2.0 @ self.axes.T)
+        """(n, 6) by which the readings grow with a step (q,) of parameters and shapes.
+
+        A time constant no better known than its size would be negative after the step back: the
+        readings are then asked for a part of the step, and what they change by is scaled.
+        """
+        part = self._possible_part(step)
+        more, less = (self._moved(way * part * step).prediction(self.motion) for way in (1.0, -1.0))
+        return np.asarray((more - less) / (2.0 * part) @ self.axes.T)
 
     def columns(self, asked: np.ndarray) -> tuple[Column, ...]:
         """Readings per unit of the parameters at some rows (k,) of the covariance."""
@@ -97,14 +102,28 @@ class DeterminedModel:
         design = model.linearised(self.motion, wanted)
         return tuple(design.columns[p] for p in free[asked])
 
+    def _possible_part(self, step: np.ndarray) -> float:
+        """The part of a step either way after which each positive shape is half of what it was."""
+        part = 1.0
+        for k, more in self._shape_steps(step):
+            term = self.model.terms[k]
+            if term.shapes[0].plausible[0] >= 0.0 < term.at[0]:
+                part = min(part, 0.5 * term.at[0] / abs(more))
+        return part
+
+    def _shape_steps(self, step: np.ndarray) -> list[tuple[int, float]]:
+        """The terms whose fitted shape a step (q,) changes, and by how much."""
+        shapes = step[int(self.model.free.sum()) :].tolist()
+        pairs = zip(self.model.fitted_shapes, shapes, strict=True)
+        return [(k, more) for k, more in pairs if more]
+
     def _moved(self, step: np.ndarray) -> Model:
         """The model with each parameter and fitted shape greater by a step (q,)."""
         model, free = self.model, np.flatnonzero(self.model.free)
         values, terms = model.values.copy(), list(model.terms)
         values[free] += step[: len(free)]
-        for k, more in zip(model.fitted_shapes, step[len(free) :].tolist(), strict=True):
-            if more:
-                terms[k] = terms[k].shaped((terms[k].at[0] + more,))
+        for k, more in self._shape_steps(step):
+            terms[k] = terms[k].shaped((terms[k].at[0] + more,))
         return replace(model, values=values, terms=tuple(terms))
 
     @cached_property

@@ -129,8 +129,9 @@ def _evidence(
     if clean.delay:
         evidence = pruned(as_recorded(evidence.fit), len(candidates))
     tell(progress, "combinations")
-    fit = compared(evidence.fit, candidates)
-    return evidence if fit is evidence.fit else pruned(fit, len(candidates))
+    trials = len(candidates)
+    fit = compared(evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit)
+    return evidence if fit is evidence.fit else pruned(fit, trials)
 
 
 def _fitted(

@@ -33,6 +33,18 @@ class EncoderNoise:
     steps: np.ndarray
     span: float = 0.0
 
+    @property
+    def of_rests(self) -> np.ndarray:
+        """Variance (m, k) rad² of the mean angle of a rest: of its rounding, which is the same
+        throughout unless noise moves the readings from code to code (Widrow and Kollár,
+        Quantization Noise, 2008, 4.6).
+        """
+        rounding = self.steps**2 / 12.0
+        moving = (
+            np.maximum(self.variance - rounding, 0.0) / np.where(rounding, self.steps, 1.0) ** 2
+        )
+        return np.asarray(rounding * np.exp(-4.0 * np.pi**2 * moving) * self.rate.at_rest)
+
     def of_mean_rate(self, width: float) -> np.ndarray:
         """Variance (m, k) (rad/s)² of rates that are means over `width` s."""
         if self.span:
@@ -57,12 +69,15 @@ class ReferenceNoise:
         if self.encoders is not None and motion.axes is not None:
             noise = self.encoders
             box = max(1, round(width / noise.rate.interval))
-            angle, rate = (
+            angle, rate, rounding = (
                 np.column_stack([np.interp(motion.t, noise.t, v) for v in variance.T])
-                for variance in (noise.variance, noise.of_mean_rate(width))
+                for variance in (noise.variance, noise.of_mean_rate(width), noise.of_rests)
             )
             directions = motion.axes.directions
             found[:, :3] = np.einsum("nk,nki->ni", rate, directions**2)
+            for k in range(1, angle.shape[1]):  # what carries an axis turns by its angle
+                carried = np.cross(directions[:, k], motion.axes.outside(k))
+                found[:, :3] += (angle[:, k] / box + rounding[:, k])[:, None] * carried**2
             leaning = motion.gravity * np.cross(directions, motion.up[:, None, :])
             found[:, 3:] = np.einsum("nk,nki->ni", angle / box, leaning**2)
         return np.nan_to_num(found)

@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING
 from storage.home import Home
 from tests.bench.measure import RUNS, Figure, Section
 from tests.proof.line.draw import draw_line
-from tests.proof.line.hold import UNITS
 from tests.proof.line.recorded import Recorded
+from tests.proof.line.run import UNITS
 from tests.proof.line.store import fill
 
 if TYPE_CHECKING:
@@ -87,15 +87,15 @@ def _in_browser(address: str) -> list[Figure]:
         browser = playwright.chromium.launch(executable_path=chromium, args=OPTIONS)
         figures = [
             figure
-            for path, seen in FIRST_SEEN.items()
-            for figure in _paint(browser, f"{address}{path}", path, seen)
+            for path, found in FIRST_SEEN.items()
+            for figure in _paint(browser, f"{address}{path}", path, found)
         ]
         figures.append(_filter(browser.new_page(), f"{address}/runs"))
         browser.close()
     return figures
 
 
-def _paint(browser: "Browser", url: str, path: str, seen: str) -> Iterator[Figure]:
+def _paint(browser: "Browser", url: str, path: str, found: str) -> Iterator[Figure]:
     paints, empty, full = [], [], []
     for _ in range(RUNS):
         context = browser.new_context()
@@ -103,7 +103,7 @@ def _paint(browser: "Browser", url: str, path: str, seen: str) -> Iterator[Figur
         for times in (empty, full):
             began = time.perf_counter()
             page.goto(url, wait_until="commit")
-            page.wait_for_selector(seen)
+            page.wait_for_selector(found)
             times.append(time.perf_counter() - began)
             if times is empty:
                 paints.append(1e-3 * page.evaluate(FIRST_PAINT_MS))

@@ -28,9 +28,9 @@ def short(tmp_path: Path) -> Path:
             step["rates_deg_s"] = [-200.0, -50.0, 50.0, 200.0]
         if step["kind"] == "turns":
             step["turns"] = 3
-    told = Procedure.model_validate(whole | {"name": "short1536", "warm_up_s": 5.0})
+    content = Procedure.model_validate(whole | {"name": "short1536", "warm_up_s": 5.0})
     path = tmp_path / "short1536.json"
-    path.write_text(told.model_dump_json(), encoding="utf-8")
+    path.write_text(content.model_dump_json(), encoding="utf-8")
     return path
 
 
@@ -84,9 +84,9 @@ def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(
     home, tmp_path, short, prefect_server
 ):
     station = tmp_path / "station.json"
-    told = json.loads(short.read_text(encoding="utf-8"))
-    few = [s for s in told["steps"] if s["name"] in ("fix_x_up", "rest_x", "fix_y_up", "rest_y")]
-    short.write_text(json.dumps(told | {"steps": few}), encoding="utf-8")
+    content = json.loads(short.read_text(encoding="utf-8"))
+    few = [s for s in content["steps"] if s["name"] in ("fix_x_up", "rest_x", "fix_y_up", "rest_y")]
+    short.write_text(json.dumps(content | {"steps": few}), encoding="utf-8")
     serving = subprocess.Popen(
         [sys.executable, "-m", "flows.cli", "station", "serve", "--ahrs", "--port", "0",
          "--speed", "60", "--station-file", str(station)],
@@ -98,17 +98,17 @@ def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(
             if station.exists() and station.read_text(encoding="utf-8").endswith("}\n"):
                 break
             time.sleep(0.1)
-        told = json.loads(station.read_text(encoding="utf-8"))
+        content = json.loads(station.read_text(encoding="utf-8"))
         done = mimucal(home, "acquire", station, "--procedure", short, "--json",
                        server=prefect_server)  # fmt: skip
         assert done.returncode == 0, done.stderr
         acquired = json.loads(done.stdout)
         assert (acquired["lost_samples"], acquired["warnings"]) == (0, [])
-        station.write_text(json.dumps(told | {"fixture": "by_hand"}), encoding="utf-8")
+        station.write_text(json.dumps(content | {"fixture": "by_hand"}), encoding="utf-8")
         alone = mimucal(home, "acquire", station, "--procedure", short)
         assert alone.returncode == 2
         assert "the unit turned over by hand 2 times, and nobody is at a terminal" in alone.stderr
     finally:
         serving.send_signal(signal.SIGINT)
         serving.wait(300)
-    assert "angle_x" in [field["name"] for field in told["unit_link"]["frame"]["fields"]]
+    assert "angle_x" in [field["name"] for field in content["unit_link"]["frame"]["fields"]]

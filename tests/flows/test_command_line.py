@@ -139,9 +139,9 @@ def test_a_value_that_just_passes_is_told_with_its_risk(
     (made,) = done["decisions"]
     assert (done["verdict"], done["conditional"], made["marginal"]) == ("pass", True, True)
     assert 0.1 < made["false_acceptance"] < 0.2
-    said = mimucal("certify", run, *papers).out
-    assert "conditional pass (draft)" in said
-    assert "is accepted but lies within U of its limit" in said
+    printed = mimucal("certify", run, *papers).out
+    assert "conditional pass (draft)" in printed
+    assert "is accepted but lies within U of its limit" in printed
 
 
 def test_limits_of_another_model_are_refused(mimucal, plant_clean, tmp_path) -> None:
@@ -409,10 +409,10 @@ def test_what_was_taken_in_before_a_bad_recording_is_told(mimucal, copied, share
 
 
 def test_help_shows_what_an_option_takes(mimucal) -> None:
-    said = mimucal("station", "serve", "--help").out
-    assert "NAME[@SECONDS]" in said
-    assert "0<=x<=65534" in said
-    assert "Address" in said
+    printed = mimucal("station", "serve", "--help").out
+    assert "NAME[@SECONDS]" in printed
+    assert "0<=x<=65534" in printed
+    assert "Address" in printed
     assert "Serve a virtual station" in mimucal().out
 
 

@@ -110,12 +110,12 @@ def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(
     run: str, answered: Callable[[float], None], mimucal
 ) -> None:
     answered(20.0)
-    said = mimucal("next", run, "--json").json["statement"]["en"]
-    assert int(re.findall(r"--minutes (\d+)", said)[0]) > 15  # min, that it may take by itself
+    text = mimucal("next", run, "--json").json["statement"]["en"]
+    assert int(re.findall(r"--minutes (\d+)", text)[0]) > 15  # min, that it may take by itself
     answered(0.0)
-    said = mimucal("next", run, "--json").json["statement"]["en"]
-    assert "--minutes" not in said
-    assert "As far as the encoders of this table resolve its motion" in said
+    text = mimucal("next", run, "--json").json["statement"]["en"]
+    assert "--minutes" not in text
+    assert "As far as the encoders of this table resolve its motion" in text
 
 
 def test_runs_of_two_units_are_refused_in_one_sentence(

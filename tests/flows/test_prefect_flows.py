@@ -124,11 +124,11 @@ def test_produce_and_apply_are_flows_whose_stages_and_artifacts_the_server_shows
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "VERDICT inconclusive" in done.stdout
-    seen = json.loads(done.stdout.splitlines()[-1])
-    assert [state for _, state in seen["flows"]] == ["Completed"] * 4
-    assert seen["tasks"] == ["acquire", "apply", "certify", "decide and publish", "estimate"]
+    observed = json.loads(done.stdout.splitlines()[-1])
+    assert [state for _, state in observed["flows"]] == ["Completed"] * 4
+    assert observed["tasks"] == ["acquire", "apply", "certify", "decide and publish", "estimate"]
     assert (tmp_path / "corrected/manifest.json").exists()
-    assert seen["artifacts"] == ["calibration-items", "certificate"]
+    assert observed["artifacts"] == ["calibration-items", "certificate"]
     assert list((home / "certificates").glob("*.pdf"))
 
 
@@ -170,13 +170,13 @@ def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tu
             time.sleep(0.1)
         assert servers_of(home)
         os.killpg(started.pid, how)
-        _, said = started.communicate(timeout=300)
+        _, printed = started.communicate(timeout=300)
         while servers_of(home):  # the kernel ends it after its parent
             assert time.monotonic() < deadline
             time.sleep(0.1)
     finally:
         started.kill()
-    return started.returncode, said
+    return started.returncode, printed
 
 
 def servers_of(home: Path) -> list[int]:
@@ -212,12 +212,12 @@ def test_what_was_recorded_survives_a_kill(own_home, papers, mimucal) -> None:
 def test_stopping_is_one_sentence_that_says_where_the_recording_lies(
     own_home, papers, how: signal.Signals, mimucal
 ) -> None:
-    code, said = broken_off(own_home, papers, how)
+    code, printed = broken_off(own_home, papers, how)
     (found,) = (own_home / "acquiring").glob("*.mcap")
     assert code == 1
-    assert said.strip().count("\n") == 0
-    assert said.startswith("stopped by the operator")
-    assert str(found) in said
+    assert printed.strip().count("\n") == 0
+    assert printed.startswith("stopped by the operator")
+    assert str(found) in printed
     assert mimucal("import", "--salvage", found).code == 0
 
 
@@ -274,5 +274,5 @@ def test_the_steps_of_a_certificate_are_flow_runs_where_a_server_is_named(
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[:2] == ["checked", "issued"]
-    seen = json.loads(done.stdout.splitlines()[-1])
-    assert {"check certificate", "issue certificate"} <= set(seen["tasks"])
+    observed = json.loads(done.stdout.splitlines()[-1])
+    assert {"check certificate", "issue certificate"} <= set(observed["tasks"])

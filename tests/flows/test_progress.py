@@ -18,17 +18,17 @@ def test_describing_without_anything_under_way_does_nothing() -> None:
 
 
 def test_each_step_of_explain_is_further_than_the_one_before() -> None:
-    told: list[float] = []
+    shares: list[float] = []
     for step in BEHIND:
         for share in (0.0, 0.5):
-            tell(lambda now, behind: told.append(behind), step, share)
-    assert told == sorted(set(told))
-    assert told[0] >= 0.0
-    assert told[-1] < 1.0
+            tell(lambda now, behind: shares.append(behind), step, share)
+    assert shares == sorted(set(shares))
+    assert shares[0] >= 0.0
+    assert shares[-1] < 1.0
 
 
 def test_a_share_of_a_step_lies_within_it() -> None:
-    told: list[float] = []
-    tell(lambda now, behind: told.append(behind), "search", 1.0)
+    shares: list[float] = []
+    tell(lambda now, behind: shares.append(behind), "search", 1.0)
     following = list(BEHIND)[list(BEHIND).index("search") + 1]
-    assert told == [pytest.approx(BEHIND[following])]
+    assert shares == [pytest.approx(BEHIND[following])]

@@ -39,9 +39,9 @@ async def asked(keys: int, *, after_s: float) -> float:
 
 def test_enter_says_that_the_unit_was_turned_over(keyboard, capsys):
     assert asyncio.run(asked(keyboard, after_s=0.05)) >= 0.05
-    told = " ".join(capsys.readouterr().err.split())
-    assert REFIX.instruction in told
-    assert "press Enter" in told
+    printed = " ".join(capsys.readouterr().err.split())
+    assert REFIX.instruction in printed
+    assert "press Enter" in printed
 
 
 def test_an_enter_pressed_before_it_was_asked_does_not_count(keyboard):

@@ -26,10 +26,10 @@ def test_a_signal_that_was_ignored_stays_ignored() -> None:
 
 def test_ctrl_z_pauses_and_the_next_one_goes_on() -> None:
     before = signal.getsignal(signal.SIGTSTP)
-    told = []
+    paused = []
     with pausing() as is_paused:
         for _ in range(3):
-            told.append(is_paused())
+            paused.append(is_paused())
             signal.raise_signal(signal.SIGTSTP)
-    assert told == [False, True, False]
+    assert paused == [False, True, False]
     assert signal.getsignal(signal.SIGTSTP) is before

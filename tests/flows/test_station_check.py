@@ -24,7 +24,7 @@ def test_every_device_that_does_not_work_is_said_and_the_command_fails(
     with pytest.raises(typer.Exit) as end:
         commands.check(str(file), move=False, as_json=True)
     assert end.value.exit_code == 1
-    told = json.loads(capsys.readouterr().out)
-    assert told["format"] == "mimu-station-check/1"
-    failed = {(trial["device"], trial["works"]) for trial in told["trials"]}
+    checked = json.loads(capsys.readouterr().out)
+    assert checked["format"] == "mimu-station-check/1"
+    failed = {(trial["device"], trial["works"]) for trial in checked["trials"]}
     assert failed == {(name, False) for name in ("table", "chamber", "fixture", "unit")}

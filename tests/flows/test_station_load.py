@@ -31,13 +31,13 @@ def station_file(folder: Path, correction: dict[str, Any], url: str, **unit: str
 
 
 def test_the_unit_is_told_the_coefficients_of_its_own_result(mimucal, correction, tmp_path) -> None:
-    with unit(lambda _: b"$OK\r\n") as (url, told):
+    with unit(lambda _: b"$OK\r\n") as (url, document):
         file = station_file(tmp_path, correction, url)
         done = mimucal("station", "load", file, correction["run"])
     assert (done.code, done.err) == (0, "")
     assert done.out.strip().endswith("acknowledged 2 lines")
     bias, gain = (correction["coefficients"][name]["value"] for name in ("B_g", "C_a"))
-    assert [float(line.decode().split(",")[-1]) for line in told] == pytest.approx(
+    assert [float(line.decode().split(",")[-1]) for line in document] == pytest.approx(
         [bias[0], gain[1][2]], rel=1e-6
     )
 

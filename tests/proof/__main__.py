@@ -8,20 +8,20 @@ from typing import Annotated
 import typer
 
 from schemas.base import Unusable
-from tests.proof.faults.hold import run_faults
-from tests.proof.fleets.hold import run_fleets
-from tests.proof.fuzz.hold import run_fuzz
-from tests.proof.history.hold import run_history
-from tests.proof.issue.hold import run_issue
-from tests.proof.line.hold import run_line
-from tests.proof.next.hold import run_next
+from tests.proof.faults.run import run_faults
+from tests.proof.fleets.run import run_fleets
+from tests.proof.fuzz.run import run_fuzz
+from tests.proof.history.run import run_history
+from tests.proof.issue.run import run_issue
+from tests.proof.line.run import run_line
 from tests.proof.next.on_station import run_next_on_station
-from tests.proof.pages.hold import run_pages
+from tests.proof.next.run import run_next
+from tests.proof.pages.run import run_pages
 from tests.proof.pages.screens import run_screens
-from tests.proof.papers.hold import run_papers
+from tests.proof.papers.run import run_papers
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
-from tests.proof.throughput.hold import run_throughput
-from tests.proof.trial.rough.hold import run_rough
+from tests.proof.throughput.run import run_throughput
+from tests.proof.trial.rough.run import run_rough
 
 UNUSABLE = 2
 

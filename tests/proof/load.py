@@ -44,14 +44,14 @@ class LoadedRun:
     worst: float
     load: float
     seconds: float
-    said: str
+    response: str
 
     @property
     def holds(self) -> bool:
         return self.outcome in ("whole", "invalid")
 
 
-def hold(folder: Path, count: int, report: Callable[[int, int], None]) -> list[LoadedRun]:
+def run_all(folder: Path, count: int, report: Callable[[int, int], None]) -> list[LoadedRun]:
     """Runs the demonstration, one seed after the other; load.md and load.json in the folder."""
     found = []
     with busy(os.cpu_count() or 1):
@@ -79,11 +79,11 @@ def busy(cores: int) -> Iterator[None]:
 def _one(home: Path, number: int) -> LoadedRun:
     _have_validated(home)
     began_s = time.monotonic()
-    made, said = _mimucal(home, "demo", "--json", "--seed", str(number))
+    made, response = _mimucal(home, "demo", "--json", "--seed", str(number))
     seconds, load = time.monotonic() - began_s, os.getloadavg()[0]
     if made is None:
-        outcome = "stopped" if said.count("\n") == 0 and said else "false"
-        return LoadedRun(number, outcome, "", "", 0.0, load, seconds, said)
+        outcome = "stopped" if response.count("\n") == 0 and response else "false"
+        return LoadedRun(number, outcome, "", "", 0.0, load, seconds, response)
     validity, verdict = made["validity"]["verdict"], made["verdict"]
     shown, _ = _mimucal(home, "show", made["run"], "--json")
     truth = json.loads(Path(made["paths"]["truth"]).read_text(encoding="utf-8"))
@@ -173,5 +173,5 @@ def as_markdown(found: list[LoadedRun]) -> str:
 def _row(one: LoadedRun) -> tuple[str, ...]:
     return (
         str(one.number), one.outcome, one.validity, one.verdict, f"{one.worst:.2f}",
-        f"{one.load:.1f}", f"{one.seconds:.0f}", one.said.replace("|", "/"),
+        f"{one.load:.1f}", f"{one.seconds:.0f}", one.response.replace("|", "/"),
     )  # fmt: skip

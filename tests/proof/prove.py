@@ -10,16 +10,16 @@ from flows.progress import counting
 from schemas.base import Unusable
 from tasks.version import code_version
 from tests.proof import load
-from tests.proof.faults.run import DWELL_S, short_procedure
-from tests.proof.kills import hold as kills
+from tests.proof.faults.run_with_fault import DWELL_S, short_procedure
 from tests.proof.kills import resume
+from tests.proof.kills import run as kills
 from tests.proof.peers import page as peers_page
 from tests.proof.peers.installed import MISSING, peers_installed
 from tests.proof.peers.score import PeerScore, score_peers
 from tests.proof.peers.table import duties_of
 from tests.proof.real import page as real_page
-from tests.proof.real.hold import Results, hold
-from tests.proof.station import hold as station
+from tests.proof.real.run import Results, run_all
+from tests.proof.station import run as station
 from tests.proof.trial.draw import draw
 from tests.proof.trial.evidence import (
     SUMMARY,
@@ -30,9 +30,9 @@ from tests.proof.trial.evidence import (
     summary,
 )
 from tests.proof.trial.figures import costs, figures
-from tests.proof.trial.hold import explain_blind, prepare
 from tests.proof.trial.page import evidence_html
 from tests.proof.trial.pictures.headline import headline_svg
+from tests.proof.trial.run import explain_blind, prepare
 from tests.proof.trial.score import ANSWERS, score_all
 from tests.proof.trial.seal import SEALED, record_and_seal
 
@@ -89,7 +89,7 @@ def run_station(count: int, out: Path | None) -> None:
     folder = out or Path(f"{DEFAULT_OUT}-station")
     _make(folder)
     with counting("virtual station") as report:
-        scores = station.hold(folder, count, report)
+        scores = station.run_all(folder, count, report)
     console = stdout(markup=False)
     for line in station.summary(scores):
         console.print(line)
@@ -103,7 +103,7 @@ def run_loaded(count: int, out: Path | None) -> None:
     folder = (out or Path(f"{DEFAULT_OUT}-load")).absolute()
     _make(folder)
     with counting("demonstrations") as report:
-        found = load.hold(folder, count, report)
+        found = load.run_all(folder, count, report)
     console = stdout(markup=False)
     console.print(load.as_markdown(found))
     console.print(str(folder / "load.md"))
@@ -118,7 +118,7 @@ def run_kills(count: int, out: Path | None) -> None:
     folder = out or Path(f"{DEFAULT_OUT}-kills")
     _make(folder)
     with counting("kills") as report:
-        killed = kills.hold(folder, count, report)
+        killed = kills.run_all(folder, count, report)
     stdout(markup=False).print(str(folder / kills.PAGE))
     if any(each.faults for each in killed):
         raise Unusable(kills.summary(killed))
@@ -132,7 +132,9 @@ def run_resumes(count: int, out: Path | None) -> None:
     folder = out or Path(f"{DEFAULT_OUT}-resumes")
     _make(folder)
     with counting("resumes") as report:
-        found = resume.hold(folder, count, short_procedure(DWELL_S, "x", resume.WARM_UP_S), report)
+        found = resume.run_all(
+            folder, count, short_procedure(DWELL_S, "x", resume.WARM_UP_S), report
+        )
     stdout(markup=False).print(str(folder / resume.PAGE))
     if not all(each.holds for each in found):
         raise Unusable(resume.summary(found))
@@ -147,10 +149,10 @@ def prove_real(real: Path, folder: Path, seed: int) -> Results:
     """
     folder.mkdir(parents=True, exist_ok=True)
     with counting("real recordings") as report:
-        results = hold(real, folder, seed, code_version(), report)
-    said = json.dumps(real_page.data(results), indent=1, ensure_ascii=False) + "\n"
+        results = run_all(real, folder, seed, code_version(), report)
+    response = json.dumps(real_page.data(results), indent=1, ensure_ascii=False) + "\n"
     contents = {
-        "real.json": said,
+        "real.json": response,
         "real.md": real_page.markdown(results),
         "real.html": real_page.real_html(results),
     }
@@ -163,16 +165,16 @@ def _evidence(
     trial: Trial, beside: Sequence[PeerScore], peers: bool, results: Results | None
 ) -> dict[str, str]:
     """The files by name: the trial, what the peers answered, and the real recordings if any."""
-    said = as_data(trial) | {"peers": [each.said() for each in duties_of(beside)]}
+    response = as_data(trial) | {"peers": [each.response() for each in duties_of(beside)]}
     more = [peers_page.section(beside) if peers else MISSING_HTML]
-    told = peers_page.markdown(beside) if peers else f"{MISSING.en}\n"
+    declared = peers_page.markdown(beside) if peers else f"{MISSING.en}\n"
     if results is not None:
-        said |= {"real": real_page.data(results)}
+        response |= {"real": real_page.data(results)}
         more.append(real_page.section(results))
-        told += "\n" + real_page.markdown(results)
+        declared += "\n" + real_page.markdown(results)
     return {
-        "evidence.json": json.dumps(said, indent=1, ensure_ascii=False) + "\n",
-        "evidence.md": as_markdown(trial) + "\n" + told,
+        "evidence.json": json.dumps(response, indent=1, ensure_ascii=False) + "\n",
+        "evidence.md": as_markdown(trial) + "\n" + declared,
         "evidence.html": evidence_html(trial, more),
         "headline.svg": headline_svg(trial.scores),
     }

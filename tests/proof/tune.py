@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 from tests.proof.peers.answer import PEERS
-from tests.proof.peers.seen import see
+from tests.proof.peers.observation import see
 from tests.proof.plant.simulate import simulate
 from tests.proof.trial.draw import conditions
 
@@ -19,12 +19,12 @@ SEED = 7201
 def statistics(number: int) -> list[float]:
     """The statistic of each peer on one clean recording."""
     case = conditions(np.random.default_rng([SEED, number]), ("clean", (), None))
-    seen = see(simulate(case).recording)
-    return [float(peer(seen).statistic) for peer in PEERS.values()]
+    observation = see(simulate(case).recording)
+    return [float(peer(observation).statistic) for peer in PEERS.values()]
 
 
 if __name__ == "__main__":
     every = np.array([statistics(number) for number in range(*map(int, sys.argv[1:3]))])
-    for name, course in zip(PEERS, every.T, strict=True):
-        quantiles = np.quantile(course, [0.5, 0.9, 0.99, 1.0])
-        print(name, len(course), *(f"{q:.2f}" for q in quantiles))
+    for name, series in zip(PEERS, every.T, strict=True):
+        quantiles = np.quantile(series, [0.5, 0.9, 0.99, 1.0])
+        print(name, len(series), *(f"{q:.2f}" for q in quantiles))

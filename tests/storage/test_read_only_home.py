@@ -67,8 +67,8 @@ def test_home_that_cannot_be_written_is_read(read_only: tuple[Home, Run]) -> Non
     command = [sys.executable, "-W", "error", "-c", READ, str(home.path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.stderr == ""
-    said, refused = done.stdout.splitlines()
-    assert said == f"{run.id} 300 []"
+    listed, refused = done.stdout.splitlines()
+    assert listed == f"{run.id} 300 []"
     assert "cannot be used" in refused
     assert sorted(home.path.iterdir()) == before
 

@@ -49,10 +49,10 @@ def only_fault(home: Home) -> StoreFault:
 
 
 def test_store_as_it_was_left_has_no_fault(fresh: Home, filled: Run) -> None:
-    seen = []
-    checked, faults = verify(fresh, lambda done, total: seen.append((done, total)))
+    found = []
+    checked, faults = verify(fresh, lambda done, total: found.append((done, total)))
     assert (checked, faults) == (10, [])
-    assert seen == [(n, 10) for n in range(1, 11)]
+    assert found == [(n, 10) for n in range(1, 11)]
 
 
 def test_raw_recording_that_is_missing_is_found(fresh: Home, filled: Run) -> None:
@@ -148,17 +148,17 @@ def test_certificate_that_was_changed_or_lost_is_found(fresh: Home, filled: Run)
 
 
 def test_files_that_the_catalogue_does_not_know_are_found(fresh: Home, filled: Run) -> None:
-    strays = [
+    misplaced = [
         fresh.raw / "stray.mcap",
         fresh.columns / "stray",
         fresh.certificates / "A-2.pdf",
     ]
-    for path in strays:
+    for path in misplaced:
         path.write_bytes(b"")
     # A file among the certificates may be of one that is just being issued, for a minute.
-    assert [fault.what for fault in verify(fresh)[1]] == [str(path) for path in strays[:2]]
-    os.utime(strays[2], (0, 0))
-    assert {fault.what for fault in verify(fresh)[1]} == {str(path) for path in strays}
+    assert [fault.what for fault in verify(fresh)[1]] == [str(path) for path in misplaced[:2]]
+    os.utime(misplaced[2], (0, 0))
+    assert {fault.what for fault in verify(fresh)[1]} == {str(path) for path in misplaced}
 
 
 def test_draft_of_a_running_import_is_no_fault_until_it_is_old(fresh: Home, filled: Run) -> None:

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from tasks.explain.confounding.families import (
-    ROOT2,
     Form,
+    delay_of_low_pass,
     group_delays,
     starting_values,
 )
@@ -49,6 +49,16 @@ class Combination:
     def count(self) -> int:
         """Of the members' parameters."""
         return sum(len(one.own) for one in self.members)
+
+    @property
+    def parameter_count(self) -> int:
+        """Of all that is selected, the members and the rest."""
+        return sum(len(one.own) for one in self.fit.selection.candidates)
+
+    @property
+    def effect_count(self) -> int:
+        """Of all that is selected, the members and the rest."""
+        return len({one.name for one in self.fit.selection.candidates})
 
     @property
     def plausible(self) -> bool:
@@ -109,7 +119,7 @@ class Combination:
         values = later.values.copy()
         values[later.places[low_pass.key]] = more
         for one in self.members:
-            values[later.places[one.term.key]] -= ROOT2 * more
+            values[later.places[one.term.key]] -= delay_of_low_pass(low_pass) * more
         added = replace(later, values=values).prediction(blocks.motion) - design.prediction
         columns = [design.columns[p] for p in np.flatnonzero(model.free)]
         columns.append(dict(enumerate(added.T)))
@@ -141,12 +151,13 @@ class Combination:
         """A delay and filters whose time constants are greater by so much (s), and held there."""
         model, fit = self.fit.model, self.fit
         values, free = model.values.copy(), model.free.copy()
+        low_pass = next(one.term for one in self.members if one.name == "bandwidth")
         for one in self.members:
             for p, parameter in enumerate(one.term.parameters, model.places[one.term.key].start):
                 if one.name == "bandwidth":
                     values[p], free[p] = values[p] + more, False
                 elif parameter.name == "seconds":
-                    values[p] -= ROOT2 * more
+                    values[p] -= delay_of_low_pass(low_pass) * more
         held = fitted(replace(model, values=values, free=free), fit.blocks, fit.noises)
         return replace(self, fit=replace(fit, model=held))
 

@@ -6,7 +6,7 @@ explains is that effect. Compared are linear forms, by the search's normal equat
 filters that come near are fitted in their real form, and so is what is put in another's place.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,12 +23,17 @@ from tasks.explain.search.scores import INDISTINGUISHABLE
 SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
+Prune = Callable[[FittedSelection, Collection[str]], FittedSelection]
 HOLDS = {"lever_arm": "size_effect"}  # the first is the second with all its places alike
 
 
-def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
+def compared(
+    fit: FittedSelection, candidates: Sequence[Candidate], prune: Prune
+) -> FittedSelection:
     """The selection with the best combination of each family in place of its members, marked with
     the names that the data cannot distinguish from it.
+
+    prune: a selection without what is unnecessary in it, but with effects of these names.
 
     A nuisance of every model is kept, and what compensates for it is left out: tracking smooths
     positions and attitudes differently, so that it is not certainly the unit's. It is marked with
@@ -44,7 +49,7 @@ def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSel
             fit = fit.without(selected)
         present = tuple(one.candidate for one in nuisances or selected)
         forms = tuple(forms_of(family, candidates, present))
-        of_family = _Family(family, forms, present, fit)
+        of_family = _Family(family, forms, present, fit, prune)
         fit = of_family.with_rivals() if nuisances else of_family.compared()
     return fit
 
@@ -57,6 +62,7 @@ class _Family:
     forms: tuple[Form, ...]
     present: Form
     fit: FittedSelection
+    prune: Prune
 
     def compared(self) -> FittedSelection:
         if _shapes_signals(self.present):
@@ -68,7 +74,7 @@ class _Family:
         alike = [self.present, *self._linear.combined(names_of(self.present))]
         costs = [self._linear.cost(one) for one in alike]
         near = [one for one, cost in zip(alike, costs, strict=True)
-                if cost - min(costs) < INDISTINGUISHABLE]  # fmt: skip
+                if cost - min(costs) < self._linear.indistinguishable(one)]  # fmt: skip
         best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
         if _shapes_signals(best):
             return self._by_real_fits()
@@ -143,7 +149,7 @@ class _Family:
         if self._linear.triads_differ or self._smooths(alone):
             tried += self._delay_with_filter()
         tried += [self._fitted(pair) for pair in self._promising(alone)]
-        plausible = [one for one in tried if one.plausible] or tried
+        plausible = self._pruned([one for one in tried if one.plausible] or tried)
         best = self._fewest_effects(plausible)
         if len(names_of(best.members)) > 1:  # no likelier than a filter that a lead cancels
             plausible += [one for one in tried if one.is_cancelled]
@@ -163,14 +169,26 @@ class _Family:
             names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
         return marked(best, group_names(best.members, names))
 
+    def _pruned(self, tried: Sequence[Combination]) -> list[Combination]:
+        """Those that come near, without other effects that had only made up for what they are."""
+        if not any(one.candidate.name not in self.names for one in self.fit.selection.selected):
+            return list(tried)
+        least = min(map(self._cost, tried))
+        return [
+            replace(one, fit=self.prune(one.fit, self.names))
+            if self._cost(one) - least < self._linear.distinguishable
+            else one
+            for one in tried
+        ]
+
     def _fewest_effects(self, tried: Sequence[Combination]) -> Combination:
         """Of what fits as far as equations can be relied on, the fewest effects; of these the
         fewest parameters that fit as well as the best of them.
         """
         least = min(map(self._cost, tried))
         near = [one for one in tried if self._cost(one) - least < self._linear.distinguishable]
-        fewest = min(len(names_of(one.members)) for one in near)
-        near = [one for one in near if len(names_of(one.members)) == fewest]
+        fewest = min(one.effect_count for one in near)
+        near = [one for one in near if one.effect_count == fewest]
         least = min(map(self._cost, near))
         return min(
             (one for one in near if self._cost(one) - least < DISTINGUISHABLE),
@@ -184,17 +202,19 @@ class _Family:
         usual size.
         """
         delay = next((form for form in self.forms if form[0].name == "time_offset"), None)
-        both = next((form[0] for form in self.forms if is_by_triad(form)), None)
-        if delay is None or both is None:
+        if delay is None:
             return []
         gyro, accel = group_delays(self.fit.model, self.names)
-        later = 0 if gyro > accel else 1
-        one = replace(both, own=(later,), members=(both.members[later],))
-        pair = self._fitted((*delay, one))
-        more = pair.with_filter(FILTER)
-        if more.chi2 >= pair.chi2:
-            return [pair]
-        return [pair, Combination.of((*delay, both), self.names, more.fit)]
+        later, pairs = 0 if gyro > accel else 1, []
+        for both in (form[0] for form in self.forms if is_by_triad(form)):
+            place = both.own.index(later) if later in both.own else 0  # one triad may show none
+            one = replace(both, own=(both.own[place],), members=(both.members[place],))
+            pair = self._fitted((*delay, one))
+            more = pair.with_filter(FILTER)
+            pairs.append(pair)
+            if more.chi2 < pair.chi2:
+                pairs.append(Combination.of((*delay, both), self.names, more.fit))
+        return pairs
 
     def _promising(self, alone: Combination) -> Iterator[Form]:
         """The best of one effect with each other that promises more than its price."""
@@ -243,7 +263,7 @@ class _Family:
 
     def _cost(self, one: Combination) -> float:
         return one.chi2 / self._linear.dispersion + self._linear.price * (
-            one.count + shape_count(one.members)
+            one.parameter_count + shape_count(one.members)
         )
 
     @cached_property

@@ -9,7 +9,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.search.candidates import Candidate
 from tasks.model.model import Model
 from tasks.model.term import Term, TermKey
-from tasks.model.terms.electronics import BANDWIDTH_BY_TRIAD
+from tasks.model.terms.electronics import BANDWIDTH
 
 Form = tuple[Candidate, ...]
 
@@ -17,7 +17,7 @@ GYROS_ALONE = "gyro_angular_acceleration"
 DELAYING = ("time_offset", "bandwidth", GYROS_ALONE, "accel_axis_skew")
 FAMILIES = (
     DELAYING,
-    ("temperature_bias", "thermal_gradient", "thermal_transient"),
+    ("temperature_bias", "thermal_gradient", "thermal_transient", "supply_sensitivity"),
     ("lever_arm", "size_effect", "structural_compliance", "accel_nonlinearity"),
 )
 ROOT2, THIRD = float(np.sqrt(2.0)), 1.0 / 3.0
@@ -31,13 +31,16 @@ class GroupDelay:
     accel: float
 
 
-# Of a Butterworth low-pass √2/(2πf) = √2·T; of ω′ = ω + A·ω̇ it is −A; the accelerometers' axes
-# are read none, one and two steps ahead.
+# Of a low-pass of second order √2/(2πf) = √2·T, of one of first order T; of ω′ = ω + A·ω̇ it is
+# −A; the accelerometers' axes are read none, one and two steps ahead.
 GROUP_DELAYS = {
     ("time_offset", "seconds"): GroupDelay(1.0, 1.0),
     ("bandwidth", "time_constant"): GroupDelay(ROOT2, ROOT2),
     ("bandwidth", "gyro_time_constant"): GroupDelay(ROOT2, 0.0),
     ("bandwidth", "accel_time_constant"): GroupDelay(0.0, ROOT2),
+    ("bandwidth", "lag"): GroupDelay(1.0, 1.0),
+    ("bandwidth", "gyro_lag"): GroupDelay(1.0, 0.0),
+    ("bandwidth", "accel_lag"): GroupDelay(0.0, 1.0),
     (GYROS_ALONE, "A_xx"): GroupDelay(-THIRD, 0.0),
     (GYROS_ALONE, "A_yy"): GroupDelay(-THIRD, 0.0),
     (GYROS_ALONE, "A_zz"): GroupDelay(-THIRD, 0.0),
@@ -45,12 +48,21 @@ GROUP_DELAYS = {
 }
 
 
+def delay_of_low_pass(low_pass: Term) -> float:
+    """By how much it is late at low frequency, per unit of its time constants."""
+    delay = GROUP_DELAYS[low_pass.name, low_pass.parameters[0].name]
+    return max(delay.gyro, delay.accel)
+
+
 def searched_by_name(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Without the low-pass by triad: near nothing it is a delay of each triad, that may not be
-    negative, and would only stand in the way of delays. It is compared with what was found.
+    """With one form of the low-pass only: near nothing the others are delays too, or delays of
+    each triad, that may not be negative, and would only stand in the way of delays. They are
+    compared with what was found.
     """
-    by_triad = BANDWIDTH_BY_TRIAD.parameters
-    return [one for one in candidates if one.term.parameters != by_triad]
+    return [
+        one for one in candidates
+        if one.name != "bandwidth" or one.term.parameters == BANDWIDTH.parameters
+    ]  # fmt: skip
 
 
 def forms_of(
@@ -90,11 +102,15 @@ def starting_values(model: Model, members: Form, delays: tuple[float, float]) ->
     both = {"time_offset", "bandwidth"} <= names
     late = min(delays) if both else float(np.mean(delays))
     left = [delay - late if both else delay for delay in delays]
+    whole, gyro, accel = (max(each, 0.0) for each in (float(np.mean(left)), *left))
     sizes = {
         "seconds": late,
-        "time_constant": max(float(np.mean(left)), 0.0) / ROOT2,
-        "gyro_time_constant": max(left[0], 0.0) / ROOT2,
-        "accel_time_constant": max(left[1], 0.0) / ROOT2,
+        "time_constant": whole / ROOT2,
+        "gyro_time_constant": gyro / ROOT2,
+        "accel_time_constant": accel / ROOT2,
+        "lag": whole,
+        "gyro_lag": gyro,
+        "accel_lag": accel,
     }
     for one in members:
         for p, parameter in enumerate(one.term.parameters, model.places[one.term.key].start):

@@ -11,11 +11,13 @@ from tasks.explain.confounding.combinations import chi2_of
 from tasks.explain.confounding.families import Form, shape_count
 from tasks.explain.confounding.marking import is_by_triad
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.scores import joint_gain
+from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
 
 # Chi-squared that tells two apart: where ramps are sharp, smoothing the reference makes twenty.
 DISTINGUISHABLE = 30.0
 FORM = 0.02  # of an effect: what its published equation and a real filter or clock differ by
+# Of an effect: a thermometer is not where the sensor is, and its rate of change is a derivative.
+THERMOMETER = 0.1
 STRETCH = 30.0  # s of what has no segments
 
 
@@ -53,7 +55,22 @@ class LinearForms:
         """Chi-squared that separates exact forms: more than the errors of their linear
         equations.
         """
-        return max(DISTINGUISHABLE, FORM**2 * max(map(self.gain, self.forms)) / self.dispersion)
+        return max(DISTINGUISHABLE, FORM**2 * self._largest_gain)
+
+    def indistinguishable(self, members: Form) -> float:
+        """Cost by which members must be dearer than others to be ruled out.
+
+        What follows a temperature or its rate of change is known no better than these are.
+        """
+        drifts = all(one.term.time_course == "drift" for one in members)
+        if not drifts or len({one.name for one in members}) > 1:
+            return INDISTINGUISHABLE
+        return max(INDISTINGUISHABLE, THERMOMETER**2 * self._largest_gain)
+
+    @cached_property
+    def _largest_gain(self) -> float:
+        """Of a form alone, counted against what is left."""
+        return max(map(self.gain, self.forms)) / self.dispersion
 
     @cached_property
     def dispersion(self) -> float:

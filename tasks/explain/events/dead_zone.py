@@ -39,6 +39,7 @@ CALM = 0.5  # s of a mean rate
 MIN_RESTS = 8
 SOON = 0.4  # s from the start of a rest: firmware waits longer
 GONE, LASTING = 4.0, 3.0  # of a mean's variance that is left, and of what is left that was there
+RINGING = 2.0  # times the noise: a fixture that still swings as a rest begins has no constant bias
 DITHERED = 0.5  # step: less noise lets means lie anywhere
 SIGNIFICANT = 1e-7
 
@@ -249,4 +250,5 @@ def _zeroed(
     gone = np.median(late**2) < GONE and np.median(np.abs(early)) > LASTING * np.median(
         np.abs(late)
     )
-    return bool(gone and chi2.sf(float(early @ early), len(parts)) < SIGNIFICANT)
+    calm = np.median([part[:soon].std() for part in parts]) < RINGING * noise
+    return bool(gone and calm and chi2.sf(float(early @ early), len(parts)) < SIGNIFICANT)

@@ -78,6 +78,8 @@ def delays_by_slope(
     weighted, information = np.zeros(count), np.zeros(count)
     for c in channels:
         rows = np.flatnonzero(np.isfinite(residual[:, c] + slope[:, c] + noise[:, c]))
+        if not len(rows):
+            continue
         number, weight = window[rows], noise[rows, c] ** -2
         regressors = (slope[rows, c], residual[rows, c], predicted[rows, c], np.ones(len(rows)))
         gram = np.array([

@@ -7,7 +7,7 @@ import numpy as np
 from tasks.explain.events.bias_at_rest import BiasAtRest, find_bias_at_rest
 from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.dead_zone import find_dead_zone
-from tasks.explain.events.event import Event, Events
+from tasks.explain.events.event import Event, Events, channel_names
 from tasks.explain.events.impacts import find_impacts
 from tasks.explain.events.jitter import find_jitter
 from tasks.explain.events.lines import find_lines
@@ -20,6 +20,7 @@ from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.spikes import find_spikes
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
+from tasks.words import Message, message
 
 
 def events_in_readings(
@@ -31,13 +32,14 @@ def events_in_readings(
     triad was not recorded. motion: at the same rows, NaN where it is not known. start: of t = 0
     on the recording's own clock, s.
     """
+    flat = constant_channels(readings)
     quantisers = [quantiser_of(column) for column in readings.T]
     zone, zeroed = _zone(t, readings, motion, quantisers)
     if isinstance(zone, BiasAtRest):  # all other events act before it
         readings = readings - zone.applied(t, np.zeros(readings.shape))
     repeats = find_repeats(readings, motion, quantisers)
     limits, masked = find_saturation(readings, motion, quantisers)
-    masked |= zeroed
+    masked |= zeroed | flat
     predicted = plain_prediction(readings, motion, masked)
     used = np.where(masked, np.nan, readings)
     if masked.any():
@@ -58,7 +60,26 @@ def events_in_readings(
     spikes, at_spikes = find_spikes(used, np.where(masked, np.nan, residual), level, motion)
     # In the order in which they act: when a reading was taken, limit, rounding, threshold.
     last = tuple(event for event in (steps, zone, spikes) if event is not None)
-    return Events(events + last, masked | at_spikes, gap_remarks(t))
+    return Events(events + last, masked | at_spikes, (*gap_remarks(t), *flat_remarks(flat)))
+
+
+def constant_channels(readings: np.ndarray) -> np.ndarray:
+    """(6,) bool: channels that read one value throughout.
+
+    What has no noise would determine every model exactly: such a channel is not used.
+    """
+    known = np.isfinite(readings)
+    top = np.where(known, readings, -np.inf).max(axis=0)
+    bottom = np.where(known, readings, np.inf).min(axis=0)
+    return np.asarray(top == bottom)
+
+
+def flat_remarks(flat: np.ndarray) -> tuple[Message, ...]:
+    """Which channels are not used because they read one value throughout."""
+    if not flat.any():
+        return ()
+    names = channel_names(tuple(np.flatnonzero(flat).tolist()))
+    return (message("events-constant", channels=names),)
 
 
 def _zone(
@@ -89,10 +110,9 @@ def events_in_residual(
     model, NaN where that is unknown. noise: (6,) standard deviation of a sample, for channels whose
     residual does not scatter. motion: at the same rows. start: of t = 0 on the recording's own
     clock, s. These events add to what the unit senses, so they act before all others. Poses do not
-    show how a body vibrates: fast components of the residual need not be errors.
+    show how a body vibrates: fast components of the residual need not be errors, unless they have
+    the mains' frequency throughout.
     """
-    if motion.tracking is not None:
-        return events
     values = np.where(events.masked, np.nan, residual)
     level = without_dead(noise_by_rate(values, motion))
     level = np.where(level == 0, noise, level)
@@ -100,6 +120,9 @@ def events_in_residual(
         t, level = event.sampled_at(t), event.noise_floor(level)
     left = Residual.of(t, values, level, motion)
     lines = find_lines(left)
+    if motion.tracking is not None:
+        mains = tuple(line for line in lines if line.effect == "mains_pickup")
+        return Events((*mains, *events.events), events.masked, events.remarks)
     impacts = find_impacts(left.without(*lines))
     if impacts is not None:  # at even speed they look like lines
         left = left.without(impacts)

@@ -17,6 +17,7 @@ MAX_WITHOUT = 1  # pieces without it: a line that fades or begins later is not t
 MIN_IN_STATE = 0.5  # of what a line would have at rest, or in rotation, that must be there
 SIGNIFICANT = 3.0  # standard uncertainties from which a channel has the line
 OFFSETS = np.linspace(-1.0, 1.0, 401)  # frequencies that are tried, over one per span
+CLOSEST = 0.3  # waves per recording, below half the sample rate: there sine and cosine are alike
 ROTATING = 0.05  # rad/s
 
 
@@ -55,16 +56,22 @@ def fit_line(residual: Residual, spectrum: Spectrum, near: float, tried: int) ->
     wave = np.exp(-2j * np.pi * near * residual.t)
     sums = np.add.reduceat((residual.white * residual.weight) * wave[:, None], starts, axis=0)
     middle = np.add.reduceat(residual.t, starts) / np.diff(np.append(starts, len(residual.t)))
-    total = (residual.weight[:, channels] ** 2).sum(axis=0) / 2
+    weights = residual.weight[:, channels] ** 2
+    total = weights.sum(axis=0) / 2
+    images = np.add.reduceat(weights * wave[:, None] ** 2, starts, axis=0) / 2
     level = spectrum.level_at(near)
-    offsets = OFFSETS / span
-    shifted = np.exp(-2j * np.pi * offsets[:, None] * middle) @ sums[:, channels]
-    powers = (np.abs(shifted) ** 2 / (2 * total * level)).sum(axis=1)
+    highest = 0.5 / residual.interval - CLOSEST / span
+    offsets = OFFSETS[near + OFFSETS / span <= highest] / span
+    shift = np.exp(-2j * np.pi * offsets[:, None] * middle)
+    shifted, image = shift @ sums[:, channels], shift**2 @ images
+    # Near half the sample rate a wave and its image are not orthogonal: both by least squares.
+    amplitude = (total * shifted - image * shifted.conj()) / (total**2 - np.abs(image) ** 2)
+    powers = ((shifted.conj() * amplitude).real / (2 * level)).sum(axis=1)
     best = int(powers.argmax())
     power = float(powers[best])
     amplitudes, u = np.zeros(6, complex), np.full(6, np.inf)
-    amplitudes[channels] = shifted[best] / total
-    u[channels] = np.sqrt(level / total)
+    amplitudes[channels] = amplitude[best]
+    u[channels] = np.sqrt(level * total / (total**2 - np.abs(image[best]) ** 2))
     # Cramér and Rao's bound of the frequency of a sine wave in white noise.
     u_frequency = np.sqrt(1.5 / power) / (np.pi * span)
     p_value = min(1.0, float(tried * gamma.sf(power, len(channels))))
@@ -78,7 +85,7 @@ def is_steady(residual: Residual, line: FittedLine) -> bool:
     weighted = (residual.white * residual.weight) @ line.amplitudes.conj()
     turning = wave * weighted
     part = turning.real
-    expected = residual.weight**2 @ np.abs(line.amplitudes) ** 2 / 2
+    expected = ((residual.weight * (line.amplitudes / wave[:, None]).real) ** 2).sum(axis=1)
     starts = _piece_starts(len(residual.t))
     parts, wholes = (np.add.reduceat(values, starts) for values in (part, expected))
     # By its size in each piece, whatever its phase there: what wanders is there all the same.

@@ -20,7 +20,6 @@ WORKING = 0.05  # standard deviation of a working unit's scale factors about one
 NEAR = 0.08  # of a usual factor: as near as working units are
 OWN = 0.01  # of the factor: what scale factors of the unit's own may have in common
 ALIKE = 0.03  # of the factor: how much the axes may differ
-MIN_UNUSUAL = 0.2  # from one: a factor that no usual setting makes
 MIN_LOG_ODDS = 12.0  # twice the log of the odds that a claim asks for
 POWERS_OF_TWO = tuple(2.0**n for n in range(-5, 6) if n)
 # By how much each usual mistake multiplies what is read, by triad: gyros, accelerometers.
@@ -64,7 +63,7 @@ def find_range_setting(matrix: TriadMatrix, triad: int) -> RangeSetting | None:
     factor, cause = _usual(common, triad)
     if spread > ALIKE or abs(np.log(factor)) < NEAR:
         return None
-    if cause == "counts" and (len(sizes) < 2 or abs(np.log(common)) < MIN_UNUSUAL):
+    if cause == "counts" and len(sizes) < 2:  # of one axis it may be the unit's own
         return None
     log_odds = float(np.sum(_surprise(sizes) - _surprise(sizes / factor)))
     if log_odds < MIN_LOG_ODDS:

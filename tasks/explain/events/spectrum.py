@@ -9,6 +9,7 @@ from tasks.explain.events.residual import Residual
 
 SLOWEST = 1.0  # Hz; what is slower is left to the regression
 LEVEL_BINS = 1024  # that the level of the noise about a line is estimated from
+NEAREST = 1.0  # waves per recording, below half the sample rate: the mains of 50 Hz at 100 Hz
 TAPER = 0.02  # of the recording, at either end
 MAX_STRETCH = 4  # times its rows that a recording may last, gaps included
 
@@ -41,7 +42,7 @@ def spectrum_of(residual: Residual) -> Spectrum:
     taper = np.sin(0.5 * np.pi * np.minimum(edge, edge[::-1])).astype(np.float32) ** 2
     size = next_fast_len(2 * count, real=True)
     frequency = np.arange(size // 2 + 1) / (size * interval)
-    inside = (frequency > SLOWEST) & (frequency < 0.5 / interval - 3 / (count * interval))
+    inside = (frequency > SLOWEST) & (frequency < 0.5 / interval - NEAREST / (count * interval))
     total, level = np.zeros(int(inside.sum())), np.zeros((int(inside.sum()), len(channels)))
     for k, channel in enumerate(channels):
         even = np.zeros(count, np.float32)  # half the work, and exact enough

@@ -22,6 +22,7 @@ from tasks.explain.evidence.shares import (
     with_shares,
     without_form_errors,
     without_shadows,
+    without_slivers,
 )
 from tasks.explain.evidence.smoothing_error import with_smoothing_error
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
@@ -67,11 +68,13 @@ def explanation_of(
     left, total = artefacts.left, max(sum(gains), 1e-300)
     by_terms = max(left.removed - sum(artefacts.removed), 0.0)
     by_term = [by_terms * gain / total for gain in gains]
+    nuisances = {group.name for group in evidence.groups if group.nuisance}
     if not ordered:
-        nuisances = {group.name for group in evidence.groups if group.nuisance}
         named = without_shadows(terms, by_term, left, nuisances)
         terms = without_form_errors(named, artefacts.findings)
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
+    if not ordered:
+        findings = without_slivers(findings, nuisances)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     reported = [one for one in findings if one not in small]
     mostly = left.explained_share < MOSTLY and not ordered

@@ -14,7 +14,7 @@ from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.cells import cell_equations, fold_cells, scatter_cells
 from tasks.explain.evidence.columns import fitted_columns
-from tasks.explain.evidence.groups import FindingGroup, finding_groups, without_leakage
+from tasks.explain.evidence.groups import FindingGroup, finding_groups
 from tasks.explain.evidence.held_out import CrossValidation, cross_validation
 from tasks.explain.evidence.scatter import Scatter
 from tasks.explain.search.fitted import FittedSelection
@@ -74,10 +74,9 @@ class Evidence:
             prior,
             np.concatenate([model.values[free], np.ones(len(known))]),
         )
-        left = [scatter.dispersion(number) for number in range(len(groups))]
         return cls(
             fit,
-            without_leakage(groups, left),
+            groups,
             equations_of(columns, misfit, blocks, fit.noises),
             cross_validation(cell_equations(columns, misfit, blocks, fit.noises, fold)),
             scatter,

@@ -1,6 +1,6 @@
 """Turns evidence into findings: identity, contribution and parameters."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,7 @@ from tasks.explain.confounding.families import common_part
 from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import FindingGroup, without_leakage
+from tasks.explain.evidence.groups import FindingGroup, leakage
 from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.si_units import unit_of
@@ -45,14 +45,24 @@ def findings_of(
             scrutinies[number] = replace(scrutinies[number], refusal=refusal)
     groups = evidence.groups
     if not ordered:
-        refused = [replace(group, name=UNNAMED) if _refused(scrutinies.get(n)) else group
-                   for n, group in enumerate(groups)]  # fmt: skip
+        groups = _without_refused(groups, scrutinies)
         left = [evidence.scatter.dispersion(n) for n in range(len(groups))]
-        groups = without_leakage(refused, left)
+        for number, times in leakage(groups, left).items():
+            refusal = Refusal("leakage", groups[number].name, value=times)
+            scrutinies[number] = replace(scrutinies[number], refusal=refusal)
+        groups = _without_refused(groups, scrutinies)
     return [
         _finding(evidence, number, groups[number], scrutinies[number], full, determined)
         for number in scrutinies
     ]
+
+
+def _without_refused(
+    groups: Sequence[FindingGroup], scrutinies: Mapping[int, Scrutiny]
+) -> tuple[FindingGroup, ...]:
+    """The groups, those without a name whose name was refused."""
+    return tuple(replace(group, name=UNNAMED) if _refused(scrutinies.get(n)) else group
+                 for n, group in enumerate(groups))  # fmt: skip
 
 
 def scrutinised(evidence: Evidence) -> dict[int, Scrutiny]:

@@ -1,7 +1,7 @@
 """Which selected candidates form one finding, and which findings can be given a name."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 from tasks.explain.explanation import UNNAMED
@@ -74,10 +74,9 @@ def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
     return tuple(_group(_name_of(some), some) for some in named.values())
 
 
-def without_leakage(
-    groups: Sequence[FindingGroup], dispersions: Sequence[float]
-) -> tuple[FindingGroup, ...]:
-    """The findings without the names of what is likely to be leakage of others.
+def leakage(groups: Sequence[FindingGroup], dispersions: Sequence[float]) -> dict[int, float]:
+    """Numbers of named findings that are likely to be leakage of something without a name, and how
+    many times its evidence that has.
 
     So is what is far weaker than something that has no name; but known physics, which has nothing
     to fit to leakage. A random drift is so likely beside anything stronger without a name, a drift
@@ -85,10 +84,12 @@ def without_leakage(
     """
     gains = [group.gain / each for group, each in zip(groups, dispersions, strict=True)]
     unnamed = [each for each in zip(groups, gains, strict=True) if each[0].name == UNNAMED]
-    return tuple(
-        replace(group, name=UNNAMED) if _is_leakage(group, gain, unnamed) else group
-        for group, gain in zip(groups, gains, strict=True)
-    )
+    strongest = max((other for _, other in unnamed), default=0.0)
+    return {
+        number: strongest / max(gain, 1e-300)
+        for number, (group, gain) in enumerate(zip(groups, gains, strict=True))
+        if group.name != UNNAMED and _is_leakage(group, gain, unnamed)
+    }
 
 
 def _group(name: str, some: Sequence[Selected]) -> FindingGroup:

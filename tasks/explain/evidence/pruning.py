@@ -1,5 +1,6 @@
 """Removes from a selection what does not stand out beside all the rest and the residual."""
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from tasks.explain.evidence.evidence import Evidence
@@ -9,18 +10,18 @@ from tasks.explain.search.stepwise import FALSE_ALARMS
 WRONG_MODEL = 2.0  # φ from which on a random drift may be what the rest of the model lacks
 
 
-def pruned(fit: FittedSelection, trials: int) -> Evidence:
+def pruned(fit: FittedSelection, trials: int, kept: Collection[str] = ()) -> Evidence:
     """The fitted selection without findings that the others make unnecessary, or that do not stand
     out from the residual.
 
     The weakest is removed and the rest fitted again, until all remaining ones are significant.
-    trials: number of candidates tried. The p value of the strongest mismatch is relative to the
-    residual, as its evidence is.
+    trials: number of candidates tried. kept: names that are not removed. The p value of the
+    strongest mismatch is relative to the residual, as its evidence is.
     """
     evidence = Evidence.of(fit)
     chance = [1.0] if _searched(evidence) else [fit.selection.p_value]
     while True:
-        numbers = _searched(evidence)
+        numbers = [n for n in _searched(evidence) if evidence.groups[n].name not in kept]
         chance += [trials * evidence.chance(n) for n in numbers]
         weak = [n for n in numbers if unsupported(evidence, n, trials)]
         if not weak:

@@ -30,6 +30,7 @@ MATERIAL = 0.25  # of a finding's amplitude: parts that differ by less are one l
 TOUCHED = 25.0  # chi-squared that a finding adds to a channel it materially touches
 MIN_TOUCHED = 0.02  # of what it adds to all channels
 TOLERATED = 3.0  # nats that a channel may lose by chance
+SCATTERED = 3.0  # φ from which on what is weak may be part of what scatters
 KNOWN_SIZE = 0.3  # by which physics that is known beforehand may differ from what is known
 SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
 
@@ -66,6 +67,7 @@ class Scrutiny:
             or _inhomogeneous(evidence, number, unlike)
             or _channel_worse(evidence, number)
             or _undetermined(evidence, number, values, u)
+            or _scattered(evidence, number)
             or unseen_turning(evidence, number)
             or made_by_placing(evidence, number)
             or jump_at_one_end(evidence, number)
@@ -155,6 +157,14 @@ def _undetermined(
         "undetermined", evidence.groups[number].name, parameter.name, unit_of(parameter),
         float(values[k]), COVERAGE * float(u[k]),
     )  # fmt: skip
+
+
+def _scattered(evidence: Evidence, number: int) -> Refusal | None:
+    """Where it is weak beside a residual that varies more between stretches than noise does."""
+    times = evidence.scatter.dispersion(number)
+    if times < SCATTERED or evidence.delta_bic(number) > WEAK:
+        return None
+    return Refusal("scatter", evidence.groups[number].name, value=times)
 
 
 def _parameters(evidence: Evidence, number: int) -> list[Parameter]:

@@ -7,11 +7,13 @@ import numpy as np
 
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
+from tasks.model.terms.memory import BIAS_RANDOM_WALK
 
 SMALL = 0.02  # of the mismatch above noise: an engineer looks elsewhere first
 SHADOW = 0.15  # of what stays unexplained in its channels: who removes less has no name
 WEAK = 100.0  # ΔBIC up to which something far stronger beside it may have made it: z of about ten
 FORM = 0.1  # relative: as well as the form of a strong effect is known
+HYSTERESIS = "hysteresis"
 MOSTLY_NOISE = 1.5  # chi-squared per degree of freedom up to which an account is complete
 
 
@@ -68,6 +70,21 @@ def _named_or_incomplete(finding: Finding, left: LeftOver) -> Finding:
     return _unnamed(finding, Refusal("incomplete", finding.effect, value=after))
 
 
+def without_slivers(findings: Sequence[Finding], nuisances: Collection[str]) -> list[Finding]:
+    """The findings, those of the catalogue without a name that remove less of the mismatch than the
+    forms of the others may leave; whatever their evidence, which grows with the length of a run.
+
+    nuisances: names that every model of such a recording contains; their shares do not count.
+    """
+    beside = 1.0 - sum(one.share for one in findings if one.effect in nuisances)
+    return [
+        one
+        if one.effect in nuisances or not one.terms or one.share >= FORM**2 * beside
+        else _form_error(one, beside / max(one.share, 1e-300))
+        for one in findings
+    ]
+
+
 def without_form_errors(
     findings: Sequence[Finding], beside: Sequence[Finding] = ()
 ) -> list[Finding]:
@@ -75,17 +92,35 @@ def without_form_errors(
 
     A strong effect whose form is a little different from its equation leaves a residual of its
     square, and that resembles whatever is left in the catalogue. beside: what else was found.
+    Memory has so many published forms that a drift weaker than it, in channels that it changes,
+    may be its form's.
     """
     gains = [one.gain for one in (*findings, *beside)]
     strongest = max(gains, default=0.0)
-    return [_named_or_form_error(one, strongest) for one in findings]
+    memory = [one for one in findings if one.effect == HYSTERESIS]
+    return [_drift_or_memory(_named_beside(one, strongest), memory) for one in findings]
 
 
-def _named_or_form_error(finding: Finding, strongest: float) -> Finding:
-    clear = finding.delta_bic > WEAK or finding.gain > FORM**2 * strongest
-    if finding.effect == UNNAMED or not finding.behaviour or clear:
+def _named_beside(finding: Finding, strongest: float) -> Finding:
+    if finding.delta_bic > WEAK or finding.gain > FORM**2 * strongest:
         return finding
-    times = strongest / max(finding.gain, 1e-300)
+    return _form_error(finding, strongest / max(finding.gain, 1e-300))
+
+
+def _drift_or_memory(finding: Finding, memory: Sequence[Finding]) -> Finding:
+    shared = [one.gain for one in memory if set(one.channels) & set(finding.channels)]
+    strongest = max(shared, default=0.0)
+    if finding.effect != BIAS_RANDOM_WALK.name or finding.gain >= strongest:
+        return finding
+    return _form_error(finding, strongest / max(finding.gain, 1e-300))
+
+
+def _form_error(finding: Finding, times: float) -> Finding:
+    """Without its name, as what the form of others, `times` as large, may leave; physics that is
+    known beforehand keeps it.
+    """
+    if finding.effect == UNNAMED or not finding.behaviour:
+        return finding
     return _unnamed(finding, Refusal("form_error", finding.effect, value=times))
 
 

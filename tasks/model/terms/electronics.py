@@ -19,11 +19,13 @@ REACH, FADED = 5, 5.0  # rows and time constants from what is not known: nothing
 
 @dataclass(frozen=True)
 class Bandwidth(Term):
-    """A Butterworth low-pass of second order, at rest before each take: one corner for all
-    channels, or one for each triad.
+    """A Butterworth low-pass of first or second order, at rest before each take: one corner for
+    all channels, or one for each triad.
 
     In its time constant 1/(2π·corner) it is smooth through zero: a negative one looks ahead.
     """
+
+    order: int = 2
 
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
         if not values.any():
@@ -32,11 +34,11 @@ class Bandwidth(Term):
         behind = readings.copy()
         for channels, constant in zip(np.array_split(EVERY, len(values)), constants, strict=True):
             for take in motion.takes if constant else ():
-                behind[take, channels] = _low_passed(readings[take, channels], constant)
+                behind[take, channels] = _low_passed(readings[take, channels], constant, self.order)
         return behind
 
 
-def _low_passed(readings: np.ndarray, constant: float) -> np.ndarray:
+def _low_passed(readings: np.ndarray, constant: float, order: int) -> np.ndarray:
     """Readings (n, k) of one take behind the filter; constant: time constant in rows."""
     known = np.isfinite(readings)
     filled = bridged(readings)
@@ -45,7 +47,7 @@ def _low_passed(readings: np.ndarray, constant: float) -> np.ndarray:
     count = next_fast_len(len(filled) + 2 * more, real=True)
     padded = np.pad(filled, ((more, count - len(filled) - more), (0, 0)), mode="edge")
     s = 1j * _slope(count) * constant
-    response = 1.0 / (1.0 + np.sqrt(2.0) * s + s**2)
+    response = 1.0 / (1.0 + s if order == 1 else 1.0 + np.sqrt(2.0) * s + s**2)
     passed = irfft(rfft(padded, axis=0) * response[:, None], count, axis=0)
     reach = REACH + int(np.ceil(FADED * abs(constant)))
     clear = known.all() or minimum_filter1d(known, 2 * reach + 1, axis=0, mode="nearest")
@@ -65,18 +67,22 @@ def _slope(count: int) -> np.ndarray:
     return np.asarray(sum(c * np.sin(k * x) for k, c in enumerate(shares, start=1)) / 1260.0)
 
 
-def _bandwidth(*names: str) -> Bandwidth:
+def _bandwidth(order: int, *names: str) -> Bandwidth:
+    denominator = "1 + s" if order == 1 else "1 + √2·s + s²"
     return Bandwidth(
         "bandwidth", "electronics", "signal",
-        "Y = X/(1 + √2·s + s²), s = j·2πf·T, corner = 1/(2πT)",
+        f"Y = X/({denominator}), s = j·2πf·T, corner = 1/(2πT)",
         "S. Butterworth, On the theory of filter amplifiers, 1930; IEEE Std 1293",
         tuple(Parameter(name, "T", "s", 1.0, (0.0, 0.05)) for name in names),
         confused_with=("time_offset", "gyro_angular_acceleration", "accel_axis_skew"),
+        order=order,
     )  # fmt: skip
 
 
-BANDWIDTH = _bandwidth("time_constant")
-BANDWIDTH_BY_TRIAD = _bandwidth("gyro_time_constant", "accel_time_constant")
+BANDWIDTH = _bandwidth(2, "time_constant")
+BANDWIDTH_BY_TRIAD = _bandwidth(2, "gyro_time_constant", "accel_time_constant")
+FIRST_ORDER = _bandwidth(1, "lag")
+FIRST_ORDER_BY_TRIAD = _bandwidth(1, "gyro_lag", "accel_lag")
 
 
 def corner(time_constant: float) -> float:
@@ -86,4 +92,5 @@ def corner(time_constant: float) -> float:
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     """The low-pass, which any motion may show: of one corner, and of one for each triad."""
-    return (BANDWIDTH, BANDWIDTH_BY_TRIAD) if len(motion.t) > 1 else ()
+    forms = BANDWIDTH, BANDWIDTH_BY_TRIAD, FIRST_ORDER, FIRST_ORDER_BY_TRIAD
+    return forms if len(motion.t) > 1 else ()

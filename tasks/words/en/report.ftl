@@ -79,9 +79,11 @@ report-refused-undetermined = It resembles “{ $effect }”, but none of that e
 report-refused-reference-noise = It resembles “{ $effect }”, but errors of the reference alone could produce as much; the name is therefore withheld.
 report-refused-placed = It resembles “{ $effect }”, but the unit's orientation is known from labels alone, and that effect has enough parameters to absorb all that the { $placed } rests leave: placement errors would look the same. The name is therefore withheld.
 report-refused-one-end = It resembles “{ $effect }”, but it lies so close to the start or end of the recording that a single rest or a warm-up would look the same; the name is therefore withheld.
+report-refused-leakage = It resembles “{ $effect }”, but a finding without a name has { $times } times its evidence, and part of whatever that is may look like this effect; the name is therefore withheld.
 report-refused-overshadowed = It resembles “{ $effect }”, but the unexplained residual in its channels is { $times } times larger than what that effect would remove and may well contain it; the name is therefore withheld.
-report-refused-form-error = It resembles “{ $effect }”, but another finding has { $times } times its evidence, and a slight error in the form of that finding's equation would leave as much; the name is therefore withheld.
+report-refused-form-error = It resembles “{ $effect }”, but other findings weigh { $times } times as much, and a slight error in the form of their equations would leave as much; the name is therefore withheld.
 report-refused-incomplete = It resembles “{ $effect }”, but its channels still show { $times } times the noise (χ² per degree of freedom): something else is present, and this may be part of it. The name is therefore withheld.
+report-refused-scatter = It resembles “{ $effect }”, but from stretch to stretch of the recording the residual varies { $times } times as much as noise would (variance), and beside that its evidence is weak; the name is therefore withheld.
 
 # What to do about it.
 report-next-implausible = check for { $usual }; correct it and run explain again

@@ -79,9 +79,11 @@ report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个
 report-refused-reference-noise = 其表现类似“{ $effect }”，但参考装置自身的误差即可造成同样大小的变化，故不予此名。
 report-refused-placed = 其表现类似“{ $effect }”，但产品的姿态仅由标注给出，而 { $placed } 个静止位置所余的数据个数不多于该效应的参数个数：摆放误差也会呈现同样的结果，故不予此名。
 report-refused-one-end = 其表现类似“{ $effect }”，但发生时刻过于接近记录的开头或末尾：单独一次静止或预热也会呈现同样的结果，故不予此名。
+report-refused-leakage = 其表现类似“{ $effect }”，但另一项未能定名的发现的证据是它的{ $times }倍，该未知因素的一部分即可呈现同样的结果，故不予此名。
 report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中未得到解释的部分是它所消除部分的{ $times }倍，很可能包含了它，因此不以此命名。
-report-refused-form-error = 其表现类似“{ $effect }”，但另一项发现的证据是它的{ $times }倍，后者的形式与其方程稍有差异即可留下同样的残余，故不予此名。
+report-refused-form-error = 其表现类似“{ $effect }”，但其他发现的分量是它的{ $times }倍，其方程的形式稍有差异即可留下同样的残余，故不予此名。
 report-refused-incomplete = 其表现类似“{ $effect }”，但相应通道中的剩余仍为噪声的{ $times }倍（χ²/自由度），说明另有物理因素，该变化可能只是其中一部分，故不予此名。
+report-refused-scatter = 其表现类似“{ $effect }”，但剩余在各时段之间的变化为噪声所应有的{ $times }倍（方差），相比之下证据不足，故不予此名。
 
 # 下一步。
 report-next-implausible = 检查是否存在：{ $usual }；更正后重新解释

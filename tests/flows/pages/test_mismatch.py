@@ -35,7 +35,7 @@ from storage.catalogue import explanations, run_index
 from storage.home import Home
 from tests.proof.line.draw import Line
 
-SAID = Statement(en="Said.", zh="说。")
+ANSWER = Statement(en="Said.", zh="说。")
 TILT = FoundParameter(name="east", value=1e-4, unit="rad", u=1e-5)
 EVERYTHING = MismatchQuestion()
 
@@ -49,20 +49,20 @@ def discrepancy(effect: str | None) -> Discrepancy:
     )
     finding = [
         ReportedFinding(
-            effect=name, family="table", title=SAID, channels=("accel_x",), where=(),
+            effect=name, family="table", title=ANSWER, channels=("accel_x",), where=(),
             parameters=(TILT,), evidence=EvidenceFor(delta_bic=10.0, held_out_gain_nats=1.0),
             share=0.9, homogeneity_p=None, group=None, equation="", source="",
-            consequences=moved, next=SAID, statement=SAID,
+            consequences=moved, next=ANSWER, statement=ANSWER,
         )
         for name in [effect]
         if name is not None
     ]  # fmt: skip
     held_out = HeldOut(rms_ratio={}, chi2_per_dof_before=1.0, chi2_per_dof_after=1.0)
     return Discrepancy(
-        recording_id="r", code_version="1", model=SAID,
+        recording_id="r", code_version="1", model=ANSWER,
         verdict="explained" if finding else "no_mismatch",
         detection=Detection(p_value=0.1, false_alarm_rate=0.005), explained_share=1.0,
-        left_over={}, findings=tuple(finding), held_out=held_out, statement=SAID,
+        left_over={}, findings=tuple(finding), held_out=held_out, statement=ANSWER,
     )  # fmt: skip
 
 
@@ -74,11 +74,11 @@ def review(
     evidence = PooledEvidence(delta_bic=100.0, per_run_z_median=3.0, runs_that_show_it=5, runs=6)
     finding = ReviewFinding.model_validate({
         "effect": "axis_tilt", "level": level, "carrier": carrier, "since": moment,
-        "parameters": (value,), "evidence": evidence, "statement": SAID, "touched": touched,
+        "parameters": (value,), "evidence": evidence, "statement": ANSWER, "touched": touched,
     })  # fmt: skip
     answer = Review(
         runs=6, verdict="explained", detection=Detection(p_value=0.0, false_alarm_rate=0.01),
-        findings=(finding,), statement=SAID,
+        findings=(finding,), statement=ANSWER,
     )  # fmt: skip
     return KeptReview(at=datetime(2026, 11, 1, tzinfo=UTC), review=answer)
 

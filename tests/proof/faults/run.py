@@ -1,110 +1,116 @@
-"""One run on a virtual station with a fault: how it ended, and what it left."""
+"""Random faults at random times, each in a run of its own; a table of how they ended."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+import time
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure
-from schemas.recording import Manifest, Recording, Stream, joined
-from tasks.station import procedures
+from schemas.recording import Recording
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.process import running
-from tests.proof.faults.client import OF_THE_CLIENT, run_of_client
-from tests.proof.faults.outcome import Outcome, comes_to_rest
-from tests.tasks.station.in_memory import InMemoryStation
-from tests.tasks.station.over_sockets import over_sockets
+from tasks.station.virtual.faults import FAULTS, StationFault
+from tests.proof.faults.client import OF_THE_CLIENT
+from tests.proof.faults.judge import kind, violations
+from tests.proof.faults.run_with_fault import IN_REAL_TIME, procedure_of, run_in_memory, run_with
 
-SPEED, SPEED_IN_MEMORY = 100.0, 160.0  # times the clock
-SLOW_ANSWERS = {"modbus_slow": 10.0}  # at which an answer is late by 2 s of the station's time
-DWELL_S = 31.0  # what the specification asks, and a little more
-AT_REST = 1e-3  # deg/s
-REST_STEPS = 60_000  # ms in which it comes to rest, where nobody sees it
-# Faults of the links and of the station's computer, which a run in this process has not.
-OVER_SOCKETS = frozenset({
-    "modbus_silent", "modbus_exception", "modbus_address", "modbus_busy", "modbus_zeros",
-    "modbus_ones", "modbus_slow", "modbus_very_slow", "modbus_cut", "modbus_cut_often",
-    "chamber_silent", "chamber_frozen", "busy_computer", "power_cut", "unit_cut",
-})  # fmt: skip
-IN_REAL_TIME = OVER_SOCKETS | OF_THE_CLIENT.keys()
-UNSEEN = ("power_cut", "unit_cut")  # the unit does not tell any more whether the table turns
+EVIDENCE = Path(__file__).parents[1] / "evidence" / "faults.md"
+LATEST_S = 600.0  # station time: a sound run takes a bit longer
+LATEST_IN_REAL_TIME_S = 200.0  # of a briefer run, on a station that is slower than it was asked
+KINDS = ("recovered", "repeated", "remarks", "invalid", "stopped")
+AT_ONCE = 6  # some wait for their stations
+NOT_IN_THIS_PROCEDURE = ("fixture_stays",)
 
 
-@dataclass
-class Sink:
-    """What was recorded, and the manifest as it is known."""
-
-    pieces: dict[str, list[Stream]] = field(default_factory=dict)
-    known: Manifest | None = None
-
-    def append(self, name: str, stream: Stream) -> None:
-        self.pieces.setdefault(name, []).append(stream)
-
-    def manifest(self, manifest: Manifest) -> None:
-        self.known = manifest
-
-    def recording(self) -> Recording:
-        assert self.known is not None
-        streams = {name: joined(pieces) for name, pieces in self.pieces.items()}
-        return Recording(
-            self.known, streams["imu"], streams.get("table"), None, streams.get("environment")
-        )
+WHAT_HAPPENS = {name: what for name, (_, what) in FAULTS.items()} | OF_THE_CLIENT
 
 
-def short_procedure(dwell_s: float, axes: str = "xyz", warm_up_s: float = 1.0) -> Procedure:
-    """Six positions and two rates each way about the axes, a dwell (s) each."""
-    values = procedures.load("jjf2003").model_dump()
-    steps = [step | {"dwell_s": dwell_s} for step in values["steps"] if step["kind"] == "position"]
-    runs = [
-        step | {"dwell_s": dwell_s, "rates_deg_s": (-100, -50, 50, 100)}
-        for step in values["steps"]
-        if step["kind"] == "rate_run"
+@dataclass(frozen=True)
+class Ended:
+    """How a run with a fault ended: one of KINDS, with what must not be, and its sentence."""
+
+    fault: StationFault
+    how: str
+    violations: list[str]
+    sentence: str
+
+
+def drawn(seed: int, count: int) -> list[StationFault]:
+    """As many faults, every name in turn, each at a random time."""
+    rng = np.random.default_rng(seed)
+    names = [name for name in WHAT_HAPPENS if name not in NOT_IN_THIS_PROCEDURE]
+    order = [str(name) for _ in range(count // len(names) + 1) for name in rng.permutation(names)]
+    return [
+        StationFault(name, round(rng.uniform(0.0, _latest_s(name)), 1)) for name in order[:count]
     ]
-    ups = {step["up"]: step for step in reversed(steps)}
-    turns = {step["axis"]: step for step in reversed(runs) if step["axis"] in axes}
-    values |= {"steps": (*ups.values(), *turns.values()), "warm_up_s": warm_up_s}
-    return Procedure.model_validate(values)
 
 
-def procedure_of(name: str) -> Procedure:
-    """That of runs with a fault: in real time a briefer one."""
-    return short_procedure(DWELL_S, "x" if name in IN_REAL_TIME else "xyz")
+def _latest_s(name: str) -> float:
+    return LATEST_IN_REAL_TIME_S if name in IN_REAL_TIME else LATEST_S
 
 
-def run_with(fault: StationFault, config: VirtualStation) -> Outcome:
-    """A run with a fault."""
-    if fault.name in OF_THE_CLIENT:
-        return run_of_client(fault, procedure_of(fault.name), config)
-    if fault.name in OVER_SOCKETS:
-        return _over_sockets(fault, config)
-    return run_in_memory(procedure_of(fault.name), config, [fault])
+def run_faults(count: int, seed: int, write: bool) -> None:
+    """Hold the runs and print their table, which grows as they end.
+
+    Raises Unusable where anything is violated.
+    """
+    began_s, found = time.monotonic(), []
+    with ProcessPoolExecutor(AT_ONCE) as pool:
+        faults = sorted(drawn(seed, count), key=lambda fault: fault.name in IN_REAL_TIME)
+        for done in as_completed([pool.submit(run_one, fault) for fault in faults]):
+            found.append(one := done.result())
+            response = "; ".join(one.violations) or one.sentence[:110]
+            print(f"{one.fault!s:30} {one.how:10} {response}", flush=True)
+            if write:
+                text = page(found, seed, time.monotonic() - began_s)
+                EVIDENCE.write_text(text, encoding="utf-8")
+    print(page(found, seed, time.monotonic() - began_s))
+    if wrong := sum(bool(one.violations) for one in found):
+        raise Unusable(f"{wrong} of {count} runs with a fault did not end as they should")
 
 
-def run_in_memory(
-    procedure: Procedure, config: VirtualStation, faults: Iterable[StationFault] = ()
-) -> Outcome:
-    """A run in this process and in simulated time."""
-    station, sink = InMemoryStation(config, SPEED_IN_MEMORY, faults), Sink()
+def run_one(fault: StationFault) -> Ended:
+    """One run with a fault, and how it is judged."""
     try:
-        acquired, sentence = station.acquire(procedure, sink), ""
-    except Unusable as stop:
-        acquired, sentence = None, str(stop)
-    station.simulation.condition = type(station.simulation.condition)()
-    station.simulation.table.hunting_rad = 0.0
-    station.simulation.table.advance(REST_STEPS)
-    moves = np.abs(np.degrees(station.simulation.table.rate)).max() > AT_REST
-    recording = sink.recording() if acquired else None
-    return Outcome(recording, acquired, sentence, station.table.has_been_left and not moves)
+        outcome = run_with(fault, VirtualStation())
+    except Unusable as failure:
+        return Ended(fault, "stopped", [f"it was not held: {failure}"], "")
+    against = violations(fault.name, outcome, _sound(procedure_of(fault.name)))
+    return Ended(fault, kind(outcome), against, outcome.sentence)
 
 
-def _over_sockets(fault: StationFault, config: VirtualStation) -> Outcome:
-    with running(config, SLOW_ANSWERS.get(fault.name, SPEED), [fault]) as station:
-        sink = Sink()
-        try:
-            acquired, sentence = over_sockets(station, procedure_of(fault.name), sink), ""
-        except Unusable as stop:
-            acquired, sentence = None, str(stop)
-        at_rest = None if fault.name in UNSEEN else comes_to_rest(station, config.unit.gyro.lsb)
-    return Outcome(sink.recording() if acquired else None, acquired, sentence, at_rest)
+@cache
+def _sound(procedure: Procedure) -> Recording:
+    sound = run_in_memory(procedure, VirtualStation()).recording
+    assert sound is not None
+    return sound
+
+
+def page(found: Sequence[Ended], seed: int, seconds: float) -> str:
+    """The table of how runs with each fault ended."""
+    ended: dict[str, Counter[str]] = {}
+    for one in found:
+        ended.setdefault(one.fault.name, Counter())[one.how] += 1
+    wrong = [f"{one.fault}: {'; '.join(one.violations)}" for one in found if one.violations]
+    rows = [
+        f"| `{name}` | {WHAT_HAPPENS[name]} | "
+        + " | ".join(str(counts[how] or "") for how in KINDS) + " |"
+        for name, counts in sorted(ended.items())
+    ]  # fmt: skip
+    return "\n".join([
+        "# Runs in which something fails", "",
+        f"{len(found)} runs of a short procedure (seed {seed}, {seconds:.0f} s), each with one "
+        "fault of the station or of the computer that acquires, from a random time on: "
+        f"{len(wrong)} violations.", "",
+        "Recovered: valid, with the values of the sound run. Repeated: so, after segments were "
+        "measured again. Remarks: with those values, and no unit passes. Invalid: no "
+        "verdict. Stopped: one sentence. The table is at rest at the end.", "",
+        "| fault | what happens | " + " | ".join(KINDS) + " |",
+        "|---|---|" + "---:|" * len(KINDS), *rows, "",
+        *(f"- {each}" for each in wrong),
+    ]).rstrip() + "\n"  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 from tasks.review.pool import ReviewedRun
 from tests.proof.plant.case import Case, Data, EffectCall
 from tests.proof.plant.effects import effects_of
-from tests.proof.plant.hearing import hear
+from tests.proof.plant.noise_free_case import without_noise
 from tests.proof.plant.procedures import plan_of
 from tests.proof.plant.visibility import at_visibility
 from tests.proof.plant.world import Setting
@@ -176,10 +176,10 @@ def _effect(
 def _sized(base: Case, name: str, z: float) -> EffectCall | None:
     case = base.model_copy(update={"effects": (EffectCall(name=name),)})
     try:
-        heard = hear(at_visibility(case, name, z))
+        noise_free = without_noise(at_visibility(case, name, z))
     except ValueError:
         return None
-    return EffectCall(name=name, parameters=dict(heard.effects[0].parameters))
+    return EffectCall(name=name, parameters=dict(noise_free.effects[0].parameters))
 
 
 def _spread(

@@ -28,7 +28,7 @@ class Judged:
     since_off: int | None
     alarms: int
     wrong: tuple[str, ...]
-    said: str
+    response: str
 
     @property
     def right(self) -> bool:
@@ -59,7 +59,7 @@ def judged(fleet: Fleet, review: Review) -> Judged:
         since_off=_since_off(fleet, best) if best and here else None,
         alarms=len(review.findings) if fleet.effect is None else 0,
         wrong=tuple(one.effect for one in review.findings if truth and not _is(one, truth)),
-        said="; ".join(_said(one) for one in review.findings) or "nothing",
+        response="; ".join(_response(one) for one in review.findings) or "nothing",
     )
 
 
@@ -73,7 +73,7 @@ def _places(finding: ReviewFinding) -> list[tuple[str, str]]:
     return [(str(finding.level), finding.carrier), *others]
 
 
-def _said(finding: ReviewFinding) -> str:
+def _response(finding: ReviewFinding) -> str:
     names = " or ".join((finding.effect, *finding.indistinguishable_from))
     where = " or ".join(f"{level} {carrier}" for level, carrier in _places(finding))
     return f"{names} at {where}"

@@ -172,5 +172,5 @@ def _row(one: Judged) -> str:
     all_runs = "" if fleet.z is None else f"{_evidence(one):.0f}"
     return (
         f"| {fleet.number} | {kind} | {effect} | {z} | {one.runs} of {len(fleet.runs)} | "
-        f"{all_runs} | {one.said} | {right} |"
+        f"{all_runs} | {one.response} | {right} |"
     )

@@ -21,14 +21,14 @@ def played(fleet: Fleet, run: FleetRun) -> Recording:
 def manifest_of_run(fleet: Fleet, run: FleetRun) -> Manifest:
     """Its manifest, with the names that the fleet has for unit, model, station and site."""
     case = fleet.case_of(run)
-    told = manifest_of(case, plan_of(case)).model_dump(mode="json", exclude_none=True)
-    told["recording_id"] = f"fleet_{fleet.number}_{run.day:04d}"
-    told["acquired_at"] = (BEGINNING + timedelta(days=run.day)).isoformat()
-    told["unit"] |= {"serial": unit_name(run.unit), "model": model_name(fleet.models[run.unit])}
-    told["station"] |= {
+    declared = manifest_of(case, plan_of(case)).model_dump(mode="json", exclude_none=True)
+    declared["recording_id"] = f"fleet_{fleet.number}_{run.day:04d}"
+    declared["acquired_at"] = (BEGINNING + timedelta(days=run.day)).isoformat()
+    declared["unit"] |= {"serial": unit_name(run.unit), "model": model_name(fleet.models[run.unit])}
+    declared["station"] |= {
         "id": station_name(run.station), "site": site_name(fleet.sites[run.station])
     }  # fmt: skip
-    return Manifest.model_validate(told)
+    return Manifest.model_validate(declared)
 
 
 def carrier_name(fleet: Fleet) -> str:

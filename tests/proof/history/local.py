@@ -79,17 +79,17 @@ def measured(
     command = (*MIMUCAL, "reprocess", *engine, "--json")
     for _ in range(2):  # the first makes Prefect's database
         nothing = watched((*command, "--serial", "nobody"), variables)
-    seen = watched(command, variables, meanwhile)
-    report = json.loads(seen.out)
+    observation = watched(command, variables, meanwhile)
+    report = json.loads(observation.out)
     return Again(
         done=report["done"] - report["done_before"],
         failed=report["failed"],
         bare_s=bare_s[0],
         bare_processor_s=bare_s[1],
-        wall_s=seen.wall_s,
+        wall_s=observation.wall_s,
         stage_s=report["seconds"],
-        processor_s=seen.processor_s,
-        prefect_s=seen.prefect_s + nothing.processor_s - nothing.prefect_s,
-        memory=seen.memory,
+        processor_s=observation.processor_s,
+        prefect_s=observation.prefect_s + nothing.processor_s - nothing.prefect_s,
+        memory=observation.memory,
         load=os.getloadavg()[0],
     )

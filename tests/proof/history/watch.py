@@ -57,21 +57,21 @@ def watched(
         command, env=dict(variables), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     used, memory = dict(before), 0
-    said: list[str] = []
-    reader = threading.Thread(target=lambda: said.extend(process.communicate()))
+    response: list[str] = []
+    reader = threading.Thread(target=lambda: response.extend(process.communicate()))
     reader.start()
     while reader.is_alive():
         memory = max(memory, _look(used))
         meanwhile()
         reader.join(EVERY_S)
     if process.returncode:
-        raise RuntimeError(said[1])
+        raise RuntimeError(response[1])
     own = [
         (seconds - before.get(name, (0.0, False))[0], of_server)
         for name, (seconds, of_server) in used.items()
     ]
     return Watched(
-        out=said[0],
+        out=response[0],
         wall_s=time.perf_counter() - began,
         processor_s=sum(seconds for seconds, _ in own),
         prefect_s=sum(seconds for seconds, of_server in own if of_server),

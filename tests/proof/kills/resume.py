@@ -18,7 +18,7 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
-from tests.proof.faults.run import run_in_memory
+from tests.proof.faults.run_with_fault import run_in_memory
 from tests.proof.kills.go_on import SPEED, killed_and_resumed
 
 AT_ONCE = 3
@@ -53,7 +53,7 @@ class Resumed:
         return self.worst <= 1.0
 
 
-def hold(
+def run_all(
     folder: Path, count: int, procedure: Procedure, report: Callable[[int, int], None]
 ) -> list[Resumed]:
     """An uninterrupted run, and kills of the seeds 1 to count; resumes.md in the folder."""

@@ -29,9 +29,9 @@ ASKED: tuple[dict[str, str], ...] = (
 
 @dataclass(frozen=True)
 class Judged:
-    """told: the cells of the page of evidence by name. faults: what is not as it should be."""
+    """declared: the cells of the page of evidence by name. faults: what is not as it should be."""
 
-    told: dict[str, Any]
+    declared: dict[str, Any]
     faults: tuple[str, ...]
 
 
@@ -44,12 +44,16 @@ def judge(home: Home, answer: dict[str, Any]) -> Judged:
         tilted = _get(address, "quality", dict(zip(("item", "element"), TILTED, strict=True)))
         others = list(own_pages.pairs(database, partial(_get, address)))
     compared = [
-        (f"{asked} {name}", told, own)
+        (f"{asked} {name}", declared, own)
         for asked, shown in quality
-        for name, told, own in _pairs(shown, own_numbers(database, shown, asked))
+        for name, declared, own in _pairs(shown, own_numbers(database, shown, asked))
     ]
     wrong, wrong_elsewhere = (
-        [f"{what}: {told} and not {own}" for what, told, own in each if not same(told, own)]
+        [
+            f"{what}: {declared} and not {own}"
+            for what, declared, own in each
+            if not same(declared, own)
+        ]
         for each in (compared, others)
     )
     carried, faults = _carried(mismatch, answer, database)
@@ -58,21 +62,21 @@ def judge(home: Home, answer: dict[str, Any]) -> Judged:
     named, elsewhere, false = _single(mismatch, answer)
     if off != [answer["station"]]:
         faults.append(f"the stations that are off are {off}")
-    told = {
+    declared = {
         "same": len(compared) - len(wrong), "numbers": len(compared), "truth": answer["station"],
         "since_truth": answer["since"][:10], "off": ", ".join(off) or "none",
         "size_truth": f"{1e6 * answer['east_rad']:.0f}, {1e6 * answer['north_rad']:.0f}",
         "named": named, "others": elsewhere, **carried,
         "same_others": len(others) - len(wrong_elsewhere), "numbers_others": len(others),
     }  # fmt: skip
-    return Judged(told, (*wrong[:5], *wrong_elsewhere[:5], *faults, *false))
+    return Judged(declared, (*wrong[:5], *wrong_elsewhere[:5], *faults, *false))
 
 
-def same(told: Any, own: Any) -> bool:
+def same(declared: Any, own: Any) -> bool:
     """Numbers to the last digits of a double, all else as it is."""
-    if isinstance(told, int | float) and isinstance(own, int | float):
-        return bool(np.isclose(told, own, rtol=1e-9, atol=1e-15))
-    return bool(told == own)
+    if isinstance(declared, int | float) and isinstance(own, int | float):
+        return bool(np.isclose(declared, own, rtol=1e-9, atol=1e-15))
+    return bool(declared == own)
 
 
 def _get(address: str, page: str, asked: dict[str, str]) -> dict[str, Any]:
@@ -90,16 +94,16 @@ def _pairs(shown: dict[str, Any], own: Own) -> list[tuple[str, float | None, flo
         counted = getattr(own, part)
         found.append((f"{part} groups", len(yields), len(counted)))
         for name, (passed, of) in counted.items():
-            told = yields.get(name, {})
-            found += [(f"{part} {name} passed", told.get("passed"), passed),
-                      (f"{part} {name} of", told.get("of"), of)]  # fmt: skip
+            declared = yields.get(name, {})
+            found += [(f"{part} {name} passed", declared.get("passed"), passed),
+                      (f"{part} {name} of", declared.get("of"), of)]  # fmt: skip
     chart, ability = shown["chart"], shown["capability"]
     found += [(name, ability[name], value) for name, value in own.capability.items()]
     found += [(name, ability[name]["value"], value) for name, value in own.indices.items()]
     found += [(name, chart[name], value) for name, value in own.chart.items()]
-    told = {point["run"]: point["value"] for point in chart["points"]}
-    found.append(("points", len(told), len(own.values)))
-    found += [(f"value of {run}", told.get(run), value) for run, value in own.values.items()]
+    declared = {point["run"]: point["value"] for point in chart["points"]}
+    found.append(("points", len(declared), len(own.values)))
+    found += [(f"value of {run}", declared.get(run), value) for run, value in own.values.items()]
     return found
 
 
@@ -108,10 +112,10 @@ def _carried(
 ) -> tuple[dict[str, Any], list[str]]:
     """What the review says, in cells, and where that is not the truth."""
     findings = shown["review"]["findings"] if shown["review"] else []
-    told = [f"{each['finding']['level']} {each['finding']['carrier']}" for each in findings]
-    cells = {"found": ", ".join(told) or "nothing", "since": "–", "size": "–"}
-    if told != [f"station {answer['station']}"]:
-        return cells, [f"the review finds {told} and not the tilted station alone"]
+    declared = [f"{each['finding']['level']} {each['finding']['carrier']}" for each in findings]
+    cells = {"found": ", ".join(declared) or "nothing", "since": "–", "size": "–"}
+    if declared != [f"station {answer['station']}"]:
+        return cells, [f"the review finds {declared} and not the tilted station alone"]
     (carried,) = findings
     finding, faults = carried["finding"], []
     if answer["effect"] != finding["effect"]:

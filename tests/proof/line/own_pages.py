@@ -220,13 +220,13 @@ WHERE = {"station": "r.station = ?", "model": "u.model = ?", "serial": "u.serial
 
 
 def _papers(
-    database: sqlite3.Connection, name: str, told: dict[str, Any], where: str, *values: Any
+    database: sqlite3.Connection, name: str, declared: dict[str, Any], where: str, *values: Any
 ) -> Iterator[Pair]:
     asked = f"""select c.state, count(*) as papers from certificates c join runs r on r.id = c.run
         join units u on u.id = r.unit where {where} group by c.state"""
     own = {row["state"]: row["papers"] for row in database.execute(asked, values)}
-    yield f"{name} issued", told["issued"], own.get("issued", 0)
-    yield f"{name} drafts", told["drafts"], own.get("draft", 0) + own.get("checked", 0)
+    yield f"{name} issued", declared["issued"], own.get("issued", 0)
+    yield f"{name} drafts", declared["drafts"], own.get("draft", 0) + own.get("checked", 0)
 
 
 def _moved(database: sqlite3.Connection, carried: dict[str, Any]) -> Iterator[Pair]:

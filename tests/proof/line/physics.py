@@ -53,9 +53,9 @@ def played(case: Case, truth: UnitErrors, manifest: Manifest | None = None) -> R
     steps = [noise.step for noise in channel_noise(case.grade)]
     recording, rng = simulated.recording, np.random.default_rng([case.seed, 63])
     columns = dict(recording.imu.columns)
-    for channel, course, step in zip(GYRO + ACCEL, own, steps, strict=True):
-        spread = step * (rng.uniform(size=len(course)) - 0.5)  # rounded twice as if once
-        columns[channel] = np.round((columns[channel] + spread + course) / step) * step
+    for channel, series, step in zip(GYRO + ACCEL, own, steps, strict=True):
+        spread = step * (rng.uniform(size=len(series)) - 0.5)  # rounded twice as if once
+        columns[channel] = np.round((columns[channel] + spread + series) / step) * step
     imu = replace(recording.imu, columns=columns)
     return replace(recording, imu=imu, manifest=manifest or recording.manifest)
 

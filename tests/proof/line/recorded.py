@@ -58,9 +58,9 @@ def recording_of(line: Line, unit: LineUnit, run: LineRun) -> Recording:
     tilt = line.tilt if is_tilted(line, run.station, run.at) else None
     case = case_of(line.seed * 100_000 + 100 * unit.number + run.number, unit.grade, tilt)
     recording = played(case, unit.after(run.years, run.kept))
-    told = recording.manifest.model_dump(mode="json", exclude_none=True)
-    told |= manifest_of_run(unit, run)
-    told["station"]["id"] = station_name(run.station)
+    declared = recording.manifest.model_dump(mode="json", exclude_none=True)
+    declared |= manifest_of_run(unit, run)
+    declared["station"]["id"] = station_name(run.station)
     return Recording(
-        Manifest.model_validate(told), recording.imu, recording.table, recording.environment
+        Manifest.model_validate(declared), recording.imu, recording.table, recording.environment
     )

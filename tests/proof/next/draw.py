@@ -3,7 +3,7 @@
 import numpy as np
 
 from tests.proof.plant.case import Case, EffectCall
-from tests.proof.plant.hearing import hear
+from tests.proof.plant.noise_free_case import without_noise
 from tests.proof.plant.visibility import at_visibility
 
 EFFECTS = (
@@ -42,9 +42,11 @@ def draw(seed: int, number: int) -> tuple[Case, str]:
             effects=(EffectCall(name=name),),
         )
         try:
-            heard = hear(at_visibility(case, name, float(np.exp(rng.uniform(low, high)))))
+            noise_free = without_noise(
+                at_visibility(case, name, float(np.exp(rng.uniform(low, high))))
+            )
         except ValueError:  # the procedure does not show it
             continue
         # by its parameters, so that the unit has the same in another run
-        call = EffectCall(name=name, parameters=dict(heard.effects[0].parameters))
+        call = EffectCall(name=name, parameters=dict(noise_free.effects[0].parameters))
         return case.model_copy(update={"effects": (call,)}), name

@@ -122,15 +122,15 @@ def _decided(
         answer = next_recording([run], home, order)
     except Unusable as error:
         return Answer(number=number, effect=effect, refusal=str(error))
-    said = Answer(
+    response = Answer(
         number=number, effect=effect, opened=answer.decides,
         predicted=answer.predicted.delta_chi2, probability=answer.predicted.probability_right,
         minutes=answer.minutes, base_minutes=answer.repeat_of_base.minutes,
         repeated=answer.repeat_of_base.delta_chi2,
     )  # fmt: skip
     if answer.procedure is None:
-        return said.model_copy(update={"refusal": answer.statement.en})
-    return said.model_copy(update=_after(effect, case, answer, settings.read(out, Procedure)))
+        return response.model_copy(update={"refusal": answer.statement.en})
+    return response.model_copy(update=_after(effect, case, answer, settings.read(out, Procedure)))
 
 
 def _after(

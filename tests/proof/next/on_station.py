@@ -41,7 +41,7 @@ size effect.
 
 
 @dataclass(frozen=True)
-class Told:
+class Judged:
     """What `explain` says: the names of each finding, with those it cannot be told from."""
 
     names: tuple[tuple[str, ...], ...]
@@ -70,8 +70,8 @@ def _played(folder: Path, minutes: int) -> str:
     second = _acquired(station, settings.read(out, Procedure), folder / "second.mcap")
     return TEXT.format(
         places="; ".join(_millimetres(place) for place in station.unit.places_m),
-        base=first.imu.t[-1] / 60.0, first=_said(first), most=minutes,
-        sentence=answer.statement.en, seconds=second.imu.t[-1] / 60.0, second=_said(second),
+        base=first.imu.t[-1] / 60.0, first=_response(first), most=minutes,
+        sentence=answer.statement.en, seconds=second.imu.t[-1] / 60.0, second=_response(second),
     )  # fmt: skip
 
 
@@ -93,8 +93,8 @@ def _acquired(station: VirtualStation, procedure: Procedure, path: Path) -> Reco
     return read_mcap(path)
 
 
-def _said(recording: Recording) -> Told:
-    return Told(
+def _response(recording: Recording) -> Judged:
+    return Judged(
         tuple(
             tuple(dict.fromkeys((one.effect, *one.group, *one.indistinguishable)))
             for one in explain(recording).findings

@@ -51,7 +51,7 @@ def page(seed: int, answers: Sequence[Answer]) -> str:
 
 def _figures(opened: Sequence[Answer]) -> str:
     proposed = [one for one in opened if one.is_proposed]
-    told = [one for one in proposed if one.achieved is not None]
+    declared = [one for one in proposed if one.achieved is not None]
     pairs = [one for one in proposed if len(one.opened) > 1]
     single = [one for one in proposed if len(one.opened) == 1]
     thermal = [one for one in opened if one.chamber and one.effect in THERMAL]
@@ -63,7 +63,7 @@ def _figures(opened: Sequence[Answer]) -> str:
         _line("the same, of several that were open", "", pairs, lambda one: one.is_right),
         _line("the same, of one that was suspected", "", single, lambda one: one.is_right),
         _line("a wrong name after it", "", proposed, lambda one: one.is_wrong),
-        _line(f"evidence within a factor {FACTOR:g}", "90 %", told, _near),
+        _line(f"evidence within a factor {FACTOR:g}", "90 %", declared, _near),
     ])  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from storage.catalogue import tables
 from storage.catalogue.database import rows
 from storage.home import Home
 from tests.pages_server import served
-from tests.proof.line.hold import make_line
+from tests.proof.line.run import make_line
 from tests.proof.line.store import recorded_runs
 
 if TYPE_CHECKING:

@@ -16,14 +16,14 @@ import pyarrow.parquet as pq
 from schemas.recording import Recording
 from tests.proof.peers.blocks import BLOCK_RATE
 from tests.proof.peers.gp_discrepancy import gp_discrepancy
+from tests.proof.peers.observation import CHANNELS, Observation, see
 from tests.proof.peers.peer import Answer
 from tests.proof.peers.residual_threshold import residual_threshold
-from tests.proof.peers.seen import CHANNELS, Seen, see
 from tests.proof.peers.sindy import sindy
 from tests.proof.peers.stepwise_bic import stepwise_bic
 
 ANSWER, PREDICTION = "peers.json", "peers.parquet"
-PEERS: Mapping[str, Callable[[Seen], Answer]] = {
+PEERS: Mapping[str, Callable[[Observation], Answer]] = {
     "residual_threshold": residual_threshold,
     "stepwise_bic": stepwise_bic,
     "sindy": sindy,
@@ -41,52 +41,54 @@ def answer_peers(recording: Recording, folder: Path) -> None:
     """
     folder.mkdir(parents=True, exist_ok=True)
     started = time.perf_counter()
-    said: dict[str, Any] = {"format": "mimu-peers/1", "block_rate": BLOCK_RATE}
+    response: dict[str, Any] = {"format": "mimu-peers/1", "block_rate": BLOCK_RATE}
     try:
-        seen = see(recording)
+        observation = see(recording)
     except Exception as failure:
-        said["failed"] = _why(failure)
-        said["peers"] = {name: _failed(failure, 0.0) for name in PEERS}
+        response["failed"] = _why(failure)
+        response["peers"] = {name: _failed(failure, 0.0) for name in PEERS}
     else:
-        said["noise"] = {CHANNELS[c]: _block_noise(seen, c) for c in seen.used}
-        said["prepared_in"] = time.perf_counter() - started
-        said["peers"], predictions = _answers(seen)
+        response["noise"] = {CHANNELS[c]: _block_noise(observation, c) for c in observation.used}
+        response["prepared_in"] = time.perf_counter() - started
+        response["peers"], predictions = _answers(observation)
         pq.write_table(pa.table(predictions), folder / PREDICTION, compression="zstd")
-    said["seconds"] = time.perf_counter() - started
-    (folder / ANSWER).write_text(json.dumps(said, indent=1, ensure_ascii=False), encoding="utf-8")
+    response["seconds"] = time.perf_counter() - started
+    (folder / ANSWER).write_text(
+        json.dumps(response, indent=1, ensure_ascii=False), encoding="utf-8"
+    )
 
 
-def _answers(seen: Seen) -> tuple[dict[str, Any], Predictions]:
-    known = np.asarray((seen.observed.weight > 0).any(axis=1))
+def _answers(observation: Observation) -> tuple[dict[str, Any], Predictions]:
+    known = np.asarray((observation.observed.weight > 0).any(axis=1))
     predictions = {
-        f"{channel}_nominal": np.where(known, seen.nominal[:, c], np.nan).astype(np.float32)
+        f"{channel}_nominal": np.where(known, observation.nominal[:, c], np.nan).astype(np.float32)
         for c, channel in enumerate(CHANNELS)
     }
-    said = {}
+    response = {}
     for name, peer in PEERS.items():
         started = time.perf_counter()
         try:
-            found = peer(seen)
+            found = peer(observation)
         except Exception as failure:
-            said[name] = _failed(failure, time.perf_counter() - started)
+            response[name] = _failed(failure, time.perf_counter() - started)
             continue
-        said[name] = _said(found, time.perf_counter() - started)
-        predictions |= _changed(name, found, seen, known)
-    return said, predictions
+        response[name] = _response(found, time.perf_counter() - started)
+        predictions |= _changed(name, found, observation, known)
+    return response, predictions
 
 
-def _changed(name: str, answer: Answer, seen: Seen, known: np.ndarray) -> Predictions:
+def _changed(name: str, answer: Answer, observation: Observation, known: np.ndarray) -> Predictions:
     """The channels of which a peer predicts something else than the standard's model."""
     if answer.found is None:
         return {}
     return {
         f"{CHANNELS[c]}_{name}": np.where(known, answer.found[:, c], np.nan).astype(np.float32)
-        for c in seen.used
-        if not np.array_equal(answer.found[:, c], seen.nominal[:, c])
+        for c in observation.used
+        if not np.array_equal(answer.found[:, c], observation.nominal[:, c])
     }
 
 
-def _said(answer: Answer, seconds: float) -> dict[str, Any]:
+def _response(answer: Answer, seconds: float) -> dict[str, Any]:
     return {
         "detected": answer.detected,
         "statistic": answer.statistic,
@@ -110,7 +112,7 @@ def _said(answer: Answer, seconds: float) -> dict[str, Any]:
 
 
 def _failed(failure: Exception, seconds: float) -> dict[str, Any]:
-    nothing = _said(Answer(0.0, 0.0), seconds)
+    nothing = _response(Answer(0.0, 0.0), seconds)
     return nothing | {"failed": _why(failure)}
 
 
@@ -118,6 +120,6 @@ def _why(failure: Exception) -> str:
     return f"{type(failure).__name__}: {failure}"
 
 
-def _block_noise(seen: Seen, channel: int) -> float:
+def _block_noise(observation: Observation, channel: int) -> float:
     """Standard deviation of one block's white noise, rad/s or m/s²."""
-    return float(np.sqrt(seen.noises[channel].white * BLOCK_RATE / 2.0))
+    return float(np.sqrt(observation.noises[channel].white * BLOCK_RATE / 2.0))

@@ -21,9 +21,9 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel
 
 from tasks.explain.evidence.held_out import FOLDS
+from tests.proof.peers.observation import CHANNELS, Observation
 from tests.proof.peers.peer import UNNAMED, Answer, HeldOut, Located
 from tests.proof.peers.points import Points, inputs_of, points_of
-from tests.proof.peers.seen import CHANNELS, Seen
 
 THRESHOLD = 4.0  # twice the logarithm of the ratio of likelihoods, of the best channel
 ITERATIONS = 25
@@ -64,31 +64,31 @@ class Fitted:
     lengths: np.ndarray
 
 
-def gp_discrepancy(seen: Seen) -> Answer:
+def gp_discrepancy(observation: Observation) -> Answer:
     """Which channels need a discrepancy, over which inputs, and its mean."""
-    points = points_of(seen)
-    fits = {c: _fit(seen, points, c) for c in seen.used}
+    points = points_of(observation)
+    fits = {c: _fit(observation, points, c) for c in observation.used}
     statistic = max((each.ratio for each in fits.values()), default=0.0)
     over = {c: each for c, each in fits.items() if each.ratio > THRESHOLD}
     located = [_located(c, each) for c, each in over.items()]
     located.sort(key=lambda one: -one.strength)
     if not over:
         return Answer(statistic, THRESHOLD)
-    found = seen.nominal.copy()
-    inputs = inputs_of(seen)
+    found = observation.nominal.copy()
+    inputs = inputs_of(observation)
     for c, each in over.items():
         found[:, c] += each.unit * (each.discrepancy(inputs, each.points.inputs) @ each.weights)
     held_out = _unseen(list(over.values()))
     return Answer(statistic, THRESHOLD, tuple(located), (UNNAMED,), found, held_out)
 
 
-def _fit(seen: Seen, points: Points, channel: int) -> Fitted:
-    whole = len(seen.observed.t) / seen.observed.rate
-    noise = seen.noises[channel]
+def _fit(observation: Observation, points: Points, channel: int) -> Fitted:
+    whole = len(observation.observed.t) / observation.observed.rate
+    noise = observation.noises[channel]
     covariance = np.diag(noise.white / (2.0 * points.seconds[:, channel]))
     unit = float(np.sqrt(np.median(np.diag(covariance))))
     known = (covariance + noise.flicker * points.relaxations(whole)) / unit**2
-    readings = points.mean(seen.left[:, channel, None], channel)[:, 0] / unit
+    readings = points.mean(observation.left[:, channel, None], channel)[:, 0] / unit
     dimensions = points.inputs.shape[1]
     kernel = Known(known) + ConstantKernel(1.0, SIZES) * RBF(np.ones(dimensions), LENGTHS)
     process = GaussianProcessRegressor(kernel, alpha=1e-10, optimizer=_climb)

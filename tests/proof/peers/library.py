@@ -27,7 +27,7 @@ def library(motion: Motion) -> dict[str, np.ndarray]:
     rate = motion.rate
     columns |= {f"|ω_{a}|": np.abs(rate[:, i]) for i, a in enumerate(AXES)}
     columns |= {f"exp(-t/{tau:g})": np.exp(-motion.t / tau) for tau in WARM_UPS}
-    return {name: _bridged(course) for name, course in columns.items()}
+    return {name: _bridged(series) for name, series in columns.items()}
 
 
 def polynomial(motion: Motion) -> dict[str, np.ndarray]:
@@ -38,23 +38,23 @@ def polynomial(motion: Motion) -> dict[str, np.ndarray]:
     columns = dict(inputs)
     for a, b in combinations_with_replacement(crossed, 2):
         columns[f"{a}²" if a == b else f"{a}·{b}"] = crossed[a] * crossed[b]
-    for name, course in inputs.items():
+    for name, series in inputs.items():
         if name[0] in SQUARED:
-            columns[f"{name}³"] = course**3
-    return {name: _bridged(course) for name, course in columns.items()}
+            columns[f"{name}³"] = series**3
+    return {name: _bridged(series) for name, series in columns.items()}
 
 
 def _inputs(motion: Motion) -> dict[str, np.ndarray]:
     return {
-        name: course
-        for name, course in _every(motion)
-        if np.isfinite(course).any() and np.nanstd(course) > LEAST
+        name: series
+        for name, series in _every(motion)
+        if np.isfinite(series).any() and np.nanstd(series) > LEAST
     }
 
 
 def _every(motion: Motion) -> Iterator[tuple[str, np.ndarray]]:
-    for letter, course in (("ω", motion.rate), ("u", motion.up)):
-        yield from ((f"{letter}_{a}", course[:, i]) for i, a in enumerate(AXES))
+    for letter, series in (("ω", motion.rate), ("u", motion.up)):
+        yield from ((f"{letter}_{a}", series[:, i]) for i, a in enumerate(AXES))
     recorded = motion.recorded
     own = "temperature" in recorded
     temperature = recorded.get("temperature", recorded.get("air_temperature"))
@@ -66,14 +66,14 @@ def _every(motion: Motion) -> Iterator[tuple[str, np.ndarray]]:
     for name, symbol in RECORDED.items():
         if name in recorded:
             yield symbol, _centred(recorded[name])
-    for letter, course in (("n", motion.north), ("α", motion.acceleration)):
-        yield from ((f"{letter}_{a}", course[:, i]) for i, a in enumerate(AXES))
+    for letter, series in (("n", motion.north), ("α", motion.acceleration)):
+        yield from ((f"{letter}_{a}", series[:, i]) for i, a in enumerate(AXES))
 
 
-def _centred(course: np.ndarray) -> np.ndarray:
-    return np.asarray(course - course[np.isfinite(course)].mean())
+def _centred(series: np.ndarray) -> np.ndarray:
+    return np.asarray(series - series[np.isfinite(series)].mean())
 
 
-def _bridged(course: np.ndarray) -> np.ndarray:
+def _bridged(series: np.ndarray) -> np.ndarray:
     """Nothing where the motion is not known: those blocks have no weight."""
-    return np.nan_to_num(course)
+    return np.nan_to_num(series)

@@ -60,12 +60,12 @@ def _ladder(observed: Blocks, left: np.ndarray, channel: int) -> tuple[np.ndarra
     freedoms = np.zeros(LONGEST)
     for number in range(len(observed.segments)):
         rows = np.flatnonzero((observed.segment == number) & (observed.weight[:, channel] > 0))
-        course = left[rows]
+        series = left[rows]
         for k, length in enumerate(lengths):
-            count = len(course) // length
+            count = len(series) // length
             if count < FEWEST + 1:
                 break
-            means = course[: count * length].reshape(count, length).mean(axis=1)
+            means = series[: count * length].reshape(count, length).mean(axis=1)
             freedom = max(1.0, 0.67 * (count - 1))  # neighbouring differences share a mean
             typical = (1.0 - 2.0 / (9.0 * freedom)) ** 3  # median of chi-squared over its mean
             found[k].append(float(np.mean(np.diff(means) ** 2) / 2.0 / typical))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.proof.peers.seen import Seen
+from tests.proof.peers.observation import Observation
 
 MOST = 320  # points
 SECTORS = 8  # of a turn
@@ -43,52 +43,52 @@ class Points:
         return np.asarray(np.log(RELAXATIONS_APART) * sum(np.exp(-apart / tau) for tau in taus))
 
 
-def inputs_of(seen: Seen) -> np.ndarray:
+def inputs_of(observation: Observation) -> np.ndarray:
     """(n, d) inputs of δ at the blocks, each over its range; those that vary."""
-    return _scaled(seen)[0]
+    return _scaled(observation)[0]
 
 
-def _scaled(seen: Seen) -> tuple[np.ndarray, tuple[str, ...]]:
-    motion = seen.observed.motion
+def _scaled(observation: Observation) -> tuple[np.ndarray, tuple[str, ...]]:
+    motion = observation.observed.motion
     courses = {f"ω_{a}": motion.rate[:, i] for i, a in enumerate("xyz")}
     courses |= {f"u_{a}": motion.up[:, i] for i, a in enumerate("xyz")}
     courses["t"] = motion.t
     temperature = motion.recorded.get("temperature", motion.recorded.get("air_temperature"))
     if temperature is not None:
         courses["T"] = temperature
-    spans = {name: np.nanmax(course) - np.nanmin(course) for name, course in courses.items()}
-    kept = {name: course for name, course in courses.items() if spans[name] > 1e-6}
-    scaled = [np.nan_to_num(course) / spans[name] for name, course in kept.items()]
+    spans = {name: np.nanmax(series) - np.nanmin(series) for name, series in courses.items()}
+    kept = {name: series for name, series in courses.items() if spans[name] > 1e-6}
+    scaled = [np.nan_to_num(series) / spans[name] for name, series in kept.items()]
     return np.column_stack(scaled), tuple(kept)
 
 
-def points_of(seen: Seen) -> Points:
+def points_of(observation: Observation) -> Points:
     """The points of a recording; a run without labels is cut into stretches of UNLABELLED."""
-    observed = seen.observed
-    inputs, names = _scaled(seen)
-    number = _numbered(_dwells(seen), observed.motion.up)
+    observed = observation.observed
+    inputs, names = _scaled(observation)
+    number = _numbered(_dwells(observation), observed.motion.up)
     rows, m = number >= 0, int(number.max()) + 1
     count = np.bincount(number[rows], minlength=m)
 
-    def mean(course: np.ndarray) -> np.ndarray:
-        return np.asarray(np.bincount(number[rows], course[rows], m) / count)
+    def mean(series: np.ndarray) -> np.ndarray:
+        return np.asarray(np.bincount(number[rows], series[rows], m) / count)
 
     weights = [np.bincount(number[rows], w[rows] ** 2, m) for w in observed.weight.T]
     return Points(
         number=number,
         weight=observed.weight,
-        inputs=np.column_stack([mean(course) for course in inputs.T]),
+        inputs=np.column_stack([mean(series) for series in inputs.T]),
         names=names,
         time=mean(observed.t),
         seconds=np.maximum(np.column_stack(weights) / observed.rate, 1e-9),
-        fold=np.round(mean(seen.fold)).astype(int),
+        fold=np.round(mean(observation.fold)).astype(int),
     )
 
 
-def _dwells(seen: Seen) -> np.ndarray:
+def _dwells(observation: Observation) -> np.ndarray:
     """(n,) the dwell of each block; −1 in moves and where nothing is known."""
-    observed = seen.observed
-    usable = (observed.weight[:, list(seen.used)] > 0).all(axis=1)
+    observed = observation.observed
+    usable = (observed.weight[:, list(observation.used)] > 0).all(axis=1)
     held = np.array([each.kind != "transition" for each in observed.segments] + [False])
     dwell = np.where(usable & held[observed.segment], observed.segment, -1)
     if (dwell >= 0).any():

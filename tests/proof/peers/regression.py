@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from tasks.explain.evidence.held_out import DIFFUSE, FOLDS
+from tests.proof.peers.observation import SAME, Equations, Observation
 from tests.proof.peers.peer import HeldOut
-from tests.proof.peers.seen import SAME, Equations, Seen
 
 
 def partialled_out(gram: np.ndarray, base: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -15,8 +15,8 @@ def partialled_out(gram: np.ndarray, base: int) -> tuple[np.ndarray, np.ndarray,
     are more than what the standard tells."""
     shared = gram[:base, base:]
     rest = gram[base:, base:] - shared.T @ _solved(gram[:base, :base], shared)
-    seen = np.diag(rest)[:-1] > SAME * np.diag(gram)[base:-1]
-    return rest[:-1, :-1], rest[:-1, -1], seen
+    observation = np.diag(rest)[:-1] > SAME * np.diag(gram)[base:-1]
+    return rest[:-1, :-1], rest[:-1, -1], observation
 
 
 def fit(gram: np.ndarray, base: int, chosen: Sequence[int]) -> np.ndarray:
@@ -68,15 +68,15 @@ def unseen(equations: Sequence[Equations | None], chosen: Sequence[Sequence[int]
     return HeldOut(float(np.sqrt(after / before)) if before > 0.0 else 1.0, gain)
 
 
-def predicted(seen: Seen, chosen: Sequence[Sequence[int]]) -> np.ndarray:
+def predicted(observation: Observation, chosen: Sequence[Sequence[int]]) -> np.ndarray:
     """(n, 6) the standard's model with the chosen columns of each channel, fitted together."""
-    found = seen.nominal.copy()
+    found = observation.nominal.copy()
     for c, mine in enumerate(chosen):
-        equations = seen.equations[c]
+        equations = observation.equations[c]
         if equations is None or not mine:
             continue
         values = fit(equations.without(None), equations.base, mine) / equations.scale
-        found[:, c] += seen.standard[c] @ values[: equations.base]
+        found[:, c] += observation.standard[c] @ values[: equations.base]
         for k in mine:
-            found[:, c] += values[equations.base + k] * seen.library[equations.names[k]]
+            found[:, c] += values[equations.base + k] * observation.library[equations.names[k]]
     return found

@@ -59,19 +59,19 @@ class Blocks:
     """Block means (n, 6) of the noise-free truth, and of each method: nominal and found."""
 
     truth: np.ndarray
-    said: Mapping[str, tuple[np.ndarray, np.ndarray]]
+    response: Mapping[str, tuple[np.ndarray, np.ndarray]]
     noise: np.ndarray
 
     @cached_property
     def known(self) -> np.ndarray:
         """(n, 6) bool: where the truth and every method's prediction are known."""
-        every = [self.truth, *(one for pair in self.said.values() for one in pair)]
+        every = [self.truth, *(one for pair in self.response.values() for one in pair)]
         return np.asarray(np.isfinite(every).all(axis=0))
 
     @cached_property
     def ruler(self) -> np.ndarray:
         """(6,) misfits of the standard's model in the fit of it that is nearest to the truth."""
-        fits = [self.misfits(nominal) for nominal, _ in self.said.values()]
+        fits = [self.misfits(nominal) for nominal, _ in self.response.values()]
         return min(fits, key=lambda one: float(one.sum()))
 
     def misfits(self, prediction: np.ndarray) -> np.ndarray:
@@ -91,41 +91,41 @@ def score_peers(sealed: Path, answers: Path) -> list[PeerScore]:
 
 
 def _scores(sealed: Path, answers: Path) -> Iterator[PeerScore]:
-    told, trial = _json(sealed / "truth.json"), _json(sealed / "trial.json")
-    said = {MIMUCAL: _json(answers / "answer.json")}
+    declared, trial = _json(sealed / "truth.json"), _json(sealed / "trial.json")
+    response = {MIMUCAL: _json(answers / "answer.json")}
     peers = _json(answers / "peers.json")
-    said |= {name: _as_answer(peers["peers"][name]) for name in PEERS}
-    channels = {MIMUCAL: _channels_of_mimucal(said[MIMUCAL])}
+    response |= {name: _as_answer(peers["peers"][name]) for name in PEERS}
+    channels = {MIMUCAL: _channels_of_mimucal(response[MIMUCAL])}
     for name in PEERS:
         channels[name] = tuple(dict.fromkeys(e["channel"] for e in peers["peers"][name]["located"]))
     blocks = None
-    if told["effects"] and "noise" in peers:
-        blocks = blocks_of(sealed, answers, peers, "failed" not in said[MIMUCAL])
+    if declared["effects"] and "noise" in peers:
+        blocks = blocks_of(sealed, answers, peers, "failed" not in response[MIMUCAL])
     for name in METHODS:
-        gap, located = None, False if told["effects"] else None
-        if blocks is not None and name in blocks.said:
-            found = float(blocks.misfits(blocks.said[name][1]).sum())
+        gap, located = None, False if declared["effects"] else None
+        if blocks is not None and name in blocks.response:
+            found = float(blocks.misfits(blocks.response[name][1]).sum())
             gap = Gap(float(blocks.ruler.sum()), found, trial["floor"])
             located = holds_most(channels[name], blocks.ruler)
-        score = scored(sealed.name, told, trial, said[name], gap)
-        gain = sum(one["held_out_gain"] for one in said[name].get("findings", []))
+        score = scored(sealed.name, declared, trial, response[name], gap)
+        gain = sum(one["held_out_gain"] for one in response[name].get("findings", []))
         yield PeerScore(name, score, channels[name], located, score.detected and gain > 0.0)
 
 
-def _as_answer(said: Mapping[str, Any]) -> dict[str, Any]:
+def _as_answer(response: Mapping[str, Any]) -> dict[str, Any]:
     """A peer's answer in the form of explain's, so that the same rules score it."""
-    if said["failed"]:
-        return {"failed": said["failed"], "seconds": said["seconds"]}
+    if response["failed"]:
+        return {"failed": response["failed"], "seconds": response["seconds"]}
     findings = [
         {"effect": name, "indistinguishable_from": [], "parameters": [], "held_out_gain": 0.0}
-        for name in (said["names"] if said["detected"] else [])
+        for name in (response["names"] if response["detected"] else [])
     ]
     if findings:
-        findings[0]["held_out_gain"] = said["held_out_gain"]  # all that was found, together
+        findings[0]["held_out_gain"] = response["held_out_gain"]  # all that was found, together
     verdict = "no_mismatch" if not findings else "unexplained"
     if any(one["effect"] != UNNAMED for one in findings):
         verdict = "explained"
-    return {"verdict": verdict, "findings": findings, "seconds": said["seconds"]}
+    return {"verdict": verdict, "findings": findings, "seconds": response["seconds"]}
 
 
 def _channels_of_mimucal(answer: Mapping[str, Any]) -> tuple[str, ...]:
@@ -150,19 +150,19 @@ def blocks_of(sealed: Path, answers: Path, peers: Mapping[str, Any], mimucal: bo
         rows = [table[f"{channel}{ending}"].to_numpy().astype(float) for channel in CHANNELS]
         return block_means(np.column_stack(rows), numbers, count)
 
-    said: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    response: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     if mimucal:
-        told = pq.read_table(answers / "prediction.parquet")
-        said[MIMUCAL] = (means(told, "_nominal"), means(told, "_found"))
+        declared = pq.read_table(answers / "prediction.parquet")
+        response[MIMUCAL] = (means(declared, "_nominal"), means(declared, "_found"))
     nominal = np.column_stack([kept[f"{channel}_nominal"].to_numpy() for channel in CHANNELS])
     for name in PEERS:
         found = nominal.copy()
         for c, channel in enumerate(CHANNELS):
             if f"{channel}_{name}" in kept.column_names:
                 found[:, c] = kept[f"{channel}_{name}"].to_numpy()
-        said[name] = (nominal, found)
+        response[name] = (nominal, found)
     noise = np.array([peers["noise"].get(channel, np.inf) for channel in CHANNELS])
-    return Blocks(means(true), said, noise)
+    return Blocks(means(true), response, noise)
 
 
 def _json(path: Path) -> Any:

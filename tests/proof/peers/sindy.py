@@ -14,9 +14,9 @@ from pysindy import STLSQ
 
 from tasks.explain.evidence.held_out import FOLDS
 from tests.proof.peers.naming import dimension_of, reading_of
+from tests.proof.peers.observation import CHANNELS, Equations, Observation
 from tests.proof.peers.peer import UNNAMED, Answer, Located, in_order
 from tests.proof.peers.regression import partialled_out, predicted, surprise, unseen
-from tests.proof.peers.seen import CHANNELS, Equations, Seen
 
 THRESHOLD = 3.0  # nats gained on held-out segments by the best channel
 GRID = (4.0, 6.0, 10.0, 20.0, 50.0)  # standard deviations a coefficient must have
@@ -26,12 +26,12 @@ DEPENDENT = 1e-8  # of a column's power: rounding
 Reduced = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def sindy(seen: Seen) -> Answer:
+def sindy(observation: Observation) -> Answer:
     """What each channel's sparse model holds; named where its columns have one fair reading."""
     gains, names, located = [0.0], [], []
     which: list[list[int]] = []
-    for c, each in enumerate(seen.equations):
-        gain, mine = (0.0, []) if each is None else _best(each, seen)
+    for c, each in enumerate(observation.equations):
+        gain, mine = (0.0, []) if each is None else _best(each, observation)
         gains.append(gain)
         if each is None or gain <= THRESHOLD:
             which.append([])
@@ -41,14 +41,14 @@ def sindy(seen: Seen) -> Answer:
             names.append((size**2, reading_of(c, each.names[k]) or UNNAMED))
             located.append(Located(CHANNELS[c], dimension_of(each.names[k]), each.names[k], size))
     located.sort(key=lambda one: -one.strength)
-    found = predicted(seen, which) if names else None
-    held_out = unseen(seen.equations, which)
+    found = predicted(observation, which) if names else None
+    held_out = unseen(observation.equations, which)
     return Answer(max(gains), THRESHOLD, tuple(located), in_order(names), found, held_out)
 
 
-def _best(equations: Equations, seen: Seen) -> tuple[float, list[int]]:
+def _best(equations: Equations, observation: Observation) -> tuple[float, list[int]]:
     """Nats gained on held-out segments, and the columns, at the threshold where that is most."""
-    allowed = [k for k, name in enumerate(equations.names) if name in seen.polynomial_names]
+    allowed = [k for k, name in enumerate(equations.names) if name in observation.polynomial_names]
     gains = np.zeros(len(GRID))
     for fold in range(FOLDS):
         plain = surprise(equations, fold, ())[1]

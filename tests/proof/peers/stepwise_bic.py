@@ -8,9 +8,9 @@ alarms too often (Schwarz, Ann. Stat. 6, 1978; Chen & Chen, Biometrika 95, 2008)
 import numpy as np
 
 from tests.proof.peers.naming import dimension_of, reading_of
+from tests.proof.peers.observation import CHANNELS, SAME, Equations, Observation
 from tests.proof.peers.peer import UNNAMED, Answer, Located, in_order
 from tests.proof.peers.regression import partialled_out, predicted, unseen
-from tests.proof.peers.seen import CHANNELS, SAME, Equations, Seen
 
 THRESHOLD = 1.6  # gain of one column in ln n: the plain criterion asks for 1
 MOST = 8  # columns of a channel
@@ -18,27 +18,27 @@ MOST = 8  # columns of a channel
 Step = tuple[int, float]  # library column, gain in ln n
 
 
-def stepwise_bic(seen: Seen) -> Answer:
+def stepwise_bic(observation: Observation) -> Answer:
     """What each channel chooses; named where its columns have one fair reading."""
-    steps = [[] if each is None else chosen(each, _rows(seen, c))
-             for c, each in enumerate(seen.equations)]  # fmt: skip
+    steps = [[] if each is None else chosen(each, _rows(observation, c))
+             for c, each in enumerate(observation.equations)]  # fmt: skip
     taken = [[step for step in one if step[1] > THRESHOLD] for one in steps]
     statistic = max((one[0][1] for one in steps if one), default=0.0)
     names, located = [], []
     for c, mine in enumerate(taken):
         for k, gain in mine:
-            regressor = seen.equations[c].names[k]  # type: ignore[union-attr]
+            regressor = observation.equations[c].names[k]  # type: ignore[union-attr]
             names.append((gain, reading_of(c, regressor) or UNNAMED))
             located.append(Located(CHANNELS[c], dimension_of(regressor), regressor, gain))
     located.sort(key=lambda one: -one.strength)
     which = [[k for k, _ in mine] for mine in taken]
-    found = predicted(seen, which) if names else None
-    held_out = unseen(seen.equations, which)
+    found = predicted(observation, which) if names else None
+    held_out = unseen(observation.equations, which)
     return Answer(statistic, THRESHOLD, tuple(located), in_order(names), found, held_out)
 
 
-def _rows(seen: Seen, channel: int) -> int:
-    return int((seen.observed.weight[:, channel] > 0).sum())
+def _rows(observation: Observation, channel: int) -> int:
+    return int((observation.observed.weight[:, channel] > 0).sum())
 
 
 def chosen(equations: Equations, rows: int) -> list[Step]:

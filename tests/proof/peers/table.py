@@ -30,10 +30,12 @@ class Duties:
     abstain: Rate
     seconds: float
 
-    def said(self) -> dict[str, Any]:
+    def response(self) -> dict[str, Any]:
         """As plain data."""
         values = ((name, getattr(self, name)) for name in self.__dataclass_fields__)
-        return {name: value.said() if isinstance(value, Rate) else value for name, value in values}
+        return {
+            name: value.response() if isinstance(value, Rate) else value for name, value in values
+        }
 
 
 def kinds_of(scores: Iterable[PeerScore]) -> dict[str, list[PeerScore]]:

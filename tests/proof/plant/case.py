@@ -36,7 +36,7 @@ class Case(Data):
     rate_hz: samples per second of unit and table. rates_deg_s: magnitudes, each turned both ways.
     gravity_m_s2, latitude_deg, heading_deg: what the manifest tells; they are true unless an
     effect says otherwise. temperature_recorded: whether the unit gives its own temperature.
-    site_told: whether the manifest tells latitude and heading. unit_seed: which unit, where it is
+    site_known: whether the manifest tells latitude and heading. unit_seed: which unit, where it is
     not a new one in each run.
     """
 
@@ -53,7 +53,7 @@ class Case(Data):
     heading_deg: float = 0.0
     gravity_m_s2: float = Field(default=9.8015, gt=9.7, lt=9.9)
     temperature_recorded: bool = True
-    site_told: bool = True
+    site_known: bool = True
     effects: tuple[EffectCall, ...] = ()
     given: Mapping[str, Any] | None = None
 

@@ -24,13 +24,13 @@ def set_points(case: Case) -> list[tuple[float, float]]:
     """When (s) a case's procedure sets the chamber, and to what (°C)."""
     if case.procedure != "given":
         return []
-    from tests.proof.plant.procedures import plan_of  # late: a plan's legs know no weather
+    from tests.proof.plant.procedures import plan_of  # late: a plan's segments know no weather
 
     plan = plan_of(case)
     return [
-        (float(begins), leg.chamber)
-        for leg, begins in zip(plan.legs, plan.bounds, strict=False)
-        if leg.chamber is not None
+        (float(begins), segment.chamber)
+        for segment, begins in zip(plan.segments, plan.bounds, strict=False)
+        if segment.chamber is not None
     ]
 
 

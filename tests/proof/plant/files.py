@@ -21,17 +21,17 @@ def write(recording: Recording, folder: Path) -> None:
         )
 
 
-def seal(recording: Recording, told: dict[str, Any], truth: np.ndarray, folder: Path) -> None:
+def seal(recording: Recording, declared: dict[str, Any], truth: np.ndarray, folder: Path) -> None:
     """Writes truth.json and truth.parquet to another place.
 
-    told: what truth.json says. truth: (n, 6), the noise-free channels at the recording's rows.
+    declared: what truth.json says. truth: (n, 6), the noise-free channels at the recording's rows.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    _write_json(told, folder / "truth.json")
+    _write_json(declared, folder / "truth.json")
     columns = {"t": recording.imu.t}
     columns |= dict(zip(GYRO + ACCEL, truth.T, strict=True))
     pd.DataFrame(columns).to_parquet(folder / "truth.parquet", index=False)
 
 
-def _write_json(said: object, path: Path) -> None:
-    path.write_text(json.dumps(said, indent=1, ensure_ascii=False), encoding="utf-8")
+def _write_json(response: object, path: Path) -> None:
+    path.write_text(json.dumps(response, indent=1, ensure_ascii=False), encoding="utf-8")

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from schemas.procedure import Position, Procedure, RateRun, Sweep, Turns
-from tests.proof.plant.legs import Leg
 from tests.proof.plant.plan import Plan, TableShape
+from tests.proof.plant.segments import Segment
 
 BEGIN_S, SETTLE_S = 1.0, 1.0
 JERK_RATE, JERK_ACCELERATION = 1.875, 5.774  # peaks of a minimum jerk move over one second
@@ -17,7 +17,7 @@ STRAIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
 class _Bench:
-    """The legs so far, and where the table stands."""
+    """The segments so far, and where the table stands."""
 
     def __init__(self, procedure: Procedure, axes: int) -> None:
         self.rate = float(np.radians(procedure.move_rate_deg_s))
@@ -26,7 +26,7 @@ class _Bench:
         self.here = np.zeros(axes)
         self.number = count(1)
 
-    def move(self, angles_deg: tuple[float, ...]) -> Iterator[Leg]:
+    def move(self, angles_deg: tuple[float, ...]) -> Iterator[Segment]:
         goal = np.radians(angles_deg)
         way = float(np.abs((goal - self.here + np.pi) % (2 * np.pi) - np.pi).max())
         if way > 1e-9:
@@ -34,13 +34,13 @@ class _Bench:
         self.here = goal
         yield self._between("settle", self.settle_s)
 
-    def ramp(self, before: float, after: float) -> Iterator[Leg]:
+    def ramp(self, before: float, after: float) -> Iterator[Segment]:
         """With the limit of the acceleration at its peak, which is twice the mean."""
         if before != after:
             seconds = 2.0 * abs(after - before) / self.acceleration
             yield self._between("ramp", seconds, ramp=(before, after))
 
-    def kept(self, speed: float) -> Iterator[Leg]:
+    def kept(self, speed: float) -> Iterator[Segment]:
         """A rate while it settles."""
         yield self._between("settle", self.settle_s, ramp=(speed, speed))
 
@@ -53,34 +53,34 @@ class _Bench:
         by_rate = JERK_RATE * way / rate
         return round(max(by_rate, np.sqrt(JERK_ACCELERATION * way / self.acceleration), 0.1), 3)
 
-    def _between(self, name: str, seconds: float, **more: Any) -> Leg:
+    def _between(self, name: str, seconds: float, **more: Any) -> Segment:
         kind = "settle" if name == "settle" else "transition"
-        return Leg(f"{name}{next(self.number):04d}", kind, round(seconds, 3), 0, {}, **more)
+        return Segment(f"{name}{next(self.number):04d}", kind, round(seconds, 3), 0, {}, **more)
 
 
 def plan_of_procedure(procedure: Procedure, table: TableShape) -> Plan:
     """Its steps on a table. Raises ValueError for one that turns the unit over by hand."""
     bench = _Bench(procedure, len(table.names))
-    legs = [Leg("warm", "settle", BEGIN_S + procedure.warm_up_s, 0, {})]
+    segments = [Segment("warm", "settle", BEGIN_S + procedure.warm_up_s, 0, {})]
     for step in procedure.steps:
         match step:
             case Position():
                 move, rest = _rest(bench, step, step.angles_deg, step.name, step.turn_deg)
-                legs += [*move, replace(rest, chamber=step.chamber_degc)]
+                segments += [*move, replace(rest, chamber=step.chamber_degc)]
             case Sweep():
                 for stop in step.stops_deg:
                     angles = list(step.angles_deg)
                     angles[step.table_axis] = stop
                     name = f"{step.name}_{stop:g}"
                     move, rest = _rest(bench, step, tuple(angles), name, stop)
-                    legs += [*move, rest]
+                    segments += [*move, rest]
             case RateRun():
-                legs += _rates(bench, step)
+                segments += _rates(bench, step)
             case Turns():
-                legs += _turns(bench, step)
+                segments += _turns(bench, step)
             case _:
                 raise ValueError(f"{step.name} turns the unit over by hand")
-    return Plan("other", table, tuple(legs), (STRAIGHT,))
+    return Plan("other", table, tuple(segments), (STRAIGHT,))
 
 
 def _label(step: Position | Sweep | RateRun | Turns, **more: Any) -> dict[str, Any]:
@@ -90,13 +90,13 @@ def _label(step: Position | Sweep | RateRun | Turns, **more: Any) -> dict[str, A
 
 def _rest(
     bench: _Bench, step: Position | Sweep, angles: tuple[float, ...], name: str, turn: float | None
-) -> tuple[list[Leg], Leg]:
+) -> tuple[list[Segment], Segment]:
     move = list(bench.move(angles))
-    return move, Leg(name, "static", step.dwell_s, 0, _label(step, turn_deg=turn))
+    return move, Segment(name, "static", step.dwell_s, 0, _label(step, turn_deg=turn))
 
 
-def _rates(bench: _Bench, step: RateRun) -> Iterator[Leg]:
-    """About the first axis, as the plant's legs turn it."""
+def _rates(bench: _Bench, step: RateRun) -> Iterator[Segment]:
+    """About the first axis, as the plant's segments turn it."""
     if step.spin_axis != 0:
         raise ValueError(f"{step.name} spins axis {step.spin_axis}")
     yield from bench.move(step.angles_deg)
@@ -106,18 +106,18 @@ def _rates(bench: _Bench, step: RateRun) -> Iterator[Leg]:
         yield from bench.ramp(now, speed)
         yield from bench.kept(speed)
         label = _label(step, rate_deg_s=rate)
-        yield Leg(f"{step.name}_{rate:+g}", "rate", step.dwell_s, 0, label, ramp=(speed, speed))
+        yield Segment(f"{step.name}_{rate:+g}", "rate", step.dwell_s, 0, label, ramp=(speed, speed))
         now = speed
     yield from bench.ramp(now, 0.0)
     bench.spun()
 
 
-def _turns(bench: _Bench, step: Turns) -> Iterator[Leg]:
+def _turns(bench: _Bench, step: Turns) -> Iterator[Segment]:
     """Forward and back."""
     yield from bench.move(step.angles_deg)
     for sign, mark in ((1, "+"), (-1, "-")):
         angle = sign * 2.0 * np.pi * step.turns
         label = _label(step, angle_deg=sign * 360.0 * step.turns)
         seconds = bench.move_s(abs(angle), float(np.radians(step.rate_deg_s)))
-        yield Leg(f"{step.name}_{mark}", "rotation", seconds, 0, label, turn=angle)
+        yield Segment(f"{step.name}_{mark}", "rotation", seconds, 0, label, turn=angle)
         yield from bench.move(step.angles_deg)

@@ -1,11 +1,11 @@
-"""A whole run: legs in order, the table that runs them and how the unit is fixed on it."""
+"""A whole run: segments in order, the table that runs them and how the unit is fixed on it."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from tests.proof.plant.legs import Leg, follow
+from tests.proof.plant.segments import Segment, follow
 
 
 @dataclass(frozen=True)
@@ -18,17 +18,19 @@ class TableShape:
 
 @dataclass(frozen=True)
 class Plan:
-    """legs: what is done. mounts: quaternion (w, x, y, z) of each fixing, by its number."""
+    """segments: what is done. mounts: quaternion (w, x, y, z) of each fixing, by its number."""
 
     standard: str
     table: TableShape
-    legs: tuple[Leg, ...]
+    segments: tuple[Segment, ...]
     mounts: tuple[tuple[float, float, float, float], ...]
 
     @cached_property
     def bounds(self) -> np.ndarray:
-        """Times in s between the legs, from 0 to the end of the run."""
-        return np.round(np.concatenate([[0.0], np.cumsum([leg.duration for leg in self.legs])]), 6)
+        """Times in s between the segments, from 0 to the end of the run."""
+        return np.round(
+            np.concatenate([[0.0], np.cumsum([segment.duration for segment in self.segments])]), 6
+        )
 
     @property
     def duration(self) -> float:
@@ -36,8 +38,8 @@ class Plan:
 
     @cached_property
     def fixings(self) -> np.ndarray:
-        """The number of the fixing in each leg."""
-        return np.array([leg.fixing for leg in self.legs])
+        """The number of the fixing in each segment."""
+        return np.array([segment.fixing for segment in self.segments])
 
     def fixing_times(self) -> np.ndarray:
         """When each fixing begins, s."""
@@ -46,7 +48,7 @@ class Plan:
 
     def ends_of_moves(self) -> np.ndarray:
         """When each move to another position ends, s; changes of rate are not moves."""
-        moved = [leg.goto is not None for leg in self.legs]
+        moved = [segment.goto is not None for segment in self.segments]
         return self.bounds[1:][np.array(moved)]
 
     def angles(self, t: np.ndarray) -> np.ndarray:
@@ -55,8 +57,10 @@ class Plan:
         here = np.zeros(len(self.table.names))
         edges = np.searchsorted(t, self.bounds)
         demanded[:, : edges[0]] = here[:, None]
-        for leg, begin, low, high in zip(self.legs, self.bounds, edges, edges[1:], strict=False):
-            demanded[:, low:high] = follow(leg, here, t[low:high] - begin)
-            here = follow(leg, here, np.array([leg.duration]))[:, 0]
+        for segment, begin, low, high in zip(
+            self.segments, self.bounds, edges, edges[1:], strict=False
+        ):
+            demanded[:, low:high] = follow(segment, here, t[low:high] - begin)
+            here = follow(segment, here, np.array([segment.duration]))[:, 0]
         demanded[:, edges[-1] :] = here[:, None]
         return demanded

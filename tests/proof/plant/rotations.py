@@ -69,9 +69,9 @@ def rates(q: np.ndarray, step: float) -> np.ndarray:
     return (8.0 * near - far) / (12.0 * step)
 
 
-def slope(course: np.ndarray, step: float) -> np.ndarray:
+def slope(series: np.ndarray, step: float) -> np.ndarray:
     """The derivative of courses (…, n) that rest at both ends, to the same order as `rates`."""
-    changed = np.zeros_like(course)
-    near = course[..., 3:-1] - course[..., 1:-3]
-    changed[..., 2:-2] = (8.0 * near - (course[..., 4:] - course[..., :-4])) / (12.0 * step)
+    changed = np.zeros_like(series)
+    near = series[..., 3:-1] - series[..., 1:-3]
+    changed[..., 2:-2] = (8.0 * near - (series[..., 4:] - series[..., :-4])) / (12.0 * step)
     return changed

@@ -24,11 +24,11 @@ def filtered(signal: np.ndarray, step: float, effects: Sequence[Effect]) -> np.n
     after = (length - signal.shape[1]) // 2
     held = np.empty(length)
     result = np.empty_like(signal)
-    for channel, course in enumerate(signal):
-        held[: len(course)] = course
-        held[len(course) : len(course) + after] = course[-1]
-        held[len(course) + after :] = course[0]
-        result[channel] = irfft(rfft(held) * transfer, length)[: len(course)]
+    for channel, series in enumerate(signal):
+        held[: len(series)] = series
+        held[len(series) : len(series) + after] = series[-1]
+        held[len(series) + after :] = series[0]
+        result[channel] = irfft(rfft(held) * transfer, length)[: len(series)]
     return result
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from schemas.recording import Recording
 from tests.proof.plant.case import Case
 from tests.proof.plant.grades import channel_noise
-from tests.proof.plant.hearing import Heard, hear
 from tests.proof.plant.noise import noise
+from tests.proof.plant.noise_free_case import NoiseFree, without_noise
 from tests.proof.plant.recording import recording_of
 from tests.proof.plant.seeds import generator
 
@@ -33,31 +33,31 @@ class Simulated:
 
 def simulate(case: Case) -> Simulated:
     """Plays a case with noise, limits and rounding. Raises ValueError for an impossible case."""
-    heard = hear(case)
-    readings = heard.analog + heard.shaken + _noise(case, heard.truth.shape[1])
-    for effect in heard.effects:
+    noise_free = without_noise(case)
+    readings = noise_free.analog + noise_free.shaken + _noise(case, noise_free.truth.shape[1])
+    for effect in noise_free.effects:
         if (limits := effect.limits()) is not None:
             readings = np.clip(readings, -limits[:, None], limits[:, None])
-    steps = heard.steps[:, None]
+    steps = noise_free.steps[:, None]
     readings = np.round(readings / steps) * steps
     return Simulated(
         case,
-        recording_of(case, heard, readings),
-        heard.truth.T,
-        heard.nominal.T,
-        heard.reported.T,
-        sealed_of(case, heard),
+        recording_of(case, noise_free, readings),
+        noise_free.truth.T,
+        noise_free.nominal.T,
+        noise_free.reported.T,
+        sealed_of(case, noise_free),
     )
 
 
-def sealed_of(case: Case, heard: Heard) -> dict[str, Any]:
+def sealed_of(case: Case, noise_free: NoiseFree) -> dict[str, Any]:
     """The truth as plain data: every parameter in SI with its unit."""
     return {
         "case": case.model_dump(mode="json"),
-        "effects": {effect.name: dict(effect.parameters) for effect in heard.effects},
-        "units": {effect.name: dict(effect.units) for effect in heard.effects},
+        "effects": {effect.name: dict(effect.parameters) for effect in noise_free.effects},
+        "units": {effect.name: dict(effect.units) for effect in noise_free.effects},
         "grade": case.grade,
-        "parameters": heard.unit.parameters(),
+        "parameters": noise_free.unit.parameters(),
     }
 
 

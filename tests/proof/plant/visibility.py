@@ -12,7 +12,7 @@ from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from tests.proof.plant.case import Case
 from tests.proof.plant.grades import ACCEL, GYRO, Noise
-from tests.proof.plant.hearing import Heard, hear
+from tests.proof.plant.noise_free_case import NoiseFree, without_noise
 from tests.proof.plant.simulate import Simulated
 
 CLOSE = 0.02  # relative, of z asked for
@@ -36,7 +36,7 @@ def visibility(simulated: Simulated, effect: str) -> Visibility:
 
 def visibility_of(case: Case, effect: str) -> Visibility:
     """The same from the case alone, without making the noise."""
-    return _Judge(case, effect).of(_excess(hear(case)))
+    return _Judge(case, effect).of(_excess(without_noise(case)))
 
 
 def at_visibility(case: Case, effect: str, z: float) -> Case:
@@ -53,7 +53,7 @@ def at_visibility(case: Case, effect: str, z: float) -> Case:
     strength = next(call.strength for call in case.effects if call.name == effect) or 1.0
     tried: list[tuple[float, float]] = []
     while len(tried) < STEPS:
-        reached = judge.of(_excess(hear(case.with_strength(effect, strength)))).z
+        reached = judge.of(_excess(without_noise(case.with_strength(effect, strength)))).z
         if not tried and reached < UNSEEN:
             raise ValueError(f"{effect} cannot be seen in this procedure: the standard absorbs it")
         stuck = bool(tried) and tried[-1][1] == reached > z  # nothing smaller is to be had
@@ -75,21 +75,21 @@ def _next_strength(tried: list[tuple[float, float]], z: float) -> float:
         earlier, before = tried[-2]
         slope = float(np.clip(np.log(reached / before) / np.log(strength / earlier), 0.3, 4.0))
     wanted = strength * float(np.clip((z / reached) ** (1.0 / slope), 1.0 / REACH, REACH))
-    below = max((one for one, seen in tried if seen < z), default=0.0)
-    above = min((one for one, seen in tried if seen > z), default=np.inf)
+    below = max((one for one, observation in tried if observation < z), default=0.0)
+    above = min((one for one, observation in tried if observation > z), default=np.inf)
     inside = below < wanted < above
     return wanted if inside or not below < above < np.inf else float(np.sqrt(below * above))
 
 
-def _excess(heard: Heard) -> np.ndarray:
-    return (heard.truth - heard.nominal).T
+def _excess(noise_free: NoiseFree) -> np.ndarray:
+    return (noise_free.truth - noise_free.nominal).T
 
 
 class _Judge:
-    """The rest of the case, heard once, and the standard's columns with their whitening."""
+    """The rest of the case, without noise, and the standard's columns with their whitening."""
 
     def __init__(self, case: Case, effect: str) -> None:
-        rest = hear(case.without(effect))
+        rest = without_noise(case.without(effect))
         self.rest = _excess(rest)
         rates, force = rest.reported[:3].T, rest.reported[3:].T
         one = np.ones((len(rates), 1))
@@ -107,18 +107,20 @@ class _Judge:
         signal = np.zeros_like(self.rest)
         rows = min(len(excess), len(signal))
         signal[:rows] = excess[:rows] - self.rest[:rows]
-        seen = total = left = 0.0
-        for channel, course in enumerate(signal.T):
-            if not course.any():
+        observation = total = left = 0.0
+        for channel, series in enumerate(signal.T):
+            if not series.any():
                 continue
             whiten = self.whitenings[channel // 3]
             columns = _varying(self.columns[channel])
-            white, known = whiten(columns.T), whiten(course)
+            white, known = whiten(columns.T), whiten(series)
             found, *_ = np.linalg.lstsq(white.T, known, rcond=1e-10)
-            seen += float(((known - found @ white) ** 2).sum())
-            total += float(course @ course)
-            left += float(((course - columns @ found) ** 2).sum())
-        return Visibility(float(np.sqrt(seen)), max(0.0, 1.0 - left / total) if total else 0.0)
+            observation += float(((known - found @ white) ** 2).sum())
+            total += float(series @ series)
+            left += float(((series - columns @ found) ** 2).sum())
+        return Visibility(
+            float(np.sqrt(observation)), max(0.0, 1.0 - left / total) if total else 0.0
+        )
 
 
 def _varying(columns: np.ndarray) -> np.ndarray:
@@ -137,7 +139,7 @@ class _Whitening:
         frequency[0] = frequency[1] / 2.0
         self.gain = 1.0 / np.sqrt(noise.density(frequency) * rate / 2.0)
 
-    def __call__(self, course: np.ndarray) -> np.ndarray:
-        ends = [(0, 0)] * (course.ndim - 1) + [(0, self.length - self.count)]
-        mirrored = np.pad(course, ends, mode="symmetric")
+    def __call__(self, series: np.ndarray) -> np.ndarray:
+        ends = [(0, 0)] * (series.ndim - 1) + [(0, self.length - self.count)]
+        mirrored = np.pad(series, ends, mode="symmetric")
         return np.asarray(irfft(rfft(mirrored) * self.gain, self.length)[..., : self.count])

@@ -22,7 +22,7 @@ class Setting:
     @property
     def top_rate(self) -> float:
         """The largest rate of the run in rad/s; 1 where nothing turns."""
-        turned = [abs(rate) for leg in self.plan.legs for rate in leg.ramp or ()]
+        turned = [abs(rate) for segment in self.plan.segments for rate in segment.ramp or ()]
         return max(turned, default=0.0) or 1.0
 
     @cached_property

@@ -13,7 +13,7 @@ from tests.proof.real.on_shaft import SHAFT
 from tests.proof.text import Text, bilingual
 
 PART = 60.0  # s of the shaft, to be quick: seven strokes to and fro
-SEEN_ON_SHAFT = ("time_offset", "table_scale", "dropped_samples")
+VISIBLE_ON_SHAFT = ("time_offset", "table_scale", "dropped_samples")
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def hidden_cases(seed: int) -> list[Hidden]:
     """Everything that is hidden, sizes drawn from the seed."""
     cases = [
         Hidden(SHAFT, name, size)
-        for name in SEEN_ON_SHAFT
+        for name in VISIBLE_ON_SHAFT
         for size in drawn_sizes(seed, name, PART)
     ]
     cases += [

@@ -13,7 +13,7 @@ from tests.proof.real.two_positions import MEMS, RING_LASER
 from tests.proof.text import bilingual
 
 BY_HAND = "ferraris_session"
-SEEN = 3.3  # amplitude over its surroundings that noise shows once in 2000 places
+VISIBLE = 3.3  # amplitude over its surroundings that noise shows once in 2000 places
 FAINT = 2.0  # and once in 16
 MOVED = 1.0  # m/s²: a unit that is being handled
 
@@ -48,13 +48,13 @@ def _line(
         for rows in np.array_split(np.arange(len(t)), parts):
             least = [prominence(t[rows], values[rows, c], at) for c in channels]
             courses.append(float(np.median(least)))
-    there = [course > SEEN for course in courses]
+    there = [series > VISIBLE for series in courses]
     # Weak lines need not show in each rest: together they must (mean square of Rayleigh draws).
     together = float((np.square(courses) * np.log(2.0)).sum())
     chance = float(np.exp(-together) * sum(_powers(together, len(courses))))
-    gone = max(courses) > SEEN and (min(courses) < FAINT or min(courses) < 0.05 * max(courses))
+    gone = max(courses) > VISIBLE and (min(courses) < FAINT or min(courses) < 0.05 * max(courses))
     truth: Truth = "false" if gone or chance > 0.001 else "true" if any(there) else "cannot tell"
-    shown = ", ".join(f"{course:.1f}" for course in courses)
+    shown = ", ".join(f"{series:.1f}" for series in courses)
     where = ", ".join(CHANNELS[c] for c in channels)
     return Claim(
         name,

@@ -17,7 +17,7 @@ class Fact:
     """An effect that is really there, shown by hand in two ways.
 
     how, size: of each of the two ways. unknown: what they do not tell. names: of the catalogue
-    that would be right. told: what an answer says of it, and whether that is right, wrong or
+    that would be right. declared: what an answer says of it, and whether that is right, wrong or
     silent.
     """
 
@@ -27,11 +27,11 @@ class Fact:
     how: tuple[Text, Text]
     size: tuple[str, str]
     unknown: Text
-    told: Callable[[Answer], "Told"]
+    declared: Callable[[Answer], "Judged"]
 
 
 @dataclass(frozen=True)
-class Told:
+class Judged:
     """What an answer says of a fact: in words, and whether it is right."""
 
     words: str
@@ -74,22 +74,22 @@ def lines_at(answer: Answer, frequency: float, within: float) -> list[Mapping[st
     return [
         each
         for each in answer.get("findings", ())
-        if (said := parameter(each, "frequency")) and abs(said[0] - frequency) < within
+        if (response := parameter(each, "frequency")) and abs(response[0] - frequency) < within
     ]
 
 
 def in_words(some: Sequence[Mapping[str, Any]]) -> str:
     """Names and first parameters, as explain states them."""
-    said = []
+    response = []
     for each in some:
         stated = [p for p in each["parameters"] if p["u"] > 0.0][:1]
         numbers = "".join(f" {p['value']:.4g} ± {p['u']:.2g} {p['unit']}" for p in stated)
-        said.append(f"{each['effect']}{numbers}")
-    return "; ".join(said) or "—"
+        response.append(f"{each['effect']}{numbers}")
+    return "; ".join(response) or "—"
 
 
-def silent(answer: Answer) -> Told:
+def silent(answer: Answer) -> Judged:
     """Nothing is said; a failure of explain is said as one, by its first line."""
     if "failed" in answer:
-        return Told(answer["failed"].splitlines()[0], "explain failed")
-    return Told("—", "silent")
+        return Judged(answer["failed"].splitlines()[0], "explain failed")
+    return Judged("—", "silent")

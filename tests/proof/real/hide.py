@@ -45,9 +45,9 @@ def scaled_table(recording: Recording, size: Size) -> Recording:
     segments = tuple(
         each.model_copy(
             update={
-                name: factor * told
+                name: factor * declared
                 for name in ("rate_deg_s", "angle_deg")
-                if (told := getattr(each, name)) is not None
+                if (declared := getattr(each, name)) is not None
             }
         )
         for each in manifest.segments or ()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.proof.real.fact import Answer, Fact, Recordings, Told, findings, in_words, silent
+from tests.proof.real.fact import Answer, Fact, Judged, Recordings, findings, in_words, silent
 from tests.proof.real.hand.rate_table import ripple, together, waves_per_turn
 from tests.proof.real.hand.rests import means_of, misfit
 from tests.proof.text import bilingual
@@ -25,17 +25,17 @@ def _ripple(recordings: Recordings) -> Fact:
     ]
     alike = together(one, other, MOST_PER_TURN)
 
-    def told(answer: Answer) -> Told:
-        said = findings(answer, "rate_ripple")
-        if said:
-            return Told(in_words(said), "right")
+    def declared(answer: Answer) -> Judged:
+        response = findings(answer, "rate_ripple")
+        if response:
+            return Judged(in_words(response), "right")
         located = [
             each
             for each in findings(answer, "unnamed")
             if any(p["name"] in ("per_turn", "order", "frequency") for p in each["parameters"])
             and any(channel.startswith("gyro") for channel in each["channels"])
         ]
-        return Told(in_words(located), "right") if located else silent(answer)
+        return Judged(in_words(located), "right") if located else silent(answer)
 
     return Fact(
         "ripple",
@@ -59,7 +59,7 @@ def _ripple(recordings: Recordings) -> Fact:
             "another set-up of the drive",
             "电机齿槽还是驱动引起，无法判断；绕z转动时没有，可能驱动设置不同",
         ),
-        told,
+        declared,
     )
 
 
@@ -74,16 +74,16 @@ def _exchanged(recordings: Recordings) -> Fact:
         pair = (np.where(turned[:, None], theirs, mine), np.where(turned[:, None], mine, theirs))
         after[name] = [_size(misfit(directions, each)) for each in pair]
 
-    def told(answer: Answer) -> Told:
-        said = findings(answer, "unnamed", channel="accel_z")
+    def declared(answer: Answer) -> Judged:
+        response = findings(answer, "unnamed", channel="accel_z")
         wrong = [
             each
             for each in answer.get("findings", ())
             if each["effect"] != "unnamed" and "accel_z" in each["channels"]
         ]
         if wrong:
-            return Told(in_words(wrong), "wrong")
-        return Told(in_words(said), "right") if said else silent(answer)
+            return Judged(in_words(wrong), "wrong")
+        return Judged(in_words(response), "right") if response else silent(answer)
 
     return Fact(
         "exchanged",
@@ -107,7 +107,7 @@ def _exchanged(recordings: Recordings) -> Fact:
             "when and by whom; one recording alone cannot tell: `unnamed` is right",
             "何时何人所致不明；单一记录无法判断，故“未命名”为正确",
         ),
-        told,
+        declared,
     )
 
 
@@ -115,7 +115,7 @@ def _reversed(recordings: Recordings) -> Fact:
     directions, means = means_of(recordings[BENCH])
     along = (directions * means[:, 3:]).sum(axis=1)
 
-    def told(answer: Answer) -> Told:
+    def declared(answer: Answer) -> Judged:
         return silent(answer)
 
     return Fact(
@@ -134,7 +134,7 @@ def _reversed(recordings: Recordings) -> Fact:
             "whether the labels or a unit turned half round about z: the same data",
             "标签错误，还是产品绕z转了180°：数据相同",
         ),
-        told,
+        declared,
     )
 
 

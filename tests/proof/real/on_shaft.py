@@ -6,8 +6,8 @@ from schemas.recording import ACCEL
 from tests.proof.real.fact import (
     Answer,
     Fact,
+    Judged,
     Recordings,
-    Told,
     findings,
     in_words,
     parameter,
@@ -51,13 +51,13 @@ def total_delay(answer: Answer) -> tuple[float, float] | None:
     return sum(value for value, _ in stated), float(np.linalg.norm([u for _, u in stated]))
 
 
-def _told_delay(answer: Answer, known: Measured) -> Told:
+def _judged_delay(answer: Answer, known: Measured) -> Judged:
     stated = total_delay(answer)
     if stated is None:
         return silent(answer)
     right = Measured(*stated, "s").agrees(known)
     words = in_words(findings(answer, "time_offset", "bandwidth"))
-    return Told(words, "right" if right else "right name, value off")
+    return Judged(words, "right" if right else "right name, value off")
 
 
 def _gyro_delay(recordings: Recordings) -> Fact:
@@ -80,7 +80,7 @@ def _gyro_delay(recordings: Recordings) -> Fact:
             "or in the bus is not told",
             "其中4.8 ms为厂家低通滤波；其余来自编码器读数还是总线无法判断",
         ),
-        lambda answer: _told_delay(answer, by_angle),
+        lambda answer: _judged_delay(answer, by_angle),
     )
 
 
@@ -89,9 +89,9 @@ def _gravity_delay(recordings: Recordings) -> Fact:
     late = delay_by_gravity(recording)
     pattern = delay_by_pattern(recording)
 
-    def told(answer: Answer) -> Told:
+    def declared(answer: Answer) -> Judged:
         both = findings(answer, "accel_axis_skew", "size_effect")
-        return Told(in_words(both), "wrong") if both else silent(answer)
+        return Judged(in_words(both), "wrong") if both else silent(answer)
 
     return Fact(
         "gravity_delay",
@@ -112,22 +112,22 @@ def _gravity_delay(recordings: Recordings) -> Fact:
             "name has one delay for each triad: a single τ must be wrong for one of them",
             "两法之差源于杆臂项，大于各自离散；目录中没有两组传感器时延不同的因素：单一τ必有一组不准",
         ),
-        told,
+        declared,
     )
 
 
 def _low_pass(recordings: Recordings) -> Fact:
-    seen = corner(recordings[SHAFT])
-    known = 1e3 / (2.0 * np.pi * seen.value)
+    observation = corner(recordings[SHAFT])
+    known = 1e3 / (2.0 * np.pi * observation.value)
 
-    def told(answer: Answer) -> Told:
-        said = findings(answer, "bandwidth")
-        value = parameter(said[0], "time_constant") if said else None
+    def declared(answer: Answer) -> Judged:
+        response = findings(answer, "bandwidth")
+        value = parameter(response[0], "time_constant") if response else None
         if value is None:
             return silent(answer)
         at = Measured(1.0 / (2.0 * np.pi * value[0]), 2.0, "Hz")
-        close = value[0] > 0 and at.agrees(seen)
-        return Told(in_words(said), "right" if close else "right name, value off")
+        close = value[0] > 0 and at.agrees(observation)
+        return Judged(in_words(response), "right" if close else "right name, value off")
 
     return Fact(
         "low_pass",
@@ -143,9 +143,9 @@ def _low_pass(recordings: Recordings) -> Fact:
             ),
             bilingual("the maker's setting", "厂家设定值"),
         ),
-        (str(seen), str(DATASHEET)),
+        (str(observation), str(DATASHEET)),
         bilingual("its order: one frequency shows one number", "滤波阶数：单一频率只能给出一个数"),
-        told,
+        declared,
     )
 
 
@@ -154,9 +154,9 @@ def _rounding(recordings: Recordings) -> Fact:
     steps = {name: step_of(recording.imu.columns[name]) for name in ACCEL}
     (nearest, zero) = (dead_zone_misfit(recording, towards_zero=way) for way in (False, True))
 
-    def told(answer: Answer) -> Told:
-        said = findings(answer, "coarse_quantisation")
-        return Told(in_words(said), "right") if said else silent(answer)
+    def declared(answer: Answer) -> Judged:
+        response = findings(answer, "coarse_quantisation")
+        return Judged(in_words(response), "right") if response else silent(answer)
 
     return Fact(
         "rounding",
@@ -177,5 +177,5 @@ def _rounding(recordings: Recordings) -> Fact:
             f"{1e3 * nearest:.1f} and {1e3 * zero:.1f} mm/s²",
         ),
         bilingual("where it was cut: in the logger's text or before", "截断发生在记录程序还是之前"),
-        told,
+        declared,
     )

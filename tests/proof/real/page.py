@@ -6,7 +6,7 @@ from typing import Any
 
 from tasks.rendering import inline, page
 from tests.proof.real.cases import NOT_HIDDEN
-from tests.proof.real.hold import Results
+from tests.proof.real.run import Results
 from tests.proof.real.score import Score, as_data
 from tests.proof.text import Text, bilingual
 
@@ -105,8 +105,8 @@ def markdown(results: Results) -> str:
     facts = [
         [fact.what.en, ", ".join(fact.recordings), f"{fact.how[0].en}: {fact.size[0]}",
          f"{fact.how[1].en}: {fact.size[1]}", fact.unknown.en,
-         "; ".join(each.words for each in told), "; ".join(each.outcome for each in told)]
-        for fact, told in results.facts
+         "; ".join(each.words for each in declared), "; ".join(each.outcome for each in declared)]
+        for fact, declared in results.facts
     ]  # fmt: skip
     claims = [
         [claim.recording, claim.what.en, MADE[made], claim.truth, claim.evidence.en]
@@ -138,8 +138,8 @@ def data(results: Results) -> dict[str, Any]:
         "summary": dict(summary(results)),
         "facts": [
             {"key": fact.key, "what": fact.what.en, "size": list(fact.size),
-             "told": {name: vars(each) for name, each in zip(fact.recordings, told, strict=True)}}
-            for fact, told in results.facts
+             "told": {name: vars(one) for name, one in zip(fact.recordings, declared, strict=True)}}
+            for fact, declared in results.facts
         ],
         "claims": [
             {"recording": claim.recording, "what": claim.what.en, "made": made,
@@ -152,21 +152,21 @@ def data(results: Results) -> dict[str, Any]:
 
 def summary(results: Results) -> list[tuple[str, str]]:
     """The headline."""
-    told = [each.outcome for _, every in results.facts for each in every]
+    declared = [each.outcome for _, every in results.facts for each in every]
     made = [claim.truth for claim, is_made in results.claims if is_made]
-    seen = [each for each in results.scores if each.visible]
+    observation = [each for each in results.scores if each.visible]
     quiet = [each for each in results.scores if not each.visible]
-    by_hand = sum(bool(e.by_hand and _holds(e)) for e in seen)
+    by_hand = sum(bool(e.by_hand and _holds(e)) for e in observation)
     return [
-        ("real effects that explain tells rightly", _of(told.count("right"), len(told))),
-        ("  right name, value off", _of(told.count("right name, value off"), len(told))),
-        ("  wrong", _of(told.count("wrong"), len(told))),
+        ("real effects that explain tells rightly", _of(declared.count("right"), len(declared))),
+        ("  right name, value off", _of(declared.count("right name, value off"), len(declared))),
+        ("  wrong", _of(declared.count("wrong"), len(declared))),
         ("doubtful claims that it makes now and are false", _of(made.count("false"), len(made))),
         ("hidden and visible: found, value right",
-         _of(sum(e.outcome == "found, value right" for e in seen), len(seen))),
-        ("  named", _of(sum(e.named for e in seen), len(seen))),
-        ("  a wrong name beside", _of(sum(bool(e.wrong) for e in seen), len(seen))),
-        ("  by hand, within 95 %", _of(by_hand, len(seen))),
+         _of(sum(e.outcome == "found, value right" for e in observation), len(observation))),
+        ("  named", _of(sum(e.named for e in observation), len(observation))),
+        ("  a wrong name beside", _of(sum(bool(e.wrong) for e in observation), len(observation))),
+        ("  by hand, within 95 %", _of(by_hand, len(observation))),
         ("nothing to see: rightly nothing new",
          _of(sum(e.outcome == "rightly nothing new" for e in quiet), len(quiet))),
         ("in all", f"{results.seconds:.0f} s, of it explaining {results.explaining:.0f} s"),
@@ -191,8 +191,8 @@ def cells(score: Score) -> list[str]:
 
 def _unseen(results: Results) -> list[tuple[str, str, Text]]:
     """Of what was hidden though it cannot be seen: recording, transformation, why; once each."""
-    told = {(e.case.recording, e.case.name): e.case.why for e in results.scores if e.case.why}
-    return [(recording, name, why) for (recording, name), why in told.items()]
+    declared = {(e.case.recording, e.case.name): e.case.why for e in results.scores if e.case.why}
+    return [(recording, name, why) for (recording, name), why in declared.items()]
 
 
 def _holds(score: Score) -> bool:

@@ -9,7 +9,7 @@ from tasks.rendering.chart import AFTER, BEFORE, FINDINGS
 from tests.proof.real.chart import Mark, Series, chart
 from tests.proof.real.fact import Recordings
 from tests.proof.real.hand.lines import amplitude
-from tests.proof.real.hand.rate_table import course, rate_runs, turns_per_second
+from tests.proof.real.hand.rate_table import rate_runs, series, turns_per_second
 from tests.proof.real.hand.rests import (
     BATCHES,
     DEG_PER_HOUR,
@@ -19,7 +19,7 @@ from tests.proof.real.hand.rests import (
     rests,
     vertical_earth_rate,
 )
-from tests.proof.real.hand.shaft import alike, delay_by_angle, lag_course, transfer
+from tests.proof.real.hand.shaft import alike, delay_by_angle, lag_series, transfer
 from tests.proof.real.hide import Size, shifted_clock
 from tests.proof.real.on_rate_table import FIRST, SECOND
 from tests.proof.real.on_shaft import SHAFT
@@ -85,7 +85,7 @@ def _delay(recordings: Recordings) -> Picture:
     recording = recordings[SHAFT]
     late = shifted_clock(recording, Size(SHIFT, "s"))
     drawn = [
-        Series(name, 1e3 * LAGS, 1e3 * lag_course(each, LAGS), colour)
+        Series(name, 1e3 * LAGS, 1e3 * lag_series(each, LAGS), colour)
         for name, each, colour in (
             ("as recorded", recording, AFTER),
             ("10 ms hidden", late, BEFORE),
@@ -106,13 +106,13 @@ def _delay(recordings: Recordings) -> Picture:
 def _phase(recordings: Recordings) -> Picture:
     frequency, gain, coherence = transfer(recordings[SHAFT])
     good = alike(gain, coherence) & (frequency > 0.5) & (frequency < 13.1)
-    course = 0.01 * np.arange(0.0, 1301.0)
+    series = 0.01 * np.arange(0.0, 1301.0)
     phase = np.unwrap(np.angle(gain[good]))
-    low_pass = -np.degrees(np.arctan(2.0 * np.pi * course * 0.00719))
-    delay = -360.0 * course * delay_by_angle(recordings[SHAFT]).value
+    low_pass = -np.degrees(np.arctan(2.0 * np.pi * series * 0.00719))
+    delay = -360.0 * series * delay_by_angle(recordings[SHAFT]).value
     drawn = [
-        Series("a low-pass of 7.2 ms", course, low_pass, BEFORE),
-        Series("a delay, by the angle", course, delay, AFTER),
+        Series("a low-pass of 7.2 ms", series, low_pass, BEFORE),
+        Series("a delay, by the angle", series, delay, AFTER),
         Series("measured", frequency[good], np.degrees(phase), FINDINGS[1], dots=True),
     ]
     return Picture(
@@ -130,7 +130,7 @@ def _ripple(recordings: Recordings) -> Picture:
     drawn = []
     for name, colour in ((FIRST, AFTER), (SECOND, BEFORE)):
         segment = next(each for each in rate_runs(recordings[name]) if each.rate_deg_s == 30.0)
-        t, rate = course(recordings[name], segment)
+        t, rate = series(recordings[name], segment)
         turning = turns_per_second(segment)
         y = np.array([np.degrees(amplitude(t, rate, order * turning)) for order in orders])
         drawn.append(Series(name[6:10].upper(), orders, y, colour))
@@ -148,11 +148,11 @@ def _exchanged(recordings: Recordings) -> Picture:
     directions, mine = means_of(recordings[FIRST])
     _, theirs = means_of(recordings[SECOND])
     turned = (np.abs(directions[:, 2]) > 0)[:, None]
-    as_told = misfit(directions, mine[:, 3:])[:, 2]
+    as_declared = misfit(directions, mine[:, 3:])[:, 2]
     swapped = misfit(directions, np.where(turned, theirs, mine)[:, 3:])[:, 2]
     at = np.arange(1.0, 7.0)
     drawn = [
-        Series("IMU0 as its files say", at - 0.05, 1e3 * as_told, BEFORE, dots=True),
+        Series("IMU0 as its files say", at - 0.05, 1e3 * as_declared, BEFORE, dots=True),
         Series("with the z rests of IMU1", at + 0.05, 1e3 * swapped, AFTER, dots=True),
     ]
     return Picture(
@@ -192,11 +192,13 @@ def _hidden(scores: Sequence[Score]) -> list[Picture]:
         size = np.array([one.case.size.value for one in each])
         drawn = [Series("hidden", np.sort(size), np.sort(size), FINDINGS[1])]
         for words, colour, which in (("by hand", AFTER, "by_hand"), ("explain", BEFORE, "stated")):
-            told = [(x, m) for x, one in zip(size, each, strict=True) if (m := getattr(one, which))]
-            if told:
+            declared = [
+                (x, m) for x, one in zip(size, each, strict=True) if (m := getattr(one, which))
+            ]
+            if declared:
                 x, y, u = (
                     np.array(column)
-                    for column in zip(*((x, m.value, 2.0 * m.u) for x, m in told), strict=True)
+                    for column in zip(*((x, m.value, 2.0 * m.u) for x, m in declared), strict=True)
                 )
                 drawn.append(Series(words, x, y, colour, dots=True, bars=u))
         made.append(

@@ -107,10 +107,10 @@ def _amount(name: str, answer: Answer) -> tuple[float, float] | None:
     """How much of an effect an answer states, and its u: all delays, all lost samples together."""
     if name == "time_offset":
         return total_delay(answer)
-    said = findings(answer, name)
-    if not said:
+    response = findings(answer, name)
+    if not response:
         return None
     if name == "table_scale":
-        return parameter(said[0], "scale")
-    lost = [p for p in said[0]["parameters"] if p["name"].startswith("lost_")]
+        return parameter(response[0], "scale")
+    lost = [p for p in response[0]["parameters"] if p["name"].startswith("lost_")]
     return sum(p["value"] for p in lost), sum(p["u"] ** 2 for p in lost) ** 0.5

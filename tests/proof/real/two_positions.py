@@ -5,8 +5,8 @@ import numpy as np
 from tests.proof.real.fact import (
     Answer,
     Fact,
+    Judged,
     Recordings,
-    Told,
     findings,
     in_words,
     lines_at,
@@ -33,16 +33,16 @@ def two_positions(recordings: Recordings) -> list[Fact]:
 
 
 def _earth(recordings: Recordings) -> Fact:
-    seen = half_difference(recordings[RING_LASER], 0)
+    observation = half_difference(recordings[RING_LASER], 0)
     known = vertical_earth_rate(recordings[RING_LASER])
 
-    def told(answer: Answer) -> Told:
-        said = findings(answer, "earth_rotation")
-        value = parameter(said[0], "vertical_rate") if said else None
+    def declared(answer: Answer) -> Judged:
+        response = findings(answer, "earth_rotation")
+        value = parameter(response[0], "vertical_rate") if response else None
         if value is None:
             return silent(answer)
         right = abs(value[0] - known.value) <= 2.0 * value[1]
-        return Told(in_words(said), "right" if right else "right name, value off")
+        return Judged(in_words(response), "right" if right else "right name, value off")
 
     return Fact(
         "earth",
@@ -54,25 +54,25 @@ def _earth(recordings: Recordings) -> Fact:
             ),
             bilingual("15.041 deg/h · sin(latitude told)", "15.041 °/h × sin(所给纬度)"),
         ),
-        (str(seen), str(known)),
+        (str(observation), str(known)),
         bilingual(
             "two positions show only the vertical part, and would show a g-sensitivity of the same "
             "size alike: the agreement with the latitude is what speaks for Earth",
             "两位置只反映垂直分量，且与同样大小的g灵敏度无法区分；判定依据是与纬度计算值一致",
         ),
-        told,
+        declared,
     )
 
 
 def _no_earth(recordings: Recordings) -> Fact:
     recording = recordings[MEMS]
-    seen, known = half_difference(recording, 0), vertical_earth_rate(recording)
+    observation, known = half_difference(recording, 0), vertical_earth_rate(recording)
 
-    def told(answer: Answer) -> Told:
-        said = findings(answer, "earth_rotation")
+    def declared(answer: Answer) -> Judged:
+        response = findings(answer, "earth_rotation")
         if "failed" in answer:
             return silent(answer)
-        return Told(in_words(said), "wrong" if said else "right")
+        return Judged(in_words(response), "wrong" if response else "right")
 
     return Fact(
         "no_earth",
@@ -84,27 +84,27 @@ def _no_earth(recordings: Recordings) -> Fact:
             ),
             bilingual("15.041 deg/h · sin(latitude told)", "15.041 °/h × sin(所给纬度)"),
         ),
-        (str(seen), str(known)),
+        (str(observation), str(known)),
         bilingual(
             "what is seen has the other sign: g-sensitivity or a bias that moved between the "
             "positions, which two positions do not separate",
             "实测差值符号相反：为g灵敏度或两位置之间的零偏变化，两位置无法区分",
         ),
-        told,
+        declared,
     )
 
 
 def _mains(recordings: Recordings) -> Fact:
     recording = recordings[MEMS]
-    seen = []
+    observation = []
     for rest in rests(recording):
         t, values = readings(recording, rest)
         at = strongest(t, values[:, 3], 39.0, 41.0)
-        seen.append(f"{at:.4f} Hz, {1e3 * amplitude(t, values[:, 3], at):.1f} mm/s²")
+        observation.append(f"{at:.4f} Hz, {1e3 * amplitude(t, values[:, 3], at):.1f} mm/s²")
 
-    def told(answer: Answer) -> Told:
-        said = findings(answer, "mains_pickup")
-        return Told(in_words(said), "right") if said else silent(answer)
+    def declared(answer: Answer) -> Judged:
+        response = findings(answer, "mains_pickup")
+        return Judged(in_words(response), "right") if response else silent(answer)
 
     return Fact(
         "mains",
@@ -117,30 +117,30 @@ def _mains(recordings: Recordings) -> Fact:
             bilingual("spectrum of accelerometer x, x up", "加速度计x频谱（x朝上）"),
             bilingual("the same with x down, a minute later", "一分钟后x朝下，同法"),
         ),
-        (seen[0], seen[1]),
+        (observation[0], observation[1]),
         bilingual(
             "40, 60 and 140 Hz look alike at 100 Hz; that it keeps to 60 Hz within 2e-4, in a land "
             "with 60 Hz, speaks for the mains, not its way in",
             "100 Hz采样下40、60、140 Hz不可区分；与60 Hz相差小于2e-4且当地电网为60 Hz，支持工频；"
             "耦合途径未知",
         ),
-        told,
+        declared,
     )
 
 
 def _strongest_line(recordings: Recordings) -> Fact:
     recording = recordings[RING_LASER]
-    seen, places = [], []
+    observation, places = [], []
     for rest in rests(recording):
         t, values = readings(recording, rest)
         at = strongest(t, values[:, 2], *NEAR_NYQUIST)
         places.append(at)
         size = np.degrees(amplitude(t, values[:, 2], at))
-        seen.append(f"{at:.3f} Hz, {size:.4f} deg/s")
+        observation.append(f"{at:.3f} Hz, {size:.4f} deg/s")
 
-    def told(answer: Answer) -> Told:
-        said = [each for at in places for each in lines_at(answer, at, 0.1)]
-        return Told(in_words(said), "right") if said else silent(answer)
+    def declared(answer: Answer) -> Judged:
+        response = [each for at in places for each in lines_at(answer, at, 0.1)]
+        return Judged(in_words(response), "right") if response else silent(answer)
 
     return Fact(
         "strongest_line",
@@ -153,10 +153,10 @@ def _strongest_line(recordings: Recordings) -> Fact:
             bilingual("spectrum of gyro z, x up", "陀螺z频谱（x朝上）"),
             bilingual("the same with x down", "x朝下，同法"),
         ),
-        (seen[0], seen[1]),
+        (observation[0], observation[1]),
         bilingual(
             "sampled at 64 Hz, anything below 32 Hz may be folded: the source is not told",
             "64 Hz采样的32 Hz以下均可能为混叠，来源无法判断",
         ),
-        told,
+        declared,
     )

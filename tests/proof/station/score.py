@@ -15,7 +15,7 @@ LOW_PASS, DELAY = "bandwidth", "time_offset"
 ALWAYS = ("lever_arm", "size_effect", "temperature_bias", "earth_rotation")
 WITHIN = 3.0  # standard uncertainties
 NEGLIGIBLE_S = 1e-4  # that a value may be off by all the same
-Told = Literal["right", "group", "not told", "wrong value", "absent", "invented"]
+Judged = Literal["right", "group", "not told", "wrong value", "absent", "invented"]
 Finding = Mapping[str, Any]
 
 
@@ -26,8 +26,8 @@ class Score:
     case: Case
     names: tuple[str, ...]
     wrong: tuple[str, ...]
-    low_pass: Told
-    delay: Told
+    low_pass: Judged
+    delay: Judged
     seconds: float
     failed: str | None
 
@@ -55,8 +55,8 @@ def score(case: Case, answer: Mapping[str, Any]) -> Score:
         case,
         tuple("/".join(one["group"]) or one["effect"] for one in findings),
         tuple(one["effect"] for one in wrong),
-        _told(LOW_PASS, case, named),
-        _told(DELAY, case, named),
+        _declared(LOW_PASS, case, named),
+        _declared(DELAY, case, named),
         answer["seconds"],
         answer.get("failed"),
     )
@@ -77,7 +77,7 @@ def _is_true(case: Case, finding: Finding, true: set[str]) -> bool:
     )
 
 
-def _told(effect: str, case: Case, named: Sequence[Finding]) -> Told:
+def _declared(effect: str, case: Case, named: Sequence[Finding]) -> Judged:
     has = case.has_low_pass if effect == LOW_PASS else case.has_delay
     alone = [one for one in named if one["effect"] == effect and not one["group"]]
     grouped = [one for one in named if effect in one["group"]]
@@ -109,8 +109,8 @@ def _common_part_is_true(case: Case, finding: Finding) -> bool:
 
 def _agrees(parameters: Sequence[Mapping[str, Any]], true: Mapping[str, float]) -> bool:
     """Whether the parameters that a finding states hold the truth."""
-    said = [(p["value"] - true[p["name"]], p["u"]) for p in parameters if p["name"] in true]
-    return bool(said) and all(abs(off) <= WITHIN * u + NEGLIGIBLE_S for off, u in said)
+    response = [(p["value"] - true[p["name"]], p["u"]) for p in parameters if p["name"] in true]
+    return bool(response) and all(abs(off) <= WITHIN * u + NEGLIGIBLE_S for off, u in response)
 
 
 def _as_large_as_true(case: Case, finding: Finding) -> bool:

@@ -34,31 +34,31 @@ def answer(recording: Recording, folder: Path) -> None:
     try:
         explanation = explain(recording)
     except Exception as failure:
-        said: dict[str, Any] = {"failed": f"{type(failure).__name__}: {failure}"}
+        response: dict[str, Any] = {"failed": f"{type(failure).__name__}: {failure}"}
     else:
-        said = _said(explanation)
+        response = _response(explanation)
         _write_prediction(explanation, folder / PREDICTION)
-    said["seconds"] = time.perf_counter() - started
-    _write_json(said, folder / ANSWER)
+    response["seconds"] = time.perf_counter() - started
+    _write_json(response, folder / ANSWER)
     _write_json(_certificates(recording, explanation), folder / CERTIFICATE)
 
 
 def _certificates(recording: Recording, explanation: Explanation | None) -> dict[str, Any]:
     """As read, and less what was found; a failure leaves the second out and says why."""
-    said: dict[str, Any] = {"read": certificate_of(recording), "less": None}
+    response: dict[str, Any] = {"read": certificate_of(recording), "less": None}
     if explanation is not None:
         try:
-            said["less"] = certificate_less(recording, explanation)
+            response["less"] = certificate_less(recording, explanation)
         except Exception as failure:
-            said["failed"] = f"{type(failure).__name__}: {failure}"
-    return said
+            response["failed"] = f"{type(failure).__name__}: {failure}"
+    return response
 
 
-def _write_json(said: dict[str, Any], path: Path) -> None:
-    path.write_text(json.dumps(said, indent=1, ensure_ascii=False), encoding="utf-8")
+def _write_json(response: dict[str, Any], path: Path) -> None:
+    path.write_text(json.dumps(response, indent=1, ensure_ascii=False), encoding="utf-8")
 
 
-def _said(explanation: Explanation) -> dict[str, Any]:
+def _response(explanation: Explanation) -> dict[str, Any]:
     return {
         "verdict": explanation.verdict,
         "p_value": explanation.p_value,

@@ -68,11 +68,11 @@ def _blocks(stated: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]
 
 
 def _same_form(truth: Truth, effect: str, block: list[Mapping[str, Any]]) -> bool:
-    said = {each["name"]: each["value"] for each in block}
+    response = {each["name"]: each["value"] for each in block}
     forms = FORMS.get(effect, {}).items()
-    if said.get("axis", AXIS_OF_PLANT) != AXIS_OF_PLANT:
+    if response.get("axis", AXIS_OF_PLANT) != AXIS_OF_PLANT:
         return False
-    return all(said.get(name) == truth.effects[effect][true] for name, true in forms)
+    return all(response.get(name) == truth.effects[effect][true] for name, true in forms)
 
 
 def _same_count(known: Known, effect: str, block: list[Mapping[str, Any]]) -> bool:

@@ -63,12 +63,12 @@ def cost_of(
     common = [name for name in true if name in shown and name in mended]
     if not common:
         return None
-    before, after = (_errors(true, said, common) for said in (shown, mended))
+    before, after = (_errors(true, response, common) for response in (shown, mended))
     known, own = np.array([true[name] for name in common]).T
     changed = np.random.default_rng([seed, 11]).normal(0.0, SPREAD, len(common))
 
-    def judged(said: Values) -> Verdict:
-        value, U = np.array([said[name] for name in common]).T
+    def judged(response: Values) -> Verdict:
+        value, U = np.array([response[name] for name in common]).T
         return _verdict(changed + (value - known) / own, U / own)
 
     return Cost(
@@ -93,6 +93,6 @@ def _verdict(moved: np.ndarray, U: np.ndarray) -> Verdict:
     return "inconclusive" if open_.any() else "pass"
 
 
-def _errors(true: Values, said: Values, names: list[str]) -> np.ndarray:
+def _errors(true: Values, response: Values, names: list[str]) -> np.ndarray:
     """|stated − true|/U of each value."""
-    return np.array([abs(said[name][0] - true[name][0]) / said[name][1] for name in names])
+    return np.array([abs(response[name][0] - true[name][0]) / response[name][1] for name in names])

@@ -30,7 +30,7 @@ FEW_RATES = ((50.0, 200.0), (30.0, 120.0), (300.0,))
 DWELLS = (12.0, 16.0, 20.0, 30.0)  # s
 MOST_ROWS = 110_000  # so that a case is explained within 8 s
 # dwells: fixed ones, and for each rate
-LEGS = {"three_axis": (18, 6), "single_axis": (18, 6), "six_orientations": (12, 12),
+SEGMENTS = {"three_axis": (18, 6), "single_axis": (18, 6), "six_orientations": (12, 12),
         "one_axis": (2, 2), "rests": (12, 0), "ahrs": (22, 6)}  # fmt: skip
 TURNING = {"ahrs": 300.0}  # s that no dwell makes shorter: ten turns, three axes, both ways
 CLEAN = 120  # recordings without effects: as many as false alarms of 1 % ask for at the least
@@ -104,7 +104,7 @@ def conditions(rng: np.random.Generator, ask: Ask, procedure: str | None = None)
     drawn = procedure or str(rng.choice(names, p=list(PROCEDURES.values())))
     if kind == "outside" and drawn == "ahrs":  # nothing there moves to a position, as some need
         drawn = "three_axis"
-    told: dict[str, Any] = {
+    declared: dict[str, Any] = {
         "seed": int(rng.integers(1, 1_000_000)),
         "grade": str(rng.choice(["consumer", "industrial", "tactical"])),
         "procedure": "three_axis" if drawn == "partial" else drawn,
@@ -117,25 +117,25 @@ def conditions(rng: np.random.Generator, ask: Ask, procedure: str | None = None)
         "effects": tuple(EffectCall(name=name, strength=TYPICAL) for name in effects),
     }
     if drawn == "ahrs":  # its turns alone would fill a run at the highest rate
-        told["rate_hz"] = min(told["rate_hz"], 100)
-    few = drawn == "partial" or told["rate_hz"] == 200
+        declared["rate_hz"] = min(declared["rate_hz"], 100)
+    few = drawn == "partial" or declared["rate_hz"] == 200
     choices = FEW_RATES if few else RATES
-    told["rates_deg_s"] = choices[int(rng.integers(len(choices)))]
-    told["dwell_s"] = _dwell(float(rng.choice(DWELLS)), told)
+    declared["rates_deg_s"] = choices[int(rng.integers(len(choices)))]
+    declared["dwell_s"] = _dwell(float(rng.choice(DWELLS)), declared)
     # What no thermometer recorded cannot be named after it; a warm-up can.
     unrecorded = 0.5 if "thermal_transient" in effects else 0.15
     needed = any(name in NEEDS_THERMOMETER for name in effects)
-    told["temperature_recorded"] = needed or bool(rng.uniform() > unrecorded)
+    declared["temperature_recorded"] = needed or bool(rng.uniform() > unrecorded)
     # Where the site is not told, level directions are the table's: no name of the catalogue
     # loses its parameters for that in a trial that compares them.
-    told["site_told"] = kind not in ("clean", "outside") or bool(rng.uniform() > 0.15)
-    return Case(**told)
+    declared["site_known"] = kind not in ("clean", "outside") or bool(rng.uniform() > 0.15)
+    return Case(**declared)
 
 
-def _dwell(drawn: float, told: dict[str, Any]) -> float:
+def _dwell(drawn: float, declared: dict[str, Any]) -> float:
     """The longest dwell up to the one drawn that keeps the run short enough."""
-    fixed, for_each = LEGS[told["procedure"]]
-    legs = fixed + for_each * len(told["rates_deg_s"])
-    seconds = MOST_ROWS / told["rate_hz"] - TURNING.get(told["procedure"], 0.0)
-    longest = seconds / legs - 4.0
+    fixed, for_each = SEGMENTS[declared["procedure"]]
+    segments = fixed + for_each * len(declared["rates_deg_s"])
+    seconds = MOST_ROWS / declared["rate_hz"] - TURNING.get(declared["procedure"], 0.0)
+    longest = seconds / segments - 4.0
     return max(min(drawn, float(np.floor(longest))), min(DWELLS))

@@ -79,7 +79,7 @@ def _failure(failure: Failure) -> dict[str, Any]:
 
 def _plain(row: Row) -> dict[str, Any]:
     values = ((name, getattr(row, name)) for name in row.__dataclass_fields__)
-    return {name: value.said() if isinstance(value, Rate) else value for name, value in values}
+    return {name: value.response() if isinstance(value, Rate) else value for name, value in values}
 
 
 def as_markdown(trial: Trial) -> str:
@@ -124,9 +124,9 @@ def _lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
 def failure_cells(failure: Failure, cause: str) -> tuple[str, ...]:
     """A failure as words, in the order of FAILURES."""
     score = failure.score
-    seen = ", ".join(f"{z:.3g}" for z in score.z.values()) or "–"
+    observation = ", ".join(f"{z:.3g}" for z in score.z.values()) or "–"
     where = f"{score.conditions['procedure']}, {score.conditions['grade']}"
-    return score.number, failure.kind, failure.truth, seen, failure.said, where, cause
+    return score.number, failure.kind, failure.truth, observation, failure.response, where, cause
 
 
 def cost_cells(row: Row) -> list[str]:

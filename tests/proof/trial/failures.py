@@ -31,7 +31,7 @@ class Failure:
         return " + ".join(self.score.effects) or "clean"
 
     @property
-    def said(self) -> str:
+    def response(self) -> str:
         return ", ".join(self.score.names) or "nothing"
 
 
@@ -53,7 +53,7 @@ def failing(score: Score) -> str | None:
     if not score.effects:
         return "false alarm" if score.detected else None
     if not score.has_a_name:
-        return None if score.detected or not score.can_be_told else "missed"
+        return None if score.detected or not score.can_be_determined else "missed"
     if not score.detected:
         return "missed"
     if not score.right_or_twin:
@@ -73,10 +73,10 @@ def causes(score: Score) -> tuple[Text, ...]:
 
 
 def _pairs(score: Score) -> Iterator[tuple[str, str]]:
-    said = [*score.wrong, *([UNNAMED] if UNNAMED in score.names else [])]
+    response = [*score.wrong, *([UNNAMED] if UNNAMED in score.names else [])]
     if not score.detected or score.kind == "several":
-        said.append("nothing")
+        response.append("nothing")
     for truth in score.effects or ("clean",):
         if truth not in score.named:
-            yield from ((truth, name) for name in said)
+            yield from ((truth, name) for name in response)
     yield from ((truth, name) for truth in score.named for name in score.wrong)

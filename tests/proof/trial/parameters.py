@@ -62,9 +62,9 @@ def _follows(per: str) -> Callable[[Truth, Mapping[str, Any]], Known]:
     return lambda truth, p: _both(p["gyro"], p["accel"], per)
 
 
-def _same(name: str, unit: str, said: str | None = None) -> Callable[..., Known]:
+def _same(name: str, unit: str, response: str | None = None) -> Callable[..., Known]:
     """One number that means the same; `said` where it has another name."""
-    return lambda truth, p: {said or name: (float(p[name]), unit)}
+    return lambda truth, p: {response or name: (float(p[name]), unit)}
 
 
 def _earth(truth: Truth, p: Mapping[str, Any]) -> Known:

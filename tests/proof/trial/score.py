@@ -95,14 +95,14 @@ class Score:
         return tuple(effect for effect in self.effects if effect in self.names)
 
     @property
-    def can_be_told(self) -> bool:
+    def can_be_determined(self) -> bool:
         """Whether the data show it at all: the standard absorbs another gravity whole."""
         return self.effects != (ABSORBED,)
 
     @property
     def has_a_name(self) -> bool:
         """Whether a name of the catalogue would be right."""
-        return self.can_be_told and any(not e.startswith("x_") for e in self.effects)
+        return self.can_be_determined and any(not e.startswith("x_") for e in self.effects)
 
 
 def score_all(folder: Path) -> list[Score]:
@@ -114,40 +114,40 @@ def score_all(folder: Path) -> list[Score]:
 def score(folder: Path, number: str) -> Score:
     """One answer against its truth."""
     sealed, answers = folder / SEALED / number, folder / ANSWERS / number
-    told = _json(sealed / "truth.json")
+    declared = _json(sealed / "truth.json")
     answer = _json(answers / ANSWER)
     trial, stated, gap = _json(sealed / "trial.json"), _json(answers / CERTIFICATE), None
-    if told["effects"] and "failed" not in answer:
-        first, left = misfits(sealed / "truth.parquet", answers / PREDICTION, told["case"])
+    if declared["effects"] and "failed" not in answer:
+        first, left = misfits(sealed / "truth.parquet", answers / PREDICTION, declared["case"])
         gap = Gap(first, left, trial["floor"])
-    seed = told["case"]["seed"]
+    seed = declared["case"]["seed"]
     cost = cost_of(trial["certificate"], stated["read"], stated["less"], seed)
     if "failed" in stated:
         answer.setdefault("failed", f"calibrate --terms: {stated['failed']}")
-    return scored(number, told, trial, answer, gap, cost)
+    return scored(number, declared, trial, answer, gap, cost)
 
 
 def scored(
     number: str,
-    told: dict[str, Any],
+    declared: dict[str, Any],
     trial: dict[str, Any],
     answer: dict[str, Any],
     gap: Gap | None,
     cost: Cost | None = None,
 ) -> Score:
     """The score from what truth.json, trial.json and answer.json say."""
-    case, effects = told["case"], tuple(told["effects"])
+    case, effects = declared["case"], tuple(declared["effects"])
     findings = answer.get("findings", [])
     named = [one for one in findings if one["effect"] != UNNAMED]
     wrong = [one for one in named if one["effect"] not in effects]
-    truth = Truth(told["effects"], told["parameters"], case)
+    truth = Truth(declared["effects"], declared["parameters"], case)
     beside = [
         compared(truth, one["effect"], one["parameters"])
         for one in named
         if one["effect"] in effects
     ]
     shown = ("grade", "procedure", "rate_hz", "rates_deg_s", "dwell_s", "order", "climate",
-             "latitude_deg", "heading_deg", "temperature_recorded", "site_told")  # fmt: skip
+             "latitude_deg", "heading_deg", "temperature_recorded", "site_known")  # fmt: skip
     return Score(
         number=number,
         kind=trial["kind"],
@@ -178,13 +178,13 @@ def _true_or_twin(finding: dict[str, Any], effects: tuple[str, ...]) -> bool:
 
 def misfits(truth: Path, prediction: Path, case: dict[str, Any]) -> tuple[float, float]:
     """Σ|truth − nominal|²/σ² and Σ|truth − found|²/σ² over the rows where both are known."""
-    true, said = pq.read_table(truth), pq.read_table(prediction)
+    true, response = pq.read_table(truth), pq.read_table(prediction)
     left = first = 0.0
     for channel, noise in zip(GYRO + ACCEL, channel_noise(case["grade"]), strict=True):
         sigma = noise.white * np.sqrt(case["rate_hz"] / 2.0)
-        course = true[channel].to_numpy()
+        series = true[channel].to_numpy()
         found, nominal = (
-            (course - said[f"{channel}_{which}"].to_numpy()) / sigma
+            (series - response[f"{channel}_{which}"].to_numpy()) / sigma
             for which in ("found", "nominal")
         )
         known = np.isfinite(found) & np.isfinite(nominal)

@@ -27,20 +27,20 @@ def record_and_seal(drawn: Drawn, folder: Path) -> None:
     """
     case = sized(drawn)
     simulated = simulate(case)
-    seen = {call.name: visibility(simulated, call.name) for call in case.effects}
+    observation = {call.name: visibility(simulated, call.name) for call in case.effects}
     write(simulated.recording, folder / RECORDINGS / drawn.label)
     sealed = folder / SEALED / drawn.label
     seal(simulated.recording, simulated.sealed, simulated.truth, sealed)
     clean = simulate(case.only())
-    told = {
+    declared = {
         "kind": drawn.kind,
         "asked_z": drawn.z,
-        "z": {name: each.z for name, each in seen.items()},
-        "concealment": {name: each.concealment for name, each in seen.items()},
+        "z": {name: each.z for name, each in observation.items()},
+        "concealment": {name: each.concealment for name, each in observation.items()},
         "floor": floor_of(clean),
         "certificate": certificate_of(clean.recording),
     }
-    (sealed / "trial.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    (sealed / "trial.json").write_text(json.dumps(declared, indent=1), encoding="utf-8")
 
 
 def sized(drawn: Drawn) -> Case:

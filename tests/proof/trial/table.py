@@ -24,7 +24,7 @@ class Rate:
     def interval(self) -> tuple[float, float] | None:
         return wilson(self.count / self.of, self.of) if self.of else None
 
-    def said(self) -> dict[str, object]:
+    def response(self) -> dict[str, object]:
         """As plain data."""
         return {"count": self.count, "of": self.of, "share": self.share, "interval": self.interval}
 
@@ -69,7 +69,7 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
     """The figures of some cases, at least one."""
     gaps = [each.gap.closed for each in scores if each.gap is not None]
     shares = [share for e in scores if e.gap and (share := e.gap.of_closable) is not None]
-    seen = [z for each in scores for z in each.z.values()]
+    observation = [z for each in scores for z in each.z.values()]
     hidden = [share for each in scores for share in each.concealment.values()]
     costs = [each.cost for each in scores if each.cost is not None]
     nameable = [each for each in scores if each.has_a_name]
@@ -85,7 +85,7 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
         name=name,
         z=z,
         cases=len(scores),
-        z_median=median(seen) if seen else None,
+        z_median=median(observation) if observation else None,
         concealment=median(hidden) if hidden else None,
         detected=rate(lambda each: each.detected),
         right=Rate(sum(each.right for each in nameable), len(nameable)),
@@ -149,7 +149,7 @@ def totals_of(scores: Sequence[Score]) -> dict[str, Row]:
         },
         "one effect, z 10 and more": (each for each in single if each.asked_z),
         "Earth as it is": (each for each in single if each.effects == ("earth_rotation",)),
-        "cannot be told": (each for each in single if not each.can_be_told),
+        "cannot be told": (each for each in single if not each.can_be_determined),
         "several effects": (each for each in scores if each.kind == "several"),
         "outside the catalogue": (each for each in scores if each.kind == "outside"),
     }

@@ -78,8 +78,8 @@ def test_row_that_points_nowhere_is_refused(fresh: Home) -> None:
 def test_processes_that_open_a_fresh_home_at_once_make_one_catalogue(
     fresh: Home, at_once: Callable[..., list[str]]
 ) -> None:
-    said = at_once(f"{TAKE_NUMBER}\nprint(len(number))", fresh, processes=4)
-    assert said == ["14\n"] * 4
+    printed = at_once(f"{TAKE_NUMBER}\nprint(len(number))", fresh, processes=4)
+    assert printed == ["14\n"] * 4
 
 
 def test_switching_a_fresh_file_to_a_log_is_tried_again_when_sqlite_refuses_at_once() -> None:

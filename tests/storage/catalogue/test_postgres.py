@@ -106,9 +106,9 @@ def test_concurrent_imports_on_postgresql_are_one_run(
 path = Path(arguments[0])
 print(runs.add(recordings.read(path), home, source=path)[0].id)
 """
-    said = at_once(script, shared_catalogue, str(tmp_path / "source"), processes=3)
+    printed = at_once(script, shared_catalogue, str(tmp_path / "source"), processes=3)
     (run,) = run_index.all_runs(shared_catalogue)
-    assert said == [f"{run.id}\n"] * 3
+    assert printed == [f"{run.id}\n"] * 3
 
 
 def test_numbers_taken_at_once_on_postgresql_are_never_the_same(

@@ -69,9 +69,9 @@ def test_concurrent_imports_of_the_same_content_are_one_run(
 path = Path(arguments[0])
 print(runs.add(recordings.read(path), home, source=path)[0].id)
 """
-    said = at_once(script, fresh, str(tmp_path / "source"), processes=3)
+    text = at_once(script, fresh, str(tmp_path / "source"), processes=3)
     (run,) = run_index.all_runs(fresh)
-    assert said == [f"{run.id}\n"] * 3
+    assert text == [f"{run.id}\n"] * 3
     assert [path.name for path in fresh.raw.iterdir()] == [f"{run.digest}.mcap"]
     assert [path.name for path in fresh.columns.iterdir()] == [run.digest]
 

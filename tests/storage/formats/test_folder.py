@@ -40,17 +40,17 @@ def frames() -> dict[str, pd.DataFrame]:
 
 def write(folder: Path, change: Change = lambda m, f: None, suffix: str = "csv") -> Path:
     """A small recording with one thing changed, as a folder."""
-    said, tables = manifest(), frames()
+    text, tables = manifest(), frames()
     if suffix == "parquet":
-        said["streams"] = {name: f"{name}.parquet" for name in tables}
-    change(said, tables)
+        text["streams"] = {name: f"{name}.parquet" for name in tables}
+    change(text, tables)
     folder.mkdir(exist_ok=True)
     for name, table in tables.items():
         if suffix == "parquet":
             table.to_parquet(folder / f"{name}.parquet")
         else:
             table.to_csv(folder / f"{name}.csv", index=False)
-    (folder / "manifest.json").write_text(json.dumps(said), encoding="utf-8")
+    (folder / "manifest.json").write_text(json.dumps(text), encoding="utf-8")
     return folder
 
 
@@ -65,9 +65,9 @@ def set_value(stream: str, column: str, row: int, value: object) -> Change:
 
 
 def both(*changes: Change) -> Change:
-    def change(said: dict, tables: dict[str, pd.DataFrame]) -> None:
+    def change(text: dict, tables: dict[str, pd.DataFrame]) -> None:
         for each in changes:
-            each(said, tables)
+            each(text, tables)
 
     return change
 
@@ -77,11 +77,11 @@ def drop(stream: str, *columns: str) -> Change:
 
 
 def say(path: str, value: object) -> Change:
-    def change(said: dict, _: dict[str, pd.DataFrame]) -> None:
+    def change(text: dict, _: dict[str, pd.DataFrame]) -> None:
         *way, last = path.split(".")
         for step in way:
-            said = said[step]
-        said[last] = value
+            text = text[step]
+        text[last] = value
 
     return change
 
@@ -101,10 +101,10 @@ RATE = {"axis": "x", "rate_deg_s": 10}
 
 REFUSED: dict[str, tuple[Change, tuple[str, ...]]] = {
     "another format": (say("format", "mimu-recording/2"), ("format", "mimu-recording/2")),
-    "no station": (lambda said, _: said.pop("station"), ("manifest.json", "station")),
+    "no station": (lambda text, _: text.pop("station"), ("manifest.json", "station")),
     "gravity of the moon": (say("station.gravity_m_s2", 1.62), ("gravity_m_s2", "1.62")),
     "unknown stream": (say("streams.camera", "camera.csv"), ("streams.camera",)),
-    "no imu stream": (lambda said, _: said["streams"].pop("imu"), ("streams.imu", "missing")),
+    "no imu stream": (lambda text, _: text["streams"].pop("imu"), ("streams.imu", "missing")),
     "path upwards": (say("streams.imu", "../imu.csv"), ("../imu.csv", "leaves the folder")),
     "absolute path": (say("streams.imu", "/etc/passwd"), ("/etc/passwd", "leaves the folder")),
     "stream file missing": (say("streams.imu", "other.csv"), ("other.csv", "no such file")),

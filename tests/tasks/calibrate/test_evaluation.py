@@ -28,7 +28,7 @@ def calibrated(recording: Recording, **how) -> Calibration:
     return calibrate(specification, recording, run="r", code_version="v", evaluation=evaluation)
 
 
-def told(recording: Recording, **manifest) -> Recording:
+def restated(recording: Recording, **manifest) -> Recording:
     """The recording with other fields in its manifest."""
     changed = recording.manifest.model_copy(update=manifest)
     return Recording(changed, recording.imu, recording.table, environment=recording.environment,
@@ -59,7 +59,7 @@ def ahrs_noise(plant) -> Recording:
     """An AHRS whose recording tells no latitude."""
     recording = plant("ahrs_clean")
     station = recording.manifest.station.model_copy(update={"latitude_deg": None})
-    return told(recording, station=station)
+    return restated(recording, station=station)
 
 
 def test_every_element_with_a_value_has_a_budget_that_gives_its_u(calibrations) -> None:
@@ -134,7 +134,7 @@ def test_the_value_without_earth_rotation_has_the_latitude_in_its_own_uncertaint
 
 
 def test_a_recording_of_no_specification_counts_no_table_and_says_so(ideal_run) -> None:
-    calibration = calibrated(told(ideal_run(), standard="other"))
+    calibration = calibrated(restated(ideal_run(), standard="other"))
     (remark,) = [r for r in calibration.remarks if r.code == "equipment_unknown"]
     assert remark.blocks_pass
     symbols = {line.symbol for b in budgets(calibration).values() for line in b.inputs}
@@ -200,7 +200,7 @@ def test_as_the_example_the_unit_s_own_bits_are_used_where_they_are_told(ideal_r
     plain = calibrated(recording, kind=EXAMPLE)
     assert plain.settings["effective bits"] == "12 (the example's)"
     unit = recording.manifest.unit
-    fine = told(recording, unit=type(unit).model_validate({**dict(unit), "effective_bits": 16}))
+    fine = restated(recording, unit=type(unit).model_validate({**dict(unit), "effective_bits": 16}))
     calibration = calibrated(fine, kind=EXAMPLE)
     assert calibration.settings["effective bits"] == "16 (the unit's)"
     assert calibration.items["gyro_bias"].budgets["x"].inputs[1].u == acquisition(16)
@@ -210,7 +210,9 @@ def test_as_the_example_the_unit_s_own_bits_are_used_where_they_are_told(ideal_r
 def test_bits_that_are_no_number_of_bits_are_refused(ideal_run, bits) -> None:
     recording = ideal_run()
     unit = recording.manifest.unit
-    wrong = told(recording, unit=type(unit).model_validate({**dict(unit), "effective_bits": bits}))
+    wrong = restated(
+        recording, unit=type(unit).model_validate({**dict(unit), "effective_bits": bits})
+    )
     with pytest.raises(Unusable, match="effective_bits"):
         evaluation_for(wrong)
 
@@ -242,7 +244,7 @@ def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(
     plant, method: str
 ) -> None:
     recording = plant("plant_clean")
-    polled = told(recording, table_time={"encoder": "polled", "half_width_s": 0.01})
+    polled = restated(recording, table_time={"encoder": "polled", "half_width_s": 0.01})
     evaluation = evaluation_for(polled)
     item = calibrate(
         specification_for("other", method), polled, run="r", code_version="v", evaluation=evaluation
@@ -256,4 +258,4 @@ def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(
 @pytest.mark.parametrize("stated", ["polled", {}, {"half_width_s": -1.0}, {"half_width_s": "0.1"}])
 def test_a_polled_encoders_time_that_is_none_is_refused(plant, stated: object) -> None:
     with pytest.raises(Unusable, match=r"table_time\.half_width_s is"):
-        evaluation_for(told(plant("plant_clean"), table_time=stated))
+        evaluation_for(restated(plant("plant_clean"), table_time=stated))

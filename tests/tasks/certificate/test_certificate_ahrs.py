@@ -55,13 +55,13 @@ def test_a_row_of_the_misalignment_has_the_value_of_its_element(made, written):
 
 
 def test_positions_and_turns_of_the_clauses_are_told(written):
-    told = fields(written)
-    assert told["Positions for the zero offset"] == (
+    document = fields(written)
+    assert document["Positions for the zero offset"] == (
         "X 轴 4 个，各 1800 s；Y 轴 4 个，各 1800 s；Z 轴 4 个，各 1800 s",
         "X: 4 of 1800 s each; Y: 4 of 1800 s each; Z: 4 of 1800 s each",
     )
-    assert told["Whole turns"][1].startswith("X: +10, −10 turns at 100 °/s; Y: ")
-    assert told["Whole turns"][0].startswith("X 轴 +10, −10 周，100 °/s；Y 轴 ")
+    assert document["Whole turns"][1].startswith("X: +10, −10 turns at 100 °/s; Y: ")
+    assert document["Whole turns"][0].startswith("X 轴 +10, −10 周，100 °/s；Y 轴 ")
 
 
 def test_no_page_speaks_of_the_rate_for_p(made):
@@ -79,5 +79,5 @@ def test_clauses_are_in_chinese_where_the_page_is(written):
 
 
 def test_the_register_says_which_index_turns(written):
-    said = str(asdict(written)["readings"])
-    assert "X 轴对 Y 轴失准角为 L_yx" in said
+    statement = str(asdict(written)["readings"])
+    assert "X 轴对 Y 轴失准角为 L_yx" in statement

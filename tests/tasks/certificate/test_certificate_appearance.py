@@ -36,17 +36,17 @@ def test_the_seal_stands_where_the_stamp_would_be_put() -> None:
 
 def test_labels_are_in_the_laboratorys_words() -> None:
     words = {"conclusion": {"en": "Outcome", "zh": "结果"}}
-    said = text(of(wording=words))
-    assert "Outcome" in said
-    assert "Verdict" not in said
+    printed = text(of(wording=words))
+    assert "Outcome" in printed
+    assert "Verdict" not in printed
     with pytest.raises(Unusable, match=r"^laboratory\.toml: wording names 'verdikt'"):
         render(of(wording={"verdikt": {"en": "a", "zh": "b"}}))
 
 
 def test_a_layout_of_the_laboratorys_own_takes_the_place_of_the_houses() -> None:
-    said = text(of(Appearance(template=OWN)))
-    assert said.startswith("House of gyros MIMU-2026-0042")
-    assert "SN-2026-00417" in said
+    printed = text(of(Appearance(template=OWN)))
+    assert printed.startswith("House of gyros MIMU-2026-0042")
+    assert "SN-2026-00417" in printed
 
 
 @pytest.mark.parametrize(

@@ -41,9 +41,9 @@ def test_the_section_names_the_run_as_found_its_day_and_its_verdict() -> None:
 
 
 def test_verdict_is_that_as_left_and_the_cover_says_both() -> None:
-    said = content(adjusted())
-    assert said.verdict_text[1] == content(certificate()).verdict_text[1] == "pass"
-    assert said.scope[1].endswith("; as found, before it was adjusted: fail")
+    printed = content(adjusted())
+    assert printed.verdict_text[1] == content(certificate()).verdict_text[1] == "pass"
+    assert printed.scope[1].endswith("; as found, before it was adjusted: fail")
 
 
 def test_a_limit_on_the_second_value_shows_that_value() -> None:

@@ -110,7 +110,7 @@ def test_shares_are_printed_in_percent_of_the_variance(made) -> None:
     assert found is not None
     for table, item in zip(found.tables, made.items.values(), strict=True):
         largest = max(item.budgets.values(), key=lambda budget: budget.u_c)
-        for line, told in zip(table.lines, largest.inputs, strict=True):
-            percent = 100.0 * (told.contribution / largest.u_c) ** 2
+        for line, document in zip(table.lines, largest.inputs, strict=True):
+            percent = 100.0 * (document.contribution / largest.u_c) ** 2
             shown = float(line.share.replace("<", "").replace("−", "-"))
             assert shown == pytest.approx(percent, abs=0.1)

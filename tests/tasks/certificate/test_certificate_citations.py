@@ -62,9 +62,9 @@ def test_each_item_cites_the_equations_of_its_own_specification(made) -> None:
 
 def test_nothing_on_the_certificate_names_the_other_specification(made) -> None:
     standard, written, _ = made
-    said = str(asdict(written))
+    text = str(asdict(written))
     others = {"JJF 2003", "JJF 1536"} - {standard[:8]}
-    assert not [other for other in others if other in said]
+    assert not [other for other in others if other in text]
 
 
 def test_every_reading_cites_clauses_that_its_specification_has(made) -> None:

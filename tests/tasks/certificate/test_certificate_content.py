@@ -34,12 +34,12 @@ def group(result: Calibration, title: str) -> Group:
     return next(g for section in made.sections for g in section.groups if g.title[1] == title)
 
 
-def texts(said: Any) -> list[str]:
-    if isinstance(said, dict):
-        return [text for value in said.values() for text in texts(value)]
-    if isinstance(said, list | tuple):
-        return [text for value in said for text in texts(value)]
-    return [said] if isinstance(said, str) else []
+def texts(answer: Any) -> list[str]:
+    if isinstance(answer, dict):
+        return [text for value in answer.values() for text in texts(value)]
+    if isinstance(answer, list | tuple):
+        return [text for value in answer for text in texts(value)]
+    return [answer] if isinstance(answer, str) else []
 
 
 KIND = Item.model_fields["uncertainty_kind"].annotation
@@ -231,10 +231,10 @@ def test_nothing_is_left_blank_when_nothing_is_given() -> None:
     made = content(bare)
     for fields in (made.front, made.conformity, made.trace):
         assert all(text.strip() for field in fields for text in (*field.label, *field.value))
-    said = asdict(made)
+    answer = asdict(made)
     for part in ("laboratory", "laboratory_address", "signatures", "standards"):
-        assert all(text.strip() for text in texts(said[part]))
-        assert "未提供" in texts(said[part])
+        assert all(text.strip() for text in texts(answer[part]))
+        assert "未提供" in texts(answer[part])
     unit = {field.label[1]: field.value for field in made.front}
     assert unit["Serial number"] == unit["Model"] == ("未提供", "not given")
     assert made.environment[0].measured == ("未提供", "not given")
@@ -282,8 +282,8 @@ def test_settings_are_called_by_their_names_in_every_language_and_have_units() -
             }
         )
     )
-    (said,) = [each.value for each in content(made).trace if each.label[1] == "Settings"]
-    assert said == (
+    (answer,) = [each.value for each in content(made).trace if each.label[1] == "Settings"]
+    assert answer == (
         "所用重力加速度：9.8015 m/s²；所用纬度：未提供；不确定度：GUM 法，A 类与 B 类合成；"
         "校准装置的极限：JJF 2003—2022，表 1；"
         "实验室给出的极限，角位置定位精度：±4.95036″ (certificate 2026-123)；"

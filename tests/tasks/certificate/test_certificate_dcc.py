@@ -138,7 +138,7 @@ def test_every_result_of_the_dcc_is_printed_with_its_uncertainty(faces: Faces) -
 def test_every_result_of_the_dcc_is_that_of_the_record_to_its_last_place(faces: Faces) -> None:
     record = Certificate.model_validate_json(faces.record)
     sources = [record.calibration, *([record.as_found.calibration] if record.as_found else [])]
-    seen = set()
+    observed = set()
     for label, value, U, k in results(faces.dcc):
         name, *which, element = label.split(".")
         field = which[0] if which else "value"
@@ -151,14 +151,14 @@ def test_every_result_of_the_dcc_is_that_of_the_record_to_its_last_place(faces: 
             largest = [(getattr(i, own, None) or i.U)[element] for i in of_results]
             assert min(abs(float(U) / each - 1) for each in largest) < 0.1
             assert k in {Decimal(f"{i.k:g}") for i in of_results}
-        seen.add((name, element))
+        observed.add((name, element))
     determined = {
         (name, element)
         for name, item in record.calibration.items.items()
         for element, value in item.value.items()
         if value is not None
     }
-    assert determined <= seen
+    assert determined <= observed
 
 
 @pytest.mark.parametrize("made", ["2003", "1536"], indirect=True)

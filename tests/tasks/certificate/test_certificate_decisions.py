@@ -29,29 +29,29 @@ def limited(*limits: Limit, **file: Any) -> Tolerance:
     return tolerance(limits=limits, **file)
 
 
-def fields(said: Content) -> dict[str, tuple[str, str]]:
-    return {field.label[1]: field.value for field in said.conformity}
+def fields(text: Content) -> dict[str, tuple[str, str]]:
+    return {field.label[1]: field.value for field in text.conformity}
 
 
 def test_a_conditional_pass_is_marked_where_it_stands_and_on_the_cover() -> None:
-    said = content(made([0.0499, 0.01, 0.02], tolerance()))
-    assert said.verdict_text == ("有条件合格", "conditional pass")
-    assert said.scope is not None
-    assert said.scope[1].endswith("; 1 with an element within U of a limit")
-    x, y, _ = said.sections[1].groups[0].rows
+    text = content(made([0.0499, 0.01, 0.02], tolerance()))
+    assert text.verdict_text == ("有条件合格", "conditional pass")
+    assert text.scope is not None
+    assert text.scope[1].endswith("; 1 with an element within U of a limit")
+    x, y, _ = text.sections[1].groups[0].rows
     assert (x.marks[0].words[1], x.marks[0].chance) == ("conditional pass", "72.1 %")
     assert (y.marks[0].words[1], y.marks[0].chance) == ("pass", "> 99.9 %")
-    assert said.reasons[0][1] == (
+    assert text.reasons[0][1] == (
         "Gyro bias B_gx: 0.04990 °/s, U = 0.00035 °/s (k = 2), is accepted but lies within U of "
         "its limit, ±0.05 °/s (conditional pass, false acceptance 27.9 %)"
     )
-    assert "ILAC-G8:09/2019" in fields(said)["Marks"][1]
+    assert "ILAC-G8:09/2019" in fields(text)["Marks"][1]
 
 
 def test_a_fail_beyond_doubt_is_a_plain_one() -> None:
-    said = content(made([0.0501, 0.2, 0.02], tolerance()))
-    x, y, _ = (row.marks[0].words[1] for row in said.sections[1].groups[0].rows)
-    assert (x, y, said.verdict_text[1]) == ("conditional fail", "fail", "fail")
+    text = content(made([0.0501, 0.2, 0.02], tolerance()))
+    x, y, _ = (row.marks[0].words[1] for row in text.sections[1].groups[0].rows)
+    assert (x, y, text.verdict_text[1]) == ("conditional fail", "fail", "fail")
 
 
 def test_the_largest_risks_are_told_with_whose_they_are() -> None:
@@ -63,9 +63,9 @@ def test_the_largest_risks_are_told_with_whose_they_are() -> None:
 
 def test_a_guard_band_prints_its_rule_its_width_and_its_acceptance_limits() -> None:
     limits = limited(Limit(**BIAS, magnitude=0.05), rule="guard_band", guard_band_factor=0.83)
-    said = content(made([0.01, 0.01, 0.02], limits))
-    assert said.sections[1].groups[0].rows[0].limits == ("±0.05", "AL ±0.04972")
-    rule = fields(said)["Decision rule"][1]
+    text = content(made([0.01, 0.01, 0.02], limits))
+    assert text.sections[1].groups[0].rows[0].limits == ("±0.05", "AL ±0.04972")
+    rule = fields(text)["Decision rule"][1]
     assert "guard band (JCGM 106, 8.3)" in rule
     assert "w = 0.83 U" in rule
     assert "C_m = T/(2 U) ≥ 1" in rule
@@ -73,7 +73,7 @@ def test_a_guard_band_prints_its_rule_its_width_and_its_acceptance_limits() -> N
 
 
 def test_several_rules_are_told_one_by_one_with_their_items() -> None:
-    said = fields(
+    text = fields(
         content(
             made(
                 [0.01, 0.01, 0.02],
@@ -85,9 +85,9 @@ def test_several_rules_are_told_one_by_one_with_their_items() -> None:
             )
         )
     )
-    assert said["Decision rule 1"][1].startswith("Gyro bias: shared risk")
-    assert "Gyro bias decided on only if U ≤ 0.001 °/s" in said["Decision rule 1"][1]
-    assert said["Decision rule 2"][1].startswith("Accelerometer bias, Gyro scale factor: simple")
+    assert text["Decision rule 1"][1].startswith("Gyro bias: shared risk")
+    assert "Gyro bias decided on only if U ≤ 0.001 °/s" in text["Decision rule 1"][1]
+    assert text["Decision rule 2"][1].startswith("Accelerometer bias, Gyro scale factor: simple")
 
 
 def test_relative_limits_are_told_both_ways() -> None:
@@ -99,22 +99,22 @@ def test_relative_limits_are_told_both_ways() -> None:
 
 def test_a_prior_gives_the_risks_over_the_production() -> None:
     limits = limited(Limit(**BIAS, magnitude=0.05, prior=ProductionPrior(mean=0.045, sd=0.01)))
-    said = fields(content(made([0.01, 0.01, 0.02], limits)))
+    text = fields(content(made([0.01, 0.01, 0.02], limits)))
     found = re.fullmatch(
         r"Gyro bias: consumer's (\d\.\d) %, producer's (\d\.\d) % \(JCGM 106, 9\.5\)",
-        said["Risks over the production"][1],
+        text["Risks over the production"][1],
     )
     assert found
     assert all(0.1 <= float(each) <= 1.0 for each in found.groups())
 
 
 @pytest.mark.parametrize(
-    ("probability", "said"),
+    ("probability", "text"),
     [(0.0, "< 0.1 %"), (0.0009, "< 0.1 %"), (0.0012, "0.1 %"), (0.1587, "15.9 %"),
      (0.998, "99.8 %"), (0.99999, "> 99.9 %"), (1.0, "> 99.9 %")],
 )  # fmt: skip
-def test_a_probability_is_never_printed_as_certainty(probability: float, said: str) -> None:
-    assert probability_text(probability) == said
+def test_a_probability_is_never_printed_as_certainty(probability: float, text: str) -> None:
+    assert probability_text(probability) == text
 
 
 def test_rule_width_and_risk_are_on_the_paper() -> None:

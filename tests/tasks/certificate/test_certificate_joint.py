@@ -59,6 +59,6 @@ def test_the_g_sensitivity_of_a_joint_fit_has_one_column_without_letters() -> No
 
 
 def test_the_rate_sensitivity_of_a_joint_fit_is_no_difference_of_rest_and_turning() -> None:
-    said = " ".join(en for _, en in groups("joint")["Accelerometer rate sensitivity"].sentences)
-    assert "rest minus turning" not in said
-    assert "(a) is its negative" in said
+    text = " ".join(en for _, en in groups("joint")["Accelerometer rate sensitivity"].sentences)
+    assert "rest minus turning" not in text
+    assert "(a) is its negative" in text

@@ -173,10 +173,10 @@ def test_numbers_are_printed_as_they_were_rounded(issued: str) -> None:
 
 
 def test_every_page_says_which_of_how_many_it_is() -> None:
-    said = pages(render(certificate()))
-    for n, text in enumerate(said, start=1):
-        assert f"第{n}页共{len(said)}页" in text
-        assert f"Page{n}of{len(said)}" in text
+    answer = pages(render(certificate()))
+    for n, text in enumerate(answer, start=1):
+        assert f"第{n}页共{len(answer)}页" in text
+        assert f"Page{n}of{len(answer)}" in text
         assert "MIMU-2026-0042" in text
 
 
@@ -211,7 +211,7 @@ def test_letters_of_a_serial_number_are_no_symbols_of_quantities(serial: str) ->
 
 
 def test_a_failed_unit_is_called_failed_with_its_reason() -> None:
-    said = "".join(pages(render(failed())))
+    answer = "".join(pages(render(failed())))
     for word in (
         "不合格",
         "fail",
@@ -219,21 +219,21 @@ def test_a_failed_unit_is_called_failed_with_its_reason() -> None:
         "U = 0.00020 °/s (k = 2), is outside ±0.05 °/s",
         "未得：未记录",
     ):
-        assert squeezed(word) in said
-    assert squeezed("Not determined: gyro y was not recorded.") in said
+        assert squeezed(word) in answer
+    assert squeezed("Not determined: gyro y was not recorded.") in answer
 
 
 def test_a_unit_without_limits_is_inconclusive_with_its_reason() -> None:
-    said = "".join(pages(render(bare())))
+    answer = "".join(pages(render(bare())))
     for word in (
         "未作符合性判定",
         "no statement of conformity",
         "未提供该型号的允许限",
         "no limits are defined",
     ):
-        assert squeezed(word) in said
-    assert said.count("未提供") > 15
-    assert said.count("notgiven") > 15
+        assert squeezed(word) in answer
+    assert answer.count("未提供") > 15
+    assert answer.count("notgiven") > 15
 
 
 def test_a_draft_is_marked_on_every_page() -> None:
@@ -315,8 +315,8 @@ def test_a_character_without_a_glyph_is_refused_in_one_sentence(character: str) 
 
 
 def test_control_characters_do_not_stop_a_certificate() -> None:
-    said = pages(render(certificate(manifest=manifest(serial="A\x00\x07\n\u202eB"))))
-    assert "AB" in said[0]
+    answer = pages(render(certificate(manifest=manifest(serial="A\x00\x07\n\u202eB"))))
+    assert "AB" in answer[0]
 
 
 @pytest.mark.parametrize("languages", [("zh",), ("en",), ("en", "zh")])

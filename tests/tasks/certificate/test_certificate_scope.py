@@ -73,7 +73,7 @@ def test_the_mounting_position_is_printed_where_the_manifest_has_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("told", "said"),
+    ("rate_range", "answer"),
     [
         (None, "is not stated, so its inclusion could not be checked"),
         (300, "is 300 °/s; it was not included about Y, Z (up to 0 °/s)"),
@@ -81,12 +81,12 @@ def test_the_mounting_position_is_printed_where_the_manifest_has_it() -> None:
     ],
 )
 def test_a_largest_input_rate_that_was_not_included_is_a_deviation(
-    told: float | None, said: str
+    rate_range: float | None, answer: str
 ) -> None:
-    unit = manifest().unit.model_copy(update={"rate_range_deg_s": told})
+    unit = manifest().unit.model_copy(update={"rate_range_deg_s": rate_range})
     made = content(certificate(turned(), manifest=labelled(unit=unit)))
     assert made.conditions.sentences == ()
-    assert said in made.remarks[0].text[1]
+    assert answer in made.remarks[0].text[1]
     assert made.remarks[0].text[1].startswith("Deviation: ")
     assert any("with deviations" in each[1] for each in made.statement)
 
@@ -194,16 +194,16 @@ def test_what_u_contains_stands_on_the_cover_in_short() -> None:
 
 
 def test_a_fit_offset_with_a_limit_is_not_called_undecided() -> None:
-    def said(*limits: Limit) -> str:
+    def answer(*limits: Limit) -> str:
         result = calibration()
         made = content(certificate(result, decide(result, tolerance(limits=limits))))
         return " ".join(en for _, en in made.sections[0].groups[2].sentences)
 
     bias = Limit(item="gyro_bias", unit="deg/s", magnitude=1.0)
     offset = Limit(item="gyro_fit_offset", unit="deg/s", magnitude=1.0)
-    assert "no decision is based on it" in said(bias)
-    assert "no decision is based on it" not in said(offset)
-    assert "g_ii × 1 g and the component of Earth's rotation" in said(offset)
+    assert "no decision is based on it" in answer(bias)
+    assert "no decision is based on it" not in answer(offset)
+    assert "g_ii × 1 g and the component of Earth's rotation" in answer(offset)
 
 
 def test_both_cross_couplings_are_written_in_one_power_of_ten() -> None:
@@ -217,8 +217,8 @@ def test_both_cross_couplings_are_written_in_one_power_of_ten() -> None:
 def test_an_amendment_says_on_its_first_page_what_it_replaces_and_why() -> None:
     before = Replaced(number="MIMU-2026-0041", issued_on=date(2026, 11, 19), why="wrong address")
     front = content(certificate(replaces=before)).front
-    (said,) = [each.value for each in front if each.label[1] == "Replaces certificate"]
-    assert said[1] == "MIMU-2026-0041 of 2026-11-19; reason: wrong address"
+    (answer,) = [each.value for each in front if each.label[1] == "Replaces certificate"]
+    assert answer[1] == "MIMU-2026-0041 of 2026-11-19; reason: wrong address"
     assert not [each for each in content(certificate()).front if each.label[0] == "代替证书"]
 
 

@@ -16,7 +16,7 @@ from tasks.model.terms.standard import STANDARD_TERMS, regressors
 from tasks.motion.whole import Motion
 
 GRAVITY = 9.8
-REST, MOVE, STRETCHES = 12.0, 8.0, 20  # s, s
+REST, MOVE, SPANS = 12.0, 8.0, 20  # s, s
 RATE = 25.0  # Hz
 WHITE = np.repeat([2e-5, 5e-4], 3)  # standard deviation of a block, rad/s and m/s²
 QUIET = tuple(Noise(sigma**2, 0.0) for sigma in WHITE)
@@ -28,13 +28,13 @@ def motion(rate: float = RATE) -> Motion:
 
     The angle within a move is a raised cosine's integral, so that rate and acceleration are smooth.
     """
-    t = np.arange(0.0, STRETCHES * (REST + MOVE), 1.0 / rate)
+    t = np.arange(0.0, SPANS * (REST + MOVE), 1.0 / rate)
     part = np.clip((t % (REST + MOVE) - REST) / MOVE, 0.0, 1.0)
     number = (t // (REST + MOVE)).astype(int)
     up, north = np.zeros((len(t), 3)), np.zeros((len(t), 3))
     speed, change = np.zeros((len(t), 3)), np.zeros((len(t), 3))
     now = np.eye(3)  # rows: east, north, up in the body
-    for k in range(STRETCHES):
+    for k in range(SPANS):
         rows, axis = number == k, np.eye(3)[k % 3]
         whole = (-1.0) ** (k // 3) * np.radians(450.0 + 40.0 * (k % 4))
         angle = whole * (part[rows] - np.sin(2.0 * np.pi * part[rows]) / (2.0 * np.pi))
@@ -63,7 +63,7 @@ def _turned(vector: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarr
 def segments() -> tuple[Segment, ...]:
     """A rest and a move in turn."""
     found = []
-    for k in range(STRETCHES):
+    for k in range(SPANS):
         start = k * (REST + MOVE)
         found.append(Segment(name=f"rest_{k}", kind="static", t_start=start, t_end=start + REST))
         found.append(
@@ -118,8 +118,8 @@ def whitened(
     """(n, k) courses of one channel, weighed, padded, transformed and divided by the noise."""
     length = int(pool.bands.edges[-1])
     stack = np.zeros((length, len(courses)))
-    for k, course in enumerate(courses):
-        stack[: len(course), k] = course * pool.blocks.weight[:, channel]
+    for k, series in enumerate(courses):
+        stack[: len(series), k] = series * pool.blocks.weight[:, channel]
     level = np.repeat(of.variance(pool.bands.frequency), pool.bands.sizes)
     return np.asarray(dct(stack, type=2, norm="ortho", axis=0)) / np.sqrt(level)[:, None]
 
@@ -145,8 +145,8 @@ def chi2(
         first += own.shape[1]
         for p, column in enumerate(columns):
             if channel in column:
-                course = whitened([column[channel]], pool, channel, noises[channel])
-                block[:, wide + p] = course[:, 0]
+                series = whitened([column[channel]], pool, channel, noises[channel])
+                block[:, wide + p] = series[:, 0]
         blocks.append(block)
         targets.append(whitened([readings[:, channel]], pool, channel, noises[channel])[:, 0])
     design, target = np.vstack(blocks), np.concatenate(targets)
@@ -160,6 +160,6 @@ def chi2(
 def with_weight(one: Blocks, weight: Mapping[int, np.ndarray]) -> Blocks:
     """The same with other weights in some channels."""
     changed = one.weight.copy()
-    for channel, course in weight.items():
-        changed[:, channel] = course
+    for channel, series in weight.items():
+        changed[:, channel] = series
     return replace(one, weight=changed)

@@ -16,14 +16,14 @@ def nothing_added(recording: Recording) -> np.ndarray:
 
 
 def finding(contribution: np.ndarray, effect: str = "bias_step", **more: Any) -> Finding:
-    said: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "effect": effect, "family": "memory", "title": Statement(en="a step", zh="阶跃"),
         "equation": "b",
         "source": "test", "channels": tuple(np.flatnonzero(contribution.any(axis=0)).tolist()),
         "parameters": (FoundParameter(name="gyro_x", value=0.01, unit="deg/s", u=0.001),),
         "contribution": contribution, "gain": 100.0, "delta_bic": 90.0, "held_out_gain": 40.0,
     }  # fmt: skip
-    return Finding(**(said | more))
+    return Finding(**(fields | more))
 
 
 def explanation(recording: Recording, *findings: Finding) -> Explanation:

@@ -43,13 +43,13 @@ class ShortRun:
         """How visible a signal (n, 6) is beside the standard's model."""
         power = 0.0
         frequency = np.maximum(np.arange(len(self.t)), 0.5) * RATE / (2 * len(self.t))
-        for course, columns, noise in zip(
+        for series, columns, noise in zip(
             signal.T, self.columns, channel_noise("industrial"), strict=True
         ):
-            if not course.any():
+            if not series.any():
                 continue
             root = np.sqrt(noise.density(frequency) * RATE / 2.0)[:, None]
-            both = dct(np.column_stack([columns, course]), norm="ortho", axis=0) / root
+            both = dct(np.column_stack([columns, series]), norm="ortho", axis=0) / root
             found, *_ = np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=1e-10)
             power += float(((both[:, -1] - both[:, :-1] @ found) ** 2).sum())
         return float(np.sqrt(power))

@@ -66,7 +66,7 @@ def test_a_recording_that_tells_no_motion_is_refused_in_one_sentence(
 ) -> None:
     with pytest.raises(Unusable) as refused:
         explain(real("xsens_multiposition"))
-    said = str(refused.value)
-    assert "xsens_multiposition does not show how the unit moved" in said
-    assert "\n" not in said
-    assert said.count(". ") == 0
+    text = str(refused.value)
+    assert "xsens_multiposition does not show how the unit moved" in text
+    assert "\n" not in text
+    assert text.count(". ") == 0

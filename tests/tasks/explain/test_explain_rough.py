@@ -69,9 +69,9 @@ def test_every_name_is_plausible_determined_and_gains(name: str) -> None:
         assert each.held_out_gain > 0.0
         if each.effect in terms:
             ranges = {p.name: p.plausible for p in terms[each.effect].parameters}
-            said = [p for p in each.parameters if p.name in ranges]
-            assert all(ranges[p.name][0] <= p.value <= ranges[p.name][1] for p in said)
-            assert any(abs(p.value) > 2.0 * p.u for p in said)
+            text = [p for p in each.parameters if p.name in ranges]
+            assert all(ranges[p.name][0] <= p.value <= ranges[p.name][1] for p in text)
+            assert any(abs(p.value) > 2.0 * p.u for p in text)
 
 
 @pytest.mark.parametrize("name", ROUGH)

@@ -20,11 +20,11 @@ LONGER_DWELL = {"knock": 10.0}
         ("bias_step", "knock", 10.0),
         pytest.param("bias_step", "gradual_step", 100.0, marks=pytest.mark.rehearsal),
         ("vibration_rectification", "rectified", 30.0),
-        ("gyro_scale_nonlinearity", "dead_band", 30.0),
+        pytest.param("gyro_scale_nonlinearity", "dead_band", 30.0, marks=pytest.mark.rehearsal),
         pytest.param(
             "accel_nonlinearity", "wave_of_a_converter", 30.0, marks=pytest.mark.rehearsal
         ),
-        ("structural_compliance", "sag", 30.0),
+        pytest.param("structural_compliance", "sag", 30.0, marks=pytest.mark.rehearsal),
     ],
 )
 def test_a_name_is_a_kind_of_physics_and_not_one_equation(effect: str, form: str, z: float) -> None:

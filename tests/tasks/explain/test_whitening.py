@@ -18,12 +18,12 @@ COUNT = padded_length(40_000)  # 27 min at 25 Hz
 BANDS = bands_of(COUNT, RATE)
 
 
-def estimated(course: np.ndarray, floor: float = 0.0) -> Noise:
-    return triad_noises([left(course)], BANDS, [floor])[0]
+def estimated(series: np.ndarray, floor: float = 0.0) -> Noise:
+    return triad_noises([left(series)], BANDS, [floor])[0]
 
 
-def left(course: np.ndarray) -> ChannelResidual:
-    return ChannelResidual(transformed(course[None])[0], np.ones(len(BANDS.sizes)))
+def left(series: np.ndarray) -> ChannelResidual:
+    return ChannelResidual(transformed(series[None])[0], np.ones(len(BANDS.sizes)))
 
 
 def drifting(w: float, b: float, seed: int) -> np.ndarray:
@@ -42,8 +42,8 @@ def test_bands_hold_every_coefficient_once(count: int) -> None:
 
 
 def test_the_transform_keeps_the_power() -> None:
-    course = drifting(1.0, 0.1, 3)
-    assert (transformed(course[None]) ** 2).sum() == pytest.approx((course**2).sum())
+    series = drifting(1.0, 0.1, 3)
+    assert (transformed(series[None]) ** 2).sum() == pytest.approx((series**2).sum())
 
 
 @pytest.mark.parametrize(
@@ -69,15 +69,15 @@ def test_white_noise_alone_has_next_to_no_flicker() -> None:
 def test_sparse_physics_does_not_pass_for_flicker(what: str) -> None:
     """Each would gain chi-squared by the thousand; corners are tried 22 % apart."""
     t = np.arange(COUNT) / RATE
-    course = {
+    series = {
         "line": 0.3 * np.sin(2.0 * np.pi * 0.137 * t),
         "step": 1.0 * (t > 700.0),
         "ramp": 3.0 * t / t[-1],
     }[what]
-    assert (course - course.mean()) @ (course - course.mean()) > 1500.0
+    assert (series - series.mean()) @ (series - series.mean()) > 1500.0
     for seed in range(3):
         plain = drifting(1.0, 0.05, seed)
-        without, updated_noises = estimated(plain), estimated(plain + course)
+        without, updated_noises = estimated(plain), estimated(plain + series)
         assert updated_noises.flicker < 1.3 * without.flicker
         assert updated_noises.white == pytest.approx(without.white, rel=0.02)
 
@@ -91,8 +91,8 @@ def test_the_noise_is_never_below_that_of_rounding() -> None:
 
 
 def test_noise_scales_with_the_square_of_the_readings() -> None:
-    course = drifting(1.0, 0.05, 4)
-    plain, larger = estimated(course), estimated(1e3 * course)
+    series = drifting(1.0, 0.05, 4)
+    plain, larger = estimated(series), estimated(1e3 * series)
     assert larger.white == pytest.approx(1e6 * plain.white)
     assert larger.flicker == pytest.approx(1e6 * plain.flicker)
 
@@ -120,9 +120,9 @@ def test_what_a_fit_took_from_a_band_is_not_taken_for_less_noise() -> None:
     count = int(np.searchsorted(BANDS.frequency, 0.05))
     free = np.where(np.arange(len(BANDS.sizes)) < count, 0.5, 1.0)
     fitted = whole.coefficients * np.sqrt(np.repeat(free, BANDS.sizes))
-    plain, said, blind = (
+    plain, text, blind = (
         triad_noises([one], BANDS, [0.0])[0].flicker
         for one in (whole, ChannelResidual(fitted, free), ChannelResidual(fitted, whole.free))
     )
-    assert said == pytest.approx(plain, rel=0.1)
+    assert text == pytest.approx(plain, rel=0.1)
     assert blind < 0.9 * plain

@@ -64,8 +64,8 @@ def felt(attitudes: np.ndarray) -> np.ndarray:
     return np.hstack([padded, GRAVITY * attitudes[:, 2]])
 
 
-def _slope(course: np.ndarray) -> np.ndarray:
-    return np.gradient(course, T, axis=0, edge_order=2)
+def _slope(series: np.ndarray) -> np.ndarray:
+    return np.gradient(series, T, axis=0, edge_order=2)
 
 
 @cache

@@ -44,12 +44,12 @@ def contract() -> dict[str, str]:
 
 
 def test_terms_and_events_are_the_contracts_names_and_families() -> None:
-    told = {term.name: term.family for term in TERMS}
-    told |= {event.name: event.family for event in EVENTS.values()}
+    families = {term.name: term.family for term in TERMS}
+    families |= {event.name: event.family for event in EVENTS.values()}
     expected = contract()
     assert len(expected) == 45
     others = {"unnamed", "reference_frame"}
-    assert told == {name: family for name, family in expected.items() if name not in others}
+    assert families == {name: family for name, family in expected.items() if name not in others}
 
 
 def test_no_event_is_a_term() -> None:
@@ -61,9 +61,9 @@ def test_an_effect_is_described_in_both_languages(effect: Effect) -> None:
     todo = next_step(effect.name)
     assert effect.separated_by is not None
     assert todo is not None
-    for said in (effect.title, effect.separated_by, todo, effect_name(effect.name)):
-        assert re.sub("[²°]", "", say(said, "en")).isascii()
-        assert re.search("[\u4e00-\u9fff]", say(said, "zh"))
+    for sentence in (effect.title, effect.separated_by, todo, effect_name(effect.name)):
+        assert re.sub("[²°]", "", say(sentence, "en")).isascii()
+        assert re.search("[\u4e00-\u9fff]", say(sentence, "zh"))
     assert effect.equation
     assert effect.source
     assert effect.family in FAMILIES

@@ -79,12 +79,12 @@ def test_every_column_of_a_sensor_goes_through_the_delays_behind_it() -> None:
     for before, behind in zip(ahead.columns, design.columns, strict=False):
         assert sorted(before) == sorted(behind)
         read = np.zeros((len(MOTION.t), 6))
-        for channel, course in before.items():
-            read[:, channel] = course
+        for channel, series in before.items():
+            read[:, channel] = series
         for term, value in zip(terms[-2:], values[-2:], strict=True):
             read = term.passed(MOTION, read, np.array([value]))
-        for channel, course in behind.items():
-            assert course == pytest.approx(read[:, channel], abs=1e-12)
+        for channel, series in behind.items():
+            assert series == pytest.approx(read[:, channel], abs=1e-12)
 
 
 def test_where_north_is_unknown_only_the_vertical_part_of_earth_rotation_is_added() -> None:

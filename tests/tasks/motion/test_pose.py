@@ -43,7 +43,7 @@ def test_noisier_positions_are_smoothed_more() -> None:
 def test_frames_that_were_interpolated_to_the_units_rate_are_not_taken_for_quiet_ones() -> None:
     frames = poses()
     rows = T[: np.searchsorted(T, frames.t[-1])]
-    between = {name: np.interp(rows, frames.t, course) for name, course in frames.columns.items()}
+    between = {name: np.interp(rows, frames.t, series) for name, series in frames.columns.items()}
     motion, true = whole_motion(recording(reference=Stream(rows, between))), by_hand(T)
     inner = (T > 1.0) & (T < SECONDS - 1.0)
     assert rms((motion.translation - true.translation)[inner]) < 0.15
@@ -80,15 +80,15 @@ def test_without_positions_the_force_is_known_where_the_body_rests() -> None:
     held = poses(places=False)
     still = held.t > 30.0
     columns = {
-        name: np.where(still, course[still][0], course) for name, course in held.columns.items()
+        name: np.where(still, series[still][0], series) for name, series in held.columns.items()
     }
     rng = np.random.default_rng(3)
     columns["qx"] = columns["qx"] + 1e-4 * rng.standard_normal(len(held.t))
     imu = readings()
     resting = {
-        name: np.where(imu.t > 30.0, course[imu.t > 30.0][0], course)
+        name: np.where(imu.t > 30.0, series[imu.t > 30.0][0], series)
         + 0.02 * rng.standard_normal(len(imu.t))
-        for name, course in imu.columns.items()
+        for name, series in imu.columns.items()
     }
     motion = whole_motion(recording(replace(imu, columns=resting), Stream(held.t, columns)))
     assert motion.felt[(T > 32.0) & (T < 58.0), 3].mean() > 0.95

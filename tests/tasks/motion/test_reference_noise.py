@@ -46,6 +46,40 @@ def test_the_noise_of_an_encoder_becomes_that_of_mean_rates() -> None:
     assert means.std() == pytest.approx(np.sqrt((expected**2).mean()), rel=0.4)
 
 
+def carried(inner_angle: np.ndarray) -> Recording:
+    """An axis that rests, at right angles on one that turns at 2 rad/s."""
+    manifest = shaft_manifest(0, 0, 1)
+    outer = (manifest.station.table_axes or ())[0]
+    inner = outer.model_copy(update={"name": "b", "direction": (1.0, 0.0, 0.0)})
+    station = manifest.station.model_copy(update={"table_axes": (outer, inner)})
+    manifest = manifest.model_copy(update={"station": station})
+    table = Stream(T, {"a_angle": 2.0 * T, "b_angle": inner_angle})
+    return Recording(manifest, Stream(T, {}), table=table)
+
+
+def test_the_noise_of_an_inner_axis_turns_the_rate_of_the_outer_one() -> None:
+    run = carried(2e-3 * np.random.default_rng(8).standard_normal(len(T)))
+    motion = whole_motion(run)
+    expected = np.sqrt(reference_noise(run, motion).variance(motion, T[1]))
+    inside = (T > 5.0) & (T < 55.0)
+    assert motion.rate[inside, 1].std() == pytest.approx(2.0 * 2e-3, rel=0.05)
+    assert expected[inside, 1].mean() == pytest.approx(2.0 * 2e-3, rel=0.2)
+    assert expected[inside, 2].mean() < 1e-3
+
+
+@pytest.mark.parametrize(("noise", "share"), [(0.02, 1.0), (0.5, 0.0)])
+def test_a_rest_of_an_inner_axis_has_one_rounding_unless_noise_moves_its_code(
+    noise: float, share: float
+) -> None:
+    step, width = 4e-3, 10.0
+    errors = noise * np.random.default_rng(9).standard_normal(len(T))
+    moved = 0.2 + 0.2 * np.clip(T - 30.0, 0.0, 2.0)
+    run = carried(step * np.round(moved / step + errors))
+    motion = whole_motion(run)
+    expected = np.sqrt(reference_noise(run, motion).variance(motion, width))[(T > 5.0) & (T < 25.0)]
+    assert np.median(expected[:, 1]) == pytest.approx(share * 2.0 * step / np.sqrt(12.0), abs=4e-4)
+
+
 def test_a_coarse_encoder_is_exact_at_rest_and_uncertain_while_it_turns() -> None:
     step = np.radians(0.2)
     coarse = deviation(shaft(np.round(swing() / step) * step))[:, 0]

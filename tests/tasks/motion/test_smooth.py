@@ -16,8 +16,8 @@ def swing(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def test_derivatives_of_a_swing(rate_hz: float) -> None:
     t = np.arange(0.0, 10.0, 1 / rate_hz)
     found = smooth_derivatives(t, swing(t)[0][:, None], T[100:-100])
-    for seen, true in zip(found, swing(T[100:-100]), strict=True):
-        assert seen[:, 0] == pytest.approx(true, abs=0.02)
+    for observed, true in zip(found, swing(T[100:-100]), strict=True):
+        assert observed[:, 0] == pytest.approx(true, abs=0.02)
 
 
 def test_uneven_stamps_are_no_motion() -> None:

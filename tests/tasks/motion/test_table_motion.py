@@ -47,8 +47,8 @@ def test_rotation_is_that_of_scipy(direction: tuple[float, float, float], turn: 
 @given(st.tuples(angle, angle, angle), st.integers(0, 2), angle)
 def test_an_axis_in_the_body_follows_what_lies_inside_it(angles, axis: int, turned: float) -> None:
     mount = Rotation.from_rotvec([0.3 * turned, 0.1, -0.2])
-    told = manifest(mount.as_quat(scalar_first=True).tolist())
-    assert np.allclose(mount_of(told, STILL), mount.as_matrix(), atol=1e-12)
+    described = manifest(mount.as_quat(scalar_first=True).tolist())
+    assert np.allclose(mount_of(described, STILL), mount.as_matrix(), atol=1e-12)
     directions = np.array([[0, 0, 1], [1, 0, 0], [0, 0, 1]], float)
     whole = Rotation.identity()
     for direction, turn in zip(directions, angles, strict=True):
@@ -58,7 +58,7 @@ def test_an_axis_in_the_body_follows_what_lies_inside_it(angles, axis: int, turn
     for direction, turn in zip(directions[:axis], angles[:axis], strict=True):
         outside = outside * Rotation.from_rotvec(direction * turn)
     expected = (whole * mount).inv().apply(outside.apply(directions[axis]))
-    assert np.allclose(axis_in_body(told, STILL, np.array(angles), axis), expected, atol=1e-10)
+    assert np.allclose(axis_in_body(described, STILL, np.array(angles), axis), expected, atol=1e-10)
 
 
 def test_mean_rate_is_the_angle_turned_over_the_time() -> None:
@@ -68,8 +68,8 @@ def test_mean_rate_is_the_angle_turned_over_the_time() -> None:
         "middle_angle": np.full(len(t), np.pi / 2),
         "inner_angle": np.full(len(t), np.pi / 2),
     }
-    told = manifest([1, 0, 0, 0])
-    recording = Recording(told, Stream(t, {}), table=Stream(t, columns))
+    described = manifest([1, 0, 0, 0])
+    recording = Recording(described, Stream(t, {}), table=Stream(t, columns))
     assert mean_rate(recording, STILL) == pytest.approx([0.5, 0, 0], abs=3e-4)
 
 

@@ -35,9 +35,9 @@ def test_a_change_is_told_with_its_run_and_interval() -> None:
 
 def test_a_change_that_can_only_be_at_one_run_has_no_interval() -> None:
     review = reviewed(4, lambda unit, station, day: of("axis_tilt", 9.0 * SIZE * (day >= 50)))
-    said = review.findings[0].statement
-    assert "no other" in said.en
-    assert "between" not in said.en
+    text = review.findings[0].statement
+    assert "no other" in text.en
+    assert "between" not in text.en
 
 
 def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() -> None:

@@ -21,7 +21,7 @@ def statistics(station: str, seed: int) -> RunStatistics:
     latitude, heading = TRUTH[station]
     case = Case(
         seed=seed, unit_seed=seed % 3, grade="tactical", procedure="rests", rate_hz=20,
-        dwell_s=5.0, latitude_deg=latitude, heading_deg=heading, site_told=False,
+        dwell_s=5.0, latitude_deg=latitude, heading_deg=heading, site_known=False,
         effects=(EffectCall(name="earth_rotation"),),
     )  # fmt: skip
     return statistics_of(simulate(case).recording)

@@ -86,12 +86,12 @@ def test_the_answer_is_that_of_one_recording_with_what_each_says_beside_it() -> 
         2, lambda unit, station, day: of("lever_arm", 6.0), runs=3, units=1, stations=1
     )  # fmt: skip
     alone = [answer(name) for name in ("a", "b", "c")]
-    said = discrepancy_together("Maker M 1", *found_together(pool), alone, alone)
-    (finding,) = said.findings
-    assert (said.recording_id, said.verdict) == ("a + b + c", "explained")
+    wording = discrepancy_together("Maker M 1", *found_together(pool), alone, alone)
+    (finding,) = wording.findings
+    assert (wording.recording_id, wording.verdict) == ("a + b + c", "explained")
     assert [p.name for p in finding.parameters[::3]] == ["p0 (a)", "p0 (b)", "p0 (c)"]
-    assert "3 recordings of Maker M 1" in said.statement.en
-    assert said.remarks[0].en == "a alone: Nothing stands out."
+    assert "3 recordings of Maker M 1" in wording.statement.en
+    assert wording.remarks[0].en == "a alone: Nothing stands out."
     clean = fleet(3, lambda unit, station, day: NOTHING, runs=3, units=1, stations=1)
     none = discrepancy_together("Maker M 1", *found_together(clean), alone, alone)
     assert (none.verdict, none.findings) == ("no_mismatch", ())

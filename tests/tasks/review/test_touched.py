@@ -44,11 +44,11 @@ def test_a_finding_tells_what_it_moves_the_most_first() -> None:
         Consequence(item="gyro_bias", element=e, before=0.0, after=a, U=0.1, unit="deg/s")
         for e, a in (("x", 0.02), ("y", -0.3))
     ]
-    told = with_touched(finding, list(touched_of("C-1", moved)), 3)
-    assert [(each.element, round(each.in_U, 3)) for each in told.touched] == [
+    complete = with_touched(finding, list(touched_of("C-1", moved)), 3)
+    assert [(each.element, round(each.in_U, 3)) for each in complete.touched] == [
         ("y", -3.0), ("x", 0.2)
     ]  # fmt: skip
-    assert "1 of 3; largest change: C-1" in told.statement.en
-    assert "C-1" in told.statement.zh
+    assert "1 of 3; largest change: C-1" in complete.statement.en
+    assert "C-1" in complete.statement.zh
     assert "0.05 U" in with_touched(finding, [], 3).statement.en
     assert with_touched(finding, [], 0) == finding

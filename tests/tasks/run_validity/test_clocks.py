@@ -36,8 +36,8 @@ def recorded(ideal_run: Any) -> Any:
         imu = Stream(T, dict(zip(GYRO, readings.T, strict=True)))
         angles = {"outer_angle": turned(T, from_s), "middle_angle": still, "inner_angle": still}
         manifest = ideal_run(dwell=1.0).manifest
-        told = station_file(VirtualStation(), 1.0, "host", 1, 2).station
-        manifest = manifest.model_copy(update={"station": told})
+        measured_by = station_file(VirtualStation(), 1.0, "host", 1, 2).station
+        manifest = manifest.model_copy(update={"station": measured_by})
         recording = Recording(manifest, imu, Stream(T, angles), None, None)
         return cast(ClauseEvidence, SimpleNamespace(recording=recording))
 

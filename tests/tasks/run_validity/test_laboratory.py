@@ -33,8 +33,10 @@ def test_a_latitude_that_is_not_the_laboratorys_makes_the_run_invalid(
 ) -> None:
     (tmp_path / "laboratory.toml").write_text(LABORATORY.format(latitude=own), encoding="utf-8")
     run, _ = runs.add(at_39_9, Home(tmp_path))
-    told = [r for r in estimate(run, Home(tmp_path)).remarks if r.code == "laboratory_latitude"]
-    assert [remark.run for remark in told] == ["invalid"] * contradicted
+    about_latitude = [
+        r for r in estimate(run, Home(tmp_path)).remarks if r.code == "laboratory_latitude"
+    ]
+    assert [remark.run for remark in about_latitude] == ["invalid"] * contradicted
 
 
 def test_it_is_said_as_soon_as_the_run_is_there(at_39_9: Recording, tmp_path: Path) -> None:

@@ -62,8 +62,8 @@ def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant) -> None:
     (remark,) = remarks(recording, "rate_contradicted")
     assert "the table shows +100.0000 deg/s" in remark.en
     honest = calibrate(JJF2003, plant("plant_clean"), run="r", code_version="v")
-    told = calibrate(JJF2003, recording, run="r", code_version="v")
-    found, known = told.items["gyro_scale_factor"], honest.items["gyro_scale_factor"]
+    result = calibrate(JJF2003, recording, run="r", code_version="v")
+    found, known = result.items["gyro_scale_factor"], honest.items["gyro_scale_factor"]
     assert found.value == known.value
     # What comes back once a turn is taken from the noise at the rate of the label.
     assert list(found.u.values()) == pytest.approx(list(known.u.values()), rel=0.1)

@@ -37,9 +37,9 @@ def kept(ideal_run: Callable[..., Recording], tmp_path: Path, monkeypatch) -> Ke
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     home = Home(tmp_path / "home")
 
-    def build(**said: Any) -> Given:
+    def build(**statement: Any) -> Given:
         recording = ideal_run(dwell=1.0)
-        manifest = recording.manifest.model_validate(recording.manifest.model_dump() | said)
+        manifest = recording.manifest.model_validate(recording.manifest.model_dump() | statement)
         run, _ = runs.add(replace(recording, manifest=manifest), home)
         return run, estimate(run, home), home
 
@@ -109,7 +109,7 @@ def test_papers_may_tell_the_day(kept: Keep, inputs: Inputs) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "inputs", "says"),
+    ("statement", "inputs", "says"),
     [
         ({}, Inputs(tolerance=tolerance(model="other")), "test other"),
         (
@@ -134,9 +134,9 @@ def test_papers_may_tell_the_day(kept: Keep, inputs: Inputs) -> None:
     ],
 )
 def test_what_is_refused_leaves_no_draft(
-    kept: Keep, said: dict[str, Any], inputs: Inputs, says: str
+    kept: Keep, statement: dict[str, Any], inputs: Inputs, says: str
 ) -> None:
-    given = kept(**said)
+    given = kept(**statement)
     with pytest.raises(Unusable, match=says) as refusal:
         certify(*given, inputs)
     assert "\n" not in str(refusal.value)

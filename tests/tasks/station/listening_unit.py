@@ -9,17 +9,17 @@ from contextlib import contextmanager, suppress
 @contextmanager
 def unit(answer: Callable[[bytes], bytes]) -> Iterator[tuple[str, list[bytes]]]:
     """Its address, and the lines that it was told."""
-    told: list[bytes] = []
+    received: list[bytes] = []
 
     def serve(server: socket.socket) -> None:
         client, _ = server.accept()
         with client, suppress(OSError):
             for line in client.makefile("rb"):
-                told.append(line)
+                received.append(line)
                 client.sendall(b"\xaa\x55frame" + answer(line) + b"\xaa\x55frame")
 
     with socket.create_server(("127.0.0.1", 0)) as server:
         thread = threading.Thread(target=serve, args=(server,), daemon=True)
         thread.start()
-        yield f"socket://127.0.0.1:{server.getsockname()[1]}", told
+        yield f"socket://127.0.0.1:{server.getsockname()[1]}", received
         thread.join(5.0)

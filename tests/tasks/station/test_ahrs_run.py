@@ -45,10 +45,10 @@ def test_every_measured_segment_says_how_the_unit_was_mounted(run):
     measured = ("static", "rate", "rotation")
     segments = [s for s in run.recording.manifest.segments if s.kind in measured]
     assert all(segment.mount is not None for segment in segments)
-    seen = {segment.name: segment.mount.quaternion_wxyz for segment in segments}
-    assert seen["rest_y"] == pytest.approx((0.5, 0.5, 0.5, 0.5))
-    assert seen["zero_x_z_down_000"] == pytest.approx((0.0, 1.0, 0.0, 0.0))
-    assert seen["turns_z_+"] == pytest.approx((1.0, 0.0, 0.0, 0.0))
+    observed = {segment.name: segment.mount.quaternion_wxyz for segment in segments}
+    assert observed["rest_y"] == pytest.approx((0.5, 0.5, 0.5, 0.5))
+    assert observed["zero_x_z_down_000"] == pytest.approx((0.0, 1.0, 0.0, 0.0))
+    assert observed["turns_z_+"] == pytest.approx((1.0, 0.0, 0.0, 0.0))
 
 
 def test_ten_turns_are_ten_turns_and_lead_back(run):

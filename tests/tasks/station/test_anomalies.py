@@ -23,8 +23,8 @@ def noisy_unit(rows: int = 1000) -> Stream:
 
 
 def test_air_out_of_limits_in_a_measured_segment_blocks_a_pass():
-    seen = [Anomaly("air_temperature", 12.0, 12.0, 26.0), Anomaly("air_temperature", 5, 5, 27.0)]
-    (remark,) = remarks_on(seen, SEGMENTS, LIMITS)
+    reports = [Anomaly("air_temperature", 12.0, 12.0, 26.0), Anomaly("air_temperature", 5, 5, 27.0)]
+    (remark,) = remarks_on(reports, SEGMENTS, LIMITS)
     assert remark.en == (
         "The air temperature was 26.0 to 27.0 °C; the procedure allows 15–25 °C (in rest_x)."
     )
@@ -45,8 +45,8 @@ def test_what_lies_across_a_border_belongs_to_both_segments():
 
 
 def test_each_channel_has_its_own_remark():
-    seen = [Anomaly("spikes", 12.0, 12.0, 2, "gyro_x"), Anomaly("spikes", 25, 25, 3, "accel_z")]
-    remarks = remarks_on(seen, SEGMENTS, LIMITS)
+    reports = [Anomaly("spikes", 12.0, 12.0, 2, "gyro_x"), Anomaly("spikes", 25, 25, 3, "accel_z")]
+    remarks = remarks_on(reports, SEGMENTS, LIMITS)
     assert [remark.segments for remark in remarks] == [("rate_x_+10",), ("rest_x",)]
     assert "2 spikes" in remarks[1].en
 

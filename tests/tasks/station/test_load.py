@@ -40,19 +40,19 @@ def station(url: str, **changes: Any) -> StationFile:
 
 
 def test_each_line_is_told_in_the_units_own_units_with_its_check_sum():
-    with unit(lambda _: b"$OK\r\n") as (url, told):
+    with unit(lambda _: b"$OK\r\n") as (url, document):
         _, lines = load_correction(correction(), station(url))
     assert lines == 2
-    assert told == [b"$WRITE,84,+0.250000*63\r\n", b"$WRITE,74,+1.0000*6A\r\n"]
+    assert document == [b"$WRITE,84,+0.250000*63\r\n", b"$WRITE,74,+1.0000*6A\r\n"]
 
 
 def test_a_unit_that_does_not_acknowledge_a_line_is_told_no_more(monkeypatch):
     monkeypatch.setattr(load, "ANSWER_S", 0.3)
     refused = re.escape("did not acknowledge “$WRITE,74,+1.0000*6A” with “$OK”")
-    with unit(lambda line: b"$OK" if b"84" in line else b"$ERR") as (url, told):
+    with unit(lambda line: b"$OK" if b"84" in line else b"$ERR") as (url, document):
         with pytest.raises(Unusable, match=refused + r".*acknowledged before it: 1"):
             load_correction(correction(), station(url))
-        assert len(told) == 2
+        assert len(document) == 2
 
 
 @pytest.mark.parametrize(

@@ -99,9 +99,9 @@ def test_nobody_to_ask_is_said_before_anything_moves():
 
 
 def test_a_refix_with_nothing_behind_it_is_refused():
-    told = part("fix_x_up", "rest_x").model_dump()
+    document = part("fix_x_up", "rest_x").model_dump()
     with pytest.raises(ValueError, match="nothing is measured after refix fix_x_up"):
-        Procedure.model_validate(told | {"steps": told["steps"][:1]})
+        Procedure.model_validate(document | {"steps": document["steps"][:1]})
 
 
 def test_the_units_seat_in_the_fixture_turns_with_it():

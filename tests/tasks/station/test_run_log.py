@@ -52,23 +52,23 @@ def test_an_operator_who_ends_a_run_is_its_cause(short, kept):
 
 
 def test_an_alarm_is_kept_once_and_counted_for_who_watches(short, kept):
-    seen = []
+    found = []
     station = InMemoryStation(VirtualStation(), faults=[StationFault("unit_drops")])
-    station.acquire(short, kept, seen.append)
+    station.acquire(short, kept, found.append)
     noticed = [entry.en for entry in log_of(kept) if entry.en.startswith("Alarm")]
     assert noticed == ["Alarm: lost samples from the unit."]
-    (alarm,) = seen[-1].alarms
+    (alarm,) = found[-1].alarms
     assert alarm.en.startswith("lost samples from the unit (")
     repeating = [entry for entry in log_of(kept) if entry.state == "repeating"]
-    assert len(repeating) == seen[-1].segments - len(MEASURED)
+    assert len(repeating) == found[-1].segments - len(MEASURED)
 
 
 def test_who_watches_sees_state_segment_rates_and_noise(short, kept):
-    seen = []
-    InMemoryStation(VirtualStation()).acquire(short, kept, seen.append)
-    at_rate = [each for each in seen if each.now == "rate x +100 deg/s"]
+    found = []
+    InMemoryStation(VirtualStation()).acquire(short, kept, found.append)
+    at_rate = [each for each in found if each.now == "rate x +100 deg/s"]
     assert {(each.state, each.segment, each.segments) for each in at_rate} == {("measuring", 4, 4)}
-    last = seen[-1]
+    last = found[-1]
     assert (last.state, last.wall_s_left) == ("done", 0.0)
     assert last.rates_hz["imu"] == pytest.approx(100.0, rel=0.01)
     assert last.rates_hz["table"] == pytest.approx(100.0, rel=0.01)

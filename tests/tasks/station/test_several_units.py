@@ -68,10 +68,10 @@ def test_a_unit_that_falls_silent_is_given_up_and_its_neighbour_measured_to_the_
 
 
 def test_who_watches_hears_which_unit_was_given_up(short, sinks):
-    seen: list[Progress] = []
-    run(short, sinks, [StationFault("unit_silent", 8.0)], seen.append)
-    assert seen[-1].state == "done"
-    assert any(alarm.en.startswith("V00001: The unit was abandoned") for alarm in seen[-1].alarms)
+    found: list[Progress] = []
+    run(short, sinks, [StationFault("unit_silent", 8.0)], found.append)
+    assert found[-1].state == "done"
+    assert any(alarm.en.startswith("V00001: The unit was abandoned") for alarm in found[-1].alarms)
 
 
 def test_when_every_unit_is_silent_the_run_stops(short, sinks):

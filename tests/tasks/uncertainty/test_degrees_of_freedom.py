@@ -41,9 +41,9 @@ def test_one_segment_knows_its_white_noise_as_well_as_simulated_ones_do(ideal_ru
     stream = type(recording.imu)(recording.imu.t, columns)
     found = gather(type(recording)(recording.manifest, stream, digest="0"))
     white = found.noise.white[:, :3]  # 48 segments of three channels, each its own estimate
-    seen = 2.0 * white.mean() ** 2 / white.var()
+    observed = 2.0 * white.mean() ** 2 / white.var()
     evidence = replace(found, noise=replace(found.noise, drift=np.zeros((DRIFTS, 6))))
-    assert dof_of(evidence, only(evidence, 1)) == pytest.approx(seen, rel=0.3)
+    assert dof_of(evidence, only(evidence, 1)) == pytest.approx(observed, rel=0.3)
 
 
 def test_equal_segments_add_their_degrees_of_freedom(evidence) -> None:

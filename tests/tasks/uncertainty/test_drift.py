@@ -25,20 +25,20 @@ Process = Callable[[np.random.Generator, int], np.ndarray]
 
 def labels() -> list[Segment]:
     """Twelve positions, and ten rates between two rests about each axis."""
-    told: list[dict] = []
+    fields: list[dict] = []
     for axis, sign, turn in product("xyz", "+-", (0, 180)):
-        told.append({"kind": "static", "up": sign + axis, "turn_deg": turn})
+        fields.append({"kind": "static", "up": sign + axis, "turn_deg": turn})
     for axis in "xyz":
         rest = {"kind": "static", "up": f"+{axis}", "item": "rate_sensitivity"}
         rates = [
             {"kind": "rate", "axis": axis, "up": f"+{axis}", "rate_deg_s": rate}
             for rate in (-300, -200, -100, -50, -10, 10, 50, 100, 200, 300)
         ]
-        told += [rest, *rates, rest]
+        fields += [rest, *rates, rest]
     period = DWELL + GAP * TAU
     return [
         Segment(name=f"s{i}", t_start=i * period, t_end=i * period + DWELL, **label)
-        for i, label in enumerate(told)
+        for i, label in enumerate(fields)
     ]
 
 

@@ -47,7 +47,7 @@ def u_of(contributions: tuple[Contribution, ...]) -> float:
     return combine("y", "1", 0.0, contributions).u_c
 
 
-def seen(up: str, heading: float, field: np.ndarray) -> np.ndarray:
+def observed(up: str, heading: float, field: np.ndarray) -> np.ndarray:
     """A vector of n (E, N, U) in the unit whose axis `up` is vertical."""
     axis, sign = "xyz".index(up[1]), 1.0 if up[0] == "+" else -1.0
     vertical = np.eye(3)[axis] * sign
@@ -65,7 +65,7 @@ def scatter(field: np.ndarray, each: float, face: float) -> np.ndarray:
         mounted = rng.normal(0.0, face, (trials, 3))
         turns = []
         for heading in (0.3, 0.3 + math.pi):
-            straight = seen(up, heading, field)
+            straight = observed(up, heading, field)
             tilt = mounted + rng.normal(0.0, each, (trials, 3))
             turns.append(straight + np.cross(tilt, straight))
         means.append(np.mean(turns, axis=0))
@@ -207,8 +207,8 @@ def test_a_turned_angle_is_as_wrong_as_the_table() -> None:
 
 
 def test_a_laboratory_s_own_limits_go_before_table_1() -> None:
-    told = EquipmentLimit(half_width=2e-6, distribution="normal", source="certificate 7")
-    own = with_limits(JJF1536, {"rate": told, "axes": told})
+    certified = EquipmentLimit(half_width=2e-6, distribution="normal", source="certificate 7")
+    own = with_limits(JJF1536, {"rate": certified, "axes": certified})
     (rate,) = own.rate_at(0.001)
     assert (rate.u, rate.clause) == (1e-6, "certificate 7")
     assert own.axes is not None
@@ -260,8 +260,8 @@ def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias() -> None:
     for column, expected in ((0, 1e-4), (3, 0.0)):
         signs = operator[column] @ design[:, :3]
         weights = Weights(np.zeros(12), operator[column], signs)
-        told = u_of(type_b.attitude_errors(equipment, 1.0, weights))
-        assert told == pytest.approx(expected, abs=1e-12)
+        attitude = u_of(type_b.attitude_errors(equipment, 1.0, weights))
+        assert attitude == pytest.approx(expected, abs=1e-12)
     assert np.abs(found[0]) == pytest.approx([0.0, 3e-4, 2e-4], abs=1e-12)
     assert np.abs(found[3]).max() < 1e-15
 

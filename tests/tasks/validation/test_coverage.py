@@ -50,9 +50,9 @@ def test_wilson_interval_is_the_published_one() -> None:
 
 
 def test_a_study_counts_every_unit_of_every_method() -> None:
-    told = []
-    found = study(METHODS, 2, 1, lambda done, total: told.append((done, total)))
-    assert told[-1] == (6, 6)
+    reports = []
+    found = study(METHODS, 2, 1, lambda done, total: reports.append((done, total)))
+    assert reports[-1] == (6, 6)
     assert set(found) == set(METHODS)
     for items in found.values():
         assert all(coverage.units == 2 for coverage in items.values())

@@ -51,19 +51,19 @@ def test_a_fingerprint_covers_what_the_numbers_come_from() -> None:
 PLAIN = "def f(x):\n    return 2 * x\n"
 
 
-@pytest.mark.parametrize("told", [
+@pytest.mark.parametrize("declared", [
     '"""About."""\n' + PLAIN,
     "# Why.\n\n" + PLAIN,
     'def f(x):\n    """Twice."""\n    return (2*x)',
 ])  # fmt: skip
-def test_what_is_said_about_the_code_is_not_in_its_fingerprint(told: str) -> None:
-    assert read_source(told).code == read_source(PLAIN).code
+def test_what_is_said_about_the_code_is_not_in_its_fingerprint(declared: str) -> None:
+    assert read_source(declared).code == read_source(PLAIN).code
 
 
 def test_a_sentence_that_numbers_are_put_into_is_not_in_the_fingerprint() -> None:
-    said = 'why = message("dwell-short", seconds=f"{t:.1f}")'
+    line = 'why = message("dwell-short", seconds=f"{t:.1f}")'
     assert (
-        read_source(said).code == read_source('why = message("dwell-too-short", time=str(t))').code
+        read_source(line).code == read_source('why = message("dwell-too-short", time=str(t))').code
     )
 
 

@@ -22,8 +22,8 @@ def test_a_clause_reads_as_each_language_writes_it(written: str, zh: str, en: st
 
 
 def test_minus_signs_are_real_and_names_and_dates_stay_as_they_are() -> None:
-    said = "static_-x (rate_x_-300) of 2026-11-05: -x up reads -9.8 m/s² (-60, +30 deg/s), JJF 1-2"
-    assert typeset(said, "en") == (
+    line = "static_-x (rate_x_-300) of 2026-11-05: -x up reads -9.8 m/s² (-60, +30 deg/s), JJF 1-2"
+    assert typeset(line, "en") == (
         "static_-x (rate_x_-300) of 2026-11-05: −x up reads −9.8 m/s² (−60, +30 °/s), JJF 1-2"
     )
 

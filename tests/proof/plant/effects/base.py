@@ -64,9 +64,9 @@ class Effect:
         return self.value(name).reshape(3, 1)
 
     # the station and the table
-    def gravity(self, told: float) -> float:
+    def gravity(self, declared: float) -> float:
         """True local gravity, m/s², from what the manifest tells."""
-        return told
+        return declared
 
     def shaft(self, motor: np.ndarray) -> np.ndarray:
         """True shaft angles (axes, n) rad, from where the drive holds them."""

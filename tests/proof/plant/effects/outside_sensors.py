@@ -163,7 +163,7 @@ class TwoMovesAgo(Effect):
 
     def sense(self, world: World) -> np.ndarray:
         plan = self.setting.plan
-        rests = [n for n, leg in enumerate(plan.legs) if leg.kind == "static"]
+        rests = [n for n, segment in enumerate(plan.segments) if segment.kind == "static"]
         middle = (plan.bounds[rests] + plan.bounds[np.array(rests) + 1]) / 2.0
         felt = world.motion.force[:, np.searchsorted(world.t, middle)]
         felt = np.concatenate([np.zeros((3, 2)), felt], axis=1)

@@ -46,5 +46,5 @@ class GravityValue(Effect):
     def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
         return {"difference": float(rng.choice([-1.0, 1.0]) * rng.uniform(5e-4, 2e-3))}
 
-    def gravity(self, told: float) -> float:
-        return told + float(self.parameters["difference"])
+    def gravity(self, declared: float) -> float:
+        return declared + float(self.parameters["difference"])

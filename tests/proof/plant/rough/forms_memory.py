@@ -149,10 +149,10 @@ class BiasStepInMove(_Step):
     def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
         middles = [
             (begin + end) / 2.0
-            for leg, (begin, end) in zip(
-                setting.plan.legs, pairwise(setting.plan.bounds), strict=True
+            for segment, (begin, end) in zip(
+                setting.plan.segments, pairwise(setting.plan.bounds), strict=True
             )
-            if leg.goto is not None or leg.turn is not None or leg.name == "held"
+            if segment.goto is not None or segment.turn is not None or segment.name == "held"
         ]
         inner = [t for t in middles if 0.2 < t / setting.plan.duration < 0.8]
         return cls.stepping(rng, float(rng.choice(inner)))

@@ -7,7 +7,7 @@ from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from tests.proof.plant.effects.base import Effect, Parameters, unit_vector
 from tests.proof.plant.effects.memory import in_one_direction
-from tests.proof.plant.hearing import fine_rate
+from tests.proof.plant.noise_free_case import fine_rate
 from tests.proof.plant.seeds import generator
 from tests.proof.plant.world import Setting, World
 
@@ -171,15 +171,15 @@ class DriveLeak(Effect):
 
     @classmethod
     def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
-        heard, hears = rng.choice(3, 2, replace=False)
-        return {"share": 5e-3, "heard": int(heard), "hears": int(hears),
+        source, hears = rng.choice(3, 2, replace=False)
+        return {"share": 5e-3, "heard": int(source), "hears": int(hears),
                 "top_rate": setting.top_rate}  # fmt: skip
 
     def sense(self, world: World) -> np.ndarray:
-        heard = world.sensed_rates()[self.parameters["heard"]]
-        read = np.zeros((6, len(heard)))
+        source = world.sensed_rates()[self.parameters["heard"]]
+        read = np.zeros((6, len(source)))
         top = self.parameters["top_rate"]
-        read[self.parameters["hears"]] = self.parameters["share"] * np.abs(heard) * np.sin(
-            8.0 * heard / top
+        read[self.parameters["hears"]] = self.parameters["share"] * np.abs(source) * np.sin(
+            8.0 * source / top
         )  # fmt: skip
         return read

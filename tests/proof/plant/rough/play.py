@@ -10,7 +10,8 @@ from tests.proof.plant import recording as plain
 from tests.proof.plant.case import Case
 from tests.proof.plant.effects.base import Effect
 from tests.proof.plant.grades import channel_noise
-from tests.proof.plant.hearing import (
+from tests.proof.plant.noise import noise
+from tests.proof.plant.noise_free_case import (
     clock,
     converted,
     drive,
@@ -18,7 +19,6 @@ from tests.proof.plant.hearing import (
     read_analog,
     read_shaken,
 )
-from tests.proof.plant.noise import noise
 from tests.proof.plant.rough.case import RoughCase
 from tests.proof.plant.rough.effects import rough_effects
 from tests.proof.plant.rough.logged import Logged, Rows
@@ -164,17 +164,19 @@ def _recording(
 def _manifest(setting: RoughSetting) -> Manifest:
     """What the recording's program would write: it knows no effect."""
     rough = setting.rough
-    told = plain.manifest_of(setting.case, setting.plan).model_dump(mode="json", exclude_none=True)
-    told["recording_id"] = f"rough_{rough.case.seed}"
+    declared = plain.manifest_of(setting.case, setting.plan).model_dump(
+        mode="json", exclude_none=True
+    )
+    declared["recording_id"] = f"rough_{rough.case.seed}"
     if rough.run == "table":
-        return Manifest.model_validate(told)
+        return Manifest.model_validate(declared)
     streams = {"imu": "imu.parquet"}
     if rough.tracking is not None:
         streams["reference"] = "reference.parquet"
-        told["station"] = told["station"] | {"table_axes": None, "heading_deg": None}
+        declared["station"] = declared["station"] | {"table_axes": None, "heading_deg": None}
     else:
         streams["table"] = "table.parquet"
-    return Manifest.model_validate(told | {"streams": streams, "segments": None})
+    return Manifest.model_validate(declared | {"streams": streams, "segments": None})
 
 
 def _sealed(setting: RoughSetting, effects: tuple[Effect, ...]) -> dict[str, Any]:

@@ -55,10 +55,10 @@ def track(rough: RoughCase, tracking: Tracking, hand: ByHand, rows: np.ndarray) 
     attitude = product(tilt, attitude)
     place = turned(tilt, place + tracking.position_noise * rng.standard_normal(place.shape))
     poses = np.concatenate([attitude, place])
-    seen = np.ones(len(t), dtype=bool)
+    observation = np.ones(len(t), dtype=bool)
     for begin, end in tracking.gaps:
-        seen &= (t < begin) | (t > end)
-    t, poses = t[seen], poses[:, seen]
+        observation &= (t < begin) | (t > end)
+    t, poses = t[observation], poses[:, observation]
     if tracking.interpolated:
         t, poses = _between(t, poses, rows, tracking)
     poses[:4] /= np.linalg.norm(poses[:4], axis=0)
@@ -72,7 +72,7 @@ def _between(
     inside = (rows >= t[0]) & (rows <= t[-1])
     for begin, end in tracking.gaps:
         inside &= (rows < begin) | (rows > end)
-    return rows[inside], np.stack([np.interp(rows[inside], t, course) for course in poses])
+    return rows[inside], np.stack([np.interp(rows[inside], t, series) for series in poses])
 
 
 def misread(rough: RoughCase, plan: Plan, recorded: Stream, motion: Motion, t: np.ndarray,
@@ -86,23 +86,23 @@ def misread(rough: RoughCase, plan: Plan, recorded: Stream, motion: Motion, t: n
     true = _unit(at_times(motion.attitude, float(motion.t[0]), motion.step, t))
     force = at_times(motion.force, float(motion.t[0]), motion.step, t)
     if rough.tracking is None:
-        said = _from_shaft(rough, plan, recorded, t)
+        response = _from_shaft(rough, plan, recorded, t)
         moved = np.zeros((3, len(t)))
     else:
-        said, moved = _from_poses(rough.tracking, recorded, t, place)
+        response, moved = _from_poses(rough.tracking, recorded, t, place)
         moved = _second(_smooth(moved, step), step)
-    error = vector_of(_short(product(inverse(true), said)))
+    error = vector_of(_short(product(inverse(true), response)))
     error = _smooth(error - np.median(error, axis=1, keepdims=True), step)
     rates = np.gradient(error, step, axis=1)
     return np.concatenate([rates, np.cross(force, error, axis=0) + turned(inverse(true), moved)])
 
 
 def _from_shaft(rough: RoughCase, plan: Plan, recorded: Stream, t: np.ndarray) -> np.ndarray:
-    said = about(UP, -np.radians(rough.case.heading_deg))
+    response = about(UP, -np.radians(rough.case.heading_deg))
     for name, direction in zip(plan.table.names, plan.table.directions, strict=True):
         angle = np.interp(t, recorded.t, recorded.columns[f"{name}_angle"])
-        said = product(said, about(np.array(direction), angle))
-    return product(said, np.array(plan.mounts[0]).reshape(4, 1))
+        response = product(response, about(np.array(direction), angle))
+    return product(response, np.array(plan.mounts[0]).reshape(4, 1))
 
 
 def _from_poses(
@@ -113,9 +113,9 @@ def _from_poses(
     late = t + tracking.delay
     poses = np.stack([np.interp(late, recorded.t, column) for column in columns])
     upright = inverse(from_vector(np.array(tracking.tilt)))
-    said = product(product(upright, _unit(poses[:4])), from_vector(np.array(tracking.turn)))
+    response = product(product(upright, _unit(poses[:4])), from_vector(np.array(tracking.turn)))
     where = turned(upright, poses[4:])
-    return said, where - (where if place is None else place)
+    return response, where - (where if place is None else place)
 
 
 def _unit(q: np.ndarray) -> np.ndarray:
@@ -126,14 +126,14 @@ def _short(q: np.ndarray) -> np.ndarray:
     return np.asarray(np.where(q[0] < 0.0, -q, q))
 
 
-def _smooth(course: np.ndarray, step: float) -> np.ndarray:
+def _smooth(series: np.ndarray, step: float) -> np.ndarray:
     """Courses (…, n) without what lies above the band, a soft edge."""
-    ends = [(0, 0)] * (course.ndim - 1) + [(0, course.shape[-1])]
-    spectrum = np.fft.rfft(np.pad(course, ends, mode="symmetric"))
-    frequency = np.fft.rfftfreq(2 * course.shape[-1], step)
-    passed = np.fft.irfft(spectrum / (1.0 + (frequency / BAND) ** 8), 2 * course.shape[-1])
-    return np.asarray(passed[..., : course.shape[-1]])
+    ends = [(0, 0)] * (series.ndim - 1) + [(0, series.shape[-1])]
+    spectrum = np.fft.rfft(np.pad(series, ends, mode="symmetric"))
+    frequency = np.fft.rfftfreq(2 * series.shape[-1], step)
+    passed = np.fft.irfft(spectrum / (1.0 + (frequency / BAND) ** 8), 2 * series.shape[-1])
+    return np.asarray(passed[..., : series.shape[-1]])
 
 
-def _second(course: np.ndarray, step: float) -> np.ndarray:
-    return np.asarray(np.gradient(np.gradient(course, step, axis=-1), step, axis=-1))
+def _second(series: np.ndarray, step: float) -> np.ndarray:
+    return np.asarray(np.gradient(np.gradient(series, step, axis=-1), step, axis=-1))

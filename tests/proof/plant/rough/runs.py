@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tests.proof.plant.legs import Leg
 from tests.proof.plant.motion import MARGIN
 from tests.proof.plant.plan import Plan, TableShape
 from tests.proof.plant.procedures import plan_of
 from tests.proof.plant.rotations import about, inverse, product, rates, turned
 from tests.proof.plant.rough.case import RoughCase
 from tests.proof.plant.seeds import generator
+from tests.proof.plant.segments import Segment
 from tests.proof.plant.world import Motion, Setting
 
 STRAIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -39,37 +39,39 @@ def setting_of(rough: RoughCase) -> RoughSetting:
         case "shaft":
             plan = _shaft(rough)
         case "hand":
-            held = Leg("held", "transition", rough.duration_s, 0, {})
+            held = Segment("held", "transition", rough.duration_s, 0, {})
             plan = Plan("other", TableShape((), ()), (held,), (STRAIGHT,))
     return RoughSetting(rough.case, plan, rough)
 
 
 def _shaft(rough: RoughCase) -> Plan:
-    legs = [Leg("rest", "settle", 5.0, 0, {})]
-    for leg in _to_and_fro(rough):
-        if sum(each.duration for each in legs) > rough.duration_s:
+    segments = [Segment("rest", "settle", 5.0, 0, {})]
+    for segment in _to_and_fro(rough):
+        if sum(each.duration for each in segments) > rough.duration_s:
             break
-        legs.append(leg)
+        segments.append(segment)
     shape = TableShape(("shaft",), (rough.axis,))
-    return Plan("other", shape, (*legs, replace(legs[0])), (STRAIGHT,))
+    return Plan("other", shape, (*segments, replace(segments[0])), (STRAIGHT,))
 
 
-def _to_and_fro(rough: RoughCase) -> Iterator[Leg]:
+def _to_and_fro(rough: RoughCase) -> Iterator[Segment]:
     """Turns there and back, rests between them, and now and then a rate that is held."""
     rng = generator(rough.case.seed, "shaft")
     way = 1.0
     while True:
         angle, share = rng.uniform(0.4, 2.8), rng.uniform(0.2, 1.0)
         seconds = max(PEAK * angle / (share * rough.top_rate), 0.5)
-        yield Leg("turn", "transition", seconds, 0, {}, turn=way * angle)
+        yield Segment("turn", "transition", seconds, 0, {}, turn=way * angle)
         if rng.uniform() < 0.7:
-            yield Leg("rest", "settle", float(rng.uniform(0.3, 3.0)), 0, {})
+            yield Segment("rest", "settle", float(rng.uniform(0.3, 3.0)), 0, {})
         if rng.uniform() < 0.25:
             rate = float(rng.uniform(0.3, 1.0) * rough.top_rate * rng.choice([-1.0, 1.0]))
             ramp = abs(rate) / 6.0
-            yield Leg("up", "transition", ramp, 0, {}, ramp=(0.0, rate))
-            yield Leg("held", "transition", float(rng.uniform(1.0, 4.0)), 0, {}, ramp=(rate, rate))
-            yield Leg("down", "transition", ramp, 0, {}, ramp=(rate, 0.0))
+            yield Segment("up", "transition", ramp, 0, {}, ramp=(0.0, rate))
+            yield Segment(
+                "held", "transition", float(rng.uniform(1.0, 4.0)), 0, {}, ramp=(rate, rate)
+            )
+            yield Segment("down", "transition", ramp, 0, {}, ramp=(rate, 0.0))
         way = -way
 
 
@@ -91,19 +93,19 @@ def move_by_hand(rough: RoughCase, t: np.ndarray) -> ByHand:
     rng = generator(rough.case.seed, "hand")
     own = _own_time(rng, t, rough.duration_s)
     slow, fast = 0.15, float(rng.uniform(0.6, 1.3))  # Hz
-    angles = [_course(rng, own, slow, fast) for _ in range(3)]
+    angles = [_series(rng, own, slow, fast) for _ in range(3)]
     size = 1.0
     for _ in range(3):  # the rate grows a little faster than the angles
         attitude = _attitude(size * np.array(angles))
         size *= rough.top_rate / np.abs(rates(attitude, t[1] - t[0])).max()
     reach = float(rng.uniform(0.1, 0.5))  # m
-    place = np.stack([_course(rng, own, slow, 0.7 * fast) for _ in range(3)])
+    place = np.stack([_series(rng, own, slow, 0.7 * fast) for _ in range(3)])
     return ByHand(t, _attitude(size * np.array(angles)), reach / 2.0 * place)
 
 
 def _own_time(rng: np.random.Generator, t: np.ndarray, duration: float) -> np.ndarray:
     """Time of the hand: runs with t, stands in some seconds out of ten."""
-    wave = _course(rng, t, 0.02, 0.12)
+    wave = _series(rng, t, 0.02, 0.12)
     pace = 1.0 / (1.0 + np.exp(-6.0 * (wave + 0.8)))
     for end in (t - AT_REST, duration - AT_REST - t):
         pace *= np.clip(end, 0.0, 1.0) ** 3 * (10.0 + np.clip(end, 0.0, 1.0) * (
@@ -111,7 +113,7 @@ def _own_time(rng: np.random.Generator, t: np.ndarray, duration: float) -> np.nd
     return np.asarray(np.cumsum(pace) * (t[1] - t[0]))
 
 
-def _course(rng: np.random.Generator, t: np.ndarray, slow: float, fast: float) -> np.ndarray:
+def _series(rng: np.random.Generator, t: np.ndarray, slow: float, fast: float) -> np.ndarray:
     """A random course (n,) of rms 1 with frequencies between two, in Hz."""
     total = np.zeros(len(t))
     for frequency in rng.uniform(slow, fast, WAVES):

@@ -38,8 +38,8 @@ def standing(played: Played, rest: Played, by_size: bool = False) -> float:
     total = 0.0
     for channel in range(6):
         columns = _columns(rest.reported[:count], channel)
-        course = signal[channel] if by_size else _without(columns, signal[channel])
-        total += _above(course, _without(columns, left[channel]))
+        series = signal[channel] if by_size else _without(columns, signal[channel])
+        total += _above(series, _without(columns, left[channel]))
     return float(np.sqrt(total))
 
 
@@ -110,15 +110,15 @@ def _columns(reported: np.ndarray, channel: int) -> np.ndarray:
     return np.column_stack([np.ones(len(reported)), kept])
 
 
-def _without(columns: np.ndarray, course: np.ndarray) -> np.ndarray:
-    found, *_ = np.linalg.lstsq(columns, course, rcond=1e-10)
-    return np.asarray(course - columns @ found)
+def _without(columns: np.ndarray, series: np.ndarray) -> np.ndarray:
+    found, *_ = np.linalg.lstsq(columns, series, rcond=1e-10)
+    return np.asarray(series - columns @ found)
 
 
 def _above(signal: np.ndarray, left: np.ndarray) -> float:
     """Σ over frequencies of signal power over the power of what is left, band by band."""
-    seen, rest = (np.abs(np.fft.rfft(course)[1:]) ** 2 for course in (signal, left))
+    observation, rest = (np.abs(np.fft.rfft(series)[1:]) ** 2 for series in (signal, left))
     edges = np.unique(np.geomspace(FEWEST, len(rest), BANDS).astype(int))
     edges = np.concatenate([[0], edges])
     power = np.add.reduceat(rest, edges[:-1]) / np.diff(edges)
-    return float((2.0 * np.add.reduceat(seen, edges[:-1]) / power).sum())
+    return float((2.0 * np.add.reduceat(observation, edges[:-1]) / power).sum())

@@ -15,7 +15,7 @@ def rate_runs(recording: Recording, axes: str = "xy") -> list[Segment]:
     return [each for each in segments if each.kind == "rate" and (each.axis or "-") in axes]
 
 
-def course(recording: Recording, segment: Segment) -> tuple[np.ndarray, np.ndarray]:
+def series(recording: Recording, segment: Segment) -> tuple[np.ndarray, np.ndarray]:
     """t (n,) from zero and the gyro about the turning axis (n,) rad/s, its median taken off."""
     rows = recording.imu.rows(segment.t_start, segment.t_end)
     assert segment.axis is not None
@@ -34,7 +34,7 @@ def waves_per_turn(recording: Recording, low: float = 46.0, high: float = 50.0) 
     counts = []
     for segment in rate_runs(recording):
         turning = turns_per_second(segment)
-        t, rate = course(recording, segment)
+        t, rate = series(recording, segment)
         counts.append(strongest(t, rate, low * turning, high * turning) / turning)
     return _by_scatter(counts, "1")
 
@@ -44,7 +44,7 @@ def ripple(recording: Recording, per_turn: float, rate_deg_s: float) -> Measured
     depths = []
     for segment in rate_runs(recording):
         if abs(segment.rate_deg_s or 0.0) == rate_deg_s:
-            t, rate = course(recording, segment)
+            t, rate = series(recording, segment)
             at = per_turn * turns_per_second(segment)
             depths.append(float(np.degrees(amplitude(t, rate, at))))
     return _by_scatter(depths, "deg/s")
@@ -58,7 +58,7 @@ def together(one: Recording, other: Recording, per_turn: float) -> float:
     values = []
     for mine, theirs in zip(rate_runs(one), rate_runs(other), strict=True):
         at = per_turn * turns_per_second(mine)
-        a, b = (_blocks(*course(r, s), at) for r, s in ((one, mine), (other, theirs)))
+        a, b = (_blocks(*series(r, s), at) for r, s in ((one, mine), (other, theirs)))
         values.append(
             abs((a * b.conj()).sum()) / np.sqrt((abs(a) ** 2).sum() * (abs(b) ** 2).sum())
         )

@@ -38,9 +38,9 @@ def up_of(segment: Segment) -> np.ndarray:
 
 def means_of(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Directions (m, 3) that the labels say and medians (m, 6) of the m rests."""
-    stretches = rests(recording)
-    medians = [np.median(readings(recording, each)[1], axis=0) for each in stretches]
-    return np.array([up_of(each) for each in stretches]), np.array(medians)
+    spans = rests(recording)
+    medians = [np.median(readings(recording, each)[1], axis=0) for each in spans]
+    return np.array([up_of(each) for each in spans]), np.array(medians)
 
 
 def half_difference(recording: Recording, channel: int) -> Measured:
@@ -91,13 +91,13 @@ def wander(recording: Recording, channels: Sequence[int]) -> Wander:
     A walk of variance q a second makes q·T/3 between the means of the halves of T seconds, and
     about q·D between rests D apart. Noise by the scatter of one-second means.
     """
-    stretches, chosen = rests(recording), list(channels)
+    spans, chosen = rests(recording), list(channels)
     directions, means = means_of(recording)
     freedom = len(directions) - 4
     between = (misfit(directions, means[:, chosen]) ** 2).sum(axis=0) / freedom
-    apart = float(np.diff([each.t_start for each in stretches]).mean())
+    apart = float(np.diff([each.t_start for each in spans]).mean())
     noise, walk = 0.0, 0.0
-    for each in stretches:
+    for each in spans:
         t, values = readings(recording, each)
         values = values[:, chosen]
         seconds = np.array([part.mean(axis=0) for part in _seconds(t, values)])
@@ -107,7 +107,7 @@ def wander(recording: Recording, channels: Sequence[int]) -> Wander:
         walked = between / apart * (t[-1] - t[0]) / 3.0
         noise += float((change / white).sum())
         walk += float((change / (white + walked)).sum())
-    count = len(stretches) * len(chosen)
+    count = len(spans) * len(chosen)
     return Wander(float(chi2.sf(noise, count)), float(chi2.cdf(walk, count)))
 
 

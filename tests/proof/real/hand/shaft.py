@@ -73,7 +73,7 @@ def delay_by_angle(recording: Recording) -> Measured:
     return Measured(float(np.mean(each)), float(np.std(each, ddof=1) / np.sqrt(len(each))), "s")
 
 
-def lag_course(recording: Recording, lags: np.ndarray) -> np.ndarray:
+def lag_series(recording: Recording, lags: np.ndarray) -> np.ndarray:
     """Scatter, rad, of encoder angle beside the summed gyro at each lag (m,) s."""
     t, angle, rate = even_courses(recording)
     turned = np.concatenate([[0.0], np.cumsum(rate[1:] + rate[:-1]) / (2.0 * RATE)])
@@ -93,10 +93,10 @@ def delay_by_gravity(recording: Recording) -> Measured:
     columns = [sin, cos, np.ones_like(sin), speed * cos, -speed * sin, bend, speed**2]
     found = []
     for name in ("accel_x", "accel_z"):
-        course = np.interp(t, imu.t, imu.columns[name])
+        series = np.interp(t, imu.t, imu.columns[name])
         for part in _parts(t):
             A = np.column_stack(columns)[part]
-            a, b, _, c, d, *_ = np.linalg.lstsq(A, course[part], rcond=None)[0]
+            a, b, _, c, d, *_ = np.linalg.lstsq(A, series[part], rcond=None)[0]
             found.append(-(c * a + d * b) / (a * a + b * b))
     return Measured(float(np.mean(found)), float(np.std(found) / np.sqrt(len(found))), "s")
 
@@ -104,12 +104,12 @@ def delay_by_gravity(recording: Recording) -> Measured:
 def delay_by_pattern(recording: Recording) -> Measured:
     """The lag, s, at which a·sin θ + b·cos θ + c follows the accelerometers best; no lever arm."""
     imu, (t, angle, _) = recording.imu, even_courses(recording)
-    seen = [np.interp(t, imu.t, imu.columns[name]) for name in ("accel_x", "accel_z")]
+    observation = [np.interp(t, imu.t, imu.columns[name]) for name in ("accel_x", "accel_z")]
 
     def left(lag: float, part: np.ndarray) -> float:
         turned = np.interp(t - lag, t, angle)[part]
         A = np.column_stack([np.sin(turned), np.cos(turned), np.ones_like(turned)])
-        return sum(float(np.linalg.lstsq(A, y[part], rcond=None)[1][0]) for y in seen)
+        return sum(float(np.linalg.lstsq(A, y[part], rcond=None)[1][0]) for y in observation)
 
     each = [
         float(minimize_scalar(left, bounds=(-MOST, MOST), args=(part,), method="bounded").x)
@@ -154,8 +154,8 @@ def _best_lag(part: np.ndarray, t: np.ndarray, angle: np.ndarray, turned: np.nda
 def _scatter(
     lag: float, part: np.ndarray, t: np.ndarray, angle: np.ndarray, turned: np.ndarray
 ) -> float:
-    seen = np.interp(t + lag, t, turned)[part]
-    A = np.column_stack([seen, np.ones_like(seen), t[part]])
+    observation = np.interp(t + lag, t, turned)[part]
+    A = np.column_stack([observation, np.ones_like(observation), t[part]])
     left = angle[part] - A @ np.linalg.lstsq(A, angle[part], rcond=None)[0]
     return float(left.std())
 
@@ -166,14 +166,14 @@ def scale_by_gravity(recording: Recording) -> Measured:
     accel = a·sin(θ/(1 + κ)) + b·cos(θ/(1 + κ)) + c with lag and lever arm; the same κ for both.
     """
     imu, (t, angle, _) = recording.imu, even_courses(recording)
-    seen = [np.interp(t, imu.t, imu.columns[name]) for name in ("accel_x", "accel_z")]
+    observation = [np.interp(t, imu.t, imu.columns[name]) for name in ("accel_x", "accel_z")]
     speed, bend = (savgol_filter(angle, 21, 3, deriv=n, delta=1.0 / RATE) for n in (1, 2))
 
     def left(values: np.ndarray) -> np.ndarray:
         turned = angle / (1.0 + values[0])
         sin, cos = np.sin(turned), np.cos(turned)
         A = np.column_stack([sin, cos, np.ones_like(sin), speed * sin, speed * cos, bend, speed**2])
-        return np.concatenate([y - A @ np.linalg.lstsq(A, y, rcond=None)[0] for y in seen])
+        return np.concatenate([y - A @ np.linalg.lstsq(A, y, rcond=None)[0] for y in observation])
 
     found = least_squares(left, [0.0], diff_step=1e-4)
     slope = found.jac[:, 0]
@@ -203,9 +203,9 @@ def line_shared(recording: Recording) -> tuple[float, float]:
 
 def jump_at(recording: Recording, channel: str, when: float) -> Measured:
     """Mean of a channel over four strokes to and fro after a time, less that before."""
-    t, course = recording.imu.t, recording.imu.columns[channel]
+    t, series = recording.imu.t, recording.imu.columns[channel]
     sides = [
-        [course[(t >= when + n * STROKE) & (t < when + (n + 1) * STROKE)].mean() for n in strokes]
+        [series[(t >= when + n * STROKE) & (t < when + (n + 1) * STROKE)].mean() for n in strokes]
         for strokes in (range(-4, 0), range(4))
     ]
     u = float(np.linalg.norm([np.std(each, ddof=1) / 2.0 for each in sides]))
@@ -217,10 +217,10 @@ def excursion(recording: Recording, channel: str, start: float, stop: float) -> 
 
     u: the scatter of the others.
     """
-    t, course = recording.imu.t, recording.imu.columns[channel]
+    t, series = recording.imu.t, recording.imu.columns[channel]
     strokes = range(-int(start // STROKE), int((t[-1] - stop) // STROKE) + 1)
     others = [
-        course[(t >= start + n * STROKE) & (t < stop + n * STROKE)].mean() for n in strokes if n
+        series[(t >= start + n * STROKE) & (t < stop + n * STROKE)].mean() for n in strokes if n
     ]
-    own = course[(t >= start) & (t < stop)].mean()
+    own = series[(t >= start) & (t < stop)].mean()
     return Measured(float(own - np.mean(others)), float(np.std(others, ddof=1)), "rad/s")

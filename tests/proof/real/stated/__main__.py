@@ -43,8 +43,8 @@ def main(
             every.append(Answered(name, answer, claims, cost, older.get(name)))
             version = code_version()
             (out / "stated.md").write_text(markdown(every, version), encoding="utf-8")
-            said = json.dumps(data(every, version), indent=1, ensure_ascii=False)
-            (out / "stated.json").write_text(said + "\n", encoding="utf-8")
+            response = json.dumps(data(every, version), indent=1, ensure_ascii=False)
+            (out / "stated.json").write_text(response + "\n", encoding="utf-8")
 
 
 def _cost(line: str) -> tuple[str, Cost]:

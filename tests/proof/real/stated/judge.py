@@ -19,12 +19,12 @@ BY_TRUTH: dict[str, Judgement] = {
 class Judged:
     """One finding with a name, or an unnamed one that the hand has tried.
 
-    said: name, group and first size. share: of the mismatch that it removes; None where an older
-    answer does not state it. evidence: the figure for or against, and where it is from.
+    response: name, group and first size. share: of the mismatch that it removes; None where an
+    older answer does not state it. evidence: the figure for or against, and where it is from.
     """
 
     recording: str
-    said: str
+    response: str
     share: float | None
     judgement: Judgement
     evidence: str
@@ -47,11 +47,13 @@ def judged(
                 judgement, evidence = BY_TRUTH[by_hand[0].truth], by_hand[0].evidence.en
         if finding["effect"] == "unnamed" and judgement == "not known":
             continue
-        found.append(Judged(recording, said(finding), finding.get("share"), judgement, evidence))
+        found.append(
+            Judged(recording, response(finding), finding.get("share"), judgement, evidence)
+        )
     return found
 
 
-def said(finding: Mapping[str, Any]) -> str:
+def response(finding: Mapping[str, Any]) -> str:
     """The name, what it is told together with, and the first size."""
     words = in_words([finding])
     others = [name for name in finding.get("group") or () if name != finding["effect"]]

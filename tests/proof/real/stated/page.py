@@ -62,14 +62,14 @@ def data(every: Sequence[Answered], code_version: str) -> dict[str, Any]:
 
 def _claim(claim: Judged) -> tuple[str, ...]:
     share = "—" if claim.share is None else f"{100.0 * claim.share:.0f} %"
-    return (claim.recording, claim.said, share, claim.judgement, claim.evidence)
+    return (claim.recording, claim.response, share, claim.judgement, claim.evidence)
 
 
 def _cost(one: Answered) -> tuple[str, ...]:
     before, now = one.before, one.cost
-    told = one.answer or {}
-    share = told.get("explained_share")
-    unnamed = sum(each["effect"] == "unnamed" for each in told.get("findings", ()))
+    declared = one.answer or {}
+    share = declared.get("explained_share")
+    unnamed = sum(each["effect"] == "unnamed" for each in declared.get("findings", ()))
     return (
         one.recording,
         "—" if before is None else f"{before.seconds:.1f}",

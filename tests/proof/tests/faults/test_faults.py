@@ -7,33 +7,33 @@ import pytest
 from schemas.recording import Recording, Stream
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import FAULTS, StationFault
-from tests.proof.faults import judge, run
+from tests.proof.faults import judge, run_with_fault
 from tests.proof.faults.client import OF_THE_CLIENT, run_of_client
-from tests.proof.faults.hold import Ended, drawn, page
+from tests.proof.faults.run import Ended, drawn, page
 
 
 @pytest.fixture(autouse=True)
 def brief(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "DWELL_S", 3.0)
+    monkeypatch.setattr(run_with_fault, "DWELL_S", 3.0)
 
 
 @pytest.fixture(scope="module")
-def sound() -> run.Outcome:
-    return run.run_in_memory(run.short_procedure(3.0), VirtualStation())
+def sound() -> run_with_fault.Outcome:
+    return run_with_fault.run_in_memory(run_with_fault.short_procedure(3.0), VirtualStation())
 
 
-def recording_of(outcome: run.Outcome) -> Recording:
+def recording_of(outcome: run_with_fault.Outcome) -> Recording:
     assert outcome.recording is not None
     return outcome.recording
 
 
 @pytest.mark.parametrize("name", ["emergency_stop", "encoder_scale", "unit_merges"])
-def test_a_run_with_a_fault_ends_as_it_should(name: str, sound: run.Outcome) -> None:
-    outcome = run.run_with(StationFault(name, 40.0), VirtualStation())
+def test_a_run_with_a_fault_ends_as_it_should(name: str, sound: run_with_fault.Outcome) -> None:
+    outcome = run_with_fault.run_with(StationFault(name, 40.0), VirtualStation())
     assert judge.violations(name, outcome, recording_of(sound)) == []
 
 
-def test_values_that_are_wrong_in_a_run_that_stands_are_seen(sound: run.Outcome) -> None:
+def test_values_that_are_wrong_in_a_run_that_stands_are_seen(sound: run_with_fault.Outcome) -> None:
     right = recording_of(sound)
     columns = dict(right.imu.columns) | {"gyro_x": right.imu.columns["gyro_x"] * 1.01}
     wrong = replace(sound, recording=replace(right, imu=Stream(right.imu.t, columns)))
@@ -41,8 +41,10 @@ def test_values_that_are_wrong_in_a_run_that_stands_are_seen(sound: run.Outcome)
     assert "rate_x_+100 is wrong" in judge.violations("spike", wrong, right)
 
 
-def test_a_table_that_turns_and_an_end_without_a_sentence_are_seen(sound: run.Outcome) -> None:
-    bad = run.Outcome(recording=None, acquired=None, sentence="", is_at_rest=False)
+def test_a_table_that_turns_and_an_end_without_a_sentence_are_seen(
+    sound: run_with_fault.Outcome,
+) -> None:
+    bad = run_with_fault.Outcome(recording=None, acquired=None, sentence="", is_at_rest=False)
     assert len(judge.violations("spike", bad, recording_of(sound))) == 2
 
 
@@ -59,19 +61,19 @@ def test_the_page_counts_how_runs_ended_and_lists_what_must_not_be() -> None:
         Ended(fault, "invalid", ["the table still turns"], ""),
         Ended(slow, "recovered", [], ""),
     ]
-    told = page(found, seed=4, seconds=60.0)
-    assert "3 runs of a short procedure (seed 4, 60 s)" in told
-    assert "1 violations" in told
-    assert "| `spike` | each 1500th sample is far off |  | 1 |  | 1 |  |" in told
-    assert "| `slow_disk` | each flush to the disk takes 1.5 s | 1 |" in told
-    assert told.endswith("- spike@12.5: the table still turns\n")
+    declared = page(found, seed=4, seconds=60.0)
+    assert "3 runs of a short procedure (seed 4, 60 s)" in declared
+    assert "1 violations" in declared
+    assert "| `spike` | each 1500th sample is far off |  | 1 |  | 1 |  |" in declared
+    assert "| `slow_disk` | each flush to the disk takes 1.5 s | 1 |" in declared
+    assert declared.endswith("- spike@12.5: the table still turns\n")
 
 
 @pytest.mark.rehearsal
 @pytest.mark.real_time
 def test_a_run_on_a_slow_disk_is_whole() -> None:
-    fault, procedure = StationFault("slow_disk", 20.0), run.procedure_of("slow_disk")
+    fault, procedure = StationFault("slow_disk", 20.0), run_with_fault.procedure_of("slow_disk")
     outcome = run_of_client(fault, procedure, VirtualStation())
-    same = recording_of(run.run_in_memory(procedure, VirtualStation()))
+    same = recording_of(run_with_fault.run_in_memory(procedure, VirtualStation()))
     assert outcome.sentence == ""
     assert judge.violations("slow_disk", outcome, same) == []

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.proof.fuzz import answers, frames
-from tests.proof.fuzz.hold import hold
+from tests.proof.fuzz.run import run_all
 
 COUNT = 2000
 
@@ -25,5 +25,5 @@ def test_a_parser_that_takes_damaged_frames_is_found_out(monkeypatch):
     monkeypatch.setattr(
         "tasks.station.drivers.binary_frames._is_good", lambda rows, _: rows[:, 0] > 0
     )
-    little = hold(400, 3)[0]
+    little = run_all(400, 3)[0]
     assert little.wrong > 0

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from storage.formats.content import digest
-from tests.proof.history.hold import as_page
 from tests.proof.history.listing import Listed
 from tests.proof.history.local import Again
+from tests.proof.history.run import as_page
 from tests.proof.history.shared import Shared
 from tests.proof.history.store import variations
 

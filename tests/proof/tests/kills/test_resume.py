@@ -10,8 +10,8 @@ from schemas.calibration import Calibration
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
-from tests.proof.faults.run import short_procedure
-from tests.proof.kills.resume import Resumed, as_markdown, hold, summary, worst_difference
+from tests.proof.faults.run_with_fault import short_procedure
+from tests.proof.kills.resume import Resumed, as_markdown, run_all, summary, worst_difference
 
 
 @pytest.fixture
@@ -57,6 +57,6 @@ def test_the_page_says_how_many_hold_and_has_a_row_for_each() -> None:
 @pytest.mark.rehearsal
 @pytest.mark.real_time
 def test_a_run_that_was_killed_and_went_on_has_the_values_of_a_whole_one(tmp_path: Path) -> None:
-    (one,) = hold(tmp_path, 1, short_procedure(3.0, "x"), lambda done, count: None)
+    (one,) = run_all(tmp_path, 1, short_procedure(3.0, "x"), lambda done, count: None)
     assert one.worst < 2.0  # four standard uncertainties: brief segments are mostly noise
     assert one.kept + one.again == 10

@@ -24,7 +24,7 @@ def wrong(shown_of: Home, database: Path) -> list[str]:
         return json.loads(page.data(page.question(**asked), shown_of).model_dump_json())
 
     compared = own_pages.pairs(sqlite3.connect(database), ask)
-    return [what for what, told, own in compared if not same(told, own)]
+    return [what for what, declared, own in compared if not same(declared, own)]
 
 
 @pytest.fixture

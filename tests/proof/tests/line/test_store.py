@@ -71,8 +71,8 @@ def test_a_tilt_shifts_what_a_tilt_shifts(line_store, drawn, measured) -> None:
     assert max(map(abs, shift["gyro_scale_factor"].values())) < 1e-6
     tilted = [each for each in _errors(line_store, drawn, set(drawn)) if each[0]]
     own = [(error / u, shift[i][e] / u) for _, i, e, error, u in tilted if i == TILTED]
-    seen, expected = np.array(own).T
-    assert (seen @ expected) / (expected @ expected) == pytest.approx(1.0, abs=0.3)
+    observation, expected = np.array(own).T
+    assert (observation @ expected) / (expected @ expected) == pytest.approx(1.0, abs=0.3)
 
 
 def test_every_run_of_the_store_opens(line_store) -> None:

@@ -3,7 +3,7 @@
 import pytest
 
 from schemas.recording import Recording
-from tests.proof.peers.seen import Seen, see
+from tests.proof.peers.observation import Observation, see
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import Simulated, simulate
 
@@ -24,10 +24,10 @@ def bent() -> Simulated:
 
 
 @pytest.fixture(scope="session")
-def seen_clean(clean: Recording) -> Seen:
+def observation_clean(clean: Recording) -> Observation:
     return see(clean)
 
 
 @pytest.fixture(scope="session")
-def seen_bent(bent: Simulated) -> Seen:
+def observation_bent(bent: Simulated) -> Observation:
     return see(bent.recording)

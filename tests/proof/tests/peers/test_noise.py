@@ -6,29 +6,33 @@ import numpy as np
 import pytest
 
 from tests.proof.peers.noise import Noise, noises_of, whitened
-from tests.proof.peers.seen import Seen
+from tests.proof.peers.observation import Observation
 from tests.proof.plant.grades import channel_noise
 
 
-def test_white_noise_of_the_grade_is_found(seen_clean: Seen) -> None:
-    for found, true in zip(seen_clean.noises, channel_noise("tactical"), strict=True):
+def test_white_noise_of_the_grade_is_found(observation_clean: Observation) -> None:
+    for found, true in zip(observation_clean.noises, channel_noise("tactical"), strict=True):
         assert np.sqrt(found.white) == pytest.approx(true.white, rel=0.1)
 
 
-def test_what_differs_between_segments_is_no_noise(seen_clean: Seen) -> None:
-    observed = seen_clean.observed
+def test_what_differs_between_segments_is_no_noise(observation_clean: Observation) -> None:
+    observed = observation_clean.observed
     levels = np.random.default_rng(1).normal(0.0, 1.0, len(observed.segments) + 1)
-    left = seen_clean.left + levels[observed.segment][:, None] * seen_clean.left.std(axis=0)
+    left = observation_clean.left + levels[observed.segment][:, None] * observation_clean.left.std(
+        axis=0
+    )
     moved = noises_of(observed, left)
-    for found, before in zip(moved, seen_clean.noises, strict=True):
+    for found, before in zip(moved, observation_clean.noises, strict=True):
         assert found.white == pytest.approx(before.white, rel=0.02)
         assert found.flicker == pytest.approx(before.flicker, rel=0.05)
 
 
-def test_channel_that_was_not_recorded_is_left_out(seen_clean: Seen) -> None:
-    weight = seen_clean.observed.weight.copy()
+def test_channel_that_was_not_recorded_is_left_out(observation_clean: Observation) -> None:
+    weight = observation_clean.observed.weight.copy()
     weight[:, 4] = 0.0
-    without = replace(seen_clean, observed=replace(seen_clean.observed, weight=weight))
+    without = replace(
+        observation_clean, observed=replace(observation_clean.observed, weight=weight)
+    )
     assert without.used == (0, 1, 2, 3, 5)
     assert without.equations[4] is None
     assert without.equations[5] is not None

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tasks.explain.evidence.held_out import FOLDS
+from tests.proof.peers.observation import Equations
 from tests.proof.peers.regression import fit, partialled_out, surprise
-from tests.proof.peers.seen import Equations
 
 ROWS, BASE, MORE = 400, 3, 4
 

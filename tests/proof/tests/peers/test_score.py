@@ -33,8 +33,8 @@ Trial = Callable[..., list[PeerScore]]
 def _found(channel: str, *names: str, gain: float = 20.0) -> dict[str, Any]:
     located = [{"channel": channel, "dimension": "rate", "description": "", "segments": [],
                 "strength": 9.0}]  # fmt: skip
-    told = {"detected": True, "located": located, "names": list(names), "held_out_gain": gain}
-    return NOTHING | told
+    declared = {"detected": True, "located": located, "names": list(names), "held_out_gain": gain}
+    return NOTHING | declared
 
 
 @pytest.fixture
@@ -44,16 +44,16 @@ def trial(tmp_path: Path) -> Trial:
     Keywords: a peer and its answer; explain names lever_arm in gyro_y and closes the gap.
     """
 
-    def hold(effects: dict[str, Any], kind: str = "single", **said: dict[str, Any]) -> Any:
+    def written(effects: dict[str, Any], kind: str = "single", **response: dict[str, Any]) -> Any:
         sealed, answers = tmp_path / "sealed/0001", tmp_path / "answers/0001"
         sealed.mkdir(parents=True)
         answers.mkdir(parents=True)
         case = Case(seed=1).model_dump(mode="json")
-        told = {"case": case, "effects": effects, "parameters": {"Kg": np.eye(3).tolist()}}
-        _write(sealed / "truth.json", told)
-        told = {"kind": kind, "asked_z": 10.0, "z": {}, "concealment": {}, "certificate": None,
+        declared = {"case": case, "effects": effects, "parameters": {"Kg": np.eye(3).tolist()}}
+        _write(sealed / "truth.json", declared)
+        declared = {"kind": kind, "asked_z": 10.0, "z": {}, "concealment": {}, "certificate": None,
                 "floor": 0.0}  # fmt: skip
-        _write(sealed / "trial.json", told)
+        _write(sealed / "trial.json", declared)
         off = np.where([channel == "gyro_y" for channel in CHANNELS], 1.0, 0.0)
         truth = {channel: np.full(ROWS, x) for channel, x in zip(CHANNELS, off, strict=True)}
         pq.write_table(pa.table({"t": np.arange(ROWS) / 100.0} | truth), sealed / "truth.parquet")
@@ -61,10 +61,10 @@ def trial(tmp_path: Path) -> Trial:
                    "held_out_gain": 9.0, "channels": ["gyro_y"]}  # fmt: skip
         answer = {"verdict": "explained", "findings": [finding], "seconds": 8.0}
         _write(answers / "answer.json", answer)
-        told_rows = {f"{channel}_nominal": np.zeros(ROWS) for channel in CHANNELS}
-        told_rows |= {f"{channel}_found": course for channel, course in truth.items()}
-        pq.write_table(pa.table(told_rows), answers / "prediction.parquet")
-        peers = dict.fromkeys(PEERS, NOTHING) | said
+        declared_rows = {f"{channel}_nominal": np.zeros(ROWS) for channel in CHANNELS}
+        declared_rows |= {f"{channel}_found": series for channel, series in truth.items()}
+        pq.write_table(pa.table(declared_rows), answers / "prediction.parquet")
+        peers = dict.fromkeys(PEERS, NOTHING) | response
         noise = dict.fromkeys(CHANNELS, SIGMA)
         _write(answers / "peers.json", {"noise": noise, "peers": peers})
         blocks = {f"{channel}_nominal": np.zeros(ROWS // BLOCK_ROWS) for channel in CHANNELS}
@@ -72,11 +72,11 @@ def trial(tmp_path: Path) -> Trial:
         pq.write_table(pa.table(blocks), answers / "peers.parquet")
         return score_peers(tmp_path / "sealed", tmp_path / "answers")
 
-    return hold
+    return written
 
 
-def _write(path: Path, told: dict[str, Any]) -> None:
-    path.write_text(json.dumps(told), encoding="utf-8")
+def _write(path: Path, declared: dict[str, Any]) -> None:
+    path.write_text(json.dumps(declared), encoding="utf-8")
 
 
 def test_everybody_is_scored_on_the_same_blocks(trial: Trial) -> None:
@@ -94,9 +94,9 @@ def test_everybody_is_scored_on_the_same_blocks(trial: Trial) -> None:
 def test_one_ruler_for_all_though_fits_of_the_standard_differ(trial: Trial, tmp_path: Path) -> None:
     trial(LEVER, sindy=_found("gyro_y", "lever_arm"))
     path = tmp_path / "answers/0001/prediction.parquet"
-    told = pq.read_table(path)
-    worse = {name: told[name].to_numpy() - 3.0 * (name == "gyro_y_nominal") for name in
-             told.column_names}  # fmt: skip
+    declared = pq.read_table(path)
+    worse = {name: declared[name].to_numpy() - 3.0 * (name == "gyro_y_nominal") for name in
+             declared.column_names}  # fmt: skip
     pq.write_table(pa.table(worse), path)
     scores = score_peers(tmp_path / "sealed", tmp_path / "answers")
     firsts = [one.score.gap.first for one in scores if one.score.gap]
@@ -104,12 +104,12 @@ def test_one_ruler_for_all_though_fits_of_the_standard_differ(trial: Trial, tmp_
 
 
 def test_names_and_places_follow_the_trials_rules(trial: Trial) -> None:
-    said = {
+    response = {
         "residual_threshold": _found("gyro_y", "unnamed", gain=0.0),
         "stepwise_bic": _found("gyro_y", "lever_arm", "axis_tilt"),
         "sindy": _found("gyro_x", "unnamed", "lever_arm", gain=-3.0),
     }
-    by = {one.method: one for one in trial(LEVER, **said)}
+    by = {one.method: one for one in trial(LEVER, **response)}
     assert by["residual_threshold"].located
     assert by["residual_threshold"].score.abstained
     assert not by["residual_threshold"].shown
@@ -133,8 +133,8 @@ def test_finding_on_a_clean_case_is_no_abstention(trial: Trial) -> None:
 
 
 def test_outside_the_catalogue_any_name_is_no_abstention(trial: Trial) -> None:
-    said = {"stepwise_bic": _found("gyro_y", "lever_arm"), "sindy": _found("gyro_y", "unnamed")}
-    by = {one.method: one for one in trial({"x_cable_drag": {}}, kind="outside", **said)}
+    response = {"stepwise_bic": _found("gyro_y", "lever_arm"), "sindy": _found("gyro_y", "unnamed")}
+    by = {one.method: one for one in trial({"x_cable_drag": {}}, kind="outside", **response)}
     assert by["stepwise_bic"].abstained is False
     assert by["sindy"].abstained is True
 
@@ -172,7 +172,7 @@ def test_table_has_a_row_for_each_kind_and_method(trial: Trial) -> None:
     assert rows[1].name == Rate(0, 1)
     assert rows[0].model == pytest.approx(1.0)
     assert rows[0].abstain == Rate(0, 0)
-    assert rows[0].said()["locate"] == Rate(1, 1).said()
+    assert rows[0].response()["locate"] == Rate(1, 1).response()
     page, text = section(scores), markdown(scores)
     assert page.count("<tr>") == 1 + len(METHODS)
     assert "对比" in page

@@ -7,22 +7,22 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.proof.plant.case import Case
-from tests.proof.plant.hearing import Heard
+from tests.proof.plant.noise_free_case import NoiseFree
 
 Cases = Callable[..., Case]
-Hears = Callable[[Case], Heard]
+Play = Callable[[Case], NoiseFree]
 Rows = Callable[..., slice]
 G = 9.8015
 
 
-def excess(run: Heard) -> np.ndarray:
+def excess(run: NoiseFree) -> np.ndarray:
     return run.truth - run.nominal
 
 
 def test_earth_rotation_is_felt_in_the_unit_s_frame_by_gyros_only(
-    case_of: Cases, heard: Hears
+    case_of: Cases, noise_free: Play
 ) -> None:
-    run = heard(case_of("earth_rotation", fields={"heading_deg": 20.0, "latitude_deg": 31.0}))
+    run = noise_free(case_of("earth_rotation", fields={"heading_deg": 20.0, "latitude_deg": 31.0}))
     outer, middle, inner = run.table_angles
     unit = Rotation.from_euler("z", -np.radians(20)) * Rotation.from_euler(
         "ZXZ", np.stack([outer, middle, inner], axis=1)
@@ -34,19 +34,19 @@ def test_earth_rotation_is_felt_in_the_unit_s_frame_by_gyros_only(
 
 
 def test_gravity_changes_the_force_and_with_it_the_g_sensitive_gyros(
-    case_of: Cases, heard: Hears
+    case_of: Cases, noise_free: Play
 ) -> None:
-    run = heard(case_of("gravity_value", difference=0.01))
+    run = noise_free(case_of("gravity_value", difference=0.01))
     up = run.reported[3:] / G
     assert np.allclose(excess(run)[3:], run.unit.Ka @ up * 0.01, atol=1e-9)
     assert np.allclose(excess(run)[:3], run.unit.G @ up * 0.01, atol=1e-12)
 
 
 def test_a_lever_arm_gives_the_centripetal_acceleration_at_constant_rate(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
     r = np.array([0.012, -0.018, 0.007])
-    run = heard(case_of("lever_arm", r=r.tolist()))
+    run = noise_free(case_of("lever_arm", r=r.tolist()))
     for axis, name in enumerate(("rate_x_+200", "rate_y_-200", "rate_z_+200")):
         rows = in_segment(run, name)
         turns = np.zeros(3)
@@ -58,9 +58,9 @@ def test_a_lever_arm_gives_the_centripetal_acceleration_at_constant_rate(
 
 
 def test_a_lever_arm_is_felt_in_ramps_across_the_arm(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
-    run = heard(case_of("lever_arm", r=[0.0, 0.02, 0.0]))
+    run = noise_free(case_of("lever_arm", r=[0.0, 0.02, 0.0]))
     rows = in_segment(run, "rest_z", 0.5)
     ramp = slice(rows.stop + 50, rows.stop + 50 + 160)  # up to −200 °/s about z in 1.67 s
     spin_up = np.gradient(run.reported[2], 0.01)[ramp]
@@ -70,9 +70,9 @@ def test_a_lever_arm_is_felt_in_ramps_across_the_arm(
 
 
 def test_each_accelerometer_feels_its_own_place(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
-    run = heard(case_of("size_effect", r=[[0.0, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.0]]))
+    run = noise_free(case_of("size_effect", r=[[0.0, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.0]]))
     rows = in_segment(run, "rate_z_+200")
     centripetal = -0.01 * np.radians(200.0) ** 2
     felt = np.linalg.solve(run.unit.Ka, excess(run)[3:, rows].mean(axis=1))
@@ -80,9 +80,9 @@ def test_each_accelerometer_feels_its_own_place(
 
 
 def test_a_tilted_base_leans_gravity_and_leaves_the_gyros(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
-    run = heard(case_of("axis_tilt", east=8e-4, north=-5e-4))
+    run = noise_free(case_of("axis_tilt", east=8e-4, north=-5e-4))
     rows = in_segment(run, "position_+z_000")
     felt = np.linalg.solve(run.unit.Ka, excess(run)[3:, rows].mean(axis=1))
     assert felt[:2] == pytest.approx([5e-4 * G, 8e-4 * G], rel=1e-3)
@@ -90,33 +90,33 @@ def test_a_tilted_base_leans_gravity_and_leaves_the_gyros(
 
 
 def test_axes_that_are_not_square_spread_a_rate_over_two_gyros(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
-    run = heard(case_of("axis_nonorthogonality", angles=[1e-3, 0.0]))
+    run = noise_free(case_of("axis_nonorthogonality", angles=[1e-3, 0.0]))
     rows = in_segment(run, "rate_z_+200")
-    seen = np.linalg.solve(run.unit.Kg, excess(run)[:3, rows].mean(axis=1))
-    assert np.hypot(*seen[:2]) == pytest.approx(1e-3 * np.radians(200.0), rel=1e-3)
-    assert abs(seen[2]) < 1e-5
+    observation = np.linalg.solve(run.unit.Kg, excess(run)[:3, rows].mean(axis=1))
+    assert np.hypot(*observation[:2]) == pytest.approx(1e-3 * np.radians(200.0), rel=1e-3)
+    assert abs(observation[2]) < 1e-5
 
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_wobble_tips_gravity_as_often_a_turn_as_it_says(
-    case_of: Cases, heard: Hears, order: int, in_segment: Rows
+    case_of: Cases, noise_free: Play, order: int, in_segment: Rows
 ) -> None:
-    run = heard(case_of("axis_wobble", amplitude=1e-3, order=order, phases=[0.3, 1.2]))
+    run = noise_free(case_of("axis_wobble", amplitude=1e-3, order=order, phases=[0.3, 1.2]))
     rows = in_segment(run, "rate_z_+200")
     x, y, _ = np.linalg.solve(run.unit.Ka, excess(run)[3:, rows])
     ground = (x + 1j * y) * np.exp(1j * run.table_angles[0][rows])  # back into the base
     wave = np.exp(1j * order * run.table_angles[0][rows])
-    told = 1e-3 * G * np.imag(wave * np.exp(0.3j))  # tipped about East leans to North
-    assert np.std(ground.imag - told) < 0.01 * 1e-3 * G
+    declared = 1e-3 * G * np.imag(wave * np.exp(0.3j))  # tipped about East leans to North
+    assert np.std(ground.imag - declared) < 0.01 * 1e-3 * G
 
 
 def test_compliance_turns_all_sensors_with_rate_squared(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
     C = np.array([[0, 0, 2e-5], [0, 0, 0], [0, 0, 0.0]])
-    run = heard(case_of("structural_compliance", C=C.tolist()))
+    run = noise_free(case_of("structural_compliance", C=C.tolist()))
     rate, rows = np.radians(200.0), in_segment(run, "rate_z_+200")
     lean = 2e-5 * rate**2
     gyro = np.linalg.solve(run.unit.Kg, excess(run)[:3, rows].mean(axis=1))
@@ -128,9 +128,11 @@ def test_compliance_turns_all_sensors_with_rate_squared(
 
 
 @pytest.mark.parametrize("procedure", ["three_axis", "single_axis"])
-def test_each_fixing_has_its_own_misalignment(case_of: Cases, heard: Hears, procedure: str) -> None:
+def test_each_fixing_has_its_own_misalignment(
+    case_of: Cases, noise_free: Play, procedure: str
+) -> None:
     case = case_of("remount_misalignment", fields={"procedure": procedure})
-    run = heard(case)
+    run = noise_free(case)
     vectors = np.array(run.effects[0].parameters["vectors"])
     edges = [0, *(run.plan.fixing_times()[1:] * 100).astype(int), len(run.stamp)]
     for vector, low, high in zip(vectors, edges, edges[1:], strict=False):

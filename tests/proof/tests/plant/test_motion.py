@@ -7,15 +7,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.proof.plant.case import Case
-from tests.proof.plant.hearing import Heard
+from tests.proof.plant.noise_free_case import NoiseFree
 from tests.proof.plant.rotations import about, product, turned, vector_of
 
 Cases = Callable[..., Case]
-Hears = Callable[[Case], Heard]
+Play = Callable[[Case], NoiseFree]
 
 
-def test_rates_and_force_are_those_of_the_reported_angles(case_of: Cases, heard: Hears) -> None:
-    run = heard(case_of(fields={"heading_deg": 30.0}))
+def test_rates_and_force_are_those_of_the_reported_angles(case_of: Cases, noise_free: Play) -> None:
+    run = noise_free(case_of(fields={"heading_deg": 30.0}))
     outer, middle, _ = run.table_angles
     base = Rotation.from_euler("z", -np.radians(30.0))
     first = base * Rotation.from_euler("z", outer[:, None])
@@ -31,41 +31,46 @@ def test_rates_and_force_are_those_of_the_reported_angles(case_of: Cases, heard:
     assert np.abs(force - run.reported[3:]).max() < 1e-8
 
 
-def test_positions_bring_the_named_axis_up(case_of: Cases, heard: Hears) -> None:
+def test_positions_bring_the_named_axis_up(case_of: Cases, noise_free: Play) -> None:
     for procedure in ("three_axis", "single_axis"):
-        run = heard(case_of(fields={"procedure": procedure}))
-        for leg, low, high in zip(
-            run.plan.legs, run.plan.bounds, run.plan.bounds[1:], strict=False
+        run = noise_free(case_of(fields={"procedure": procedure}))
+        for segment, low, high in zip(
+            run.plan.segments, run.plan.bounds, run.plan.bounds[1:], strict=False
         ):
-            if leg.kind == "static":
+            if segment.kind == "static":
                 row = int((low + high) / 2 * 100)
                 up = np.zeros(3)
-                up["xyz".index(leg.label["up"][1])] = 1.0 if leg.label["up"][0] == "+" else -1.0
-                assert run.reported[3:, row] == pytest.approx(9.8015 * up, abs=1e-4), leg.name
+                up["xyz".index(segment.label["up"][1])] = (
+                    1.0 if segment.label["up"][0] == "+" else -1.0
+                )
+                assert run.reported[3:, row] == pytest.approx(9.8015 * up, abs=1e-4), segment.name
 
 
 @pytest.mark.parametrize("procedure", ["three_axis", "single_axis", "six_orientations", "ahrs"])
 def test_the_named_axis_turns_at_the_labelled_rate(
-    case_of: Cases, heard: Hears, procedure: str
+    case_of: Cases, noise_free: Play, procedure: str
 ) -> None:
-    run = heard(case_of(fields={"procedure": procedure}))
-    turning = [n for n, leg in enumerate(run.plan.legs) if leg.kind == "rate"]
+    run = noise_free(case_of(fields={"procedure": procedure}))
+    turning = [n for n, segment in enumerate(run.plan.segments) if segment.kind == "rate"]
     assert turning
     for number in turning:
-        leg, row = run.plan.legs[number], int(run.plan.bounds[number : number + 2].mean() * 100)
+        segment, row = (
+            run.plan.segments[number],
+            int(run.plan.bounds[number : number + 2].mean() * 100),
+        )
         rates = np.zeros(3)
-        rates["xyz".index(leg.label["axis"])] = np.radians(leg.label["rate_deg_s"])
-        assert run.reported[:3, row] == pytest.approx(rates, abs=2e-4), leg.name
+        rates["xyz".index(segment.label["axis"])] = np.radians(segment.label["rate_deg_s"])
+        assert run.reported[:3, row] == pytest.approx(rates, abs=2e-4), segment.name
 
 
-def test_whole_turns_of_the_ahrs_run_are_whole(case_of: Cases, heard: Hears) -> None:
-    run = heard(case_of(fields={"procedure": "ahrs"}))
-    turns = [n for n, leg in enumerate(run.plan.legs) if leg.kind == "rotation"]
+def test_whole_turns_of_the_ahrs_run_are_whole(case_of: Cases, noise_free: Play) -> None:
+    run = noise_free(case_of(fields={"procedure": "ahrs"}))
+    turns = [n for n, segment in enumerate(run.plan.segments) if segment.kind == "rotation"]
     assert len(turns) == 6
     for number in turns:
         rows = (run.plan.bounds[number : number + 2] * 100).astype(int)
         turned_by = np.diff(run.table_angles[0][rows])[0]
-        label = np.radians(run.plan.legs[number].label["angle_deg"])
+        label = np.radians(run.plan.segments[number].label["angle_deg"])
         assert turned_by == pytest.approx(label, abs=1e-5)
 
 

@@ -93,7 +93,7 @@ def test_storage_takes_the_recording_and_the_truth_stays_apart(
 
 
 def test_an_untold_site_is_not_in_the_manifest(case_of: Cases, tmp_path: Path) -> None:
-    made = simulate(case_of("earth_rotation", fields={"site_told": False}))
+    made = simulate(case_of("earth_rotation", fields={"site_known": False}))
     write(made.recording, tmp_path)
     station = read_folder(tmp_path).manifest.station
     assert station.latitude_deg is None

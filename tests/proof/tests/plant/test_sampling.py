@@ -18,14 +18,14 @@ def noisy(signal: float) -> np.ndarray:
 
 @pytest.mark.parametrize("signal", [0.0, 0.2, 0.45, 0.8])
 def test_the_mean_reading_of_coarse_steps_is_that_of_many_readings(signal: float) -> None:
-    told = mean_reading(np.full((1, 1), signal), np.array([1.0]), np.array([DEVIATION]))
-    assert told[0, 0] == pytest.approx(np.round(noisy(signal)).mean(), abs=3e-3)
+    declared = mean_reading(np.full((1, 1), signal), np.array([1.0]), np.array([DEVIATION]))
+    assert declared[0, 0] == pytest.approx(np.round(noisy(signal)).mean(), abs=3e-3)
 
 
 @pytest.mark.parametrize("signal", [-1.1, -0.7, 0.0, 0.9, 1.0, 1.4])
 def test_the_mean_reading_at_a_limit_is_that_of_many_readings(signal: float) -> None:
-    told = mean_limited(np.full((1, 1), signal), np.array([1.0]), np.array([DEVIATION]))
-    assert told[0, 0] == pytest.approx(np.clip(noisy(signal), -1.0, 1.0).mean(), abs=3e-3)
+    declared = mean_limited(np.full((1, 1), signal), np.array([1.0]), np.array([DEVIATION]))
+    assert declared[0, 0] == pytest.approx(np.clip(noisy(signal), -1.0, 1.0).mean(), abs=3e-3)
 
 
 def test_steps_below_the_noise_change_nothing() -> None:
@@ -48,6 +48,6 @@ def test_sampling_between_points_is_cubic_and_rests_at_the_ends() -> None:
     grid = np.arange(0.0, 10.0)
     cubic = np.stack([grid**3 - 4.0 * grid, 2.0 * grid])
     times = np.array([1.5, 4.25, 7.9])
-    told = at_times(cubic, 0.0, 1.0, times)
-    assert np.allclose(told, [times**3 - 4.0 * times, 2.0 * times])
+    declared = at_times(cubic, 0.0, 1.0, times)
+    assert np.allclose(declared, [times**3 - 4.0 * times, 2.0 * times])
     assert np.array_equal(at_times(cubic, 0.0, 1.0, np.array([-3.0, 30.0]))[1], [0.0, 18.0])

@@ -6,55 +6,55 @@ import numpy as np
 import pytest
 
 from tests.proof.plant.case import Case
-from tests.proof.plant.hearing import Heard
+from tests.proof.plant.noise_free_case import NoiseFree
 from tests.proof.plant.simulate import simulate
 from tests.proof.plant.weather import weather
 
 Cases = Callable[..., Case]
-Hears = Callable[[Case], Heard]
+Play = Callable[[Case], NoiseFree]
 Rows = Callable[..., slice]
 
 
-def excess(run: Heard) -> np.ndarray:
+def excess(run: NoiseFree) -> np.ndarray:
     return run.truth - run.nominal
 
 
 def test_nonlinear_and_lopsided_scale_factors(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
     top = np.radians(200.0)
-    run = heard(case_of("gyro_scale_nonlinearity", coefficient=[0, 0, 1e-3], order=3))
+    run = noise_free(case_of("gyro_scale_nonlinearity", coefficient=[0, 0, 1e-3], order=3))
     for sign, name in ((1, "rate_z_+200"), (-1, "rate_z_-200")):
         sensed = run.unit.Kg[2, 2] * sign * top
-        seen = excess(run)[:, in_segment(run, name)].mean(axis=1)
-        assert seen == pytest.approx([0, 0, 1e-3 * sensed**3 / top**2, 0, 0, 0], abs=1e-8)
-    run = heard(case_of("gyro_scale_asymmetry", half_difference=[0, 0, 1e-3]))
+        observation = excess(run)[:, in_segment(run, name)].mean(axis=1)
+        assert observation == pytest.approx([0, 0, 1e-3 * sensed**3 / top**2, 0, 0, 0], abs=1e-8)
+    run = noise_free(case_of("gyro_scale_asymmetry", half_difference=[0, 0, 1e-3]))
     for name in ("rate_z_+200", "rate_z_-200"):
-        seen = excess(run)[2, in_segment(run, name)].mean()
-        assert seen == pytest.approx(1e-3 * run.unit.Kg[2, 2] * top, rel=1e-5)
+        observation = excess(run)[2, in_segment(run, name)].mean()
+        assert observation == pytest.approx(1e-3 * run.unit.Kg[2, 2] * top, rel=1e-5)
 
 
 def test_gyros_follow_acceleration_squared_and_angular_acceleration(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
     M = np.zeros((3, 3))
     M[1, 2] = 1e-6
-    run = heard(case_of("gyro_g2_sensitivity", M=M.tolist()))
+    run = noise_free(case_of("gyro_g2_sensitivity", M=M.tolist()))
     for name in ("position_+z_000", "position_-z_000"):
         assert excess(run)[1, in_segment(run, name)].mean() == pytest.approx(1e-6 * 9.8015**2)
     assert np.abs(excess(run)[[0, 2, 3, 4, 5]]).max() < 1e-12
-    run = heard(case_of("gyro_angular_acceleration", A=(1e3 * M).tolist()))
+    run = noise_free(case_of("gyro_angular_acceleration", A=(1e3 * M).tolist()))
     change = np.gradient(run.reported[2], 0.01)
     assert np.corrcoef(excess(run)[1], change)[0, 1] > 0.999
     assert np.abs(excess(run)[:, in_segment(run, "rate_z_+200")]).max() < 1e-6
 
 
 def test_scale_that_depends_on_acceleration_differs_upside_down(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
     S = np.diag([0.0, 0.0, 1e-5])
     fields = {"procedure": "six_orientations"}
-    run = heard(case_of("gyro_scale_g_dependence", fields=fields, S=S.tolist()))
+    run = noise_free(case_of("gyro_scale_g_dependence", fields=fields, S=S.tolist()))
     for sign, name in ((1, "rate_z_+200"), (-1, "rate_z_down_+200")):
         expected = sign * 1e-5 * 9.8015 * run.unit.Kg[2, 2] * np.radians(200.0)
         assert excess(run)[2, in_segment(run, name)].mean() == pytest.approx(expected, rel=1e-4)
@@ -91,10 +91,10 @@ def test_vibration_adds_noise_and_bias_that_grow_with_rate(case_of: Cases) -> No
     ("x_pressure_sensitivity", lambda room: room.pressure - 1013.0),
 ])  # fmt: skip
 def test_biases_follow_the_room(
-    case_of: Cases, heard: Hears, name: str, regressor: Callable[..., np.ndarray]
+    case_of: Cases, noise_free: Play, name: str, regressor: Callable[..., np.ndarray]
 ) -> None:
     case = case_of(name, gyro=[1e-3, 0, 0], accel=[0, 0, 2e-2])
-    run = heard(case)
+    run = noise_free(case)
     follows = regressor(weather(case, run.stamp))
     assert np.allclose(excess(run)[0], 1e-3 * follows, atol=1e-9)
     assert np.allclose(excess(run)[5], 2e-2 * follows, atol=1e-8)
@@ -110,9 +110,9 @@ def test_temperature_rate_is_the_slope_of_temperature(case_of: Cases) -> None:
 
 
 def test_the_magnetic_field_is_constant_in_the_room(
-    case_of: Cases, heard: Hears, in_segment: Rows
+    case_of: Cases, noise_free: Play, in_segment: Rows
 ) -> None:
-    run = heard(case_of("magnetic_sensitivity", M=np.eye(3).tolist(), field=[0, 3e-5, -4e-5]))
+    run = noise_free(case_of("magnetic_sensitivity", M=np.eye(3).tolist(), field=[0, 3e-5, -4e-5]))
     size = np.linalg.norm(excess(run)[:3], axis=0)
     assert np.allclose(size, 5e-5, rtol=1e-6)
     level = excess(run)[:3, in_segment(run, "position_+z_000")].mean(axis=1)
@@ -120,13 +120,13 @@ def test_the_magnetic_field_is_constant_in_the_room(
     assert np.abs(excess(run)[3:]).max() < 1e-12
 
 
-def test_the_low_pass_delays_and_rounds(case_of: Cases, heard: Hears, in_segment: Rows) -> None:
-    run = heard(case_of("bandwidth", corner=10.0))
+def test_the_low_pass_delays_and_rounds(case_of: Cases, noise_free: Play, in_segment: Rows) -> None:
+    run = noise_free(case_of("bandwidth", corner=10.0))
     delay = np.sqrt(2.0) / (2.0 * np.pi * 10.0)
     moves = slice(1000, 1400)
     slope = np.gradient(run.nominal, 0.01, axis=1)[:, moves]
-    seen = (slope * excess(run)[:, moves]).sum() / (slope**2).sum()
-    assert seen == pytest.approx(-delay, rel=0.02)
+    observation = (slope * excess(run)[:, moves]).sum() / (slope**2).sum()
+    assert observation == pytest.approx(-delay, rel=0.02)
     assert np.abs(excess(run)[:, in_segment(run, "position_+x_000", 2.0)]).max() < 1e-6
 
 
@@ -141,8 +141,8 @@ def test_a_coarse_converter_leaves_whole_steps(case_of: Cases) -> None:
     assert np.abs((made.truth - made.nominal)[:, 2]).max() > 2e-4
 
 
-def test_the_mains_line_stands_at_its_alias(case_of: Cases, heard: Hears) -> None:
-    run = heard(case_of("mains_pickup", frequency=50.06, gyro=[1e-3, 0, 0], third=0.0))
+def test_the_mains_line_stands_at_its_alias(case_of: Cases, noise_free: Play) -> None:
+    run = noise_free(case_of("mains_pickup", frequency=50.06, gyro=[1e-3, 0, 0], third=0.0))
     line = np.abs(np.fft.rfft(excess(run)[0, :20000]))
     assert np.fft.rfftfreq(20000, 0.01)[line.argmax()] == pytest.approx(49.94, abs=0.006)
     assert np.abs(excess(run)[1]).max() < 1e-12

@@ -26,12 +26,12 @@ def shaft() -> Recording:
             + 0.004 * np.sin(2.0 * np.pi * 4.3 * at) + 0.002 * np.sin(2.0 * np.pi * 12.8 * at)
         )  # fmt: skip
 
-    seen = angle(t - LATE)
+    observation = angle(t - LATE)
     rate = (angle(t - LATE + 5e-4) - angle(t - LATE - 5e-4)) / 1e-3
     columns = {
         "gyro_x": np.zeros_like(t), "gyro_y": rate, "gyro_z": np.zeros_like(t),
-        "accel_x": GRAVITY * np.cos(seen), "accel_y": np.zeros_like(t),
-        "accel_z": GRAVITY * np.sin(seen),
+        "accel_x": GRAVITY * np.cos(observation), "accel_y": np.zeros_like(t),
+        "accel_z": GRAVITY * np.sin(observation),
     }  # fmt: skip
     columns |= {
         name: value + rng.normal(0.0, 0.003 if name.startswith("gyro") else 0.03, len(t))

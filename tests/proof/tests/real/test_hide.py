@@ -44,8 +44,8 @@ def test_scale_is_in_every_angle_that_the_table_tells(shaft: Recording) -> None:
     scaled = scaled_table(shaft, Size(0.002, "1"))
     assert scaled.table is not None
     assert shaft.table is not None
-    told, was = (each.columns["shaft_angle"] for each in (scaled.table, shaft.table))
-    np.testing.assert_allclose(told, 1.002 * was)
+    declared, was = (each.columns["shaft_angle"] for each in (scaled.table, shaft.table))
+    np.testing.assert_allclose(declared, 1.002 * was)
 
 
 def test_without_an_encoder_the_labels_are_scaled(real: Callable[[str], Recording]) -> None:

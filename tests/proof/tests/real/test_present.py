@@ -32,9 +32,9 @@ def facts(recordings: Recordings) -> dict[str, Fact]:
 
 def test_ring_laser_unit_sees_earth_turn_at_its_latitude(recordings: Recordings) -> None:
     recording = recordings["ln100_two_position"]
-    seen, known = half_difference(recording, 0), vertical_earth_rate(recording)
-    assert seen.agrees(known)
-    assert seen.u < 0.05
+    observation, known = half_difference(recording, 0), vertical_earth_rate(recording)
+    assert observation.agrees(known)
+    assert observation.u < 0.05
 
 
 def test_mems_unit_does_not(recordings: Recordings) -> None:
@@ -98,12 +98,12 @@ def test_doubtful_claims_are_judged(recordings: Recordings) -> None:
 
 
 def finding(effect: str, channel: str, *parameters: tuple[str, float, float]) -> Answer:
-    said = [{"name": n, "value": v, "u": u, "unit": ""} for n, v, u in parameters]
-    return {"effect": effect, "channels": [channel], "parameters": said, "follows": None}
+    response = [{"name": n, "value": v, "u": u, "unit": ""} for n, v, u in parameters]
+    return {"effect": effect, "channels": [channel], "parameters": response, "follows": None}
 
 
 @pytest.mark.parametrize(
-    ("key", "said", "outcome"),
+    ("key", "response", "outcome"),
     [
         ("earth", finding("earth_rotation", "gyro_x", ("vertical_rate", 11.8, 0.3)), "right"),
         (
@@ -134,15 +134,15 @@ def finding(effect: str, channel: str, *parameters: tuple[str, float, float]) ->
     ],
 )
 def test_an_answer_is_held_to_the_facts(
-    facts: dict[str, Fact], key: str, said: Answer, outcome: str
+    facts: dict[str, Fact], key: str, response: Answer, outcome: str
 ) -> None:
-    assert facts[key].told({"findings": [said]}).outcome == outcome
+    assert facts[key].declared({"findings": [response]}).outcome == outcome
 
 
 def test_failure_is_said_and_an_empty_answer_is_silence(facts: dict[str, Fact]) -> None:
     for key, fact in facts.items():
-        told = fact.told({"failed": "ValueError: broken\nin two lines"})
-        assert told.outcome == "explain failed"
-        assert told.words == "ValueError: broken"
-        nothing = fact.told({"findings": []}).outcome
+        declared = fact.declared({"failed": "ValueError: broken\nin two lines"})
+        assert declared.outcome == "explain failed"
+        assert declared.words == "ValueError: broken"
+        nothing = fact.declared({"findings": []}).outcome
         assert nothing == ("right" if key == "no_earth" else "silent")

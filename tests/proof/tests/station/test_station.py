@@ -10,7 +10,7 @@ from tasks.explain.explain import explain
 from tests.proof.station.case import CORNERS_HZ, Case, cases
 from tests.proof.station.record import recording_of
 from tests.proof.station.score import score
-from tests.proof.trial.blind import _said
+from tests.proof.trial.blind import _response
 
 BOTH = Case(3, "jjf2003", True, True)
 LOW_PASS = Case(1, "jjf2003", True, False)
@@ -56,9 +56,9 @@ def test_a_group_is_right_where_it_holds_the_truth_and_its_common_part_does() ->
     group = ("bandwidth", "time_offset")
     gyro, accel = BOTH.group_delays_s
     true = {"gyro_group_delay": (gyro, 1e-5), "accel_group_delay": (accel, 1e-5)}
-    told = scored(BOTH, finding("time_offset", group, **true))
-    assert (told.low_pass, told.delay, told.wrong) == ("group", "group", ())
-    assert told.is_right
+    declared = scored(BOTH, finding("time_offset", group, **true))
+    assert (declared.low_pass, declared.delay, declared.wrong) == ("group", "group", ())
+    assert declared.is_right
     off = true | {"gyro_group_delay": (gyro + 1e-3, 1e-5)}
     assert not scored(BOTH, finding("time_offset", group, **off)).is_right
 
@@ -75,7 +75,7 @@ def test_a_low_pass_is_told_without_a_wrong_name_though_encoder_samples_were_los
     recording = recording_of(loaded)
     lost = np.diff(recording.table.t) > 0.1
     assert lost.sum() > 10
-    answer = _said(explain(recording)) | {"seconds": 0.0}
+    answer = _response(explain(recording)) | {"seconds": 0.0}
     assert score(loaded, answer).is_right
 
 
@@ -83,14 +83,14 @@ def test_a_low_pass_is_told_without_a_wrong_name_though_encoder_samples_were_los
 @pytest.mark.timeout(120)
 def test_the_delay_of_an_ahrs_is_told_by_its_angles() -> None:
     late = Case(4, "jjf1536", True, True)
-    told = score(late, _said(explain(recording_of(late))) | {"seconds": 0.0})
-    assert (told.delay, told.wrong) == ("group", ())
-    assert told.is_right
+    declared = score(late, _response(explain(recording_of(late))) | {"seconds": 0.0})
+    assert (declared.delay, declared.wrong) == ("group", ())
+    assert declared.is_right
 
 
 @pytest.mark.rehearsal
 @pytest.mark.timeout(120)
 def test_of_an_ahrs_without_a_delay_none_is_told() -> None:
     clean = Case(2, "jjf1536", False, False)
-    told = score(clean, _said(explain(recording_of(clean))) | {"seconds": 0.0})
-    assert (told.names, told.is_right) == (("earth_rotation",), True)
+    declared = score(clean, _response(explain(recording_of(clean))) | {"seconds": 0.0})
+    assert (declared.names, declared.is_right) == (("earth_rotation",), True)

@@ -41,7 +41,7 @@ def sealed(two_cases: list[Drawn], tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def told() -> Callable[..., dict[str, Any]]:
+def declared() -> Callable[..., dict[str, Any]]:
     """What truth.json says of effects, for a unit with scale factors of 1.01."""
 
     def build(effects: dict[str, dict[str, Any]], **case: Any) -> dict[str, Any]:
@@ -56,12 +56,12 @@ def told() -> Callable[..., dict[str, Any]]:
 
 
 @pytest.fixture
-def answered(told: Callable[..., dict[str, Any]]) -> Callable[..., Score]:
+def answered(declared: Callable[..., dict[str, Any]]) -> Callable[..., Score]:
     """Scores findings, each a name or a name with its twins, for a truth."""
 
     def build(effects: dict[str, Any], *findings: str | tuple[str, ...], kind: str = "single",
               z: float | None = 30.0) -> Score:  # fmt: skip
-        said = [
+        response = [
             {"effect": each[0], "indistinguishable_from": list(each[1:]), "parameters": []}
             for each in ((one,) if isinstance(one, str) else one for one in findings)
         ]
@@ -71,8 +71,8 @@ def answered(told: Callable[..., dict[str, Any]]) -> Callable[..., Score]:
             "z": dict.fromkeys(effects, 30.0),
             "concealment": dict.fromkeys(effects, 0.5),
         }
-        answer = {"verdict": "explained", "findings": said, "seconds": 1.0}
+        answer = {"verdict": "explained", "findings": response, "seconds": 1.0}
         cost = Cost(3.0, 0.5, "accel_bias x", True, "fail", "pass", True)
-        return scored("0001", told(effects), trial, answer, None, cost)
+        return scored("0001", declared(effects), trial, answer, None, cost)
 
     return build

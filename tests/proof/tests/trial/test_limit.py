@@ -10,7 +10,7 @@ from tasks.explain.search.stepwise import FALSE_ALARMS
 from tests.proof.trial.limit import freedom_of, power
 from tests.proof.trial.parameters import Truth
 
-Told = Callable[..., dict[str, Any]]
+Judged = Callable[..., dict[str, Any]]
 
 
 def test_with_one_parameter_it_is_a_two_sided_test_of_a_normal_variable() -> None:
@@ -29,13 +29,13 @@ def test_who_knows_less_of_the_form_finds_less() -> None:
     assert shares == sorted(shares, reverse=True)
 
 
-def test_open_numbers_are_those_of_the_form(told: Told) -> None:
+def test_open_numbers_are_those_of_the_form(declared: Judged) -> None:
     effects = {
         "lever_arm": {"r": [0.001, 0.002, 0.003]},
         "rate_ripple": {"depth": 2e-4, "per_turn": 6, "phase": 0.8},
         "bias_random_walk": {"gyro": [1e-5, 0.0, 0.0], "accel": [0.0, 0.0, 1e-4]},
     }
-    said = told(effects)
-    truth = Truth(said["effects"], said["parameters"], said["case"])
+    response = declared(effects)
+    truth = Truth(response["effects"], response["parameters"], response["case"])
     freedoms = [freedom_of(truth, effect) for effect in effects]
     assert freedoms == [3, 2, 6]

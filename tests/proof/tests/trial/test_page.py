@@ -45,8 +45,8 @@ def trial(scores: list[Score]) -> Trial:
 
 
 def test_figures_stand_beside_what_was_asked(scores: list[Score]) -> None:
-    said = {each.what.en: (each.reached, each.met) for each in figures(scores)}
-    assert said == {
+    response = {each.what.en: (each.reached, each.met) for each in figures(scores)}
+    assert response == {
         "false alarms on clean recordings": ("50 %", False),
         "right name first, z = 30": ("100 %", True),
         "right name first, z = 10": ("0 %", False),
@@ -64,11 +64,11 @@ def test_a_figure_without_cases_is_neither_met_nor_missed(scores: list[Score]) -
 
 
 def test_units_wrongly_passed_and_wrongly_failed_are_told_apart(scores: list[Score]) -> None:
-    said = {line.what.en: (line.before, line.after) for line in costs(scores)}
+    response = {line.what.en: (line.before, line.after) for line in costs(scores)}
     nothing, all_three = "0 % (0 of 3)", "100 % (3 of 3)"
-    assert said["units that fail and are passed"] == (nothing, nothing)
-    assert said["units that conform and are failed"] == (all_three, nothing)
-    assert said["recordings on which nothing was noticed"] == (all_three, "33 % (1 of 3)")
+    assert response["units that fail and are passed"] == (nothing, nothing)
+    assert response["units that conform and are failed"] == (all_three, nothing)
+    assert response["recordings on which nothing was noticed"] == (all_three, "33 % (1 of 3)")
 
 
 def test_every_way_to_fail_has_its_name(answered: Answered) -> None:

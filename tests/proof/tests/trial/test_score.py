@@ -15,7 +15,7 @@ from tests.proof.plant.grades import channel_noise
 from tests.proof.trial.score import Gap, Score, misfits, scored
 from tests.proof.trial.table import Rate, row, rows_of, totals_of
 
-Told = Callable[..., dict[str, Any]]
+Judged = Callable[..., dict[str, Any]]
 LEVER = {"lever_arm": {"r": [0.001, 0.002, 0.003]}}
 TILT = {"axis_tilt": {"east": 1e-4, "north": 0.0}}
 CABLE = {"x_cable_drag": {"gyro": [1e-4, 0.0, 0.0]}}
@@ -62,15 +62,15 @@ def test_finding_on_a_clean_recording_is_a_false_alarm(answered: Callable[..., S
     assert totals_of(alarms)["clean"].detected == Rate(1, 2)
 
 
-def test_failure_of_explain_is_no_detection(told: Told) -> None:
+def test_failure_of_explain_is_no_detection(declared: Judged) -> None:
     trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}}
     answer = {"failed": "ValueError: no", "seconds": 0.5}
-    score = scored("0001", told(LEVER), trial, answer, None)
+    score = scored("0001", declared(LEVER), trial, answer, None)
     assert score.failed == "ValueError: no"
     assert not score.detected
 
 
-def test_parameters_of_what_was_rightly_named_are_compared(told: Told) -> None:
+def test_parameters_of_what_was_rightly_named_are_compared(declared: Judged) -> None:
     stated = [{"name": "r_y", "value": 0.0021, "unit": "m", "u": 1e-4}]
     findings = [
         {"effect": name, "indistinguishable_from": [], "parameters": stated}
@@ -78,7 +78,7 @@ def test_parameters_of_what_was_rightly_named_are_compared(told: Told) -> None:
     ]
     trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}}
     answer = {"verdict": "explained", "findings": findings, "seconds": 0.5}
-    score = scored("0001", told(LEVER), trial, answer, None)
+    score = scored("0001", declared(LEVER), trial, answer, None)
     assert [pair.inside for pair in score.parameters] == [True]
 
 
@@ -86,12 +86,12 @@ def test_misfits_count_in_units_of_the_white_noise_where_both_are_known(tmp_path
     case = Case(seed=1, rate_hz=50).model_dump(mode="json")
     sigma = [noise.white * 5.0 for noise in channel_noise(case["grade"])]
     truth = {channel: np.zeros(10) for channel in GYRO + ACCEL}
-    said = {}
+    response = {}
     for channel, one in zip(GYRO + ACCEL, sigma, strict=True):
-        said[f"{channel}_nominal"] = np.full(10, 2.0 * one)
-        said[f"{channel}_found"] = np.r_[np.nan, np.full(9, 0.5 * one)]
+        response[f"{channel}_nominal"] = np.full(10, 2.0 * one)
+        response[f"{channel}_found"] = np.r_[np.nan, np.full(9, 0.5 * one)]
     pq.write_table(pa.table(truth), tmp_path / "truth.parquet")
-    pq.write_table(pa.table(said), tmp_path / "prediction.parquet")
+    pq.write_table(pa.table(response), tmp_path / "prediction.parquet")
     first, left = misfits(tmp_path / "truth.parquet", tmp_path / "prediction.parquet", case)
     assert first == pytest.approx(6 * 9 * 4.0)
     assert left == pytest.approx(6 * 9 * 0.25)

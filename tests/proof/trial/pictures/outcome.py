@@ -21,7 +21,7 @@ def outcome(score: Score) -> tuple[str, str]:
         return WRONG, "a wrong name"
     if score.right:
         return RIGHT, "first name right"
-    if not score.has_a_name and (score.abstained or not score.can_be_told):
+    if not score.has_a_name and (score.abstained or not score.can_be_determined):
         return RIGHT, "rightly without a name"
     if score.right_or_twin:
         return TWIN, "a pair with the truth in it"

@@ -121,10 +121,10 @@ def families_svg(scores: Sequence[Score]) -> str:
 
 def effects_svg(scores: Sequence[Score]) -> str:
     """A small panel for each effect: the limit, its family's shares, and its own cases below."""
-    told_apart = [s for s in scores if s.kind in ("single", "faint") and s.can_be_told]
+    separated = [s for s in scores if s.kind in ("single", "faint") and s.can_be_determined]
     shown = [
         (name, alone(group), own)
-        for group in by_family(told_apart).values()
+        for group in by_family(separated).values()
         for name in CATALOGUE
         if (own := [score for score in group if score.effects[0] == name])
     ]

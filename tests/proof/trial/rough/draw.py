@@ -115,7 +115,7 @@ def rough_conditions(rng: np.random.Generator, ask: Ask) -> RoughCase:
         count = int(rng.integers(2, 4)) if kind == "outside" else int(rng.integers(1, 3))
         others = tuple(map(str, rng.choice(OUTSIDE_OF[run], count, replace=False)))
     rate = int(rng.choice([100, 200]))
-    told: dict[str, Any] = {
+    declared: dict[str, Any] = {
         "seed": int(rng.integers(1, 1_000_000)),
         "grade": str(rng.choice(["consumer", "industrial"])),
         "rate_hz": rate,
@@ -130,19 +130,25 @@ def rough_conditions(rng: np.random.Generator, ask: Ask) -> RoughCase:
     if run == "hand":
         seconds = float(rng.uniform(60.0, 110.0))
         return RoughCase(
-            case=Case(**told), run=run, duration_s=seconds, stamp_jitter=jitter,
+            case=Case(**declared), run=run, duration_s=seconds, stamp_jitter=jitter,
             top_rate=float(rng.uniform(3.0, 5.0)), tracking=_tracking(rng, seconds),
         )  # fmt: skip
     if run == "shaft":
         axes = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
         return RoughCase(
-            case=Case(**told), run=run, duration_s=float(rng.uniform(60.0, 150.0)),
+            case=Case(**declared), run=run, duration_s=float(rng.uniform(60.0, 150.0)),
             stamp_jitter=jitter, axis=axes[int(rng.integers(3))],
             top_rate=float(rng.uniform(1.5, 6.0)), encoder=_encoder(rng, False),
         )  # fmt: skip
     procedure = str(rng.choice(["three_axis", "six_orientations"]))
-    told |= {"procedure": procedure, "dwell_s": 5.0, "rates_deg_s": (float(rng.choice([60, 150])),)}
-    return RoughCase(case=Case(**told), run=run, stamp_jitter=jitter, encoder=_encoder(rng, True))
+    declared |= {
+        "procedure": procedure,
+        "dwell_s": 5.0,
+        "rates_deg_s": (float(rng.choice([60, 150])),),
+    }
+    return RoughCase(
+        case=Case(**declared), run=run, stamp_jitter=jitter, encoder=_encoder(rng, True)
+    )
 
 
 def _run_for(rng: np.random.Generator, listed: tuple[str, ...]) -> Run:

@@ -54,9 +54,9 @@ def _answered(recording: Path, folder: Path, engine: Path, end: float | None) ->
                 [engine, "explain", recording, "--json"],
                 env=surroundings, cwd=home, capture_output=True, text=True, timeout=LIMIT,
             )  # fmt: skip
-            said, trouble = done.stdout if done.returncode == 0 else "", done.stderr
+            response, trouble = done.stdout if done.returncode == 0 else "", done.stderr
         except subprocess.TimeoutExpired:
-            said, trouble = "", f"no answer within {LIMIT:.0f} s"
-    (folder / ANSWER).write_text(said, encoding="utf-8")
+            response, trouble = "", f"no answer within {LIMIT:.0f} s"
+    (folder / ANSWER).write_text(response, encoding="utf-8")
     (folder / TROUBLE).write_text(trouble, encoding="utf-8")
     (folder / COST).write_text(f"{time.perf_counter() - started:.1f}\n", encoding="utf-8")

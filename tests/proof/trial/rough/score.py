@@ -71,44 +71,44 @@ def score_rough(folder: Path, answers: Path) -> list[RoughScore]:
 
 
 def _score(sealed: Path, answers: Path) -> RoughScore:
-    told, trial = _json(sealed / "truth.json"), _json(sealed / "trial.json")
-    said = (answers / ANSWER).read_text(encoding="utf-8")
-    failed = None if said else (answers / TROUBLE).read_text(encoding="utf-8").strip()[-300:]
+    declared, trial = _json(sealed / "truth.json"), _json(sealed / "trial.json")
+    response = (answers / ANSWER).read_text(encoding="utf-8")
+    failed = None if response else (answers / TROUBLE).read_text(encoding="utf-8").strip()[-300:]
     seconds = float((answers / COST).read_text(encoding="utf-8"))
-    answer = json.loads(said) if said else {"findings": []}
-    return scored_rough(sealed.name, told, trial, answer, seconds, failed)
+    answer = json.loads(response) if response else {"findings": []}
+    return scored_rough(sealed.name, declared, trial, answer, seconds, failed)
 
 
 def scored_rough(
     number: str,
-    told: dict[str, Any],
+    declared: dict[str, Any],
     trial: dict[str, Any],
     answer: dict[str, Any],
     seconds: float,
     failed: str | None = None,
 ) -> RoughScore:
     """The score from what truth.json, trial.json and the engine's answer say."""
-    hidden = {each["called"]: each["name"] for each in told["effects"]}
-    true = {*hidden.values(), *told["nuisances"], *_also_true(told["effects"])}
+    hidden = {each["called"]: each["name"] for each in declared["effects"]}
+    true = {*hidden.values(), *declared["nuisances"], *_also_true(declared["effects"])}
     named = [one for one in answer["findings"] if one["effect"] != UNNAMED]
     false = [one for one in named if one["effect"] not in true]
-    told_of = {name for one in named for name in group_of(one)}
+    stated_of = {name for one in named for name in group_of(one)}
     names = {one["effect"] for one in named}
     return RoughScore(
         number=number,
         kind=trial["kind"],
-        run=told["case"]["run"],
+        run=declared["case"]["run"],
         truth=tuple(hidden),
-        nuisances=tuple(told["nuisances"]),
+        nuisances=tuple(declared["nuisances"]),
         names=tuple(one["effect"] for one in answer["findings"]),
         wrong=tuple(one["effect"] for one in false if not group_of(one) & true),
         in_group=tuple(one["effect"] for one in false if group_of(one) & true),
         listed=tuple(
-            Listed(called, name, trial["z"][called], name in names, name in told_of)
+            Listed(called, name, trial["z"][called], name in names, name in stated_of)
             for called, name in hidden.items()
             if not name.startswith("x_")
         ),
-        parameters=tuple(compared_rough(told, named)),
+        parameters=tuple(compared_rough(declared, named)),
         left_over=_left_over(answer),
         verdict=answer.get("verdict", "failed"),
         seconds=seconds,

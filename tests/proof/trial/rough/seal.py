@@ -26,7 +26,7 @@ def record_and_seal_rough(drawn: RoughDrawn, folder: Path) -> None:
         sized, _ = at_standing(others, called, wanted)
         rough = rough.with_strength(called, sized.case.effects[place].strength)
     played = play(rough)
-    told = {
+    declared = {
         "kind": drawn.kind,
         "asked_z": drawn.z,
         "z": {
@@ -37,4 +37,4 @@ def record_and_seal_rough(drawn: RoughDrawn, folder: Path) -> None:
     write(played.recording, folder / RECORDINGS / drawn.label)
     sealed = folder / SEALED / drawn.label
     seal(played.recording, played.sealed, played.truth, sealed)
-    (sealed / "trial.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    (sealed / "trial.json").write_text(json.dumps(declared, indent=1), encoding="utf-8")

@@ -136,8 +136,8 @@ def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displac
     recording, found = displaced
     weak = replace(found, delta_bic=-3.0)
     adopted = adopt(recording, [weak], calibrated, determined(recording))
-    (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_shown"]
-    assert "-3.0" in said.en
+    (statement,) = [remark for remark in adopted.remarks if remark.code == "term_not_shown"]
+    assert "-3.0" in statement.en
 
 
 def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
@@ -197,8 +197,8 @@ def test_what_is_held_at_nothing_is_taken_off_nothing_and_stays_in_u(run, clean)
     recording = corrected(run, (-loose.contribution,))
     adopted = adopt(recording, [loose], calibrated, arm)
     assert [p.name for p in adopted.terms[0].parameters] == ["r_y", "r_z"]
-    (said,) = [each for each in adopted.remarks if each.code == "parameters_not_taken_off"]
-    assert "r_x" in said.en
+    (statement,) = [each for each in adopted.remarks if each.code == "parameters_not_taken_off"]
+    assert "r_x" in statement.en
     before, after = (c.items["accel_rate_sensitivity"] for c in (clean, adopted))
     assert after.value["xy"] == pytest.approx(before.value["xy"], abs=1e-9)
     assert after.u["xy"] == pytest.approx(math.hypot(before.u["xy"], U_ARM[0]), rel=1e-3)
@@ -211,9 +211,9 @@ def test_physics_that_is_known_beforehand_has_no_spread(run) -> None:
     known = DeterminedModel(
         model, np.zeros(len(model.values), bool), np.zeros((0, 0)), whole_motion(run)
     )
-    seen = FoundParameter(name="vertical_rate", value=7.0, unit="deg/h", u=20.0)
+    observed = FoundParameter(name="vertical_rate", value=7.0, unit="deg/h", u=20.0)
     found = finding(
-        added_by(term, run, ()), "earth_rotation", parameters=(seen,), terms=(term.key,)
+        added_by(term, run, ()), "earth_rotation", parameters=(observed,), terms=(term.key,)
     )
     assert uncertain_inputs([found], known) == []
 
@@ -232,8 +232,8 @@ def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
     holed[recording.imu.rows(segment.t_start, segment.t_start + 1.0)] = np.nan
     partly = replace(found, contribution=holed)
     adopted = adopt(recording, [partly], calibrated, determined(recording))
-    (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_known"]
-    assert said.segments == (segment.name,)
+    (statement,) = [remark for remark in adopted.remarks if remark.code == "term_not_known"]
+    assert statement.segments == (segment.name,)
 
 
 def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run, clean) -> None:

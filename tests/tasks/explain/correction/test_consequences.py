@@ -51,7 +51,7 @@ def test_before_is_what_was_read_and_after_is_less_what_was_found(run: Recording
     spoilt = added_to(run, added)
     found = consequences(spoilt, explanation(spoilt, finding(added)))
     (moved,) = found.of_findings
-    by_name = {(seen.item, seen.element): seen for seen in moved}
+    by_name = {(observed.item, observed.element): observed for observed in moved}
     assert set(by_name) == {("gyro_bias", "x"), ("gyro_fit_offset", "x")}
     bias = by_name["gyro_bias", "x"]
     certified = calibrate(JJF2003, spoilt, run="", code_version="").items["gyro_bias"]
@@ -100,10 +100,10 @@ def test_findings_that_make_up_for_each_other_are_told_of_together(run: Recordin
             for arm in arms
         ]
         explained = replace(explanation(run, *found), determined=determined)
-        told = consequences(run, explained)
-        assert len(told.remarks) == others
-        assert (told.of_findings[0] == told.together) == bool(others)
-        assert (told.of_findings[0] == told.of_findings[1]) == bool(others)
+        declared = consequences(run, explained)
+        assert len(declared.remarks) == others
+        assert (declared.of_findings[0] == declared.together) == bool(others)
+        assert (declared.of_findings[0] == declared.of_findings[1]) == bool(others)
 
 
 def test_a_verdict_that_changes_is_told(run: Recording) -> None:

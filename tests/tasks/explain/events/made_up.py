@@ -14,8 +14,8 @@ def motion(minutes: float = 6.0, top: float = 5.0) -> Motion:
     t = np.arange(round(60 * minutes * RATE)) / RATE
     period = 20.0  # s: rest 6, ramp 2, turn 10, ramp 2
     phase, turn = t % period, (t // period).astype(int)
-    course = np.clip(np.minimum((phase - 6) / 2, (period - phase) / 2), 0, 1)
-    speed = top * (1 + turn % 3) / 3 * np.where(turn % 2, 1.0, -1.0) * course
+    series = np.clip(np.minimum((phase - 6) / 2, (period - phase) / 2), 0, 1)
+    speed = top * (1 + turn % 3) / 3 * np.where(turn % 2, 1.0, -1.0) * series
     rate = np.zeros((len(t), 3))
     rate[np.arange(len(t)), turn % 3] = speed
     tilt, azimuth = 0.9 * np.sin(0.013 * t), 0.5 * t / 60

@@ -139,3 +139,14 @@ def test_zeros_are_told_by_a_reference_that_errs_slowly() -> None:
     off = 0.008 * np.sin(2.0 * np.pi * 0.3 * MADE.t)[:, None] * np.ones(3)
     events = events_in_readings(MADE.t, readings, replace(MADE, rate=MADE.rate + off))
     assert "dead_zone" in [event.effect for event in events.events]
+
+
+def test_a_fixture_that_swings_as_each_rest_begins_is_no_bias_taken_off() -> None:
+    readings = noisy(mean_readings(MADE), 15)
+    readings[:, :3] -= 0.004  # a unit whose bias has been corrected
+    starts = np.flatnonzero(np.diff(REST.astype(int)) > 0) + 1
+    for start in starts:
+        since = MADE.t[start : start + 200] - MADE.t[start]
+        swing = 0.02 * np.exp(-since / 0.3) * np.cos(2.0 * np.pi * 1.6 * since)
+        readings[start : start + 200, :3] += swing[:, None]
+    assert "dead_zone" not in [event.effect for event in found(readings).events]

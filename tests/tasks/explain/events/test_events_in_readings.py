@@ -99,8 +99,8 @@ def test_lost_samples_are_counted_and_placed() -> None:
     gone = np.r_[12_710, 24_711, 24_712]  # one within a ramp, two within another
     arrived = np.delete(counted(noisy(mean, 7)), gone, axis=0)
     t = made.t[: len(arrived)]
-    seen = made.taken(np.arange(len(arrived)))
-    events = events_in_readings(t, arrived, seen)
+    observed = made.taken(np.arange(len(arrived)))
+    events = events_in_readings(t, arrived, observed)
     assert _effects(events) == ["dropped_samples"]
     assert [_found(events, name) for name in ("lost_1", "lost_2")] == [1, 2]
     assert _found(events, "time_1") == pytest.approx(127.1, abs=0.1)

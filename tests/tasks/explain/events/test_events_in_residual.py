@@ -11,6 +11,7 @@ from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
 from tasks.explain.events.ringing import Ringing
+from tasks.motion.pose import Tracking
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion
 from tasks.words import say, texts
@@ -68,6 +69,39 @@ def test_mains_and_its_alias_are_named_and_other_lines_are_not() -> None:
         assert np.corrcoef(added[:, 1], wave)[0, 1] > 0.95
 
 
+@pytest.mark.parametrize("waves", [1.2, 1.7, 3.4])  # of the beat with half the sample rate
+@pytest.mark.parametrize("phase", [0.0, 0.8, 1.6])
+def test_mains_at_nearly_half_the_sample_rate_have_their_amplitude(
+    waves: float, phase: float
+) -> None:
+    made = motion()
+    frequency = 0.5 * RATE - waves / made.t[-1]
+    left = _noise(made, 31)
+    left[:, 1] += 1e-4 * np.cos(2 * np.pi * frequency * made.t + phase)
+    (event,) = _detected(made, left).events
+    assert event.effect == "mains_pickup"
+    assert _value(event, "gyro_y") == pytest.approx(1e-4, rel=0.2)
+
+
+def test_of_a_body_with_tracked_poses_the_mains_alone_are_a_line() -> None:
+    tracked = replace(motion(), tracking=Tracking(8.0, 8.0, 0.01, 1e-8, 1e-8))
+    for frequency, effects in ((49.97, ["mains_pickup"]), (17.3, [])):
+        left = _noise(tracked, 10)
+        left[:, 4] += 1e-3 * np.cos(2 * np.pi * frequency * tracked.t)
+        assert [event.effect for event in _detected(tracked, left).events] == effects
+
+
+def test_a_channel_that_reads_one_value_throughout_is_not_used_and_it_is_said() -> None:
+    made = motion()
+    readings = noisy(np.hstack([made.rate, made.force]), 5)
+    readings[:, 1] = 0.0
+    events = events_in_readings(made.t, readings, made)
+    assert events.masked.all(axis=0).tolist() == [False, True, False, False, False, False]
+    (constant,) = [each for each in events.remarks if each.id == "events-constant"]
+    assert "gyro y read one value throughout" in say(constant, "en")
+    assert "陀螺 y" in say(constant, "zh").replace("陀螺y", "陀螺 y")
+
+
 def test_weak_mains_are_detected_where_a_line_elsewhere_would_not_be() -> None:
     made = motion()
     gain = 90.0  # chi-squared of the whole line
@@ -119,10 +153,10 @@ def test_line_before_lost_samples_goes_on_after_them() -> None:
     readings = noisy(mean, 23)
     readings[:, 4] += wave
     t = made.t[: len(taken)]
-    seen = made.taken(np.arange(len(taken)))
-    events = events_in_readings(t, readings[taken], seen)
+    observed = made.taken(np.arange(len(taken)))
+    events = events_in_readings(t, readings[taken], observed)
     left = readings[taken] - events.applied(t, mean[: len(t)])
-    found = events_in_residual(events, t, left, SIGMA, seen)
+    found = events_in_residual(events, t, left, SIGMA, observed)
     assert [event.effect for event in found.events] == ["unnamed", "dropped_samples"]
     added = found.applied(t, mean[: len(t)]) - mean[taken]
     assert added[:-1, 4] == pytest.approx(wave[taken][:-1], abs=2e-4)

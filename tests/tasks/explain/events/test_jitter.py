@@ -88,7 +88,7 @@ def test_stamps_that_close_up_to_a_batch_s_arrival_are_told() -> None:
 def test_a_noisy_reference_does_not_hide_stamps_that_scatter() -> None:
     t = MADE.t + jitter(1e-3, 6)
     readings = counted(noisy(mean_readings(MADE), 7))
-    seen = replace(moved(t), t=t)
-    rough = seen.rate + 0.03 * np.random.default_rng(8).standard_normal(seen.rate.shape)
-    events = events_in_readings(t, readings, replace(seen, rate=rough))
+    observed = replace(moved(t), t=t)
+    rough = observed.rate + 0.03 * np.random.default_rng(8).standard_normal(observed.rate.shape)
+    events = events_in_readings(t, readings, replace(observed, rate=rough))
     assert "timestamp_jitter" in [event.effect for event in events.events]

@@ -53,8 +53,8 @@ def test_lost_samples_are_counted_across_periods_of_a_resonance(lost: int) -> No
 def test_times_are_told_on_the_clock_of_the_recording() -> None:
     found = losses(read(9, 31.0), start=5000.0)
     assert found is not None
-    told = {each.name: each.value for each in found.parameters}
-    assert told["time_1"] == pytest.approx(5031.0, abs=0.05)
+    values = {each.name: each.value for each in found.parameters}
+    assert values["time_1"] == pytest.approx(5031.0, abs=0.05)
     assert "at 5031 s" in say(found.description, "en")
 
 

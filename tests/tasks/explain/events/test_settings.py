@@ -34,8 +34,8 @@ def test_a_poor_unit_ten_percent_off_on_every_axis_has_no_wrong_setting() -> Non
 
 @pytest.mark.parametrize(
     ("triad", "factor"),
-    [(0, 2.0), (0, 0.25), (0, 180.0 / np.pi), (0, np.pi / 180.0), (0, 1.43), (1, 1.0 / 9.80665),
-     (1, 9.80665), (1, 0.5), (1, 1000.0)],
+    [(0, 2.0), (0, 0.25), (0, 180.0 / np.pi), (0, np.pi / 180.0), (0, 1.43), (1, 1.16),
+     (1, 1.0 / 9.80665), (1, 9.80665), (1, 0.5), (1, 1000.0)],
 )  # fmt: skip
 def test_a_factor_common_to_a_triad_is_a_setting(triad: int, factor: float) -> None:
     readings = noisy(mean_readings(motion()), 2)

@@ -100,11 +100,11 @@ def test_a_contribution_is_what_the_finding_adds_to_the_readings(
 ) -> None:
     answer = arm_and_earth[1]
     by_arm = read(RUN, (LEVER_ARM, ARM)) - read(RUN)
-    said = named(answer, "lever_arm").contribution
-    np.testing.assert_allclose(said, by_arm, atol=0.02 * np.abs(by_arm).max())
+    text = named(answer, "lever_arm").contribution
+    np.testing.assert_allclose(text, by_arm, atol=0.02 * np.abs(by_arm).max())
     by_earth = read(RUN, (EARTH, ())) - read(RUN)
-    said = named(answer, "earth_rotation").contribution
-    np.testing.assert_allclose(said, by_earth, atol=0.02 * EARTH_RATE)
+    text = named(answer, "earth_rotation").contribution
+    np.testing.assert_allclose(text, by_earth, atol=0.02 * EARTH_RATE)
 
 
 def test_what_was_found_leaves_noise_and_the_nominal_model_more(
@@ -162,7 +162,7 @@ def test_two_steps_are_unnamed_jumps() -> None:
 def test_a_name_beside_what_has_none_explains_in_part() -> None:
     swing = sinusoid(ACCELS).shaped((40.0,))
     sizes = 3.0 * np.repeat(WHITE[3:], 2)
-    warming = (5e-6, 0.0, -5e-6, 0.0, 2e-4, 0.0)
+    warming = (2e-5, 0.0, -2e-5, 0.0, 8e-4, 0.0)
     made = read(RUN, (swing, sizes), (TEMPERATURE_BIAS, warming)) + noise(len(RUN.t), 53, NOISY)
     answer = explained(made, picked(swing.shaped((40.3,))), picked(TEMPERATURE_BIAS))
     assert answer.verdict == "partly_explained"

@@ -27,7 +27,7 @@ def columns(run: Motion = RUN) -> list[Column]:
     return list(linearise(terms, run, nominal_values(terms)).columns)
 
 
-def seen(made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]) -> CrossValidation:
+def found(made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]) -> CrossValidation:
     blocks, misfit = observed(made, RUN), made - read(RUN)
     return cross_validation(cell_equations(every, misfit, blocks, noises, fold_cells(blocks)))
 
@@ -36,7 +36,7 @@ def predicted(made: np.ndarray, more: Sequence[Column], kept: list[int]) -> floa
     """Twice the nats that every fold costs, as a fit of some columns to the others tells it."""
     every = [*columns()[:-3], *more]
     zero = np.zeros(len(every))
-    return seen(made, every, NOISY).joint_deviance(kept, zero, zero)[0]
+    return found(made, every, NOISY).joint_deviance(kept, zero, zero)[0]
 
 
 def gained(made: np.ndarray, more: Sequence[Column]) -> float:
@@ -75,8 +75,8 @@ def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
     sigma = np.sqrt([one.white for one in QUIET])
     design = np.zeros((6, len(run.t), len(every)))
     for q, column in enumerate(every):
-        for channel, course in column.items():
-            design[channel, :, q] = course / sigma[channel]
+        for channel, series in column.items():
+            design[channel, :, q] = series / sigma[channel]
     fold, total, joint = fold_cells(blocks) % FOLDS, np.zeros(6), np.zeros(7)
     for k in range(FOLDS):
         rows = design[:, fold != k].reshape(-1, len(every))
@@ -128,8 +128,8 @@ def test_the_part_that_is_not_fitted_is_put_back() -> None:
     zero, added = np.zeros(count), np.zeros(count)
     added[-3:] = ARM
     kept = list(range(count - 3))
-    without = seen(made, every, NOISY)
-    known = seen(made - read(RUN, (LEVER_ARM, ARM)) + read(RUN), every, NOISY)
+    without = found(made, every, NOISY)
+    known = found(made - read(RUN, (LEVER_ARM, ARM)) + read(RUN), every, NOISY)
     np.testing.assert_allclose(
         known.deviance(kept, added, zero), without.deviance(kept, zero, zero), rtol=1e-6
     )
@@ -138,7 +138,7 @@ def test_the_part_that_is_not_fitted_is_put_back() -> None:
 def test_what_is_known_beforehand_is_not_learnt_anew() -> None:
     made = read(RUN, (TEMPERATURE_BIAS, np.full(6, 1e-4))) + noise(len(RUN.t), 24, QUIET)
     every: list[Column] = [*columns(), {0: RUN.recorded["temperature"] - 25.0}]
-    parts = seen(made, every, QUIET)
+    parts = found(made, every, QUIET)
     zero, held = np.zeros(len(every)), np.zeros(len(every))
     held[-1] = 1e30
     kept = list(range(len(every)))
@@ -153,6 +153,6 @@ def test_a_parameter_held_at_nothing_beforehand_changes_no_prediction() -> None:
     nothing: Column = {0: np.zeros(len(RUN.t))}
     every = [*columns(), nothing]
     zero, prior = np.zeros(len(every)), np.r_[np.zeros(len(every) - 1), 1e30]
-    parts, kept = seen(made, every, QUIET), list(range(len(every)))
+    parts, kept = found(made, every, QUIET), list(range(len(every)))
     expected = parts.deviance(kept[:-1], zero, np.zeros(len(every)))
     np.testing.assert_allclose(parts.deviance(kept, zero, prior), expected, rtol=1e-9)

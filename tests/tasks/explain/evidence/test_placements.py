@@ -19,8 +19,8 @@ def evidence_of(rests: int, term: Term, parameters: int = 6, **motion: Any) -> E
     segment = np.tile(np.repeat([0, -1], ROWS), rests)
     segment[segment == 0] = np.repeat(np.arange(rests), ROWS)
     rate = np.where(segment[:, None] >= 0, 0.0, 0.3) * np.ones(3)
-    told = {"axes": None, "tracking": None, "rate": rate} | motion
-    blocks = SimpleNamespace(motion=SimpleNamespace(**told), segment=segment)
+    fields = {"axes": None, "tracking": None, "rate": rate} | motion
+    blocks = SimpleNamespace(motion=SimpleNamespace(**fields), segment=segment)
     return cast(Evidence, SimpleNamespace(
         fit=SimpleNamespace(blocks=blocks), own=[(list(range(parameters)), None)],
         groups=[SimpleNamespace(terms=(term,), name=term.name)],

@@ -43,10 +43,10 @@ def test_noise_alone_is_not_told_of() -> None:
 
 def test_what_is_left_is_told_of_without_a_name_in_its_channel_and_adds_nothing() -> None:
     full, found = run(), predicted(wave=3.0)
-    told = remainder(full, found, left_of(full, found))
-    assert told is not None
-    assert (told.effect, told.channels, told.share) == ("unnamed", (4,), 0.0)
-    assert not told.contribution.any()
+    rest = remainder(full, found, left_of(full, found))
+    assert rest is not None
+    assert (rest.effect, rest.channels, rest.share) == ("unnamed", (4,), 0.0)
+    assert not rest.contribution.any()
 
 
 def test_its_band_holds_the_frequency_of_the_wave() -> None:

@@ -10,7 +10,7 @@ from engine_run import MOVE, NOISY, RATE, REST, motion, noise, observed, read
 
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.pruning import pruned
-from tasks.explain.evidence.scrutiny import Scrutiny, _undetermined
+from tasks.explain.evidence.scrutiny import Scrutiny, _scattered, _undetermined
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import NormalEquations
 from tasks.explain.search.fitted import FittedSelection
@@ -138,6 +138,22 @@ def test_what_only_all_parameters_together_determine_has_a_name_unless_it_is_wea
     )
     refusal = _undetermined(cast(Evidence, evidence), 0, values, u)
     assert (refusal is not None and refusal.kind == "undetermined") == refused
+
+
+@pytest.mark.parametrize(
+    ("dispersion", "delta_bic", "refused"),
+    [(13.7, 41.0, True), (13.7, 400.0, False), (1.2, 41.0, False)],
+)
+def test_what_is_weak_beside_stretches_that_scatter_has_no_name(
+    dispersion: float, delta_bic: float, refused: bool
+) -> None:
+    evidence: Any = SimpleNamespace(
+        groups=[SimpleNamespace(name="hysteresis")],
+        scatter=SimpleNamespace(dispersion=lambda _: dispersion),
+        delta_bic=lambda _: delta_bic,
+    )
+    refusal = _scattered(cast(Evidence, evidence), 0)
+    assert (refusal is not None and refusal.kind == "scatter") == refused
 
 
 def rough(seed: int) -> np.ndarray:

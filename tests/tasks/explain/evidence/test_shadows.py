@@ -7,7 +7,11 @@ import pytest
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.shares import without_form_errors, without_shadows
+from tasks.explain.evidence.shares import (
+    without_form_errors,
+    without_shadows,
+    without_slivers,
+)
 from tasks.explain.explanation import UNNAMED, Finding
 
 ROWS = 1000
@@ -84,6 +88,39 @@ def test_a_weak_name_beside_something_far_stronger_is_its_form_error() -> None:
 def test_a_weak_name_alone_or_beside_its_like_stands() -> None:
     weak = replace(NAMED, gain=60.0, delta_bic=50.0)
     assert without_form_errors([weak, NAMED]) == [weak, NAMED]
+
+
+def test_what_removes_less_than_a_form_may_leave_has_no_name_whatever_its_evidence() -> None:
+    arm = replace(NAMED, share=0.94, terms=(("lever_arm", ()),))
+    ripple = replace(arm, effect="rate_ripple", share=0.009, delta_bic=1e4)
+    kept, sliver = without_slivers([arm, ripple], ())
+    assert kept == arm
+    assert sliver.effect == UNNAMED
+    assert sliver.refusal is not None
+    assert sliver.refusal.value == pytest.approx(1.0 / 0.009)
+    for one in (replace(ripple, share=0.011), replace(ripple, terms=())):
+        assert without_slivers([arm, one], ()) == [arm, one]
+
+
+def test_what_every_model_contains_hides_no_other_effect() -> None:
+    frame = replace(NAMED, effect="reference_frame", share=0.98, terms=(("reference_frame", ()),))
+    weak = replace(frame, effect="temperature_bias", share=0.009)
+    assert without_slivers([frame, weak], ("reference_frame",)) == [frame, weak]
+    assert without_slivers([replace(frame, share=0.001)], ("reference_frame",))[0].effect != UNNAMED
+
+
+def test_a_drift_is_the_form_error_of_a_stronger_memory_in_its_channels_only() -> None:
+    memory = replace(NAMED, effect="hysteresis", channels=(0, 2), gain=640.0)
+    drift = replace(NAMED, effect="bias_random_walk", channels=(0,), gain=430.0, parameters=())
+    form_error, kept = without_form_errors([drift, memory])
+    assert kept == memory
+    assert form_error.refusal is not None
+    assert form_error.refusal.kind == "form_error"
+    assert form_error.refusal.value == pytest.approx(640.0 / 430.0)
+    for other in (replace(drift, channels=(1,)), replace(drift, gain=700.0)):
+        assert without_form_errors([other, memory]) == [other, memory]
+    step = replace(memory, effect="bias_step")
+    assert without_form_errors([drift, step]) == [drift, step]
 
 
 def test_what_was_put_right_first_leaves_form_errors_too() -> None:

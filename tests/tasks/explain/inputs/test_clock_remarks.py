@@ -28,18 +28,18 @@ def recording(**extra: Any) -> Recording:
     return Recording(manifest, Stream(np.arange(3.0), {}))
 
 
-def said(**extra: Any) -> list[str]:
+def statement(**extra: Any) -> list[str]:
     return [say(remark, "en") for remark in clock_remarks(recording(**extra))]
 
 
 def test_the_clocks_part_of_a_delay_is_told_with_its_uncertainty() -> None:
-    (told,) = said(unit_clock=CLOCK)
-    assert "4.0 ms ± 12.0 ms" in told
+    (document,) = statement(unit_clock=CLOCK)
+    assert "4.0 ms ± 12.0 ms" in document
 
 
 def test_stamps_that_were_moved_to_the_tables_clock_leave_the_rest() -> None:
-    (told,) = said(unit_clock=CLOCK | {"offset_s": 7.001}, unit_clock_shift_s=7.0)
-    assert "-1.0 ms ± 12.0 ms" in told
+    (document,) = statement(unit_clock=CLOCK | {"offset_s": 7.001}, unit_clock_shift_s=7.0)
+    assert "-1.0 ms ± 12.0 ms" in document
 
 
 @pytest.mark.parametrize(
@@ -56,4 +56,4 @@ def test_stamps_that_were_moved_to_the_tables_clock_leave_the_rest() -> None:
          "no number"],
 )  # fmt: skip
 def test_what_is_not_known_well_enough_is_not_told(extra: dict[str, Any]) -> None:
-    assert said(**extra) == []
+    assert statement(**extra) == []

@@ -15,37 +15,37 @@ TAU = 300.0  # s
 NOISE = 0.03  # K
 
 
-def read(course: np.ndarray) -> np.ndarray:
-    return course + NOISE * np.random.default_rng(4).standard_normal(len(course))
+def read(series: np.ndarray) -> np.ndarray:
+    return series + NOISE * np.random.default_rng(4).standard_normal(len(series))
 
 
 def test_a_warm_up_and_its_rate_are_told_far_better_than_the_thermometer_reads() -> None:
     true = 30.0 - 8.0 * np.exp(-T / TAU)
-    course, rate = _smoothed(T, read(true))
-    assert np.std(course - true) < 0.05 * NOISE
+    series, rate = _smoothed(T, read(true))
+    assert np.std(series - true) < 0.05 * NOISE
     slope = 8.0 / TAU * np.exp(-T / TAU)
     assert np.abs(rate - slope).max() < 0.02 * slope.max()
 
 
 def test_a_chamber_that_cycles_is_followed() -> None:
     true = 25.0 + 2.0 * np.sin(2.0 * np.pi * T / 200.0)
-    course, rate = _smoothed(T, read(true))
-    assert np.std(course - true) < 0.1 * NOISE
+    series, rate = _smoothed(T, read(true))
+    assert np.std(series - true) < 0.1 * NOISE
     slope = 2.0 * np.pi / 100.0 * np.cos(2.0 * np.pi * T / 200.0)
     assert np.std(rate - slope) < 0.01 * np.std(slope)
 
 
 def test_what_no_polynomial_follows_stays_as_it_was_read() -> None:
     jumping = read(25.0 + np.where((T // 37.0) % 2 == 0, 0.0, 3.0))
-    course, _ = _smoothed(T, jumping)
-    assert course is jumping
+    series, _ = _smoothed(T, jumping)
+    assert series is jumping
 
 
 @pytest.mark.parametrize("rows", [10, len(T)])
 def test_a_constant_temperature_has_no_rate(rows: int) -> None:
-    course, rate = _smoothed(T[:rows], np.full(rows, 22.5))
+    series, rate = _smoothed(T[:rows], np.full(rows, 22.5))
     assert not rate.any()
-    assert (course == 22.5).all()
+    assert (series == 22.5).all()
 
 
 def of_room(voltage: np.ndarray) -> Recording:
@@ -60,6 +60,6 @@ def test_when_a_supply_jumps_between_two_samples_is_not_known() -> None:
     assert unknown.sum() == pytest.approx(50, abs=1)
 
 
-@pytest.mark.parametrize("course", [np.sin(SECONDS / 20.0), np.floor(SECONDS / 5.0)])
-def test_what_goes_its_way_without_a_jump_is_known_everywhere(course: np.ndarray) -> None:
-    assert not within_jumps(of_room(course), T).any()
+@pytest.mark.parametrize("series", [np.sin(SECONDS / 20.0), np.floor(SECONDS / 5.0)])
+def test_what_goes_its_way_without_a_jump_is_known_everywhere(series: np.ndarray) -> None:
+    assert not within_jumps(of_room(series), T).any()

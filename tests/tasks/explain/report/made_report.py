@@ -39,20 +39,20 @@ def recording(noise: float = 1.0, labelled: bool = True, digest: str = "ab12") -
         segments.append({**label, "t_start": t + PAUSE, "t_end": t + PAUSE + DWELL})
         t += PAUSE + DWELL
     times = np.arange(round(t * RATE_HZ)) / RATE_HZ
-    values = np.random.default_rng(7).normal(size=(len(times), 6)) * SIGMA * noise
+    written = np.random.default_rng(7).normal(size=(len(times), 6)) * SIGMA * noise
     manifest = Manifest.model_validate({
         "format": "mimu-recording/1", "recording_id": "run <7> & more",
         "unit": {"manufacturer": "M", "model": "U", "serial": "1"}, "station": {"id": "bench"},
         "segments": segments if labelled else None,
     })  # fmt: skip
-    return Recording(manifest, Stream(times, dict(zip(CHANNELS, values.T, strict=True))),
+    return Recording(manifest, Stream(times, dict(zip(CHANNELS, written.T, strict=True))),
                      digest=digest)  # fmt: skip
 
 
 def added_to(run: Recording, contribution: np.ndarray) -> Recording:
     """The recording with something added to its readings."""
-    values = run.imu.stack(CHANNELS) + contribution
-    return replace(run, imu=Stream(run.imu.t, dict(zip(CHANNELS, values.T, strict=True))))
+    written = run.imu.stack(CHANNELS) + contribution
+    return replace(run, imu=Stream(run.imu.t, dict(zip(CHANNELS, written.T, strict=True))))
 
 
 def tilt(size: float = 0.05) -> np.ndarray:
@@ -65,29 +65,29 @@ def tilt(size: float = 0.05) -> np.ndarray:
 
 
 def finding(contribution: np.ndarray | None = None, **more: Any) -> Finding:
-    told: dict[str, Any] = {
+    written: dict[str, Any] = {
         "effect": "axis_tilt", "family": "geometry",
         "title": Statement(en="Table not level", zh="转台不水平"),
         "equation": "u = R(φ)·up, a < b", "source": "rigid-body kinematics", "channels": (3, 4),
         "parameters": (TILT,), "contribution": tilt() if contribution is None else contribution,
         "gain": 900.0, "delta_bic": 512.3, "held_out_gain": 240.1, "share": 0.62,
     }  # fmt: skip
-    return Finding(**(told | more))
+    return Finding(**(written | more))
 
 
 def unnamed(**more: Any) -> Finding:
-    told = {
+    written = {
         "effect": "unnamed", "family": "unnamed",
         "title": Statement(en="a relaxation of 12 s after each move", zh="每次运动后 12 s 的松弛"),
         "parameters": (), "equation": "", "source": "",
     }  # fmt: skip
-    return finding(**(told | more))
+    return finding(**(written | more))
 
 
 def explanation(*findings: Finding, verdict: str = "", **more: Any) -> Explanation:
     total = sum((each.contribution for each in findings), np.zeros_like(tilt()))
     run = added_to(recording(), total)
-    told: dict[str, Any] = {
+    written: dict[str, Any] = {
         "recording": run, "nominal": np.zeros_like(total), "found": total, "noise": SIGMA,
         "p_value": 1e-30 if findings else 0.41, "findings": findings,
         "verdict": verdict or ("explained" if findings else "no_mismatch"),
@@ -97,16 +97,16 @@ def explanation(*findings: Finding, verdict: str = "", **more: Any) -> Explanati
         "explained_share": sum(each.share for each in findings),
         "left_over": np.array([1.02, 1.0, 1.0, 1.31, 1.0, 1.0]),
     }  # fmt: skip
-    return Explanation(**(told | more))
+    return Explanation(**(written | more))
 
 
 def where(channel: str = "accel_x", share: float = 1.0, **more: Any) -> Where:
-    told: dict[str, Any] = {
+    written: dict[str, Any] = {
         "channel": channel, "dimension": "attitude", "share": share,
         "description": Statement(en="while +x is up", zh="+x 朝上时"),
         "segments": ("position_+x_000",),
     }  # fmt: skip
-    return Where(**(told | more))
+    return Where(**(written | more))
 
 
 BIAS = Consequence(

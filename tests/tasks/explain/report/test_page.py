@@ -71,8 +71,8 @@ def test_every_verdict_has_a_page_pictures_and_data(verdict, report, page_of) ->
     for name in PICTURES:
         root = ElementTree.fromstring((folder / name).read_bytes())
         assert root.tag.endswith("svg")
-    told = Discrepancy.model_validate_json((folder / "report.json").read_bytes())
-    assert told.verdict == verdict
+    document = Discrepancy.model_validate_json((folder / "report.json").read_bytes())
+    assert document.verdict == verdict
 
 
 @pytest.mark.parametrize("verdict", CASES)

@@ -15,8 +15,8 @@ from tasks.words import texts as in_languages
 
 
 def texts(discrepancy: Discrepancy) -> tuple[str, str]:
-    told = discrepancy.findings[0].statement
-    return told.en, told.zh
+    written = discrepancy.findings[0].statement
+    return written.en, written.zh
 
 
 def test_a_finding_says_value_expanded_uncertainty_and_unit_in_both_languages() -> None:
@@ -101,33 +101,33 @@ def test_the_verdict_on_the_whole_certificate_is_not_counted_as_an_item() -> Non
 
 
 def test_no_mismatch_says_what_was_tested_and_how_often_that_is_wrong() -> None:
-    told = answer(explanation()).statement
-    assert "6 channels were tested over 2.75 min at 20 Hz" in told.en
-    assert "2 rests, 2 constant rates, 1 turn by a known angle" in told.en
-    assert "p = 0.41" in told.en
-    assert "one clean recording in" in told.en
-    assert "χ² per degree of freedom is 1.00" in told.en
-    assert "6 个通道" in told.zh
-    assert "误报" in told.zh
+    written = answer(explanation()).statement
+    assert "6 channels were tested over 2.75 min at 20 Hz" in written.en
+    assert "2 rests, 2 constant rates, 1 turn by a known angle" in written.en
+    assert "p = 0.41" in written.en
+    assert "one clean recording in" in written.en
+    assert "χ² per degree of freedom is 1.00" in written.en
+    assert "6 个通道" in written.zh
+    assert "误报" in written.zh
 
 
 def test_an_explained_recording_says_what_was_left_out_and_the_gain() -> None:
-    told = answer(explanation(finding()), (BIAS,), (CHANGE,)).statement
+    written = answer(explanation(finding()), (BIAS,), (CHANGE,)).statement
     assert (
         "Missing from the standard's model: Table not level (east = (1.234 ± 0.022) mrad)"
-        in told.en
+        in written.en
     )
-    assert "from 2.91 to 1.02" in told.en
-    assert "accelerometer x falls to 31 %" in told.en
-    assert "1 value on the certificate" in told.en
-    assert "转台不水平" in told.zh
+    assert "from 2.91 to 1.02" in written.en
+    assert "accelerometer x falls to 31 %" in written.en
+    assert "1 value on the certificate" in written.en
+    assert "转台不水平" in written.zh
 
 
 def test_a_partly_explained_recording_says_both_parts() -> None:
-    told = answer(explanation(finding(), unnamed(), verdict="partly_explained")).statement
-    assert "Table not level" in told.en
-    assert ". Part of the mismatch" in told.en
-    assert "其余部分" in told.zh
+    written = answer(explanation(finding(), unnamed(), verdict="partly_explained")).statement
+    assert "Table not level" in written.en
+    assert ". Part of the mismatch" in written.en
+    assert "其余部分" in written.zh
 
 
 def test_the_answer_is_the_contracts_json() -> None:

@@ -23,6 +23,8 @@ REFUSALS: dict[str, Refusal] = {
         "inhomogeneous", "time_offset", "delay", "s", smallest=0.008, largest=0.0094, parts="rate"
     ),
     "reference_noise": Refusal("reference_noise", "bandwidth"),
+    "leakage": Refusal("leakage", "encoder_eccentricity", value=34.0),
+    "scatter": Refusal("scatter", "hysteresis", value=13.7),
     "form_error": Refusal("form_error", "gyro_scale_asymmetry", value=360.0),
     "incomplete": Refusal("incomplete", "bias_random_walk", value=7.2),
     "channel_worse": Refusal("channel_worse", "axis_wobble", channel=4, value=-30.0),
@@ -55,38 +57,38 @@ def test_a_refused_name_stands_in_the_statement_with_its_reason_and_never_in_the
 
 
 def test_an_implausible_size_is_given_as_a_multiple_with_what_it_usually_means() -> None:
-    said = refused("implausible").statement.en
-    assert "its c_3 would be −0.97, 36 times larger than in any working unit" in said
-    assert "a wrong range or unit setting (deg for rad, g for m/s²" in said
-    assert "Next step: check for a wrong range or unit setting" in said
+    answer = refused("implausible").statement.en
+    assert "its c_3 would be −0.97, 36 times larger than in any working unit" in answer
+    assert "a wrong range or unit setting (deg for rad, g for m/s²" in answer
+    assert "Next step: check for a wrong range or unit setting" in answer
 
 
 def test_a_size_just_beyond_the_limit_is_no_multiple() -> None:
     near = Refusal("implausible", "gravity_value", "g", "m/s2", value=9.95, limit=9.9)
     found = unnamed(title=BEHAVIOUR, refusal=near)
-    told = located(explanation(found, verdict="unexplained"), (where(),)).findings[0]
-    assert "9.95 m/s², beyond 9.9 m/s²" in told.statement.en
-    assert "another cause with the same time history" in told.statement.en
-    assert "times larger" not in told.statement.en
-    assert "range or unit" not in told.next.en
+    written = located(explanation(found, verdict="unexplained"), (where(),)).findings[0]
+    assert "9.95 m/s², beyond 9.9 m/s²" in written.statement.en
+    assert "another cause with the same time history" in written.statement.en
+    assert "times larger" not in written.statement.en
+    assert "range or unit" not in written.next.en
 
 
 def test_no_setting_is_suspected_where_much_is_left_all_the_same() -> None:
     found = unnamed(title=BEHAVIOUR, refusal=REFUSALS["implausible"], channels=(0, 1, 2))
     left = np.array([728.0, 1.0, 1.0, 1.0, 1.0, 1.0])
     explained = explanation(found, verdict="unexplained", left_over=left)
-    told = located(explained, (where("gyro_x", 1.0),)).findings[0]
-    assert "36 times larger" in told.statement.en
-    assert "another cause with the same time history" in told.statement.en
-    assert "range or unit" not in told.statement.en
-    assert "rigidly connected" in told.next.en
+    written = located(explained, (where("gyro_x", 1.0),)).findings[0]
+    assert "36 times larger" in written.statement.en
+    assert "another cause with the same time history" in written.statement.en
+    assert "range or unit" not in written.statement.en
+    assert "rigidly connected" in written.next.en
 
 
 def test_a_name_that_was_ordered_stands_and_is_not_refused() -> None:
     ordered = finding(refusal=REFUSALS["undetermined"])
-    told = located(explanation(ordered), (where(),)).findings[0]
-    assert told.effect == "axis_tilt"
-    assert told.refused is None
+    written = located(explanation(ordered), (where(),)).findings[0]
+    assert written.effect == "axis_tilt"
+    assert written.refused is None
 
 
 def test_what_changes_from_part_to_part_is_told_with_its_sizes() -> None:
@@ -157,8 +159,8 @@ def test_of_what_nothing_explains_is_said_how_much_stays_and_what_to_do() -> Non
                     remainder=True)  # fmt: skip
     left = np.array([14.0, 1.0, 1.0, 1.0, 1.0, 1.0])
     explained = explanation(found, verdict="unexplained", left_over=left)
-    (told,) = located(explained, (where("gyro_x", 1.0),)).findings
-    assert told.title.en == "unnamed: a remainder"
-    assert "(noise of unit and reference = 1): gyro x 14.00" in told.statement.en
-    assert "ΔBIC" not in told.statement.en
-    assert told.statement.en.endswith(f"Next step: {told.next.en}.")
+    (written,) = located(explained, (where("gyro_x", 1.0),)).findings
+    assert written.title.en == "unnamed: a remainder"
+    assert "(noise of unit and reference = 1): gyro x 14.00" in written.statement.en
+    assert "ΔBIC" not in written.statement.en
+    assert written.statement.en.endswith(f"Next step: {written.next.en}.")

@@ -16,8 +16,8 @@ def first_sentence(discrepancy: Discrepancy) -> str:
 
 
 def test_the_largest_finding_is_what_to_look_at_first() -> None:
-    said = first_sentence(answer(explanation(finding())))
-    assert said == (
+    text = first_sentence(answer(explanation(finding())))
+    assert text == (
         "62 % of the mismatch above noise is explained, 38 % is not; look first at: Table not level"
     )
     assert "首先应检查：转台不水平" in answer(explanation(finding())).statement.zh
@@ -25,28 +25,28 @@ def test_the_largest_finding_is_what_to_look_at_first() -> None:
 
 def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_first() -> None:
     left = np.array([1.0, 31.4, 2.0, 1.0, 1.0, 1.0])
-    said = answer(explanation(finding(share=0.2), left_over=left)).statement.en
-    assert "look first at: the residual of the gyro y (χ² = 31.40 per degree of freedom)" in said
-    assert "χ² per degree of freedom: gyro y 31.40, gyro z 2.00." in said
+    text = answer(explanation(finding(share=0.2), left_over=left)).statement.en
+    assert "look first at: the residual of the gyro y (χ² = 31.40 per degree of freedom)" in text
+    assert "χ² per degree of freedom: gyro y 31.40, gyro z 2.00." in text
 
 
 def test_what_is_described_without_a_name_is_told_apart_from_what_is_explained() -> None:
     both = explanation(finding(), unnamed(share=0.3), verdict="partly_explained")
-    said = first_sentence(answer(both))
-    assert "92 % of the mismatch above noise is accounted for (62 % by named effects, " in said
-    assert "30 % by unnamed patterns), 8 % is not" in said
+    text = first_sentence(answer(both))
+    assert "92 % of the mismatch above noise is accounted for (62 % by named effects, " in text
+    assert "30 % by unnamed patterns), 8 % is not" in text
 
 
 def test_where_nothing_has_a_name_the_first_sentence_says_so() -> None:
-    said = first_sentence(answer(explanation(unnamed(share=0.7), verdict="unexplained")))
-    assert said.startswith("No part of the mismatch above noise could be named: 70 % of it follows")
-    assert said.endswith("30 % follows none; look first at: a relaxation of 12 s after each move")
+    text = first_sentence(answer(explanation(unnamed(share=0.7), verdict="unexplained")))
+    assert text.startswith("No part of the mismatch above noise could be named: 70 % of it follows")
+    assert text.endswith("30 % follows none; look first at: a relaxation of 12 s after each move")
 
 
 def test_a_recording_whose_names_were_all_refused_says_what_is_left() -> None:
     nothing = replace(explanation(), verdict="unexplained", left_over=np.full(6, 9.0))
-    said = answer(nothing).statement.en
-    assert said.startswith("0 % of the mismatch above noise is explained, 100 % is not; look first")
+    text = answer(nothing).statement.en
+    assert text.startswith("0 % of the mismatch above noise is explained, 100 % is not; look first")
 
 
 def test_small_remainders_are_one_line() -> None:
@@ -69,30 +69,30 @@ def test_a_channel_that_was_not_recorded_has_nothing_left_over() -> None:
 
 def test_a_finding_that_leaves_its_channels_high_says_so_and_what_counts() -> None:
     left = np.array([50.0, 1.0, 1.0, 30.0, 1.0, 1.0])  # the finding touches no gyro
-    said = answer(explanation(finding(), left_over=left)).findings[0].statement
-    assert "of the accelerometer x remains at 30.00 (noise of unit and reference = 1)" in said.en
-    assert "相对于剩余残差" in said.zh
+    text = answer(explanation(finding(), left_over=left)).findings[0].statement
+    assert "of the accelerometer x remains at 30.00 (noise of unit and reference = 1)" in text.en
+    assert "相对于剩余残差" in text.zh
     assert "remains at" not in answer(explanation(finding())).findings[0].statement.en
 
 
 @pytest.mark.parametrize(("p", "words"), [(0.4, "agree between"), (1e-5, "to withhold the name")])
 def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words) -> None:
-    told = answer(explanation(finding(homogeneity_p=p))).findings[0]
-    assert words in told.statement.en
-    assert told.homogeneity_p == p
+    written = answer(explanation(finding(homogeneity_p=p))).findings[0]
+    assert words in written.statement.en
+    assert written.homogeneity_p == p
 
 
 def test_a_pattern_that_differs_from_part_to_part_is_no_law() -> None:
-    told = answer(explanation(unnamed(homogeneity_p=1e-5), verdict="unexplained")).findings[0]
-    assert "no law of this form holds throughout" in told.statement.en
-    assert "name stands" not in told.statement.en
+    written = answer(explanation(unnamed(homogeneity_p=1e-5), verdict="unexplained")).findings[0]
+    assert "no law of this form holds throughout" in written.statement.en
+    assert "name stands" not in written.statement.en
 
 
 def test_what_the_standards_parameters_absorb_is_told_as_that() -> None:
-    told = answer(explanation(finding(share=0.0, held_out_gain=1e-7))).findings[0].statement
-    assert "absorb it completely" in told.en
-    assert "times as probable" not in told.en
-    assert "全部吸收" in told.zh
+    written = answer(explanation(finding(share=0.0, held_out_gain=1e-7))).findings[0].statement
+    assert "absorb it completely" in written.en
+    assert "times as probable" not in written.en
+    assert "全部吸收" in written.zh
 
 
 def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() -> None:
@@ -101,20 +101,20 @@ def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() 
                    separated_by="oscillation at several frequencies",
                    common=(FoundParameter(name="group_delay", value=4.5e-3, unit="s", u=5e-5),),
                    )  # fmt: skip
-    told = answer(explanation(made)).findings[0]
-    assert told.group == group
-    assert "an offset between the clocks or the unit's low-pass filter" in told.statement.en
-    assert "Their common part is group delay = (4.50 ± 0.10) ms (k = 2)." in (told.statement.en)
-    assert "cannot distinguish it from" not in told.statement.en  # once is enough
-    assert "To confirm, record: oscillation at several frequencies." in told.statement.en
+    written = answer(explanation(made)).findings[0]
+    assert written.group == group
+    assert "an offset between the clocks or the unit's low-pass filter" in written.statement.en
+    assert "Their common part is group delay = (4.50 ± 0.10) ms (k = 2)." in (written.statement.en)
+    assert "cannot distinguish it from" not in written.statement.en  # once is enough
+    assert "To confirm, record: oscillation at several frequencies." in written.statement.en
 
 
 def test_every_finding_ends_in_what_to_do_next() -> None:
     made = explanation(finding(), unnamed(), verdict="partly_explained")
-    for told in answer(made, (BIAS,)).findings:
+    for written in answer(made, (BIAS,)).findings:
         for language, word in (("en", "Next step: "), ("zh", "下一步：")):
-            end = getattr(told.statement, language).rpartition(word)[2]
-            assert end.rstrip(".。") == getattr(told.next, language)
+            end = getattr(written.statement, language).rpartition(word)[2]
+            assert end.rstrip(".。") == getattr(written.next, language)
 
 
 def test_what_others_take_back_is_told_of_the_set() -> None:
@@ -122,27 +122,27 @@ def test_what_others_take_back_is_told_of_the_set() -> None:
     of_set = BIAS.model_copy(update={"after": BIAS.before - 1.0 * BIAS.U})
     both = explanation(finding(share=0.4), finding(share=0.2))
     effects = Consequences(((alone,), ()), ((), ()), (of_set,))
-    told = discrepancy_of(both, [(where(),), (where(),)], effects)
+    written = discrepancy_of(both, [(where(),), (where(),)], effects)
     assert "by −10.9 U, but the other findings offset that: together they change it by −1.0 U" in (
-        told.findings[0].statement.en
+        written.findings[0].statement.en
     )
-    assert told.consequences == (of_set,)
+    assert written.consequences == (of_set,)
 
 
 def test_what_all_findings_move_is_told_together() -> None:
     both = explanation(finding(share=0.4), finding(share=0.2))
-    told = answer(both, (BIAS,)).statement.en
-    assert "Taking all findings into account together changes 1 value" in told
-    assert "above all bias of the X accelerometer" in told
+    written = answer(both, (BIAS,)).statement.en
+    assert "Taking all findings into account together changes 1 value" in written
+    assert "above all bias of the X accelerometer" in written
 
 
 def test_the_json_has_the_fields_of_the_contract() -> None:
     discrepancy = located(explanation(finding(), homogeneous()), (where(),), (where(),))
-    document = discrepancy.model_dump(mode="json")
-    assert document["explained_share"] == pytest.approx(1.0)
-    assert document["left_over"]["accel_x"] == pytest.approx(1.31)
-    assert document["small_remainders"] == []
-    plain, tested = document["findings"]
+    written = discrepancy.model_dump(mode="json")
+    assert written["explained_share"] == pytest.approx(1.0)
+    assert written["left_over"]["accel_x"] == pytest.approx(1.31)
+    assert written["small_remainders"] == []
+    plain, tested = written["findings"]
     assert (plain["share"], plain["homogeneity_p"], plain["group"]) == (0.62, None, None)
     assert (tested["homogeneity_p"], tested["group"]) == (0.3, ["axis_tilt", "axis_wobble"])
     assert set(plain["next"]) == {"en", "zh"}

@@ -29,12 +29,12 @@ def test_a_lever_arm_is_read_by_the_accelerometers_with_one_parameter_for_each_c
     columns = columns_of(LEVER_ARM, RUN)
     arm = np.array([0.01, -0.02, 0.03])
     added = np.cross(RUN.acceleration, arm) + np.cross(RUN.rate, np.cross(RUN.rate, arm))
-    said = np.zeros((len(RUN.t), 6))
+    text = np.zeros((len(RUN.t), 6))
     for value, column in zip(arm, columns, strict=True):
         assert set(column) <= {3, 4, 5}
-        for channel, course in column.items():
-            said[:, channel] += value * course
-    np.testing.assert_allclose(said[:, 3:], added, atol=1e-9 * GRAVITY)
+        for channel, series in column.items():
+            text[:, channel] += value * series
+    np.testing.assert_allclose(text[:, 3:], added, atol=1e-9 * GRAVITY)
 
 
 @pytest.mark.parametrize("term", [LEVER_ARM, TEMPERATURE_BIAS, TIME_OFFSET])
@@ -42,11 +42,11 @@ def test_columns_times_values_are_what_the_term_does_to_readings(term: Term) -> 
     size = 1e-4 * term.parameters[0].plausible[1]
     values = size * np.linspace(1.0, 2.0, len(term.parameters))
     done = read(RUN, (term, values)) - read(RUN)
-    said = np.zeros_like(done)
+    text = np.zeros_like(done)
     for value, column in zip(values, columns_of(term, RUN), strict=True):
-        for channel, course in column.items():
-            said[:, channel] += value * course
-    np.testing.assert_allclose(said, done, atol=2e-3 * np.abs(done).max())
+        for channel, series in column.items():
+            text[:, channel] += value * series
+    np.testing.assert_allclose(text, done, atol=2e-3 * np.abs(done).max())
 
 
 def test_known_physics_is_one_column_of_its_own_size() -> None:

@@ -114,8 +114,8 @@ def test_a_plausible_range_holds_what_the_readings_do_not_tell(small: Small) -> 
 
 
 def test_renewed_columns_and_readings_are_as_in_a_pool_built_anew(small: Small) -> None:
-    other = {0: {c: 1.3 * course + 0.01 for c, course in COLUMNS[0].items()},
-             9: {c: np.roll(course, 3) for c, course in COLUMNS[9].items()}}  # fmt: skip
+    other = {0: {c: 1.3 * series + 0.01 for c, series in COLUMNS[0].items()},
+             9: {c: np.roll(series, 3) for c, series in COLUMNS[9].items()}}  # fmt: skip
     readings = small.readings + 1e-3 * RUN.up[:, [1, 2, 0, 2, 0, 1]] ** 2
     changed = with_columns(small.pool, other, readings)
     columns = [other.get(p, column) for p, column in enumerate(COLUMNS)]
@@ -166,7 +166,7 @@ def test_the_unit_of_a_channel_does_not_change_what_is_gained(channel: int, fact
     scaled = readings.copy()
     scaled[:, channel] *= factor
     columns = [
-        {c: course * (factor if c == channel else 1.0) for c, course in column.items()}
+        {c: series * (factor if c == channel else 1.0) for c, series in column.items()}
         for column in COLUMNS
     ]
     noises = [Noise(n.white * factor**2, 0.0) if c == channel else n for c, n in enumerate(QUIET)]

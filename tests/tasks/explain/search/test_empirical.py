@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from engine_run import GRAVITY, MOVE, REST, STRETCHES, motion
+from engine_run import GRAVITY, MOVE, REST, SPANS, motion
 
 from tasks.explain.channels import GYROS
 from tasks.explain.explanation import UNNAMED
@@ -79,7 +79,7 @@ def test_a_run_at_constant_rate_is_not_a_move_to_another_position() -> None:
     some = repositioning(replace(RUN, recorded=recorded))
     assert not some[(RUN.t > 32.0) & (RUN.t < 40.0)].any()
     starts = np.flatnonzero(np.diff(some.astype(int)) == 1)
-    assert len(starts) == STRETCHES - 1
+    assert len(starts) == SPANS - 1
 
 
 @pytest.mark.parametrize("tau", [3.0, 45.0])

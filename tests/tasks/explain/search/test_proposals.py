@@ -98,8 +98,8 @@ def test_what_is_proposed_stands_in_the_pool_and_is_charged_for_the_looking() ->
         assert new.shape_trials > 10.0
         fresh = columns_of(new.term, RUN)
         for p, q in zip(new.members, new.own, strict=True):
-            for channel, course in fresh[q].items():
-                np.testing.assert_array_equal(pool.columns[p][channel], course)
+            for channel, series in fresh[q].items():
+                np.testing.assert_array_equal(pool.columns[p][channel], series)
 
 
 def test_what_was_taken_stays_where_it_is() -> None:

@@ -167,8 +167,8 @@ def test_linearised_columns_and_readings_leave_what_the_real_form_leaves() -> No
     for one in candidates:
         for p, q in zip(one.members, one.own, strict=True):
             value = 1.0 if one.known else values_of(model, one.name)[0][q]
-            for channel, course in columns[p].items():
-                readings[:, channel] -= value * course
+            for channel, series in columns[p].items():
+                readings[:, channel] -= value * series
     left = made - predict(model.terms, RUN, model.values)
     np.testing.assert_allclose(readings, left, atol=1e-9 * GRAVITY)
 

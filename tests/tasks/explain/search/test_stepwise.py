@@ -104,15 +104,15 @@ def test_known_physics_is_compared_by_its_own_size_and_wins_over_what_fits_no_be
     for strength in (0.0, 1.0, 3.0):
         (effect,) = columns_of(EARTH, RUN)
         made = read(RUN) + noise(len(RUN.t), 7, NOISY)
-        for channel, course in effect.items():
-            made[:, channel] += strength * course
+        for channel, series in effect.items():
+            made[:, channel] += strength * series
         one = asked(made)
         known = one.named("earth_rotation")
         ranked = rank(normal_equations(one.pool, NOISY), one.candidates, ())
         own = next(scored for scored in ranked if scored.candidate is known)
         taken_off = np.zeros_like(made)
-        for channel, course in effect.items():
-            taken_off[:, channel] = course
+        for channel, series in effect.items():
+            taken_off[:, channel] = series
         direct = misfit(one) - misfit(one, (), taken_off)
         assert own.gain == pytest.approx(direct, rel=2e-3, abs=0.3)
         ahead = INDISTINGUISHABLE if own.gain > 2.0 * INDISTINGUISHABLE else 0.0
@@ -142,14 +142,14 @@ def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int)
     for scored in some:
         one = scored.candidate
         design = whitened(regressors(run, channel).T, pool, channel, QUIET[channel])
-        course = whitened([columns[p][channel] for p in one.members], pool, channel, QUIET[channel])
+        series = whitened([columns[p][channel] for p in one.members], pool, channel, QUIET[channel])
         target = whitened([made[:, channel]], pool, channel, QUIET[channel])
         outside = np.eye(len(design)) - design @ np.linalg.pinv(design, rcond=1e-10)
-        course, left = outside @ course, (outside @ target)[:, 0]
-        power = (course**2).sum(axis=0)
+        series, left = outside @ series, (outside @ target)[:, 0]
+        power = (series**2).sum(axis=0)
         assert one.prior is not None
         variance = 1.0 / (one.prior.precision(power) * power)  # of each wave's factor
-        spread = np.eye(len(left)) + (course * variance) @ course.T
+        spread = np.eye(len(left)) + (series * variance) @ series.T
         likelier = left @ left - left @ np.linalg.solve(spread, left) - np.linalg.slogdet(spread)[1]
         assert scored.gain == pytest.approx(likelier, rel=1e-3, abs=0.05)
 

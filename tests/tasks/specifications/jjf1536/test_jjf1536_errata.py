@@ -55,7 +55,7 @@ def test_table_3_mixes_the_indices_and_the_first_is_the_axis_that_reads(
 
 
 @pytest.mark.parametrize(
-    ("reading", "said"),
+    ("reading", "statement"),
     [
         ("jjf1536.turns_divisor", "the whole of 2 × 360 × n; the π of (17) is n"),
         ("jjf1536.l_yz", "L_yx is printed"),
@@ -64,19 +64,19 @@ def test_table_3_mixes_the_indices_and_the_first_is_the_axis_that_reads(
     ],
 )
 def test_the_register_has_the_reading_and_the_certificate_prints_it(
-    ahrs_run: Build, reading: str, said: str
+    ahrs_run: Build, reading: str, statement: str
 ) -> None:
-    assert said in say(READINGS[reading].text, "en")
+    assert statement in say(READINGS[reading].text, "en")
     assert say(READINGS[reading].text, "zh")
-    assert said in " ".join(say(each.text, "en") for each in readings(result(ahrs_run())))
+    assert statement in " ".join(say(each.text, "en") for each in readings(result(ahrs_run())))
 
 
 @pytest.mark.parametrize(
-    ("reading", "said"),
+    ("reading", "statement"),
     [("jjf1536.product", "a product"), ("jjf1536.attitude", "atan2(−T12, T22)")],
 )
-def test_the_register_has_what_no_value_rests_on(reading: str, said: str) -> None:
-    assert said in say(READINGS[reading].text, "en")
+def test_the_register_has_what_no_value_rests_on(reading: str, statement: str) -> None:
+    assert statement in say(READINGS[reading].text, "en")
     assert say(READINGS[reading].text, "zh")
 
 

@@ -72,10 +72,10 @@ def test_a_room_outside_6_2_1_is_said(ahrs_run, column: str, value: float) -> No
     columns = {**recording.environment.columns}
     columns[column] = np.full(len(recording.environment), value)
     room = Stream(recording.environment.t, columns)
-    said = [r for r in result(replace(recording, environment=room)).remarks
+    text = [r for r in result(replace(recording, environment=room)).remarks
             if r.code == "environment"]  # fmt: skip
-    assert said
-    assert all("6.2.1" in r.en and r.blocks_pass for r in said)
+    assert text
+    assert all("6.2.1" in r.en and r.blocks_pass for r in text)
 
 
 def test_a_missing_position_gives_no_zero_offset_of_that_axis_and_says_why(ahrs_run) -> None:
@@ -173,9 +173,9 @@ def test_positions_whose_pointing_nobody_tells_are_taken_by_name_and_that_is_sai
     bare = relabelled(ahrs_run(B=(0.01, 0, 0)), lambda s: {"points": None})
     calibration = result(bare)
     assert calibration.items["ahrs_zero_offset"].value["x"] == pytest.approx(0.01, abs=1e-8)
-    said = [r for r in calibration.remarks if r.code == "pointing_not_recorded"]
-    assert len(said) == 3
-    assert all(r.blocks_pass for r in said)
+    text = [r for r in calibration.remarks if r.code == "pointing_not_recorded"]
+    assert len(text) == 3
+    assert all(r.blocks_pass for r in text)
     three = result(without(bare, lambda s: s.name == "zero_x_ENU"))
     assert three.items["ahrs_zero_offset"].value["x"] is None
 
@@ -225,16 +225,16 @@ def test_a_missing_rest_does_not_touch_the_scale_factor_and_is_said(ahrs_run) ->
     errors = {"K": (1.01, 1, 1), "B": (0.5, 0, 0)}
     calibration = result(without(ahrs_run(**errors), lambda s: s.name == "start_x"))
     assert calibration.items["ahrs_scale_factor"].value["x"] == pytest.approx(1.01, abs=1e-8)
-    said = [r for r in calibration.remarks if r.code == "rest_missing"]
-    assert ["before" in r.en and "after" not in r.en for r in said] == [True]
+    text = [r for r in calibration.remarks if r.code == "rest_missing"]
+    assert ["before" in r.en and "after" not in r.en for r in text] == [True]
 
 
 def test_a_short_dwell_at_a_rate_is_said(ahrs_run) -> None:
     recording = relabelled(ahrs_run(), lambda s: {"t_end": s.t_start + 15.0}
                            if s.name == "scale_x_+100" else {})  # fmt: skip
-    said = [r for r in result(recording).remarks if r.code == "short_dwell"]
-    assert [r.segments for r in said] == [("scale_x_+100",)]
-    assert "20 s" in said[0].en
+    text = [r for r in result(recording).remarks if r.code == "short_dwell"]
+    assert [r.segments for r in text] == [("scale_x_+100",)]
+    assert "20 s" in text[0].en
 
 
 def test_slow_sampling_of_positions_and_turns_is_said(ahrs_run) -> None:
@@ -247,9 +247,9 @@ def test_slow_sampling_of_positions_and_turns_is_said(ahrs_run) -> None:
 def encoded(bench, forward: float, back: float, labelled: float = 3600.0) -> Recording:
     """Turns about x by the given angles (deg), seen by a table whose axis is x of the unit."""
     made = bench(L=np.array([[0, 0, 0], [0.001, 0, 0], [0, 0, 0]]))
-    for turned, said in ((forward, labelled), (back, -labelled)):
-        label = {"name": f"turns_{said:+.0f}", "kind": "rotation", "item": "misalignment",
-                 "angle_deg": said}  # fmt: skip
+    for turned, text in ((forward, labelled), (back, -labelled)):
+        label = {"name": f"turns_{text:+.0f}", "kind": "rotation", "item": "misalignment",
+                 "angle_deg": text}  # fmt: skip
         made.turn(0, turned / 36.0, label, 36.0)
     recording = made.recording()
     station = Station.model_validate({"id": "t", "table_axes": [{"name": "a",
@@ -328,9 +328,9 @@ def test_a_restart_right_at_the_end_of_a_segment_is_left_out(bench) -> None:
         angles[after:] += 1.0
     calibration = result(with_angles(recording, angles))
     assert calibration.items["ahrs_zero_offset"].value["x"] == pytest.approx(0.01, abs=1e-8)
-    said = [r for r in calibration.remarks if r.code == "corrupted_rows"]
-    assert len(said) == 4
-    assert "angle_x 1" in said[0].en
+    text = [r for r in calibration.remarks if r.code == "corrupted_rows"]
+    assert len(text) == 4
+    assert "angle_x 1" in text[0].en
 
 
 @pytest.mark.parametrize("name", ["zero_x_ENU", "scale_x_+100", "turns_x"])
@@ -343,8 +343,8 @@ def test_a_spike_moves_no_value(ahrs_run, name: str, place: int) -> None:
     spoiled, whole = result(with_angles(recording, angles)), result(recording)
     for item in whole.items:
         assert spoiled.items[item].value == pytest.approx(whole.items[item].value, abs=1e-6)
-    (said,) = [r for r in spoiled.remarks if r.code == "corrupted_rows"]
-    assert said.segments[0] == name
+    (text,) = [r for r in spoiled.remarks if r.code == "corrupted_rows"]
+    assert text.segments[0] == name
 
 
 def test_an_axis_that_stands_still_is_said(ahrs_run) -> None:
@@ -353,9 +353,9 @@ def test_an_axis_that_stands_still_is_said(ahrs_run) -> None:
     rows = recording.imu.rows(*(getattr(named(recording, "scale_y_+100"), end)
                                 for end in ("t_start", "t_end")))  # fmt: skip
     angles[rows.start + 50 : rows.stop, 1] = angles[rows.start + 50, 1]
-    said = [r for r in result(with_angles(recording, angles)).remarks if r.code == "stuck"]
-    assert said
-    assert "angle_y was stuck" in said[0].en
+    text = [r for r in result(with_angles(recording, angles)).remarks if r.code == "stuck"]
+    assert text
+    assert "angle_y was stuck" in text[0].en
 
 
 def test_a_turn_that_its_axis_does_not_read_is_left_out_and_said(ahrs_run) -> None:
@@ -391,8 +391,8 @@ def test_points_that_table_and_mount_contradict_are_said(plant) -> None:
     recording = plant("ahrs_clean")
     wrong = relabelled(recording, lambda s: {"points": {"x": "N", "y": "W", "z": "U"}}
                        if s.name == "zero_x_1" else {})  # fmt: skip
-    said = [r for r in result(wrong).remarks if r.code == "pointing_contradicted"]
-    assert [r.segments for r in said] == [("zero_x_1",)]
+    text = [r for r in result(wrong).remarks if r.code == "pointing_contradicted"]
+    assert [r.segments for r in text] == [("zero_x_1",)]
 
 
 @pytest.mark.parametrize("rows", [1, 2, 5, 300])

@@ -162,7 +162,7 @@ def test_both_names_of_the_input_matrix_are_one_matrix_in_local_g(ideal_run: Bui
 
 
 @pytest.mark.parametrize(
-    ("reading", "said"),
+    ("reading", "statement"),
     [
         ("jjf2003.p_turning", "“at rest”"),
         ("jjf2003.p_sign", "the negative of p in model (2)"),
@@ -176,11 +176,11 @@ def test_both_names_of_the_input_matrix_are_one_matrix_in_local_g(ideal_run: Bui
     ],
 )
 def test_the_register_has_the_reading_and_the_certificate_prints_it(
-    ideal_run: Build, reading: str, said: str
+    ideal_run: Build, reading: str, statement: str
 ) -> None:
-    assert said in say(READINGS[reading].text, "en")
+    assert statement in say(READINGS[reading].text, "en")
     assert say(READINGS[reading].text, "zh")
-    assert said in printed_readings(result(ideal_run()))
+    assert statement in printed_readings(result(ideal_run()))
 
 
 # 8: the unit of p.

@@ -90,9 +90,9 @@ def test_one_direction_of_turning_is_said_of_p(ideal_run) -> None:
 def test_a_rest_on_one_side_only_is_said_of_p(ideal_run) -> None:
     recording = ideal_run()
     kept = tuple(s for s in recording.manifest.segments if not s.name.startswith("rest2"))
-    said = [r for r in result(with_segments(recording, kept)).remarks if r.code.startswith("p_")]
-    assert len(said) == 3
-    assert "no rest after the rotation" in said[0].en
+    text = [r for r in result(with_segments(recording, kept)).remarks if r.code.startswith("p_")]
+    assert len(text) == 3
+    assert "no rest after the rotation" in text[0].en
 
 
 @pytest.mark.parametrize("turn", [-180, 180, 540])

@@ -58,9 +58,9 @@ def test_each_value_moves_by_the_error_times_its_sensitivity(right, symbol: str)
         for element, budget in item.budgets.items():
             changes = [each.items[name].value[element] - budget.value for each in moved]
             lines = [line for line in budget.inputs if line.symbol == symbol]
-            told = sum(abs(line.sensitivity) for line in lines) * SIZES[symbol]
+            expected = sum(abs(line.sensitivity) for line in lines) * SIZES[symbol]
             left = 0.05 * budget.u_c * SIZES[symbol] / LIMITS[symbol].u
-            assert np.linalg.norm(changes) == pytest.approx(told, rel=0.05, abs=left), (
+            assert np.linalg.norm(changes) == pytest.approx(expected, rel=0.05, abs=left), (
                 f"{name}.{element}"
             )
             compared += bool(lines)

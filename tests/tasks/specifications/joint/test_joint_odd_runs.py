@@ -62,16 +62,16 @@ def test_one_rate_that_is_left_gives_no_scale_factor_and_spoils_no_other(ideal_r
 @METHODS
 def test_a_position_that_one_triad_lacks_is_said_of_that_triad(ideal_run, method) -> None:
     run = without(ideal_run(), ACCEL, lambda s: s.kind == "static" and s.up == "+x")
-    said = joined(by(method, run), "positions_missing")
-    assert "+x up of the accelerometer triad" in said
-    assert "gyro" not in said
+    text = joined(by(method, run), "positions_missing")
+    assert "+x up of the accelerometer triad" in text
+    assert "gyro" not in text
 
 
 @METHODS
 def test_a_heading_that_one_triad_lacks_is_said_of_that_triad(ideal_run, method) -> None:
     run = without(ideal_run(), GYRO, lambda s: s.name == "position_-y_180")
-    said = joined(by(method, run), "one_heading")
-    assert said.startswith("-y up: gyro not recorded")
+    text = joined(by(method, run), "one_heading")
+    assert text.startswith("-y up: gyro not recorded")
 
 
 @METHODS
@@ -113,15 +113,15 @@ def test_a_gap_of_the_table_stream_passes_no_unit(method) -> None:
     t = recording.table.t
     kept = (t < 45.0) | (t > 60.0)
     table = Stream(t[kept], {name: c[kept] for name, c in recording.table.columns.items()})
-    said = joined(by(method, replace(recording, table=table)), "table_gap")
-    assert "does not cover 1 segments" in said
-    assert "position_+x_180" in said
+    text = joined(by(method, replace(recording, table=table)), "table_gap")
+    assert "does not cover 1 segments" in text
+    assert "position_+x_180" in text
 
 
 @METHODS
 def test_segments_left_out_for_null_rows_are_named_with_their_number(ideal_run, method) -> None:
     run = without(ideal_run(), GYRO, lambda s: s.name == "rest_y")
-    said = [r.en for r in by(method, run).remarks if r.code == "null_rows"]
-    assert said == [
+    text = [r.en for r in by(method, run).remarks if r.code == "null_rows"]
+    assert text == [
         "The gyro triad was excluded from 1 segments because of missing values: rest_y 300."
     ]

@@ -56,9 +56,9 @@ def results(plant: Callable[[str], Recording]) -> Callable[[str], tuple[Calibrat
 def comparable(item: Item, name: str, removed: bool = True) -> tuple[dict, dict]:
     """Values and uncertainties of a clause's item that mean the same in the joint method."""
     if removed and name == "gyro_g_sensitivity" and item.value_without_earth_rotation is not None:
-        told = item.value_without_earth_rotation
-        if any(value is not None for value in told.values()):
-            return told, item.u_without_earth_rotation
+        without_earth = item.value_without_earth_rotation
+        if any(value is not None for value in without_earth.values()):
+            return without_earth, item.u_without_earth_rotation
     return item.value, item.u
 
 
@@ -135,13 +135,13 @@ def test_the_horizontal_part_of_earth_rotation_is_no_scatter_where_north_is_not_
     results, plant
 ) -> None:
     """The pairs at 180° cancel it: the uncertainties stay those of the noise, within twice."""
-    told = results("plant_earth_rotation")[0]
+    result = results("plant_earth_rotation")[0]
     blind = by_joint(without_heading(plant("plant_earth_rotation")))
     remarks = [remark.en for remark in blind.remarks if remark.code == "excess_scatter"]
-    assert not any("gyro" in said for said in remarks)
+    assert not any("gyro" in text for text in remarks)
     for name in ("gyro_bias", "gyro_g_sensitivity"):
         for element, u in blind.items[name].u.items():
-            assert u < 2.0 * told.items[name].u[element], (name, element)
+            assert u < 2.0 * result.items[name].u[element], (name, element)
 
 
 def test_without_a_latitude_clean_data_follow_the_model_within_their_noise(plant, shared) -> None:
@@ -218,8 +218,8 @@ def test_type_b_agrees_with_that_of_the_clauses_where_the_clauses_are_the_same(r
 
 
 def test_conditions_of_the_claims_are_remarks(results, real) -> None:
-    said = codes(results("plant_clean")[0])
-    assert {"orientations_not_turned", "rates_not_rising", "earth_rotation_not_shown"} <= said
+    text = codes(results("plant_clean")[0])
+    assert {"orientations_not_turned", "rates_not_rising", "earth_rotation_not_shown"} <= text
     few = by_joint(real("vn200_imu0_rate_table"))
     assert {"number_of_rates", "disturbed", "one_heading"} <= codes(few)
     remark = next(r for r in few.remarks if r.code == "number_of_rates")

@@ -150,25 +150,25 @@ def in_memory() -> Callable[[str], InMemoryConsole]:
 FRAME = struct.Struct("<HIQ3i3ihH")  # written here once more, to judge what comes
 
 
-def frames_heard(station: StationFile, seconds: float) -> bytes:
+def frames_received(station: StationFile, seconds: float) -> bytes:
     """What comes over the unit's line for a while of wall time."""
     line = serial.serial_for_url(station.unit_link.url, timeout=0.05)
     try:
         end = time.monotonic() + seconds
-        heard = b""
+        received = b""
         while time.monotonic() < end:
-            heard += line.read(42)
-        return heard
+            received += line.read(42)
+        return received
     finally:
         line.close()
 
 
-def whole_frames(heard: bytes) -> list[tuple[int, ...]]:
+def whole_frames(received: bytes) -> list[tuple[int, ...]]:
     """Fields of the frames whose check holds, in order."""
     found, at = [], 0
-    while at + FRAME.size <= len(heard):
-        fields = FRAME.unpack_from(heard, at)
-        if fields[0] == 0x55AA and binascii.crc_hqx(heard[at : at + 40], 0) == fields[-1]:
+    while at + FRAME.size <= len(received):
+        fields = FRAME.unpack_from(received, at)
+        if fields[0] == 0x55AA and binascii.crc_hqx(received[at : at + 40], 0) == fields[-1]:
             found.append(fields)
             at += FRAME.size
         else:
@@ -178,7 +178,7 @@ def whole_frames(heard: bytes) -> list[tuple[int, ...]]:
 
 @pytest.fixture
 def hear() -> Callable[[StationFile, float], bytes]:
-    return frames_heard
+    return frames_received
 
 
 @pytest.fixture

@@ -21,13 +21,13 @@ def perfect(**changes: object) -> VirtualStation:
     """A station whose AHRS has no errors and no noise."""
     station = virtual_station(1, ahrs=True)
     clean = {"scale": EYE, "bias": NOTHING, "bias_per_kelvin": NOTHING, "white": 0, "flicker": 0}
-    told = station.unit.model_dump() | {
+    fields = station.unit.model_dump() | {
         "gyro": station.unit.gyro.model_dump() | clean,
         "accel": station.unit.accel.model_dump() | clean | {"lsb": 1e-6},
         "angle_lsb": 1e-9,
         "places_m": [NOTHING] * 3,
     }
-    unit = type(station.unit).model_validate(told | changes)
+    unit = type(station.unit).model_validate(fields | changes)
     return station.model_copy(update={"unit": unit})
 
 

@@ -24,7 +24,7 @@ def ideal(**changes) -> UnitTruth:
     """A unit without errors or noise, at the axes' intersection."""
     unit = draw_unit(5)
     clean = {"scale": EYE, "bias": NOTHING, "bias_per_kelvin": NOTHING, "white": 0, "flicker": 0}
-    told = unit.model_dump() | {
+    fields = unit.model_dump() | {
         "gyro": unit.gyro.model_dump() | clean | {"lsb": 1e-8},
         "accel": unit.accel.model_dump() | clean | {"lsb": 1e-7},
         "g_sensitivity": [NOTHING] * 3,
@@ -32,7 +32,7 @@ def ideal(**changes) -> UnitTruth:
         "self_heating_k": 0.0,
         "settled_degc": 20.0,
     }
-    return UnitTruth.model_validate(told | changes)
+    return UnitTruth.model_validate(fields | changes)
 
 
 def samples(config: VirtualStation, orders, seconds: float) -> np.ndarray:
@@ -104,9 +104,9 @@ def test_the_rate_sensitivity_told_as_truth_is_what_the_samples_show():
     rest = samples(config, [], 1).mean(axis=0)
     turning = samples(config, [(2, "rate", 0.0, 200.0)], 5).mean(axis=0)
     shown = (turning - rest)[3:] / (200.0 * DEG) ** 2
-    told = np.array(truth(config)["P"])
-    np.testing.assert_allclose(shown, told[:, 2], atol=3e-8)
-    assert told[1, 2] == pytest.approx(-drawn.places_m[1][1], abs=2e-5)
+    true = np.array(truth(config)["P"])
+    np.testing.assert_allclose(shown, true[:, 2], atol=3e-8)
+    assert true[1, 2] == pytest.approx(-drawn.places_m[1][1], abs=2e-5)
 
 
 def test_matrices_biases_and_g_sensitivity_enter_as_model_one_and_two_have_them():

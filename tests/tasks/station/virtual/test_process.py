@@ -20,9 +20,9 @@ pytestmark = pytest.mark.real_time
 
 
 def test_the_truth_is_that_of_the_unit():
-    told = truth(VirtualStation(unit=draw_unit(8)))
-    assert np.array(told["Kg"]) == pytest.approx(np.array(draw_unit(8).gyro.scale))
-    assert told["station"]["latitude_deg"] == 39.9
+    true = truth(VirtualStation(unit=draw_unit(8)))
+    assert np.array(true["Kg"]) == pytest.approx(np.array(draw_unit(8).gyro.scale))
+    assert true["station"]["latitude_deg"] == 39.9
 
 
 def test_a_station_ends_with_its_block(consoles):

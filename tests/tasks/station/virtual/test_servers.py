@@ -137,8 +137,8 @@ def test_the_capture_ring_has_no_gaps_and_its_times_are_right(console):
     answer = console.client.read_holding_registers(0, count=100, device_id=TABLE_DEVICE).registers
     now_us = int.from_bytes(b"".join(word.to_bytes(2, "big") for word in answer[4:8]), "big")
     counts = console.client.convert_from_registers(answer[24:26], console.client.DATATYPE.INT32)
-    told = rows[0] + 3600 * (now_us / 10_000 - first)
-    assert counts == pytest.approx(told, abs=5)
+    expected = rows[0] + 3600 * (now_us / 10_000 - first)
+    assert counts == pytest.approx(expected, abs=5)
 
 
 def test_a_sample_that_is_not_yet_there_is_not_given(console):
@@ -147,9 +147,9 @@ def test_a_sample_that_is_not_yet_there_is_not_given(console):
 
 
 def test_frames_come_whole_in_order_and_on_time(station, console, hear, whole):
-    heard = hear(station, 0.5)
-    frames = whole(heard)
-    assert len(heard) // 42 - len(frames) <= 1  # the last may be cut off
+    received = hear(station, 0.5)
+    frames = whole(received)
+    assert len(received) // 42 - len(frames) <= 1  # the last may be cut off
     counters = np.array([frame[1] for frame in frames])
     stamps = np.array([frame[2] for frame in frames])
     assert len(frames) > 100

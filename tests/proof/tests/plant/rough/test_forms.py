@@ -35,9 +35,9 @@ def test_every_form_changes_what_is_recorded_and_says_its_parameters(
     rough_of: Roughs, played: Plays, form: str
 ) -> None:
     run = played(rough_of("shaft", form))
-    told = run.sealed["effects"][0]
-    assert told["called"] == form
-    assert set(told["parameters"]) == set(KNOWN[form].units)
+    declared = run.sealed["effects"][0]
+    assert declared["called"] == form
+    assert set(declared["parameters"]) == set(KNOWN[form].units)
     assert json.dumps(run.sealed)
     assert standing(run, played(rough_of("shaft")), by_size=True) > 2.0
 
@@ -78,10 +78,10 @@ def test_hysteresis_with_decay_fades_at_rest(
 
 def test_a_step_of_single_axes_falls_within_a_move(rough_of: Roughs, played: Plays) -> None:
     run = played(rough_of("shaft", "bias_step_moving"))
-    told = run.sealed["effects"][0]["parameters"]
-    at = np.searchsorted(run.recording.imu.t, told["time"])
+    declared = run.sealed["effects"][0]["parameters"]
+    at = np.searchsorted(run.recording.imu.t, declared["time"])
     assert abs(run.reported[at, 0]) > 0.1
-    assert 1 <= np.count_nonzero(told["gyro"] + told["accel"]) <= 2
+    assert 1 <= np.count_nonzero(declared["gyro"] + declared["accel"]) <= 2
 
 
 @pytest.mark.parametrize(("form", "power"), [("speed", 1.0), ("square", 2.0)])

@@ -17,8 +17,8 @@ DEGREE = np.pi / 180.0
 
 
 def tracking(**fields: object) -> dict[str, object]:
-    told = {"rate_hz": 120, "position_noise": 0.0, "attitude_noise": 0.0} | fields
-    return {"tracking": Tracking.model_validate(told)}
+    declared = {"rate_hz": 120, "position_noise": 0.0, "attitude_noise": 0.0} | fields
+    return {"tracking": Tracking.model_validate(declared)}
 
 
 def test_encoder_has_its_own_rate_steps_and_speeds(rough_of: Roughs, played: Plays) -> None:

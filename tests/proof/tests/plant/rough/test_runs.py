@@ -22,9 +22,9 @@ def test_hand_reaches_its_top_rate_and_rests_at_both_ends(rough_of: Roughs, play
 
 
 def test_motion_by_hand_has_no_fast_part(rough_of: Roughs, played: Plays) -> None:
-    course = played(rough_of("hand")).reported[:, 0]
-    power = np.abs(np.fft.rfft(course * np.hanning(len(course)))) ** 2
-    frequency = np.fft.rfftfreq(len(course), 0.01)
+    series = played(rough_of("hand")).reported[:, 0]
+    power = np.abs(np.fft.rfft(series * np.hanning(len(series)))) ** 2
+    frequency = np.fft.rfftfreq(len(series), 0.01)
     assert power[frequency > 12.0].sum() < 1e-4 * power.sum()
 
 

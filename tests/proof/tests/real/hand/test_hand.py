@@ -99,10 +99,10 @@ def test_half_difference_is_what_follows_gravity(ideal_run: Callable[..., Record
     two = ("position_+x_000", "position_-x_000")
     segments = tuple(s for s in recording.manifest.segments or () if s.name in two)
     manifest = recording.manifest.model_copy(update={"segments": segments})
-    seen = half_difference(Recording(manifest, recording.imu), 0)
+    observation = half_difference(Recording(manifest, recording.imu), 0)
     gravity = recording.manifest.station.gravity_m_s2
     assert gravity is not None
-    assert seen.value == pytest.approx(np.degrees(1e-5 * gravity) * 3600.0, rel=1e-3)
+    assert observation.value == pytest.approx(np.degrees(1e-5 * gravity) * 3600.0, rel=1e-3)
 
 
 def test_walk_is_told_from_rests_that_were_placed_anew(
@@ -111,14 +111,14 @@ def test_walk_is_told_from_rests_that_were_placed_anew(
     rng = np.random.default_rng(3)
     still = ideal_run(dwell=30.0, noise=0.0)
 
-    def with_course(course: np.ndarray) -> Recording:
-        noisy = course + rng.normal(0.0, 0.01, len(course))
+    def with_series(series: np.ndarray) -> Recording:
+        noisy = series + rng.normal(0.0, 0.01, len(series))
         columns = dict(still.imu.columns) | {"accel_x": still.imu.columns["accel_x"] + noisy}
         return Recording(still.manifest, type(still.imu)(still.imu.t, columns))
 
     count = len(still.imu)
     walk = np.cumsum(rng.normal(0.0, 0.01, count))
-    assert wander(with_course(walk), (3,)).verdict == "true"
+    assert wander(with_series(walk), (3,)).verdict == "true"
     placed = np.repeat(rng.normal(0.0, 0.05, count // 300), 300)
-    assert wander(with_course(placed), (3,)).verdict == "false"
-    assert wander(with_course(np.zeros(count)), (3,)).verdict == "cannot tell"
+    assert wander(with_series(placed), (3,)).verdict == "false"
+    assert wander(with_series(np.zeros(count)), (3,)).verdict == "cannot tell"

@@ -21,8 +21,8 @@ def found(effect: str, parameters: tuple[tuple[str, float, float], ...] = (), **
 
 
 def judgements(recording: str, *findings: dict) -> list[str]:
-    told = judged(recording, {"findings": list(findings)}, FACTS, ())
-    return [one.judgement for one in told]
+    declared = judged(recording, {"findings": list(findings)}, FACTS, ())
+    return [one.judgement for one in declared]
 
 
 def test_a_delay_within_what_was_measured_is_right_and_one_beside_it_is_wrong() -> None:

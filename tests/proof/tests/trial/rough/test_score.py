@@ -21,7 +21,7 @@ def scores() -> Scores:
     def build(findings: list[dict[str, Any]], *hidden: tuple[str, str, float],
               left: float = 1.5, parameters: dict[str, Any] | None = None,
               **nuisances: dict[str, Any]) -> RoughScore:  # fmt: skip
-        told = {
+        declared = {
             "case": {
                 "run": "hand",
                 "case": Case(seed=1).model_dump(mode="json"),
@@ -36,7 +36,7 @@ def scores() -> Scores:
         }
         trial = {"kind": "mixed", "z": {called: z for called, _, z in hidden}}
         answer = {"verdict": "explained", "findings": findings, "left_over": {"gyro_x": left}}
-        return scored_rough("0001", told, trial, answer, 3.0)
+        return scored_rough("0001", declared, trial, answer, 3.0)
 
     return build
 
@@ -56,23 +56,23 @@ def test_a_form_of_an_effect_is_right_by_the_catalogue_s_name(
 def test_a_name_that_is_neither_hidden_nor_of_the_reference_is_wrong(
     scores: Scores, finding: Finds
 ) -> None:
-    told = [finding("hysteresis"), finding("unnamed"), finding("time_offset")]
-    score = scores(told, STEP, time_offset={"seconds": -4e-3})
+    declared = [finding("hysteresis"), finding("unnamed"), finding("time_offset")]
+    score = scores(declared, STEP, time_offset={"seconds": -4e-3})
     assert score.wrong == ("hysteresis",)
     assert not score.listed[0].named
-    assert scores(told, STEP).wrong == ("hysteresis", "time_offset")
+    assert scores(declared, STEP).wrong == ("hysteresis", "time_offset")
 
 
 def test_a_lever_arm_is_compared_along_the_tracked_body_s_axes(
     scores: Scores, finding: Finds
 ) -> None:
     stated = {"r_x": 0.0995, "r_y": 0.00998, "r_z": 0.0}
-    told = finding("lever_arm") | {
+    declared = finding("lever_arm") | {
         "parameters": [
             {"name": name, "value": value, "unit": "m", "u": 1e-5} for name, value in stated.items()
         ]
     }
-    score = scores([told], lever_arm={"r": [0.1, 0.0, 0.0]})
+    score = scores([declared], lever_arm={"r": [0.1, 0.0, 0.0]})
     assert [each.inside for each in score.parameters] == [True, True, True]
 
 
@@ -103,10 +103,10 @@ def test_a_group_that_holds_a_true_name_is_counted_apart(scores: Scores, finding
 
 
 def test_parameters_are_compared_where_they_mean_the_same(scores: Scores, finding: Finds) -> None:
-    said = finding("time_offset", seconds=(-4.1e-3, 1e-4, "s"))
-    inside = scores([said], time_offset={"seconds": -4e-3})
+    response = finding("time_offset", seconds=(-4.1e-3, 1e-4, "s"))
+    inside = scores([response], time_offset={"seconds": -4e-3})
     assert [pair.inside for pair in inside.parameters] == [True]
-    outside = scores([said], time_offset={"seconds": -3e-3})
+    outside = scores([response], time_offset={"seconds": -3e-3})
     assert [pair.inside for pair in outside.parameters] == [False]
     leaning = finding("reference_frame", tilt_east=(4.1e-3, 2e-4, "rad"))
     tilted = scores([leaning], reference_frame={"tilt": (-4e-3, 0.0, 0.0), "turn": (0, 0, 0)})
@@ -141,8 +141,8 @@ def test_table_counts_recordings_with_a_wrong_name_and_names_at_thirty(
 
 
 def test_what_is_left_stands_beside_the_errors_over_u(scores: Scores, finding: Finds) -> None:
-    said = finding("time_offset", seconds=(-4.3e-3, 1e-4, "s"))
-    rows = agreement([scores([said], left=30.0, time_offset={"seconds": -4e-3})])
+    response = finding("time_offset", seconds=(-4.3e-3, 1e-4, "s"))
+    rows = agreement([scores([response], left=30.0, time_offset={"seconds": -4e-3})])
     assert [row[1] for row in rows] == ["0", "0", "1"]
     assert rows[2][3] == "3"
 

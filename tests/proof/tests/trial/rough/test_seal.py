@@ -20,10 +20,10 @@ def test_recording_tells_nothing_of_the_truth_and_can_be_read(sealed_rough: Path
 
 
 def test_truth_holds_effects_nuisances_and_where_each_stands(sealed_rough: Path) -> None:
-    told = json.loads((sealed_rough / "sealed/0002/truth.json").read_text())
+    declared = json.loads((sealed_rough / "sealed/0002/truth.json").read_text())
     trial = json.loads((sealed_rough / "sealed/0002/trial.json").read_text())
-    assert [each["called"] for each in told["effects"]] == ["x_gain_drift", "bias_step_single"]
-    assert told["nuisances"] == {}
+    assert [each["called"] for each in declared["effects"]] == ["x_gain_drift", "bias_step_single"]
+    assert declared["nuisances"] == {}
     assert trial["z"]["bias_step_single"] == pytest.approx(60.0, rel=0.2)
     rows = pq.read_table(sealed_rough / "sealed/0002/truth.parquet").num_rows
     assert rows == pq.read_table(sealed_rough / "recordings/0002/imu.parquet").num_rows

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from schemas.base import Unusable
-from tests.proof.trial.rough import hold
+from tests.proof.trial.rough import run
 from tests.proof.trial.rough.draw import RoughDrawn
 from tests.proof.trial.rough.engine import explain_rough
 from tests.proof.trial.rough.score import score_rough
@@ -55,17 +55,17 @@ def test_two_engines_stand_beside_one_another_on_the_same_recordings(
     two_rough: list[RoughDrawn], engine: Engines, finding: Finds, tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
-    monkeypatch.setattr(hold, "draw_rough", lambda seed, short: two_rough)
+    monkeypatch.setattr(run, "draw_rough", lambda seed, short: two_rough)
     out = tmp_path / "held"
-    hold.run_rough(1, True, out, engine(finding("bias_step"), name="new"), None)
+    run.run_rough(1, True, out, engine(finding("bias_step"), name="new"), None)
     seals = (out / "seals.txt").read_text()
-    hold.run_rough(1, True, out, engine(finding("hysteresis"), name="old"), None)
+    run.run_rough(1, True, out, engine(finding("hysteresis"), name="old"), None)
     assert (out / "seals.txt").read_text() == seals
     page = (out / "rough.html").read_text()
     assert "<h2>new</h2>" in page
     assert "<h2>old</h2>" in page
     assert "Rough recordings, old: 2" in capsys.readouterr().out
     with pytest.raises(Unusable, match="holds another trial"):
-        hold.run_rough(2, True, out, engine(name="third"), None)
+        run.run_rough(2, True, out, engine(name="third"), None)
     with pytest.raises(Unusable, match="is not there"):
-        hold.run_rough(1, True, out, tmp_path / "nothing", None)
+        run.run_rough(1, True, out, tmp_path / "nothing", None)

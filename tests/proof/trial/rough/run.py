@@ -6,13 +6,13 @@ from pathlib import Path
 from flows.printing import print_rows, stdout
 from flows.progress import counting
 from schemas.base import Unusable
-from tests.proof.trial.hold import prepare
 from tests.proof.trial.rough.draw import draw_rough
 from tests.proof.trial.rough.engine import OWN, explain_rough
 from tests.proof.trial.rough.page import rough_html, rough_markdown
 from tests.proof.trial.rough.score import score_rough
 from tests.proof.trial.rough.seal import record_and_seal_rough
 from tests.proof.trial.rough.table import COLUMNS, rows_rough
+from tests.proof.trial.run import prepare
 from tests.proof.trial.seal import SEALS, check_seals, digest_of
 
 ANSWERS, DRAWN = "answers-", "drawn.json"
@@ -50,11 +50,11 @@ def run_rough(
 
 def _sealed(folder: Path, seed: int, short: bool) -> None:
     """The folder with this trial's recordings and seals, made if it is new."""
-    told = {"seed": seed, "short": short}
+    declared = {"seed": seed, "short": short}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if (folder / SEALS).exists():
-            if json.loads((folder / DRAWN).read_text(encoding="utf-8")) != told:
+            if json.loads((folder / DRAWN).read_text(encoding="utf-8")) != declared:
                 raise Unusable(f"--out {folder} holds another trial; name a folder of its own")
             check_seals(folder)
             return
@@ -66,7 +66,7 @@ def _sealed(folder: Path, seed: int, short: bool) -> None:
         ) from error
     with counting("record and seal") as report:
         prepare(draw_rough(seed, short), folder, report, record_and_seal_rough)
-    (folder / DRAWN).write_text(json.dumps(told), encoding="utf-8")
+    (folder / DRAWN).write_text(json.dumps(declared), encoding="utf-8")
 
 
 def _name_of(engine: Path) -> str:

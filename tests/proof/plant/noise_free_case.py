@@ -25,7 +25,7 @@ OF_MOTION = ("gravity", "shaft", "encoder", "links", "fixing_error", "arms", "be
 
 
 @dataclass(frozen=True)
-class Heard:
+class NoiseFree:
     """stamp: (n,) s, as recorded. analog, truth, nominal: (6, n), rad/s and m/s².
 
     analog: what reaches the converter, where noise joins it.
@@ -53,7 +53,7 @@ class Heard:
     table_rates: np.ndarray
 
 
-def hear(case: Case) -> Heard:
+def without_noise(case: Case) -> NoiseFree:
     """Plays a case. Raises ValueError for effects that it cannot have."""
     plan = plan_of(case)
     setting = Setting(case, plan)
@@ -70,7 +70,7 @@ def hear(case: Case) -> Heard:
     felt = sampled(felt, reported, (), stamp, np.searchsorted(stamp, reported.seams))
     table_t = np.arange(round(plan.duration * case.rate_hz)) / case.rate_hz
     speeds = slope(reported.shaft, reported.step)
-    return Heard(
+    return NoiseFree(
         plan=plan,
         effects=effects,
         unit=world.unit,

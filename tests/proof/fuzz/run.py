@@ -42,7 +42,7 @@ class Row:
         return f"| {self.parser} | {figures} | {self.by_chance} | {self.lost} |"
 
 
-def hold(count: int, seed: int) -> list[Row]:
+def run_all(count: int, seed: int) -> list[Row]:
     """A row for each parser. Whatever a parser raises ends it."""
     rows = []
     for kind in frames.KINDS:
@@ -60,7 +60,7 @@ def hold(count: int, seed: int) -> list[Row]:
 
 def run_fuzz(count: int, seed: int, write: bool) -> None:
     """Hold it and print the page; exit 1 where something is wrong. write: into the evidence."""
-    rows = hold(count, seed)
+    rows = run_all(count, seed)
     page = TEXT.format(count=count, seed=seed, rows="\n".join(map(str, rows)))
     print(page)
     if write:

@@ -66,7 +66,7 @@ class Acquisitions:
         )
 
 
-def hold(stations: int, rate_hz: float, seconds: float) -> Acquisitions:
+def run_all(stations: int, rate_hz: float, seconds: float) -> Acquisitions:
     """So many acquisitions at once."""
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(stations) as pool:
         folders = [Path(name) / str(number) for number in range(stations)]
@@ -110,7 +110,7 @@ def _sending(rate_hz: float) -> Iterator[int]:
 
 def run_throughput(seconds: float, write: bool) -> None:
     """Hold CASES and print the page; exit 1 where a frame is missing."""
-    found = [hold(stations, rate_hz, seconds) for stations, rate_hz in CASES]
+    found = [run_all(stations, rate_hz, seconds) for stations, rate_hz in CASES]
     page = TEXT.format(
         seconds=seconds, cores=os.cpu_count(), head=" | ".join(HEAD), rule="---:|" * len(HEAD),
         rows="\n".join(map(str, found)),

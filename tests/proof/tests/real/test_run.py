@@ -11,14 +11,14 @@ from schemas.recording import Recording
 from storage.formats.folder import read_folder
 from tests.proof import prove
 from tests.proof.__main__ import main
-from tests.proof.real import hold as hold_module
+from tests.proof.real import run as run_module
 from tests.proof.real.cases import Hidden
-from tests.proof.real.fact import Claim, Fact, Told
+from tests.proof.real.fact import Claim, Fact, Judged
 from tests.proof.real.hand.measured import Measured
 from tests.proof.real.hide import Size
-from tests.proof.real.hold import Results, explained, write
 from tests.proof.real.page import data, markdown, real_html
 from tests.proof.real.pictures import Picture
+from tests.proof.real.run import Results, explained, write
 from tests.proof.real.score import Score
 from tests.proof.text import bilingual
 
@@ -41,7 +41,7 @@ def test_recordings_are_explained_by_number(tmp_path: Path, shared_real: Path) -
 
 @pytest.fixture
 def results() -> Results:
-    told = Told("time_offset 0.012 ± 0.0001 s", "right")
+    declared = Judged("time_offset 0.012 ± 0.0001 s", "right")
     fact = Fact(
         "delay",
         ("shaft",),
@@ -49,7 +49,7 @@ def results() -> Results:
         (bilingual("phase", "相位"), bilingual("angle", "角度")),
         ("12 ms", "11.9 ms"),
         bilingual("whose", "来源"),
-        lambda answer: told,
+        lambda answer: declared,
     )
     claim = Claim(
         "shaft",
@@ -65,15 +65,15 @@ def results() -> Results:
     quiet = Score(unseen, (), False, None, None, 2.0, None)
     picture = Picture("<svg></svg>", bilingual("delay", "时延"))
     return Results(
-        1, "test", ((fact, (told,)),), ((claim, True),), (score, quiet), (picture,), 9.0, 8.0
+        1, "test", ((fact, (declared,)),), ((claim, True),), (score, quiet), (picture,), 9.0, 8.0
     )
 
 
 def test_page_and_tables_say_the_same_in_both_languages(results: Results) -> None:
-    said = data(results)
-    assert json.loads(json.dumps(said)) == said
-    assert said["summary"]["hidden and visible: found, value right"] == "1 of 1"
-    assert said["summary"]["doubtful claims that it makes now and are false"] == "1 of 1"
+    response = data(results)
+    assert json.loads(json.dumps(response)) == response
+    assert response["summary"]["hidden and visible: found, value right"] == "1 of 1"
+    assert response["summary"]["doubtful claims that it makes now and are false"] == "1 of 1"
     html, plain = real_html(results), markdown(results)
     assert "late &lt;" in html
     assert "被吸收" in html
@@ -92,14 +92,14 @@ def test_command_writes_what_was_held(
     """With answers that tell nothing, so that it takes seconds."""
     nothing = {"seconds": 1.0, "findings": []}
     monkeypatch.setattr(
-        hold_module, "explained", lambda asked, out, report: dict.fromkeys(asked, nothing)
+        run_module, "explained", lambda asked, out, report: dict.fromkeys(asked, nothing)
     )
     prove.prove_real(shared_real, tmp_path / "out", 1)
-    said = json.loads((tmp_path / "out/real.json").read_text())
-    assert said["format"] == "mimu-prove-real/1"
-    assert said["summary"]["  by hand, within 95 %"] == "9 of 9"
-    assert said["summary"]["hidden and visible: found, value right"] == "0 of 9"
-    outcomes = {each["outcome"] for each in said["hidden"]}
+    response = json.loads((tmp_path / "out/real.json").read_text())
+    assert response["format"] == "mimu-prove-real/1"
+    assert response["summary"]["  by hand, within 95 %"] == "9 of 9"
+    assert response["summary"]["hidden and visible: found, value right"] == "0 of 9"
+    outcomes = {each["outcome"] for each in response["hidden"]}
     assert outcomes == {"missed", "rightly nothing new"}
     assert (tmp_path / "out/real.html").read_text().count("<svg") == 9
     assert "| dropped_samples |" in (tmp_path / "out/real.md").read_text()
@@ -117,6 +117,6 @@ def test_command_takes_the_folder_and_says_in_one_sentence_what_is_wrong(
     with pytest.raises(typer.Exit) as left:
         main(real=tmp_path, out=tmp_path / "out", as_json=True)
     assert left.value.exit_code == 2
-    said = capsys.readouterr().err
-    assert "there is no recording" in said
-    assert said.strip().count("\n") == 0
+    response = capsys.readouterr().err
+    assert "there is no recording" in response
+    assert response.strip().count("\n") == 0

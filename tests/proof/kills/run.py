@@ -12,7 +12,7 @@ PAGE = "kills.md"
 COLUMNS = ("seed", "kill after (s)", "sent", "recovered", "lost (s)", "wrong")
 
 
-def hold(folder: Path, count: int, report: Callable[[int, int], None]) -> list[Killed]:
+def run_all(folder: Path, count: int, report: Callable[[int, int], None]) -> list[Killed]:
     """Kills of the seeds 1 to count, and kills.md, in a new folder."""
     with ThreadPoolExecutor(AT_ONCE) as pool:
         killed = []

@@ -25,7 +25,7 @@ SAME = 1e-9  # of a column's power: what is left of it when others tell it whole
 
 
 @dataclass(frozen=True)
-class Seen:
+class Observation:
     """fold: (n,) 0 to 3. standard: (n, b) columns of each channel. nominal: (n, 6) the standard's
     model, fitted. noises: of the six channels; used: those that were recorded."""
 
@@ -78,19 +78,19 @@ class Equations:
         return np.asarray(whole if fold is None else whole - self.grams[fold])
 
 
-def see(recording: Recording) -> Seen:
+def see(recording: Recording) -> Observation:
     """Raises Unusable where the recording has no motion, rates or forces, or is too short."""
-    return seen_of(block_means(full_rate(recording), BLOCK_RATE))
+    return observation_of(block_means(full_rate(recording), BLOCK_RATE))
 
 
-def seen_of(observed: Blocks) -> Seen:
+def observation_of(observed: Blocks) -> Observation:
     """Fits the standard's model twice: plainly for the noise, then weighed by that noise."""
     standard = standard_columns(observed)
     fold = fold_cells(observed) % FOLDS
     plain = _fitted(observed, standard, None)
     noises = noises_of(observed, observed.readings - plain)
     nominal = plain + _fitted(observed, standard, noises, observed.readings - plain)
-    return Seen(observed, fold, standard, nominal, noises)
+    return Observation(observed, fold, standard, nominal, noises)
 
 
 def standard_columns(observed: Blocks) -> tuple[np.ndarray, ...]:
@@ -99,8 +99,8 @@ def standard_columns(observed: Blocks) -> tuple[np.ndarray, ...]:
     columns: list[list[np.ndarray]] = [[] for _ in CHANNELS]
     for term in STANDARD_TERMS:
         for column in term.columns(motion, Inputs(motion.rate, motion.force)):
-            for channel, course in column.items():
-                columns[channel].append(np.nan_to_num(course))
+            for channel, series in column.items():
+                columns[channel].append(np.nan_to_num(series))
     return tuple(np.column_stack(each) for each in columns)
 
 
@@ -111,11 +111,11 @@ def _fitted(
     readings: np.ndarray | None = None,
 ) -> np.ndarray:
     """(n, 6) least squares of the standard's columns; weighed by a noise spectrum where given."""
-    told = observed.readings if readings is None else readings
-    fitted = np.zeros_like(told)
+    declared = observed.readings if readings is None else readings
+    fitted = np.zeros_like(declared)
     for c in np.flatnonzero(observed.weight.any(axis=0)):
         size = np.sqrt((standard[c] ** 2).mean(axis=0)) + 1e-300
-        stack = np.vstack([(standard[c] / size).T, told[:, c]]) * observed.weight[:, c]
+        stack = np.vstack([(standard[c] / size).T, declared[:, c]]) * observed.weight[:, c]
         if noises is not None:
             stack = whitened(stack, noises[c], observed.rate)
         values, *_ = np.linalg.lstsq(stack[:-1].T, stack[-1], rcond=1e-9)
@@ -123,21 +123,24 @@ def _fitted(
     return fitted
 
 
-def _triad_equations(seen: Seen, triad: slice) -> list[Equations | None]:
+def _triad_equations(observation: Observation, triad: slice) -> list[Equations | None]:
     """Every column is whitened once for a triad, whose channels differ in white noise alone."""
-    observed, channels = seen.observed, range(6)[triad]
-    used = [c for c in channels if c in seen.used]
+    observed, channels = observation.observed, range(6)[triad]
+    used = [c for c in channels if c in observation.used]
     if not used:
         return [None] * len(channels)
-    first = seen.noises[used[0]]
-    names = tuple(seen.library)
-    rows = [*(seen.standard[c].T for c in channels), *(seen.library[name] for name in names)]
-    stack = np.vstack([*rows, seen.left[:, triad].T])
+    first = observation.noises[used[0]]
+    names = tuple(observation.library)
+    rows = [
+        *(observation.standard[c].T for c in channels),
+        *(observation.library[name] for name in names),
+    ]
+    stack = np.vstack([*rows, observation.left[:, triad].T])
     weight = observed.weight[:, used].mean(axis=1)
     size = np.sqrt((stack**2).mean(axis=1)) + 1e-300
     flat = whitened(stack / size[:, None] * weight, first, observed.rate)
-    grams = np.array([_gram(flat[:, seen.fold == k]) for k in range(FOLDS)])
-    width = seen.standard[channels[0]].shape[1]
+    grams = np.array([_gram(flat[:, observation.fold == k]) for k in range(FOLDS)])
+    width = observation.standard[channels[0]].shape[1]
     shared = list(range(3 * width, 3 * width + len(names)))
     made: list[Equations | None] = []
     for i, c in enumerate(channels):
@@ -148,7 +151,7 @@ def _triad_equations(seen: Seen, triad: slice) -> list[Equations | None]:
         which = [*range(i * width, (i + 1) * width), *shared, reading]
         factor = np.ones(len(which))
         factor[-1] = size[reading]
-        factor *= np.sqrt(first.white / seen.noises[c].white)
+        factor *= np.sqrt(first.white / observation.noises[c].white)
         own = grams[:, which][:, :, which] * factor[:, None] * factor
         made.append(Equations(own, width, size[which[:-1]], names))
     return made

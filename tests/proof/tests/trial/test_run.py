@@ -36,20 +36,20 @@ def test_trial_is_held_and_leaves_its_evidence(
     monkeypatch.setattr(os, "cpu_count", lambda: 1)  # a second process would import all again
     folder = tmp_path / "trial"
     prove.run_prove(seed=7, short=True, out=folder, as_json=True)
-    said = json.loads(capsys.readouterr().out)
-    assert said == json.loads((folder / "evidence.json").read_text())
-    assert said["format"] == "mimu-prove/2"
-    assert [case["effects"] for case in said["cases"]] == [[], ["temperature_bias"]]
-    assert said["totals"]["one effect, z 60"]["detected"]["share"] == 1.0
-    assert said["cases"][1]["gap"]["closed"] > 0.5
-    cost = said["cases"][1]["cost"]
+    response = json.loads(capsys.readouterr().out)
+    assert response == json.loads((folder / "evidence.json").read_text())
+    assert response["format"] == "mimu-prove/2"
+    assert [case["effects"] for case in response["cases"]] == [[], ["temperature_bias"]]
+    assert response["totals"]["one effect, z 60"]["detected"]["share"] == 1.0
+    assert response["cases"][1]["gap"]["closed"] > 0.5
+    cost = response["cases"][1]["cost"]
     assert cost["after"] < cost["before"] / 3.0
     answer = json.loads((folder / "answers/0002/answer.json").read_text())
-    assert [one["effect"] for one in answer["findings"]] == said["cases"][1]["names"]
+    assert [one["effect"] for one in answer["findings"]] == response["cases"][1]["names"]
     assert "| temperature_bias |" in (folder / "evidence.md").read_text()
     page = (folder / "evidence.html").read_text()
     assert page.count("<svg") == 5
-    assert said["seals_sha256"] in page
+    assert response["seals_sha256"] in page
     assert "make prove --seed 7 --short" in page
     assert len((folder / "headline.svg").read_text()) < 40_000
     assert "http" not in re.sub(r'xmlns(:xlink)?="[^"]*"', "", page)

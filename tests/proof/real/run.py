@@ -13,18 +13,18 @@ from schemas.base import Unusable
 from schemas.recording import Recording
 from storage.formats.folder import read_folder
 from tests.proof.real.cases import Hidden, by_hand, hidden_cases, untouched
-from tests.proof.real.fact import Answer, Claim, Fact, Recordings, Told
+from tests.proof.real.fact import Answer, Claim, Fact, Judged, Recordings
 from tests.proof.real.on_shaft import SHAFT
 from tests.proof.real.pictures import Picture, pictures_of
 from tests.proof.real.present import RECORDINGS, doubtful, facts_of
 from tests.proof.real.score import Score, scored
 from tests.proof.trial.blind import ANSWER
-from tests.proof.trial.hold import explain_blind
+from tests.proof.trial.run import explain_blind
 from tests.proof.trial.score import ANSWERS
 from tests.proof.trial.seal import RECORDINGS as RECORDINGS_OUT
 
 Report = Callable[[int, int], None]
-Facts = tuple[tuple[Fact, tuple[Told, ...]], ...]
+Facts = tuple[tuple[Fact, tuple[Judged, ...]], ...]
 Claims = tuple[tuple[Claim, bool | None], ...]
 
 
@@ -45,7 +45,7 @@ class Results:
     explaining: float
 
 
-def hold(folder: Path, out: Path, seed: int, code_version: str, report: Report) -> Results:
+def run_all(folder: Path, out: Path, seed: int, code_version: str, report: Report) -> Results:
     """Everything, from the folder of the real recordings; writes recordings/ and answers/ to out.
 
     Raises Unusable where a recording is missing or not what it should be.
@@ -73,7 +73,8 @@ def judged(
     )
     return (
         tuple(
-            (each, tuple(each.told(answers[name]) for name in each.recordings)) for each in facts
+            (each, tuple(each.declared(answers[name]) for name in each.recordings))
+            for each in facts
         ),
         tuple((each, _made(each, answers)) for each in doubtful(recordings)),
         scores,

@@ -86,7 +86,7 @@ def page_of(line: Line, made: float, judged: Judged) -> str:
     """The evidence as Markdown."""
     return TEXT.format(
         runs=line.runs, seed=line.seed, units=len(line.units), made=made, recorded=RECORDED,
-        explained=EXPLAINED, faults="; ".join(judged.faults) or "none", **judged.told,
+        explained=EXPLAINED, faults="; ".join(judged.faults) or "none", **judged.declared,
     )  # fmt: skip
 
 

@@ -6,18 +6,18 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tasks.version import code_version
-from tests.proof.real.hold import write
+from tests.proof.real.run import write
 from tests.proof.station.case import Case, cases
 from tests.proof.station.record import recording_of
 from tests.proof.station.score import Score, score
 from tests.proof.trial.blind import ANSWER
-from tests.proof.trial.hold import RECORDINGS, explain_blind
+from tests.proof.trial.run import RECORDINGS, explain_blind
 from tests.proof.trial.score import ANSWERS
 
 COLUMNS = ("recording", "low-pass", "delay", "wrong names", "told", "s")
 
 
-def hold(folder: Path, count: int, report: Callable[[int, int], None]) -> list[Score]:
+def run_all(folder: Path, count: int, report: Callable[[int, int], None]) -> list[Score]:
     """Recordings, answers, station.md and station.json in a new folder; the scores of the first
     `count` cases.
     """
@@ -54,8 +54,8 @@ def summary(scores: Sequence[Score]) -> list[str]:
         f"{sum(one.case.is_loaded for one in scores)} by a busy computer."
     ]
     for what in ("low_pass", "delay"):
-        told = Counter(getattr(one, what) for one in scores)
-        counts = ", ".join(f"{how} {n}" for how, n in told.most_common())
+        declared = Counter(getattr(one, what) for one in scores)
+        counts = ", ".join(f"{how} {n}" for how, n in declared.most_common())
         lines.append(f"{what.replace('_', '-')}: {counts}.")
     return lines
 
