@@ -14,13 +14,20 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
 
 from schemas.base import Unusable
 from storage.home import Home
 
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
 LOG = "server.log"
 START_UP_S = 600.0  # with every core busy it takes minutes; a server that ends is seen at once
 TERMINATION_S = 5.0
+BUSY_S = 600.0  # for so long a server that only answers “busy” is asked again
+BUSY = 503
 _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 
 # What is set here must be in the environment before Prefect is imported for the first time.
@@ -36,6 +43,7 @@ OWN_SERVER = {
     "PREFECT_LOGGING_LEVEL": "CRITICAL",
     "PREFECT_LOGGING_TO_API_ENABLED": "false",
     # One that does not answer is no more: waiting a minute for each report would hang the run.
+    # One that answers “busy” is asked again all the same: `asked_again_when_busy`.
     "PREFECT_CLIENT_MAX_RETRIES": "0",
     # We use no blocks; entering them all is a sixth of the server's start.
     "PREFECT_API_BLOCKS_REGISTER_ON_START": "false",
@@ -111,12 +119,38 @@ def _die_with_parent() -> Callable[[], object]:
 _DIE_WITH_PARENT = _die_with_parent() if sys.platform == "linux" else None
 
 
+def asked_again_when_busy(
+    app: "ASGIApp", clock: Callable[[], float] = monotonic
+) -> "ASGIApp":
+    """The server's app, whose client asks again a second after an answer of “busy” (503).
+
+    Prefect's server answers so where two of its transactions met in SQLite; its client asks again,
+    without counting, where the answer has these headers (prefect 3.8, `_send_with_retry`).
+    """
+    answered = clock()
+
+    async def answer(scope: "Scope", receive: "Receive", send: "Send") -> None:
+        async def send_on(message: "Message") -> None:
+            nonlocal answered
+            if message["type"] == "http.response.start":
+                if message["status"] != BUSY:
+                    answered = clock()
+                elif clock() - answered < BUSY_S:
+                    again = [(b"prefect-maintenance", b"true"), (b"retry-after", b"1")]
+                    message = {**message, "headers": [*message["headers"], *again]}
+            await send(message)
+
+        await app(scope, receive, send_on)
+
+    return answer
+
+
 def serve(listener: socket.socket) -> None:
     """Run the server on a listening socket."""
     import uvicorn
     from prefect.server.api.server import create_app
 
-    app = create_app(ephemeral=True, final=True)
+    app = asked_again_when_busy(create_app(ephemeral=True, final=True))
     uvicorn.Server(uvicorn.Config(app, log_level="error")).run(sockets=[listener])
 
 

@@ -1,9 +1,15 @@
-"""A server of a command's own, where it cannot start."""
+"""A server of a command's own, where it cannot start and where it is busy."""
 
+import asyncio
 import sys
+from collections.abc import Iterator
+from itertools import chain, repeat
 from pathlib import Path
 
+import httpx
 import pytest
+from prefect.client import base
+from prefect.settings import PREFECT_CLIENT_MAX_RETRIES, temporary_settings
 
 from flows import prefect_server
 from schemas.base import Unusable
@@ -17,3 +23,44 @@ def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(Unusable, match=r"see .*server\.log.*PREFECT_API_URL"):
         prefect_server._start(tmp_path)
+
+
+def answering(statuses: Iterator[int], clock: Iterator[float]):
+    """A server whose answers have these statuses, and whose clock reads these times."""
+
+    async def app(scope, receive, send) -> None:
+        await send({"type": "http.response.start", "status": next(statuses), "headers": []})
+        await send({"type": "http.response.body", "body": b"{}"})
+
+    return prefect_server.asked_again_when_busy(app, lambda: next(clock))
+
+
+def asked(app, monkeypatch: pytest.MonkeyPatch) -> int:
+    """The status that Prefect's client, which retries nothing, has in the end."""
+
+    async def at_once(seconds: float) -> None: ...
+
+    async def ask() -> int:
+        transport = httpx.ASGITransport(app=app)
+        async with base.PrefectHttpxAsyncClient(
+            transport=transport, base_url="http://server", raise_on_all_errors=False
+        ) as client:
+            return (await client.post("/flow_runs/")).status_code
+
+    monkeypatch.setattr(base.anyio, "sleep", at_once)
+    with temporary_settings({PREFECT_CLIENT_MAX_RETRIES: 0}):
+        return asyncio.run(ask())
+
+
+def test_a_busy_server_is_asked_again_until_it_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    busy_at_first = answering(chain(repeat(503, 20), repeat(200)), repeat(0.0))
+    assert asked(busy_at_first, monkeypatch) == 200
+
+
+def test_a_server_that_stays_busy_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    always_busy = answering(repeat(503), chain([0.0, 1.0, 599.0], repeat(601.0)))
+    assert asked(always_busy, monkeypatch) == 503
+
+
+def test_an_error_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert asked(answering(chain([500], repeat(200)), repeat(0.0)), monkeypatch) == 500
