@@ -119,9 +119,7 @@ def _die_with_parent() -> Callable[[], object]:
 _DIE_WITH_PARENT = _die_with_parent() if sys.platform == "linux" else None
 
 
-def asked_again_when_busy(
-    app: "ASGIApp", clock: Callable[[], float] = monotonic
-) -> "ASGIApp":
+def asked_again_when_busy(app: "ASGIApp", clock: Callable[[], float] = monotonic) -> "ASGIApp":
     """The server's app, whose client asks again a second after an answer of “busy” (503).
 
     Prefect's server answers so where two of its transactions met in SQLite; its client asks again,

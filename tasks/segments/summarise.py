@@ -17,9 +17,12 @@ GYRO_COLUMNS = slice(0, 3)
 ACCEL_COLUMNS = slice(3, 6)
 
 SAMPLE_ROWS = 2000  # rows that centre and scale are taken from; enough for a median
+PLACES = np.arange(SAMPLE_ROWS) * (np.sqrt(5.0) - 1.0) / 2.0 % 1.0  # of the rows, by golden section
 GLANCE_ROWS = 200  # rows that already show that every row of a segment is near
 GLANCE = 0.7  # of the reach that they give: it is known within a fifth
 REACH = 10.0  # robust standard deviations beyond which a row is not this segment's signal
+CENTRAL = (0.12, 0.88)  # shares of a sample between which its bulk lies in any case
+CENTRAL_SIGMAS = 2.35  # of a normal distribution between them
 NEAR_STEPS = 4.5  # steps of a coarse channel that its noise can reach
 STEP_ROWS = 8000  # rows that the step is looked for in
 MIN_ROWS = 4  # a segment with fewer has no mean to speak of
@@ -107,28 +110,44 @@ def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
     return _far_by_channel([channel], one_pass([channel]), samples, np.array([step])).get(0)
 
 
+def _centre_and_spread(samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Median (c,) of each channel's sample (c, m), and its median absolute deviation as 1 sigma."""
+    centre = median(samples)
+    return centre, 1.4826 * median(np.abs(samples - centre[:, None]))
+
+
+def _reach(centre: np.ndarray, spread: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """How far (c,) from its centre a channel's bulk reaches at the least.
+
+    One code, and what a float resolves, is no spread.
+    """
+    resolution = 8 * np.finfo(float).eps * np.abs(centre)
+    return REACH * np.maximum(spread, np.maximum(resolution, NEAR_STEPS * step / REACH))
+
+
 def _bulk(samples: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Centre (c,) of each channel's sample (c, m), and how far (c,) its bulk reaches from there.
 
-    From the median, its absolute deviation and the 2 % to 98 % range, so that a spike, or a
-    hundred, cannot hide itself. NaN for a sample with NaN in it.
+    From the median, its absolute deviation and the CENTRAL range, so that a spike, or a tenth of
+    the rows, cannot hide itself. NaN for a sample with NaN in it.
     """
-    places = [int(share * (samples.shape[1] - 1)) for share in (0.02, 0.5, 0.98)]
-    low, centre, high = np.partition(samples, places)[:, places].T
-    spread = 1.4826 * median(np.abs(samples - centre[:, None]))
-    resolution = 8 * np.finfo(float).eps * np.abs(centre)
-    floor = np.maximum(resolution, NEAR_STEPS * step / REACH)
-    return centre, REACH * np.maximum(np.maximum(spread, (high - low) / 4.1), floor)
+    centre, spread = _centre_and_spread(samples)
+    places = [int(share * (samples.shape[1] - 1)) for share in CENTRAL]
+    low, high = np.partition(samples, places)[:, places].T
+    return centre, _reach(centre, np.maximum(spread, (high - low) / CENTRAL_SIGMAS), step)
 
 
-def _sampled(channel: np.ndarray) -> np.ndarray:
-    """About SAMPLE_ROWS entries of a channel (n,), evenly spread."""
-    return channel[:: max(1, len(channel) // SAMPLE_ROWS)]
+def _evenly_placed(rows: int, wanted: int) -> np.ndarray:
+    """So many of a number of rows, spread evenly and with no period that spikes could share."""
+    return (PLACES[:wanted] * rows).astype(int)
 
 
 def _samples(values: Sequence[np.ndarray]) -> np.ndarray:
-    """The sample (c, m) of each of c channels (n,)."""
-    return np.array([_sampled(channel) for channel in values])
+    """The sample (c, m) of each of c channels (n,): all rows, or SAMPLE_ROWS of them."""
+    if len(values[0]) <= SAMPLE_ROWS:
+        return np.array(values)
+    rows = _evenly_placed(len(values[0]), SAMPLE_ROWS)
+    return np.array([channel[rows] for channel in values])
 
 
 def longest_run(flags: np.ndarray) -> int:
@@ -228,8 +247,10 @@ def _far_by_channel(
     values: Sequence[np.ndarray], read: Pass, samples: np.ndarray, step: np.ndarray
 ) -> dict[int, np.ndarray]:
     """The far rows of each channel that has any."""
-    few = samples[:, :: max(1, samples.shape[1] // GLANCE_ROWS)]
-    centre, reach = _bulk(few, step)
+    few = samples[:, _evenly_placed(samples.shape[1], GLANCE_ROWS)]
+    # The deviation alone: of few rows a single burst can fill the range.
+    centre, spread = _centre_and_spread(few)
+    reach = _reach(centre, spread, step)
     beyond = (read.high > centre + GLANCE * reach) | (read.low < centre - GLANCE * reach)
     if not beyond.any():
         return {}
