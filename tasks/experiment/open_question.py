@@ -15,6 +15,7 @@ from tasks.explain.explanation import UNNAMED, Explanation
 from tasks.explain.progress import Progress, silent
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
+from tasks.model.effect import EVENTS
 from tasks.model.model import Model
 
 COVERAGE = 2.0  # standard uncertainties in U
@@ -63,7 +64,9 @@ def _open(explanation: Explanation) -> Iterator[tuple[str, ...]]:
         if len(finding.group) > 1:
             yield finding.group
         elif finding.indistinguishable and finding.effect != UNNAMED:
-            yield (finding.effect, *finding.indistinguishable)
+            # An event in the samples has no model; what it may be mistaken for has.
+            others = (name for name in finding.indistinguishable if name not in EVENTS)
+            yield (finding.effect, *others)
     for finding in findings:
         if finding.refusal is not None and finding.refusal.kind in SUSPECTED:
             name = finding.refusal.name

@@ -8,6 +8,7 @@ from schemas.base import Unusable
 from schemas.recording import Recording
 from tasks.explain.confounding.compare import compared
 from tasks.explain.confounding.families import searched_by_name
+from tasks.explain.confounding.play import with_play
 from tasks.explain.events.faults import Fault, find_faults
 from tasks.explain.evidence.absorption import with_absorbed
 from tasks.explain.evidence.assemble import explanation_of
@@ -131,6 +132,7 @@ def _evidence(
     tell(progress, "combinations")
     trials = len(candidates)
     fit = compared(evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit)
+    fit = with_play(fit, candidates)
     return evidence if fit is evidence.fit else pruned(fit, trials)
 
 

@@ -12,6 +12,7 @@ from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, leakage
 from tasks.explain.evidence.pruning import unsupported
+from tasks.explain.evidence.one_rate import possibly_clipped
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
@@ -99,6 +100,7 @@ def _finding(
     absorbed = group.absorbed_by is not None
     gain = group.selected[0].gain if absorbed else evidence.evidence(number)
     named, first = group.name != UNNAMED, group.terms[0]
+    channels = _channels(contribution, full.rest_variance)
     return Finding(
         effect=group.name,
         family=first.family if named else UNNAMED,
@@ -106,14 +108,14 @@ def _finding(
         behaviour="" if group.known else _behaviour(group),
         equation=first.equation,
         source=first.source,
-        channels=_channels(contribution, full.rest_variance),
+        channels=channels,
         parameters=_parameters(evidence, number, scrutiny, full.start),
         contribution=contribution,
         terms=tuple(keys),
         gain=gain,
         delta_bic=gain if absorbed else evidence.delta_bic(number),
         held_out_gain=evidence.held_out_gain(number),
-        indistinguishable=_indistinguishable(group) if named else (),
+        indistinguishable=_indistinguishable(group, channels, full) if named else (),
         separated_by=first.separated_by if named else None,
         homogeneity_p=scrutiny.homogeneity_p,
         refusal=scrutiny.refusal,
@@ -136,14 +138,17 @@ def _behaviour(group: FindingGroup) -> Sayable:
     return JUMPS if several else first.behaviour
 
 
-def _indistinguishable(group: FindingGroup) -> tuple[str, ...]:
+def _indistinguishable(
+    group: FindingGroup, channels: tuple[int, ...], full: FullRate
+) -> tuple[str, ...]:
     """Catalogue names that fit nearly as well, so that the data cannot distinguish them."""
-    names = (
+    names = [
         other.candidate.name
         for one in group.selected
         for other in one.alternatives
         if one.score - other.score < INDISTINGUISHABLE
-    )
+    ]
+    names += possibly_clipped(group.name, channels, full.motion)
     return tuple(name for name in dict.fromkeys(names) if name != UNNAMED)
 
 

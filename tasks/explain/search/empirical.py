@@ -10,9 +10,7 @@ from functools import partial
 import numpy as np
 
 from tasks.explain.channels import ACCELS, EVERY, GYROS
-from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.empirical_terms import (
-    EmpiricalTilt,
     Regressors,
     regression_term,
     sinusoid,
@@ -24,7 +22,8 @@ from tasks.explain.search.motion_signals import (
     time_since,
     turning,
 )
-from tasks.model.term import Inputs, Parameter, Term
+from tasks.explain.search.tilts import leans, tips
+from tasks.model.term import Inputs, Term
 from tasks.motion.whole import Motion
 from tasks.words import message
 
@@ -32,11 +31,6 @@ ONE_TURN = 2.0 * np.pi  # rad: an axis that turned further has harmonics
 RELAXATIONS = (1.5, 4.0, 8.0, 16.0, 40.0)  # s
 LAGS = (3.0, 7.0, 18.0, 45.0, 120.0)  # s
 HARMONICS = range(1, 7)
-LEAN_WIDTH = 0.4  # rad of the table's angle
-LEAN_CENTRES = np.arange(0.0, 2.0 * np.pi, np.pi / 6.0)
-LEAN_PARAMETERS = tuple(
-    Parameter(f"lean_{axis}", "lean", "rad", 1.0, (-0.01, 0.01)) for axis in "xyz"
-)
 SINUSOIDS = 2  # periods that are tried for each set of channels
 RECORDED = ("humidity", "pressure", "air_temperature")
 EVENTS = {
@@ -52,7 +46,7 @@ def empirical(motion: Motion) -> tuple[Term, ...]:
     """Every empirical term that a recording could need."""
     return (
         *_relaxations(), *_lags(), *_products(), *_recorded(motion), *_sinusoids(),
-        *_of_table(motion),
+        *_of_table(motion), *tips(),
     )  # fmt: skip
 
 
@@ -160,7 +154,7 @@ def _of_table(motion: Motion) -> Iterator[Term]:
     for axis, angle in enumerate(motion.axes.angles.T):
         if np.isfinite(angle).any() and np.nanmax(angle) - np.nanmin(angle) >= ONE_TURN:
             yield from _harmonics(axis)
-            yield from _leans(axis)
+            yield from leans(axis)
 
 
 def _harmonics(axis: int) -> Iterator[Term]:
@@ -176,19 +170,3 @@ def _harmonic(
     assert motion.axes is not None
     angle = order * motion.axes.angles[:, axis]
     return [np.sin(angle), np.cos(angle)]
-
-
-def _leans(axis: int) -> Iterator[Term]:
-    for centre in LEAN_CENTRES:
-        degrees = f"{np.degrees(centre):.0f}"
-        yield EmpiricalTilt(
-            UNNAMED, UNNAMED, "motion", f"the unit leans near θ{axis + 1} = {degrees}°",
-            "empirical", LEAN_PARAMETERS,
-            own_title=message("explain-lean", axis=axis + 1, angle=degrees),
-            regressor=partial(_bump, axis, centre),
-        )  # fmt: skip
-
-
-def _bump(axis: int, centre: float, motion: Motion) -> np.ndarray:
-    assert motion.axes is not None
-    return np.asarray(np.exp((np.cos(motion.axes.angles[:, axis] - centre) - 1.0) / LEAN_WIDTH**2))

@@ -45,6 +45,7 @@ explain-recorded-air-temperature = the air temperature
 explain-recorded-times-input = { $signal } times the input
 explain-harmonic = an error that follows the angle of table axis { $axis }, { $order } times per revolution
 explain-lean = a tilt of the unit near { $angle }° of table axis { $axis }
+explain-tip = a tilt of the unit of one size to either side, as the specific force points along ({ $side }) or against it
 
 # Where the search ends early.
 explain-search-stopped = The search stopped at its limit of { $seconds } s of processor time: the residual was not searched again around the fitted values, and effects beyond those found were not tried.

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from engine_run import GRAVITY, MOVE, REST, SPANS, motion
+from engine_run import MOVE, REST, SPANS, motion
 
 from tasks.explain.channels import GYROS
 from tasks.explain.explanation import UNNAMED
@@ -115,23 +115,8 @@ def with_table(turned: float) -> tuple:
 
 
 def test_harmonics_of_an_axis_are_asked_only_where_it_went_round() -> None:
-    plain = len(empirical(RUN))
-    assert len(with_table(0.9 * 2.0 * np.pi)) == plain
-    more = with_table(3.0 * 2.0 * np.pi)[plain:]
+    plain = {title(term)["en"] for term in empirical(RUN)}
+    assert {title(term)["en"] for term in with_table(0.9 * 2.0 * np.pi)} == plain
+    more = {title(term)["en"] for term in with_table(3.0 * 2.0 * np.pi)} - plain
     assert len(more) == 6 + 12
-    assert all("table axis 1" in title(term)["en"] for term in more)
-
-
-def test_a_lean_turns_gravity_near_its_angle_and_keeps_its_size() -> None:
-    lean = with_table(6.0 * np.pi)[-7]
-    angle = np.linspace(0.0, 6.0 * np.pi, len(RUN.t))[:, None]
-    spins = np.tile([0.0, 0.0, 1.0], (len(RUN.t), 1, 1))
-    run = replace(RUN, axes=TableAxes(angle, 0 * angle, spins, RUN.north))
-    moved = lean.moved(run, np.array([1e-3, 0.0, 0.0]))
-    size = np.linalg.norm(moved.force, axis=1)
-    np.testing.assert_allclose(size, GRAVITY, rtol=2e-6)
-    turned = np.linalg.norm(moved.up - run.up, axis=1)
-    centre = np.radians(float(lean.equation.split("= ")[1].rstrip("°")))
-    far = np.cos(angle[:, 0] - centre) < 0.0
-    assert turned[far].max() < 0.02 * turned.max()
-    assert turned.max() == pytest.approx(1e-3, rel=0.05)
+    assert all("table axis 1" in text for text in more)

@@ -1,6 +1,7 @@
 """A Modbus table of another maker, over TCP and over a serial line, byte by byte."""
 
 import os
+import select
 import socketserver
 import struct
 import threading
@@ -99,14 +100,12 @@ def over_serial(maker: ModbusMaker) -> tuple[str, Callable[[], None]]:
     near, far = os.openpty()
     tty.setraw(near)
     tty.setraw(far)
+    ended, end = os.pipe()
 
     def serve() -> None:
         waiting = b""
-        while True:
-            try:
-                waiting += os.read(near, 300)
-            except OSError:
-                return
+        while ended not in select.select([near, ended], [], [])[0]:
+            waiting += os.read(near, 300)
             while len(waiting) >= 8:
                 size = 8 if waiting[1] != 16 else 9 + waiting[6]
                 if len(waiting) < size:
@@ -116,8 +115,16 @@ def over_serial(maker: ModbusMaker) -> tuple[str, Callable[[], None]]:
                 body = request[:1] + maker.answer(request[0], request[1:-2])
                 os.write(near, body + _crc(body))
 
-    threading.Thread(target=serve, daemon=True).start()
-    return os.ttyname(far), lambda: (os.close(far), os.close(near), None)[2]
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+
+    def stop() -> None:
+        os.write(end, b"x")
+        thread.join()  # before its files are closed, whose numbers others get
+        for each in (far, near, ended, end):
+            os.close(each)
+
+    return os.ttyname(far), stop
 
 
 def _crc(data: bytes) -> bytes:
