@@ -21,8 +21,11 @@ PLACES = np.arange(SAMPLE_ROWS) * (np.sqrt(5.0) - 1.0) / 2.0 % 1.0  # of the row
 GLANCE_ROWS = 200  # rows that already show that every row of a segment is near
 GLANCE = 0.7  # of the reach that they give: it is known within a fifth
 REACH = 10.0  # robust standard deviations beyond which a row is not this segment's signal
-CENTRAL = (0.12, 0.88)  # shares of a sample between which its bulk lies in any case
-CENTRAL_SIGMAS = 2.35  # of a normal distribution between them
+# Shares of a sample between which its bulk lies in any case: where a correction was taken off
+# coarse readings their steps are not known, and rows of a neighbouring code are not corrupted.
+CENTRAL = (0.02, 0.98)
+CENTRAL_SIGMAS = 4.1  # of a normal distribution between them
+MOST_WIDENED = 0.5  # of the rows: more beside bursts are not left out for their sake
 NEAR_STEPS = 4.5  # steps of a coarse channel that its noise can reach
 STEP_ROWS = 8000  # rows that the step is looked for in
 MIN_ROWS = 4  # a segment with fewer has no mean to speak of
@@ -128,8 +131,8 @@ def _reach(centre: np.ndarray, spread: np.ndarray, step: np.ndarray) -> np.ndarr
 def _bulk(samples: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Centre (c,) of each channel's sample (c, m), and how far (c,) its bulk reaches from there.
 
-    From the median, its absolute deviation and the CENTRAL range, so that a spike, or a tenth of
-    the rows, cannot hide itself. NaN for a sample with NaN in it.
+    From the median, its absolute deviation and the CENTRAL range, so that a spike, or a fiftieth
+    of the rows, cannot hide itself. NaN for a sample with NaN in it.
     """
     centre, spread = _centre_and_spread(samples)
     places = [int(share * (samples.shape[1] - 1)) for share in CENTRAL]
@@ -162,13 +165,16 @@ def runs(flags: np.ndarray) -> np.ndarray:
 
 
 def _widened(corrupt: np.ndarray) -> np.ndarray:
-    """A burst of far rows with its own length added on both sides, where it came and went."""
+    """A burst of far rows with its own length added on both sides, where it came and went; the far
+    rows alone where that would take in half the segment.
+    """
     burst = longest_run(corrupt)
     if burst <= LONGEST_BURST:
         return corrupt
     count = np.concatenate(([0], np.cumsum(corrupt)))
     row = np.arange(len(corrupt))
-    return count[np.minimum(row + burst + 1, len(corrupt))] > count[np.maximum(row - burst, 0)]
+    near = count[np.minimum(row + burst + 1, len(corrupt))] > count[np.maximum(row - burst, 0)]
+    return corrupt if near.mean() > MOST_WIDENED else near
 
 
 def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:

@@ -42,18 +42,35 @@ def test_spikes_of_any_size_are_left_out_and_counted() -> None:
 
 @settings(max_examples=30)
 @given(
-    st.lists(st.integers(0, 2999), min_size=1, max_size=300, unique=True),
+    st.lists(st.integers(0, 2999), min_size=1, max_size=55, unique=True),
     st.floats(1.0, 1e6),
 )
 @example([0, 165, 195, 285, 2085], 2.0)  # every one a row of the first glance
-@example(list(range(0, 3000, 10)), 1.0)
-@example(list(range(1000, 1300)), 1.0)
-def test_even_a_tenth_of_corrupted_rows_does_not_move_the_mean(
+@example(list(range(0, 3000, 60)), 1.0)
+@example(list(range(1000, 1050)), 1.0)
+def test_even_a_fiftieth_of_corrupted_rows_does_not_move_the_mean(
     rows: list[int], size: float
 ) -> None:
     spoiled = noise()
     spoiled[rows, 1] += size
     summary = summarise(stream(spoiled), HELD, "label")
+    assert np.abs(summary.mean).max() < 0.002
+
+
+def test_rare_codes_are_kept_where_a_correction_hides_the_step() -> None:
+    """A twentieth of the rows reads the next code; what was taken off follows the time."""
+    values = np.where(np.random.default_rng(8).random((3000, 6)) < 0.05, 0.02, 0.0)
+    values += 1e-7 * np.linspace(0.0, 1.0, 3000)[:, None]
+    assert summarise(stream(values), HELD, "label").left_out == 0
+
+
+def test_what_lies_beside_many_spikes_is_kept() -> None:
+    """One burst of 36 rows, and 22 spikes: with as much on both sides of each, more than half."""
+    spoiled = noise()
+    spoiled[1050:1086, 0] += 5.0
+    spoiled[range(20, 3000, 140), 0] += 5.0
+    summary = summarise(stream(spoiled), HELD, "label")
+    assert summary.left_out == 36 + 22
     assert np.abs(summary.mean).max() < 0.002
 
 
