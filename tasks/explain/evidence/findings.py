@@ -11,8 +11,8 @@ from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, leakage
-from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.one_rate import possibly_clipped
+from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
