@@ -15,6 +15,7 @@ from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.dead_band import unseen_turning
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
+from tasks.explain.evidence.loops import loops_both_ways
 from tasks.explain.evidence.one_end import jump_at_one_end
 from tasks.explain.evidence.partitions import partitions
 from tasks.explain.evidence.placements import made_by_placing
@@ -71,6 +72,7 @@ class Scrutiny:
             or unseen_turning(evidence, number)
             or made_by_placing(evidence, number)
             or jump_at_one_end(evidence, number)
+            or loops_both_ways(group.name, _parameters(evidence, number), values, u)
         )
         return cls(p, u, refusal)
 

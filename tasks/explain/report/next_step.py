@@ -28,6 +28,7 @@ ALIKE_FOR_ALL = {
     "reference_noise": "report-next-reference-noise",
     "placed": "report-next-placed",
     "one_end": "report-next-one-end",
+    "both_ways": "report-next-both-ways",
 }  # what is next, whatever name was refused
 
 

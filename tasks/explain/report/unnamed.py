@@ -69,7 +69,7 @@ def refused(refusal: Refusal, setting: bool) -> Message:
     arguments = {"effect": effect_name(refusal.name), "parameter": ""}
     if refusal.parameter is not None:
         arguments["parameter"] = parameter_name(refusal.parameter)
-    if refusal.kind in ("reference_noise", "placed", "one_end"):
+    if refusal.kind in ("reference_noise", "placed", "one_end", "both_ways"):
         kind, placed = refusal.kind.replace("_", "-"), int(refusal.value or 0)
         return message(f"report-refused-{kind}", effect=arguments["effect"], placed=placed)
     if refusal.kind == "channel_worse":

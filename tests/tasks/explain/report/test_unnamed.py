@@ -23,6 +23,7 @@ REFUSALS: dict[str, Refusal] = {
         "inhomogeneous", "time_offset", "delay", "s", smallest=0.008, largest=0.0094, parts="rate"
     ),
     "reference_noise": Refusal("reference_noise", "bandwidth"),
+    "both_ways": Refusal("both_ways", "hysteresis"),
     "leakage": Refusal("leakage", "encoder_eccentricity", value=34.0),
     "scatter": Refusal("scatter", "hysteresis", value=13.7),
     "form_error": Refusal("form_error", "gyro_scale_asymmetry", value=360.0),
