@@ -21,6 +21,7 @@ from tasks.explain.evidence.partitions import partitions
 from tasks.explain.evidence.placements import made_by_placing
 from tasks.explain.evidence.shares import WEAK
 from tasks.explain.evidence.si_units import unit_of
+from tasks.explain.evidence.swinging import swings
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.model.regression import inverse
 from tasks.model.term import Parameter
@@ -73,6 +74,7 @@ class Scrutiny:
             or made_by_placing(evidence, number)
             or jump_at_one_end(evidence, number)
             or loops_both_ways(group.name, _parameters(evidence, number), values, u)
+            or swings(evidence, number, _parameters(evidence, number), values, u)
         )
         return cls(p, u, refusal)
 

@@ -11,6 +11,7 @@ from tasks.model.effect import effect_name
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import plain, rough_quantity
 
+PLAIN = ("reference_noise", "placed", "one_end", "both_ways", "swings")  # reasons without figures
 USUAL = {"s": "time", "m": "length", "rad": "angle"}  # kinds of causes, by the SI unit
 LARGER = 1.5  # times the limit of what is plausible, from which it is given as a multiple
 FAR_BEYOND = 5.0  # times, from which a unit or range may be wrong: 9.8, 57.3, 1000, powers of two
@@ -69,7 +70,7 @@ def refused(refusal: Refusal, setting: bool) -> Message:
     arguments = {"effect": effect_name(refusal.name), "parameter": ""}
     if refusal.parameter is not None:
         arguments["parameter"] = parameter_name(refusal.parameter)
-    if refusal.kind in ("reference_noise", "placed", "one_end", "both_ways"):
+    if refusal.kind in PLAIN:
         kind, placed = refusal.kind.replace("_", "-"), int(refusal.value or 0)
         return message(f"report-refused-{kind}", effect=arguments["effect"], placed=placed)
     if refusal.kind == "channel_worse":
