@@ -60,7 +60,8 @@ class Tip(Term):
     def towards(self, direction: np.ndarray) -> "Tip":
         """The same term with another direction."""
         unit = direction / np.linalg.norm(direction)
-        title = message("explain-tip", side=", ".join(f"{part:+.2g}" for part in unit))
+        parts = ", ".join(f"{round(part, 1) + 0.0:+.1f}" for part in unit.tolist())
+        title = message("explain-tip", side=parts.replace("-", "−"))
         return replace(self, own_title=title, direction=unit)
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
