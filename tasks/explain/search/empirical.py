@@ -22,7 +22,7 @@ from tasks.explain.search.motion_signals import (
     time_since,
     turning,
 )
-from tasks.explain.search.tilts import leans, tips
+from tasks.explain.search.tilts import leans, lost_motion, tips
 from tasks.model.term import Inputs, Term
 from tasks.motion.whole import Motion
 from tasks.words import message
@@ -151,7 +151,11 @@ def _sinusoids() -> Iterator[Term]:
 def _of_table(motion: Motion) -> Iterator[Term]:
     if motion.axes is None:
         return
-    for axis, angle in enumerate(motion.axes.angles.T):
+    for axis, (angle, speed) in enumerate(
+        zip(motion.axes.angles.T, motion.axes.speeds.T, strict=True)
+    ):
+        if np.nanmin(speed, initial=0.0) < 0.0 < np.nanmax(speed, initial=0.0):
+            yield lost_motion(axis)
         if np.isfinite(angle).any() and np.nanmax(angle) - np.nanmin(angle) >= ONE_TURN:
             yield from _harmonics(axis)
             yield from leans(axis)

@@ -1,4 +1,4 @@
-"""Empirical tilts of the unit in its fixture: near an angle of the table, or where it has play."""
+"""Empirical tilts of the unit: near an angle of the table, where it has play, or its drive has."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -9,9 +9,11 @@ import numpy as np
 
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.empirical_terms import EmpiricalTilt
+from tasks.model.hysteresis_states import last_sign
 from tasks.model.parameters import G
 from tasks.model.term import Parameter, Term
 from tasks.model.terms.axes import turned_by
+from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.whole import Motion
 from tasks.words import message
 
@@ -19,6 +21,7 @@ WIDTH = 0.4  # rad of the table's angle
 CENTRES = np.arange(0.0, 2.0 * np.pi, np.pi / 6.0)
 GIVES_WAY = 1.0  # m/s² of specific force, a tenth of gravity, over which it tips to the other side
 DIAGONALS = tuple((1.0, y, z) for y, z in product((1.0, -1.0), repeat=2))  # opposites are the same
+STANDS = 0.02  # of the largest rate of an axis: slower is no turn to either side
 PARAMETERS = tuple(Parameter(f"lean_{axis}", "lean", "rad", 1.0, (-0.01, 0.01)) for axis in "xyz")
 
 
@@ -74,3 +77,31 @@ def tips() -> Iterator[Tip]:
     signs of its components.
     """
     yield from (Tip.along(np.array(diagonal)) for diagonal in DIAGONALS)
+
+
+@dataclass(frozen=True)
+class LostMotion(Term):
+    """The unit lags behind the encoder by one angle, whichever way a table axis turns last: a gear
+    or a coupling between them has play. The short stop at each reversal is not in it.
+    """
+
+    axis: int = field(kw_only=True)
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        axes = motion.axes
+        assert axes is not None
+        speed = axes.speeds[:, self.axis]
+        way = last_sign(speed, STANDS * float(np.nanmax(np.abs(speed))))
+        return with_small_rotation(
+            motion, axes.directions[:, self.axis], -values[0] * way, np.zeros_like(way),
+            axes.outside(self.axis),
+        )  # fmt: skip
+
+
+def lost_motion(axis: int) -> LostMotion:
+    """The play in the drive of a table axis, counted from 0."""
+    return LostMotion(
+        UNNAMED, UNNAMED, "motion", f"θ{axis + 1} = θ_enc − h·(way it turned last)", "empirical",
+        (Parameter("half", "h", "rad", 1.0, (-0.01, 0.01)),),
+        own_title=message("explain-lost-motion", axis=axis + 1), axis=axis,
+    )  # fmt: skip

@@ -46,6 +46,7 @@ explain-recorded-times-input = { $signal } times the input
 explain-harmonic = an error that follows the angle of table axis { $axis }, { $order } times per revolution
 explain-lean = a tilt of the unit near { $angle }° of table axis { $axis }
 explain-tip = a tilt of the unit of one size to either side, as the specific force points along ({ $side }) or against it
+explain-lost-motion = a unit that lags behind the encoder of table axis { $axis } by one angle, in whichever direction it last turned
 
 # Where the search ends early.
 explain-search-stopped = The search stopped at its limit of { $seconds } s of processor time: the residual was not searched again around the fitted values, and effects beyond those found were not tried.

@@ -46,6 +46,7 @@ explain-recorded-times-input = { $signal }与输入之积
 explain-harmonic = 读数随转台第 { $axis } 轴转角变化，每转 { $order } 次
 explain-lean = 转台第 { $axis } 轴转角 { $angle }° 附近的倾斜
 explain-tip = 产品随比力指向（{ $side }）或其反方向而向两侧等量倾斜
+explain-lost-motion = 产品相对转台第 { $axis } 轴编码器滞后一固定角度，方向取决于最近一次转动的方向
 
 # 搜索提前结束。
 explain-search-stopped = 搜索在{ $seconds } s处理器时间预算处停止：未在已拟合的数值附近对剩余部分再次搜索，也未尝试已发现因素以外的其他因素。

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY, motion
 
-from tasks.explain.search.tilts import Tip, leans, tips
+from tasks.explain.search.empirical import empirical
+from tasks.explain.search.tilts import LostMotion, Tip, leans, lost_motion, tips
 from tasks.motion.table import TableAxes
 
 RUN = motion()
@@ -45,3 +46,28 @@ def test_tips_go_along_every_diagonal_once() -> None:
     cosines = np.abs(directions @ directions.T)
     np.testing.assert_allclose(cosines[~np.eye(4, dtype=bool)], 1.0 / 3.0)
     assert len({one.own_title for one in tips()}) == 4
+
+
+def test_lost_motion_lags_by_one_angle_behind_either_way() -> None:
+    """A turntable there and back: by plain algebra up is where the lagging angle has it."""
+    turn, level = 0.5 * np.sin(0.2 * RUN.t), np.tile([0.0, 0.0, 1.0], (len(RUN.t), 1))
+    speed = 0.1 * np.cos(0.2 * RUN.t)
+    north = np.column_stack([np.sin(turn), np.cos(turn), 0.0 * turn])
+    axes = TableAxes(turn[:, None], speed[:, None], level[:, None], north)
+    run = replace(RUN, up=level, north=north, rate=speed[:, None] * level, axes=axes)
+    moved = lost_motion(0).moved(run, np.array([2e-3]))
+    late = turn - 2e-3 * np.sign(speed)
+    expected = np.column_stack([np.sin(late), np.cos(late), 0.0 * late])
+    turning = np.abs(speed) > 0.01
+    np.testing.assert_allclose(moved.north[turning], expected[turning], atol=3e-6)
+    np.testing.assert_allclose(moved.rate, run.rate)
+
+
+@pytest.mark.parametrize(("there_and_back", "asked"), [(True, True), (False, False)])
+def test_lost_motion_shows_only_where_an_axis_turned_both_ways(
+    there_and_back: bool, asked: bool
+) -> None:
+    speed = np.where(RUN.t < 30.0, 0.1, -0.1 if there_and_back else 0.1)[:, None]
+    axes = TableAxes(np.cumsum(speed, axis=0) / 25.0, speed, RUN.up[:, None], RUN.north)
+    terms = empirical(replace(RUN, axes=axes))
+    assert any(isinstance(term, LostMotion) for term in terms) == asked
