@@ -30,6 +30,7 @@ RefusalKind = Literal[
     "one_end",
     "both_ways",
     "swings",
+    "switching",
 ]
 
 
@@ -51,7 +52,8 @@ class Refusal:
     placed: labels alone tell `value` positions, and it has a parameter for all that they leave.
     one_end: it is a jump with no more than `value` cells of the recording before or after it.
     both_ways: a memory of which parts run round their loops one way, and parts the other.
-    swings: a low-pass of accelerometers whose amplitude grows where a filter's would fall.
+    swings: a low-pass of accelerometers whose amplitude changes as no filter's does.
+    switching: a random walk that changes at two moments, and hardly between.
     name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
     parts: what divides the recording: time, rate, upward axis, triad, axis.
     """

@@ -12,6 +12,7 @@ from tasks.explain.evidence.determination import determined_model
 from tasks.explain.evidence.event_findings import event_findings
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
+from tasks.explain.evidence.increments import without_switching
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.reference_deviation import reference_deviation
 from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
@@ -71,7 +72,7 @@ def explanation_of(
     nuisances = {group.name for group in evidence.groups if group.nuisance}
     if not ordered:
         named = without_shadows(terms, by_term, left, nuisances)
-        terms = without_form_errors(named, artefacts.findings)
+        terms = without_switching(without_form_errors(named, artefacts.findings))
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     if not ordered:
         findings = without_slivers(findings, nuisances)

@@ -58,7 +58,7 @@ def _named_or_shadow(finding: Finding, removed: float, left: LeftOver) -> Findin
     if removed >= SHADOW * beside:
         return finding
     refusal = Refusal("overshadowed", finding.effect, value=beside / max(removed, 1e-300))
-    return _unnamed(finding, refusal)
+    return without_name(finding, refusal)
 
 
 def _named_or_incomplete(finding: Finding, left: LeftOver) -> Finding:
@@ -67,7 +67,7 @@ def _named_or_incomplete(finding: Finding, left: LeftOver) -> Finding:
         return finding
     if finding.parameters and finding.delta_bic > WEAK * after:
         return finding
-    return _unnamed(finding, Refusal("incomplete", finding.effect, value=after))
+    return without_name(finding, Refusal("incomplete", finding.effect, value=after))
 
 
 def without_slivers(findings: Sequence[Finding], nuisances: Collection[str]) -> list[Finding]:
@@ -121,10 +121,11 @@ def _form_error(finding: Finding, times: float) -> Finding:
     """
     if finding.effect == UNNAMED or not finding.behaviour:
         return finding
-    return _unnamed(finding, Refusal("form_error", finding.effect, value=times))
+    return without_name(finding, Refusal("form_error", finding.effect, value=times))
 
 
-def _unnamed(finding: Finding, refusal: Refusal) -> Finding:
+def without_name(finding: Finding, refusal: Refusal) -> Finding:
+    """The finding, called by what it follows, and why it lost its name."""
     return replace(
         finding, effect=UNNAMED, family=UNNAMED, title=finding.behaviour, refusal=refusal,
         indistinguishable=(), separated_by=None, group=(), common=(),

@@ -1,8 +1,8 @@
 """Whether accelerometers that lag are filtered, or sit on a mount that swings.
 
-Well below its corner a low-pass of second order takes off what follows the slope of its input, and
-keeps its amplitude to the order ω²; below its resonance a mount lags by its damping, and reads too
-much: |H|² = 1 − 2cω² where the readings have c·f̈ besides, c < 0.
+Well below its corner a low-pass that lags by T changes its input f by −T·ḟ + b·f̈ with b between
+T²/2 (a delay) and T² (one pole), and the model has that. A mount lags by its damping, and is off by
+the square of its period: by −f̈/ω₀² below its resonance, and by the whole of f above.
 """
 
 from collections.abc import Sequence
@@ -20,14 +20,14 @@ from tasks.motion.whole import Motion
 
 OF_ACCELEROMETERS = ("accel_time_constant", "accel_lag")
 CLEAR = 3.0  # standard uncertainties
-MORE = 2.0  # times the square of the lag: what a filter of small damping amplifies
+MORE = 2.0  # times the square of the lag: more than any order of filter differs by
 
 
 def swings(
     evidence: Evidence, number: int, parameters: Sequence[Parameter], values: np.ndarray,
     u: np.ndarray,
 ) -> Refusal | None:  # fmt: skip
-    """A low-pass of the accelerometers alone whose readings have too large an amplitude.
+    """A low-pass of the accelerometers alone whose amplitude is not that of a filter.
 
     parameters, values, u: (k,) of the finding.
     """
@@ -41,7 +41,7 @@ def swings(
     if group.name != BANDWIDTH.name or not any(alone) or len(lags) > sum(alone):
         return None
     curvature, own = _curvature(evidence)
-    if -curvature < max(CLEAR * own, MORE * max(lags) ** 2):
+    if abs(curvature) < max(CLEAR * own, MORE * max(lags) ** 2):
         return None
     return Refusal("swings", group.name)
 

@@ -30,6 +30,7 @@ ALIKE_FOR_ALL = {
     "one_end": "report-next-one-end",
     "both_ways": "report-next-mode",
     "swings": "report-next-mode",
+    "switching": "report-next-switching",
 }  # what is next, whatever name was refused
 
 

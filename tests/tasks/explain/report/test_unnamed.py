@@ -25,6 +25,7 @@ REFUSALS: dict[str, Refusal] = {
     "reference_noise": Refusal("reference_noise", "bandwidth"),
     "both_ways": Refusal("both_ways", "hysteresis"),
     "swings": Refusal("swings", "bandwidth"),
+    "switching": Refusal("switching", "bias_random_walk"),
     "leakage": Refusal("leakage", "encoder_eccentricity", value=34.0),
     "scatter": Refusal("scatter", "hysteresis", value=13.7),
     "form_error": Refusal("form_error", "gyro_scale_asymmetry", value=360.0),
