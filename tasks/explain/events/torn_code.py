@@ -16,6 +16,7 @@ SLOW = 64.0  # codes from row to row: faster, a delay has the high byte of the r
 MIN_TORN = 15
 Z = 6.0  # by which rows before outnumber rows after: p = 1e-9
 MIN_RATIO = 3.0  # of rows that have it of the row before to those of the row after
+MAX_HELD = 0.2  # of the rows in which a change is expected
 MAX_NOISE = 50.0  # codes, median: of noise that fills a byte it is 64
 
 
@@ -28,7 +29,7 @@ def torn_codes(code: np.ndarray, predicted: np.ndarray) -> np.ndarray | None:
     read, expected = np.where(known, code, 0.0), np.where(known, predicted, 0.0)
     low, right, near = np.mod(read, BYTE), read, expected
     slow = np.flatnonzero(known & (np.abs(np.gradient(expected)) < SLOW))
-    if len(slow) < ABOUT:
+    if len(slow) < ABOUT or _held(read, expected):
         return None
     for _ in range(ROUNDS):
         # On a ramp most rows may be off, and alike: what is expected there is told by rests beside.
@@ -49,3 +50,11 @@ def torn_codes(code: np.ndarray, predicted: np.ndarray) -> np.ndarray | None:
     if count < MIN_TORN or not clear or noise > MAX_NOISE:
         return None
     return np.asarray(np.where(known & from_before, BYTE * off, 0.0))
+
+
+def _held(read: np.ndarray, expected: np.ndarray) -> bool:
+    """Whether readings (n,) repeat the row before while something else is expected: both bytes are
+    then of an earlier row.
+    """
+    moves = np.abs(np.diff(expected)) > 1.0
+    return bool(np.mean(np.diff(read)[moves] == 0.0) > MAX_HELD) if moves.any() else False

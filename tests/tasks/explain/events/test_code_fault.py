@@ -127,6 +127,16 @@ def test_a_high_byte_of_the_row_after_is_not_called_that_of_the_row_before() -> 
     assert torn_codes(faulty[:, 0], mean_readings(MADE)[:, 0] / step[0]) is None
 
 
+@pytest.mark.parametrize("share", [0.25, 0.5])
+def test_held_rows_have_no_high_byte_of_their_own(share: float) -> None:
+    """What a logger of three rows in four lost looks late, as a high byte does."""
+    right = codes(13)
+    fresh = np.random.default_rng(13).random(len(right)) < share
+    fresh[0] = True
+    held = right[np.maximum.accumulate(np.where(fresh, np.arange(len(right)), 0))]
+    assert fault(held) is None
+
+
 def test_a_sign_that_was_not_extended_is_a_fault_of_the_whole_word() -> None:
     right = codes(3)
     right[:, 0] -= np.round(np.mean(right[:, 0])).astype(int)  # rests near zero, of either sign
