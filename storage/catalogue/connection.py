@@ -69,8 +69,8 @@ def _log_ahead(connection: Any, _: object, *, busy_s: float) -> None:
     while True:
         try:
             connection.execute("PRAGMA journal_mode = WAL")
-        except sqlite3.OperationalError:
-            if time.monotonic() > end_s:
+        except sqlite3.OperationalError as error:
+            if not _is_locked(error) or time.monotonic() > end_s:
                 raise
             time.sleep(SWITCH_PAUSE_S)
         else:
@@ -101,5 +101,10 @@ def explained(made: sql.Engine) -> Iterator[None]:
 def _may_pass(error: sql.exc.DatabaseError) -> bool:
     """Whether waiting helps: a lock in SQLite, any trouble of operation in PostgreSQL."""
     if isinstance(error.orig, sqlite3.Error):
-        return error.orig.sqlite_errorname.startswith(("SQLITE_BUSY", "SQLITE_LOCKED"))
+        return _is_locked(error.orig)
     return isinstance(error, sql.exc.OperationalError)
+
+
+def _is_locked(error: sqlite3.Error) -> bool:
+    """Whether another process holds the file; one that cannot be written stays so."""
+    return error.sqlite_errorname.startswith(("SQLITE_BUSY", "SQLITE_LOCKED"))

@@ -171,3 +171,27 @@ def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(
     with pytest.raises(Unusable) as refusal:
         take_number(fresh)
     assert not isinstance(refusal.value, Busy)
+
+
+@pytest.mark.parametrize(("reason", "tries"), [("SQLITE_BUSY", 3), ("SQLITE_CANTOPEN", 1)])
+def test_only_a_file_that_another_process_holds_is_waited_for(
+    reason: str, tries: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A home that cannot be written was waited for a minute."""
+    asked = []
+
+    class Refusing:
+        def execute(self, statement: str) -> None:
+            asked.append(statement)
+            if len(asked) < 3:
+                error = sqlite3.OperationalError("refused")
+                error.sqlite_errorname = reason
+                raise error
+
+    monkeypatch.setattr(connections.time, "sleep", lambda seconds: None)
+    if tries == 1:
+        with pytest.raises(sqlite3.OperationalError):
+            connections._log_ahead(Refusing(), None, busy_s=60.0)
+    else:
+        connections._log_ahead(Refusing(), None, busy_s=60.0)
+    assert len(asked) == tries
