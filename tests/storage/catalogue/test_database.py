@@ -82,20 +82,33 @@ def test_processes_that_open_a_fresh_home_at_once_make_one_catalogue(
     assert printed == ["14\n"] * 4
 
 
+class Refusing:
+    """A connection that refuses twice, for a reason by SQLite's name."""
+
+    def __init__(self, reason: str) -> None:
+        self.asked, self.reason = 0, reason
+
+    def execute(self, _: str) -> None:
+        self.asked += 1
+        if self.asked < 3:
+            error = sqlite3.OperationalError("refused")
+            error.sqlite_errorname = self.reason
+            raise error
+
+
 def test_switching_a_fresh_file_to_a_log_is_tried_again_when_sqlite_refuses_at_once() -> None:
-    class Refusing:
-        asked = 0
-
-        def execute(self, _: str) -> None:
-            self.asked += 1
-            if self.asked < 3:
-                raise sqlite3.OperationalError("database is locked")
-
-    refusing = Refusing()
-    connections._log_ahead(refusing, None, busy_s=60.0)
-    assert refusing.asked == 3
+    locked = Refusing("SQLITE_BUSY")
+    connections._log_ahead(locked, None, busy_s=60.0)
+    assert locked.asked == 3
     with pytest.raises(sqlite3.OperationalError):
-        connections._log_ahead(Refusing(), None, busy_s=0.0)
+        connections._log_ahead(Refusing("SQLITE_BUSY"), None, busy_s=0.0)
+
+
+def test_a_file_that_cannot_be_opened_is_not_waited_for() -> None:
+    closed = Refusing("SQLITE_CANTOPEN")
+    with pytest.raises(sqlite3.OperationalError):
+        connections._log_ahead(closed, None, busy_s=60.0)
+    assert closed.asked == 1
 
 
 def test_catalogue_of_a_newer_program_is_refused(fresh: Home) -> None:
@@ -171,27 +184,3 @@ def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(
     with pytest.raises(Unusable) as refusal:
         take_number(fresh)
     assert not isinstance(refusal.value, Busy)
-
-
-@pytest.mark.parametrize(("reason", "tries"), [("SQLITE_BUSY", 3), ("SQLITE_CANTOPEN", 1)])
-def test_only_a_file_that_another_process_holds_is_waited_for(
-    reason: str, tries: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A home that cannot be written was waited for a minute."""
-    asked = []
-
-    class Refusing:
-        def execute(self, statement: str) -> None:
-            asked.append(statement)
-            if len(asked) < 3:
-                error = sqlite3.OperationalError("refused")
-                error.sqlite_errorname = reason
-                raise error
-
-    monkeypatch.setattr(connections.time, "sleep", lambda seconds: None)
-    if tries == 1:
-        with pytest.raises(sqlite3.OperationalError):
-            connections._log_ahead(Refusing(), None, busy_s=60.0)
-    else:
-        connections._log_ahead(Refusing(), None, busy_s=60.0)
-    assert len(asked) == tries
