@@ -179,7 +179,9 @@ def test_where_nothing_is_missing_nothing_is_said() -> None:
 @pytest.mark.parametrize(
     ("name", "named"),
     [
-        ("plant_earth_rotation", ["earth_rotation"]),
+        pytest.param(  # by the command in `make test`
+            "plant_earth_rotation", ["earth_rotation"], marks=pytest.mark.rehearsal
+        ),
         pytest.param("plant_lever_arm", ["lever_arm"], marks=pytest.mark.rehearsal),
         pytest.param("plant_time_offset", ["time_offset"], marks=pytest.mark.rehearsal),
         ("plant_tilt_and_temperature", ["axis_tilt", "temperature_bias"]),
@@ -192,11 +194,13 @@ def test_the_missing_physics_is_named_and_nothing_else(name: str, named: list[st
     assert all(each.held_out_gain > 10.0 for each in explained(name).findings)
 
 
+@pytest.mark.rehearsal
 def test_earth_turns_as_fast_as_at_this_latitude() -> None:
     vertical = np.degrees(EARTH * np.sin(np.radians(39.9))) * 3600.0
     assert_known("plant_earth_rotation", "earth_rotation", {"vertical_rate": vertical})
 
 
+@pytest.mark.rehearsal
 def test_earth_rotation_is_what_the_clause_reads_as_g_sensitivity_of_a_vertical_axis() -> None:
     name = "plant_earth_rotation"
     (moved,) = consequences(recording(name), explained(name)).of_findings
