@@ -13,7 +13,7 @@ SMALL = 0.02  # of the mismatch above noise: an engineer looks elsewhere first
 SHADOW = 0.15  # of what stays unexplained in its channels: who removes less has no name
 WEAK = 100.0  # ΔBIC up to which something far stronger beside it may have made it: z of about ten
 FORM = 0.1  # relative: as well as the form of a strong effect is known
-HYSTERESIS = "hysteresis"
+LEAVING_DRIFTS = ("hysteresis", "dead_zone", "code_fault")
 MOSTLY_NOISE = 1.5  # chi-squared per degree of freedom up to which an account is complete
 
 
@@ -92,13 +92,13 @@ def without_form_errors(
 
     A strong effect whose form is a little different from its equation leaves a residual of its
     square, and that resembles whatever is left in the catalogue. beside: what else was found.
-    Memory has so many published forms that a drift weaker than it, in channels that it changes,
-    may be its form's.
+    Memory has so many published forms, and readings that a logger changed are put right so
+    roughly, that a drift weaker than either, in channels that it changes, may be its form's.
     """
     gains = [one.gain for one in (*findings, *beside)]
     strongest = max(gains, default=0.0)
-    memory = [one for one in findings if one.effect == HYSTERESIS]
-    return [_drift_or_memory(_named_beside(one, strongest), memory) for one in findings]
+    leaving = [one for one in (*findings, *beside) if one.effect in LEAVING_DRIFTS]
+    return [_drift_beside(_named_beside(one, strongest), leaving) for one in findings]
 
 
 def _named_beside(finding: Finding, strongest: float) -> Finding:
@@ -107,8 +107,8 @@ def _named_beside(finding: Finding, strongest: float) -> Finding:
     return _form_error(finding, strongest / max(finding.gain, 1e-300))
 
 
-def _drift_or_memory(finding: Finding, memory: Sequence[Finding]) -> Finding:
-    shared = [one.gain for one in memory if set(one.channels) & set(finding.channels)]
+def _drift_beside(finding: Finding, leaving: Sequence[Finding]) -> Finding:
+    shared = [one.gain for one in leaving if set(one.channels) & set(finding.channels)]
     strongest = max(shared, default=0.0)
     if finding.effect != BIAS_RANDOM_WALK.name or finding.gain >= strongest:
         return finding

@@ -123,6 +123,16 @@ def test_a_drift_is_the_form_error_of_a_stronger_memory_in_its_channels_only() -
     assert without_form_errors([drift, step]) == [drift, step]
 
 
+@pytest.mark.parametrize("fault", ["dead_zone", "code_fault"])
+def test_a_drift_of_readings_that_were_put_right_is_no_random_walk(fault: str) -> None:
+    drift = replace(NAMED, effect="bias_random_walk", channels=(0,), gain=430.0, parameters=())
+    put_right = replace(NAMED, effect=fault, channels=(0, 1, 2), gain=2e4)
+    (form_error,) = without_form_errors([drift], [put_right])
+    assert form_error.effect == UNNAMED
+    elsewhere = replace(drift, channels=(4,))
+    assert without_form_errors([elsewhere], [put_right]) == [elsewhere]
+
+
 def test_what_was_put_right_first_leaves_form_errors_too() -> None:
     weak = replace(NAMED, gain=60.0, delta_bic=50.0)
     (form_error,) = without_form_errors([weak], [replace(NAMED, effect="code_fault", gain=2e4)])
