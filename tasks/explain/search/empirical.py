@@ -31,7 +31,6 @@ ONE_TURN = 2.0 * np.pi  # rad: an axis that turned further has harmonics
 RELAXATIONS = (1.5, 4.0, 8.0, 16.0, 40.0)  # s
 LAGS = (3.0, 7.0, 18.0, 45.0, 120.0)  # s
 HARMONICS = range(1, 7)
-GAIN_WAVES = 6  # half periods over the run by which a scale factor may wander
 SINUSOIDS = 2  # periods that are tried for each set of channels
 RECORDED = ("humidity", "pressure", "air_temperature")
 EVENTS = {
@@ -47,7 +46,7 @@ def empirical(motion: Motion) -> tuple[Term, ...]:
     """Every empirical term that a recording could need."""
     return (
         *_relaxations(), *_lags(), *_products(), *_recorded(motion), *_sinusoids(),
-        *_of_table(motion), *tips(), _wandering_scale(),
+        *_of_table(motion), *tips(),
     )  # fmt: skip
 
 
@@ -141,18 +140,6 @@ def _deviation(key: str, motion: Motion, inputs: Inputs, channel: int) -> list[n
 def _scaled_input(key: str, motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
     own = (inputs.rate if channel < 3 else inputs.force)[:, channel % 3]
     return [_deviation(key, motion, inputs, channel)[0] * own]
-
-
-def _wandering_scale() -> Term:
-    title = message("explain-wandering-scale")
-    return regression_term("input·slow waves", title, EVERY, GAIN_WAVES, _input_times_waves)
-
-
-def _input_times_waves(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
-    """The channel's own input, the more in some parts of the run than in others."""
-    own = (inputs.rate if channel < 3 else inputs.force)[:, channel % 3]
-    share = (motion.t - motion.t[0]) / (motion.t[-1] - motion.t[0])
-    return [own * np.cos(np.pi * k * share) for k in range(1, GAIN_WAVES + 1)]
 
 
 def _sinusoids() -> Iterator[Term]:

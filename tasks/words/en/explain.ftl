@@ -46,7 +46,6 @@ explain-recorded-times-input = { $signal } times the input
 explain-harmonic = an error that follows the angle of table axis { $axis }, { $order } times per revolution
 explain-lean = a tilt of the unit near { $angle }° of table axis { $axis }
 explain-tip = a tilt of the unit of one size to either side, as the specific force points along ({ $side }) or against it
-explain-wandering-scale = a scale factor that wanders with time, whatever the temperature
 explain-lost-motion = a unit that lags behind the encoder of table axis { $axis } by one angle, in whichever direction it last turned
 
 # Where the search ends early.

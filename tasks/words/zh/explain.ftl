@@ -46,7 +46,6 @@ explain-recorded-times-input = { $signal }与输入之积
 explain-harmonic = 读数随转台第 { $axis } 轴转角变化，每转 { $order } 次
 explain-lean = 转台第 { $axis } 轴转角 { $angle }° 附近的倾斜
 explain-tip = 产品随比力指向（{ $side }）或其反方向而向两侧等量倾斜
-explain-wandering-scale = 标度因数随时间漂移，且与温度无关
 explain-lost-motion = 产品相对转台第 { $axis } 轴编码器滞后一固定角度，方向取决于最近一次转动的方向
 
 # 搜索提前结束。

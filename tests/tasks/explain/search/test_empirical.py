@@ -100,16 +100,6 @@ def test_a_wave_has_any_phase_in_each_of_its_channels() -> None:
     assert all("37 s" in text for text in title(term).values())
 
 
-def test_a_scale_factor_that_wanders_is_its_input_times_slow_waves() -> None:
-    (term,) = [one for one in empirical(RUN) if "wanders" in title(one)["en"]]
-    columns = term.columns(RUN, INPUTS)
-    made = RUN.rate[:, 1] * np.sin(2.0 * np.pi * (RUN.t - 40.0) / (1.3 * RUN.t[-1]))
-    own = np.column_stack([column[1] for column in columns if 1 in column] + [RUN.rate[:, 1]])
-    values, *_ = np.linalg.lstsq(own, made, rcond=None)
-    left = made - own @ values
-    assert np.sqrt(np.mean(left**2)) < 0.02 * np.sqrt(np.mean(made**2))
-
-
 def test_slow_waves_take_the_name_of_what_they_are_said_to_be() -> None:
     assert slow_drift(None, 30).name == UNNAMED
     walk = slow_drift(BIAS_RANDOM_WALK, 30)
