@@ -5,7 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.events.event import Event, Events
+from tasks.explain.events.saturation import EFFECTS as LIMITS
 from tasks.explain.evidence.left_over import LeftOver
+from tasks.explain.evidence.shares import WEAK
 from tasks.explain.explanation import UNNAMED, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.model.effect import EVENTS
@@ -47,7 +49,7 @@ def event_findings(
         gain = _gain(event, _without(event, events, full, predicted), after - before, every)
         rows = np.isfinite(full.readings[:, list(event.channels)]).sum()
         finding = event_finding(event, after - before, gain, len(event.parameters), int(rows))
-        if finding.delta_bic > 0.0 and finding.held_out_gain > 0.0:
+        if finding.delta_bic > _needed(event, every) and finding.held_out_gain > 0.0:
             findings.append(finding)
             kept.append(event)
         else:
@@ -62,6 +64,15 @@ def event_findings(
     )
     removed = _removed_by(borne_out, full, predicted, left)
     return EventFindings(findings, borne_out, found, left, removed)
+
+
+def _needed(event: Event, left: LeftOver) -> float:
+    """ΔBIC beyond which an event is a finding. A few readings that fall short of the prediction at
+    the end of its range look like a limit: they are one only where that is clear of what is left.
+    """
+    if event.effect not in LIMITS:
+        return 0.0
+    return WEAK * _left_in(event, left)
 
 
 def event_finding(
@@ -112,9 +123,16 @@ def _gain(event: Event, residual: np.ndarray, change: np.ndarray, left: LeftOver
     gains = squares - left.after
     gain = float(np.nansum(gains))
     clear = left.squares(change) > CLEAR**2
-    spread = max(1.0, float(np.nanmean(left.chi2_per_degree[list(event.channels)])))
+    spread = _left_in(event, left)
     # Where a motion begins or ends a few readings lose much: the sandwich.
     limit = CONTRADICTED * float(np.sqrt(np.nansum(gains[clear] ** 2)))
     if float(np.nansum(gains[clear])) < -limit:
         return min(gain, 0.0) / spread
     return max(gain / spread, -2.0 * float(np.log(max(event.p_value, LEAST_P))))
+
+
+def _left_in(event: Event, left: LeftOver) -> float:
+    """Mean chi-squared per degree of freedom of the event's channels that are known, at least 1."""
+    after = left.chi2_per_degree[list(event.channels)]
+    known = after[np.isfinite(after)]
+    return max(1.0, float(known.mean())) if len(known) else 1.0
