@@ -4,12 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from schemas.recording import Recording
 from tasks.model.parameters import ACCEL_FIRST, single
 from tasks.model.term import Term
 from tasks.motion.whole import Motion
 
+UNEVEN = 0.02  # of the interval by which a step between stamps differs
+MOSTLY = 0.9  # of the steps: rows are even but for gaps
 NODES = range(-4, 6)  # rows about the one asked for that an interpolated reading rests on
 
 
@@ -45,12 +48,36 @@ def _rows_about(readings: np.ndarray, whole: np.ndarray) -> Callable[[int], np.n
 
 
 def shifted_within(motion: Motion, readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
-    """`read_earlier` in each take by itself: nothing is read across a re-fixing."""
-    shifted = np.empty_like(readings)
+    """Readings (n, k) of `late` seconds before, a number or (n,), in each take by itself: nothing
+    is read across a re-fixing.
+
+    Stamps that come in batches, or scatter, are no equal rows apart: between them by a spline.
+    """
+    shifted, even = np.empty_like(readings), _even(motion)
     for take in motion.takes:
         part = late[take] if isinstance(late, np.ndarray) else late
-        shifted[take] = read_earlier(readings[take], part)
+        if even:
+            shifted[take] = read_earlier(readings[take], part / motion.interval)
+        else:
+            shifted[take] = _between_stamps(motion.t[take], readings[take], part)
     return shifted
+
+
+def _even(motion: Motion) -> bool:
+    """Whether rows are equal times apart, but for gaps."""
+    steps = np.diff(motion.t)
+    usual = np.abs(steps - motion.interval) < UNEVEN * motion.interval
+    return bool(usual.mean() > MOSTLY) if len(steps) else True
+
+
+def _between_stamps(t: np.ndarray, readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
+    known = np.isfinite(readings).all(axis=1)
+    if known.sum() < len(NODES):
+        return readings
+    earlier = np.clip(t - late, t[known][0], t[known][-1])
+    shifted = CubicSpline(t[known], readings[known])(earlier)
+    shifted[~known] = np.nan
+    return np.asarray(shifted)
 
 
 @dataclass(frozen=True)
@@ -62,7 +89,7 @@ class LateReadings(Term):
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
         if not values[0]:
             return readings
-        return shifted_within(motion, readings, self.late(motion, values[0]) / motion.interval)
+        return shifted_within(motion, readings, self.late(motion, values[0]))
 
 
 TIME_OFFSET = LateReadings(
@@ -93,8 +120,8 @@ class AccelAxisSkew(Term):
         skewed = readings.copy()
         for axis in (1, 2):
             channel = slice(ACCEL_FIRST + axis, ACCEL_FIRST + axis + 1)
-            late = -axis * values[0] / motion.interval
-            skewed[:, channel] = shifted_within(motion, readings[:, channel], late)
+            read = readings[:, channel]
+            skewed[:, channel] = shifted_within(motion, read, -axis * values[0])
         return skewed
 
 

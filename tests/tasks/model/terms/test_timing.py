@@ -26,6 +26,22 @@ def test_stamps_that_are_late_say_what_was_before(late: float) -> None:
     assert delayed[INSIDE] == pytest.approx(waves(T - late)[INSIDE], abs=1e-6)
 
 
+@pytest.mark.parametrize("late", [0.0, 0.0037, -0.012, 0.1234])
+def test_stamps_that_come_in_batches_are_late_by_seconds_not_rows(late: float) -> None:
+    batched = T - 0.6 * 0.01 * (np.arange(len(T)) % 6)
+    delayed = TIME_OFFSET.passed(replace(RUN, t=batched), waves(batched), np.array([late]))
+    assert delayed[INSIDE] == pytest.approx(waves(batched - late)[INSIDE], abs=1e-3)
+
+
+def test_uneven_stamps_without_a_known_motion_stay_unknown() -> None:
+    uneven = replace(RUN, t=T + 0.003 * (np.arange(len(T)) % 3))
+    readings = waves(uneven.t)
+    readings[100:120] = np.nan
+    delayed = TIME_OFFSET.passed(uneven, readings, np.array([0.01]))
+    assert np.isnan(delayed[100:120]).all()
+    assert np.isfinite(delayed[:90]).all()
+
+
 @pytest.mark.parametrize("share", [0.0, 1e-5, 2e-3, -2e-3])
 def test_a_clock_that_runs_fast_stamps_later_and_later(share: float) -> None:
     skewed = CLOCK_SKEW.passed(RUN, waves(T), np.array([share]))
