@@ -15,6 +15,8 @@ SLOPE_OUTLIER = 25.0  # chi-squared that one window may cost at most
 MAX_U = 0.1  # of a sample interval: windows that know the delay worse are left out
 MODEL_U = 0.08  # of a sample interval: what else may look like a delay in a window
 MIN_INDEPENDENT = 0.1  # of a window's information that must remain beside a bias
+APART = 4  # rows: slopes that encoder noise makes are unrelated at this distance
+MIN_COHERENT = 0.5  # of the slopes' power that must be the same that far apart
 
 GRID_WINDOW = 4.0  # s: in a shorter one, one oscillation passes for the next
 GRID_ROWS = 200  # of a window that are compared
@@ -89,12 +91,21 @@ def delays_by_slope(
         both = _projected(scaled, 3)
         # Where a ramp is straight a delay looks like a bias.
         gram = np.where(both[0, 0] > MIN_INDEPENDENT * scaled[0, 0], both, scaled)
+        gram = np.where(_coherent(slope[rows, c], number, count), gram, 0.0)
         weighted += gram[0, 1]
         information += np.maximum(gram[0, 0], 0.0)
     sharp = information > MAX_U**-2
     middle = t[0] + (np.flatnonzero(sharp) + 0.5) * SLOPE_WINDOW
     u = np.sqrt(1 / information[sharp] + MODEL_U**2)
     return WindowDelays(middle, weighted[sharp] / information[sharp], u, SLOPE_WINDOW)
+
+
+def _coherent(slope: np.ndarray, window: np.ndarray, count: int) -> np.ndarray:
+    """(count,) windows in which a slope (n,) is a motion's, not mostly the reference's noise: that
+    has no relation to the readings, and would pull their delay towards nothing.
+    """
+    same = np.bincount(window[APART:], slope[APART:] * slope[:-APART], count)
+    return np.asarray(same > MIN_COHERENT * np.bincount(window, slope**2, count))
 
 
 def _projected(gram: np.ndarray, q: int) -> np.ndarray:

@@ -9,7 +9,7 @@ from tasks.explain.events.delays import WindowDelays
 MIN_WINDOWS = 6
 MAX_LOST = 30  # samples in all
 CHANGE_POINT_COST = 30.0  # chi-squared that a further loss must gain
-MIN_GAIN = 100.0  # chi-squared that losses must gain against a constant and a running delay
+MIN_GAIN = 75.0  # chi-squared that losses must gain against a constant and a running delay
 CLOSE = 0.2  # sample intervals: half of the windows lie nearer to the staircase
 WHOLE = 0.25  # sample intervals that a step may be off a whole number
 
