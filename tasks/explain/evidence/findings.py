@@ -8,6 +8,7 @@ import numpy as np
 from schemas.discrepancy import FoundParameter
 from tasks.explain.confounding.families import common_part
 from tasks.explain.determined import DeterminedModel
+from tasks.explain.evidence.bent_end import bends_at_one_end
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, leakage
@@ -115,7 +116,7 @@ def _finding(
         gain=gain,
         delta_bic=gain if absorbed else evidence.delta_bic(number),
         held_out_gain=evidence.held_out_gain(number),
-        indistinguishable=_indistinguishable(group, channels, full) if named else (),
+        indistinguishable=_indistinguishable(group, channels, contribution, full) if named else (),
         separated_by=first.separated_by if named else None,
         homogeneity_p=scrutiny.homogeneity_p,
         refusal=scrutiny.refusal,
@@ -139,7 +140,7 @@ def _behaviour(group: FindingGroup) -> Sayable:
 
 
 def _indistinguishable(
-    group: FindingGroup, channels: tuple[int, ...], full: FullRate
+    group: FindingGroup, channels: tuple[int, ...], contribution: np.ndarray, full: FullRate
 ) -> tuple[str, ...]:
     """Catalogue names that fit nearly as well, so that the data cannot distinguish them."""
     names = [
@@ -149,6 +150,7 @@ def _indistinguishable(
         if one.score - other.score < INDISTINGUISHABLE
     ]
     names += possibly_clipped(group.name, channels, full.motion)
+    names += bends_at_one_end(group.name, contribution, full.motion)
     return tuple(name for name in dict.fromkeys(names) if name != UNNAMED)
 
 
