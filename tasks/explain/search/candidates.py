@@ -1,12 +1,12 @@
 """Candidates: terms of the catalogue and empirical ones, as columns of a design matrix."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tasks.explain.channels import EVERY, TRIADS
-from tasks.explain.search.empirical_terms import slow_drift
+from tasks.explain.search.empirical_terms import scale_factor_drift, slow_drift
 from tasks.model.term import Column, Inputs, Term
 from tasks.motion.whole import Motion
 
@@ -15,7 +15,10 @@ NUMERICAL_ZERO = 1e-6  # of the largest change in a triad
 COSINES = 30  # of a random drift, half a period and more over the run
 # Powers and corners: a random walk, what drifts more smoothly, and what returns after a while
 # (Gauss–Markov process, random telegraph signal).
+Form = tuple[float, float]
 WALK, SMOOTH, RETURNING = (2.0, 0.0), (4.0, 0.0), ((2.0, 6.0), (2.0, 15.0))
+BIAS_FORMS = (WALK, SMOOTH, *RETURNING)
+SCALE_FORMS = (SMOOTH, *RETURNING)
 STRENGTHS = (0.3, 3.0, 30.0, 300.0, 3000.0)
 STEP_TIMES = 3  # at which a change may happen that are tried
 
@@ -138,9 +141,9 @@ def candidates_of(
             members = tuple(len(columns) + p for p in part)
             candidates.append(Candidate(replace(variant, variant=number), members, part, 1))
         columns.extend(_single(own))
-    candidates.extend(_random_drifts(terms, len(columns), len(variants)))
-    drift = candidates[-1].term.columns(motion, Inputs.of(motion))
-    columns.extend(_single(drift))
+    for drifts in (_bias_drifts(terms), _scale_factor_drifts()):
+        candidates.extend(_random_drifts(drifts, len(columns), len(variants)))
+        columns.extend(_single(candidates[-1].term.columns(motion, Inputs.of(motion))))
     names = [candidate.name for candidate in candidates]
     counted = (replace(candidate, trials=names.count(candidate.name)) for candidate in candidates)
     return tuple(counted), tuple(columns)
@@ -176,21 +179,33 @@ def _variants(term: Term, motion: Motion) -> Iterator[Term]:
         yield term.shaped((float(motion.t[0] + share * (motion.t[-1] - motion.t[0])),))
 
 
-def _random_drifts(terms: Sequence[Term], first: int, variant: int) -> Iterator[Candidate]:
+def _bias_drifts(terms: Sequence[Term]) -> Iterator[tuple[Term, Form]]:
+    walk = next((term for term in terms if term.time_course == "random walk"), None)
+    for number, form in enumerate(BIAS_FORMS):
+        if form != WALK or walk is not None:
+            drift = slow_drift(walk if form == WALK else None, COSINES)
+            yield replace(drift, variant=number), form
+
+
+def _scale_factor_drifts() -> Iterator[tuple[Term, Form]]:
+    for number, form in enumerate(SCALE_FORMS, len(BIAS_FORMS)):
+        yield replace(scale_factor_drift(COSINES), variant=number), form
+
+
+def _random_drifts(
+    drifts: Iterable[tuple[Term, Form]], first: int, variant: int
+) -> Iterator[Candidate]:
     """Candidates that share the columns of cosines in all channels, COSINES for each.
 
     first: number of the first column; variant: of the first term.
     """
-    walk = next((term for term in terms if term.time_course == "random walk"), None)
-    for number, form in enumerate((WALK, SMOOTH, *RETURNING), variant):
-        if form == WALK and walk is None:
-            continue
-        term = replace(slow_drift(walk if form == WALK else None, COSINES), variant=number)
+    for drift, (power, corner) in drifts:
+        term = replace(drift, variant=variant + drift.variant)
         for part in (EVERY, *TRIADS, *((c,) for c in EVERY)):
             own = tuple(COSINES * c + k for c in part for k in range(COSINES))
             members = tuple(first + p for p in own)
             for strength in STRENGTHS:
-                yield Candidate(term, members, own, 1, Prior(form[0], strength, form[1]))
+                yield Candidate(term, members, own, 1, Prior(power, strength, corner))
 
 
 def parts_of(columns: Sequence[Collection[int]]) -> Iterator[tuple[int, ...]]:

@@ -13,6 +13,9 @@ from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
 
 LETTERS = "xyzxyz"
+# Chi-squared that a drift of scale factors must gain over one of biases, which is the same in a
+# channel whose input does not change.
+NEEDS_MOTION = 20.0
 
 Regressors = Callable[[Motion, Inputs, int], Sequence[np.ndarray]]
 
@@ -105,12 +108,7 @@ def slow_drift(walk: Term | None, waves: int) -> SensorTerm:
     """
 
     def cosines(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
-        share = (motion.t - motion.t[0]) / (motion.t[-1] - motion.t[0])
-        first = np.cos(np.pi * share)
-        found = [np.ones_like(first), first]
-        while len(found) <= waves:  # Chebyshev's recurrence: a cosine costs twenty products
-            found.append(2.0 * first * found[-1] - found[-2])
-        return found[1 : waves + 1]
+        return slow_waves(motion, waves)
 
     title = message("explain-slow-drift")
     drift = regression_term("slow waves", title, EVERY, waves, cosines, True)
@@ -118,3 +116,25 @@ def slow_drift(walk: Term | None, waves: int) -> SensorTerm:
         return drift
     same = ("name", "family", "equation", "source", "confused_with", "time_course", "own_title")
     return replace(drift, **{name: getattr(walk, name) for name in same})
+
+
+def scale_factor_drift(waves: int) -> SensorTerm:
+    """Scale factors that change by cosines of half a period and more over the run."""
+
+    def scaled(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+        own = (inputs.rate if channel < 3 else inputs.force)[:, channel % 3]
+        return [own * wave for wave in slow_waves(motion, waves)]
+
+    title = message("explain-scale-factor-drift")
+    drift = regression_term("input·slow waves", title, EVERY, waves, scaled)
+    return replace(drift, rarity=NEEDS_MOTION)
+
+
+def slow_waves(motion: Motion, waves: int) -> list[np.ndarray]:
+    """cos(πks) for k = 1 to waves, of the share s of the run that has passed."""
+    share = (motion.t - motion.t[0]) / (motion.t[-1] - motion.t[0])
+    first = np.cos(np.pi * share)
+    found = [np.ones_like(first), first]
+    while len(found) <= waves:  # Chebyshev's recurrence: a cosine costs twenty products
+        found.append(2.0 * first * found[-1] - found[-2])
+    return found[1 : waves + 1]

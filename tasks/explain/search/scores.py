@@ -178,7 +178,7 @@ def _random_effects(
     scored = []
     for candidate in candidates:
         gain = sum(gain_of[drift] for drift in drifts[candidate.key])
-        price = 2.0 * PER_PARAMETER + 2.0 * np.log(candidate.trials)
+        price = 2.0 * PER_PARAMETER + 2.0 * np.log(candidate.trials) + candidate.term.rarity
         # No walk where another drift may explain it as well.
         price += INDISTINGUISHABLE if candidate.name != UNNAMED else 0.0
         p_value = float(np.exp(-0.5 * max(gain, 0.0)))

@@ -15,6 +15,7 @@ behaviour-signal = an error that depends on the signal's time history
 behaviour-event = samples that deviate from their neighbours
 explain-remainder = a remainder that follows none of the patterns searched for ({ $share } of the mismatch above noise, mostly from { $low } to { $high } Hz)
 explain-slow-drift = a slow drift unrelated to any recorded quantity
+explain-scale-factor-drift = a scale factor that wanders with time, unrelated to any recorded quantity
 explain-wave = an oscillation with a period of about { $period } s
 explain-relaxation = a relaxation after { $event } with a time constant of about { $tau } s
 explain-event-reposition = each change of position

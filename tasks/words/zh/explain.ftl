@@ -15,6 +15,7 @@ behaviour-signal = 随信号过程变化的偏差
 behaviour-event = 与相邻样本不同的样本
 explain-remainder = 不符合任何所查找规律的剩余残差（占高出噪声的失配的 { $share }，主要在 { $low } 至 { $high } Hz）
 explain-slow-drift = 与任何记录量均无关的缓慢漂移
+explain-scale-factor-drift = 标度因数随时间漂移，与任何记录量均无关
 explain-wave = 周期约 { $period } s 的波动
 explain-relaxation = { $event }后的弛豫，时间常数约 { $tau } s
 explain-event-reposition = 每次转位

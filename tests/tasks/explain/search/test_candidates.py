@@ -90,12 +90,13 @@ def test_random_courses_share_their_columns() -> None:
     listed, columns = candidates_of([BIAS_RANDOM_WALK, TEMPERATURE_BIAS], RUN)
     courses = [one for one in listed if one.prior is not None]
     assert {one.name for one in courses} == {"bias_random_walk", "unnamed"}
-    assert len(courses) == 4 * len(STRENGTHS) * 9  # four forms: all, two triads, six channels
-    assert len(columns) == 6 + 6 * COSINES
+    # four forms of biases and three of scale factors: all, two triads, six channels
+    assert len(courses) == 7 * len(STRENGTHS) * 9
+    assert len(columns) == 6 + 2 * 6 * COSINES
     each = len(STRENGTHS) * 9
     assert {(one.name, one.trials) for one in courses} == {
         ("bias_random_walk", each),
-        ("unnamed", 3 * each),
+        ("unnamed", 6 * each),
     }
 
 

@@ -10,7 +10,7 @@ from engine_run import MOVE, REST, SPANS, motion
 from tasks.explain.channels import GYROS
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.empirical import empirical
-from tasks.explain.search.empirical_terms import sinusoid, slow_drift
+from tasks.explain.search.empirical_terms import scale_factor_drift, sinusoid, slow_drift
 from tasks.explain.search.motion_signals import (
     gravity_turns,
     lagged,
@@ -105,6 +105,15 @@ def test_slow_waves_take_the_name_of_what_they_are_said_to_be() -> None:
     walk = slow_drift(BIAS_RANDOM_WALK, 30)
     assert (walk.name, walk.title) == (BIAS_RANDOM_WALK.name, BIAS_RANDOM_WALK.title)
     assert len(walk.parameters) == 6 * 30
+
+
+def test_a_scale_factor_drift_is_the_channels_own_input_times_slow_waves() -> None:
+    columns = scale_factor_drift(30).columns(RUN, INPUTS)
+    made = RUN.rate[:, 1] * np.sin(2.0 * np.pi * (RUN.t - 40.0) / (0.37 * RUN.t[-1]))
+    own = np.column_stack([column[1] for column in columns if 1 in column] + [RUN.rate[:, 1]])
+    values, *_ = np.linalg.lstsq(own, made, rcond=None)
+    left = made - own @ values
+    assert np.sqrt(np.mean(left**2)) < 0.02 * np.sqrt(np.mean(made**2))
 
 
 def with_table(turned: float) -> tuple:

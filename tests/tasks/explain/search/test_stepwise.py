@@ -136,9 +136,10 @@ def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int)
     pool = banded_design(blocks, made, columns, plausible_half_ranges(listed, len(columns)))
     state = normal_equations(pool, QUIET)
     ranked = rank(state, listed, ())
-    some = [one for one in ranked if one.candidate.own[0] == COSINES * channel]
+    some = [one for one in ranked if one.candidate.prior is not None]
+    some = [one for one in some if one.candidate.own[0] == COSINES * channel]
     some = [one for one in some if len(one.candidate.members) == COSINES]
-    assert len(some) == 4 * len(STRENGTHS)
+    assert len(some) == (4 + 3) * len(STRENGTHS)  # of biases and of scale factors
     for scored in some:
         one = scored.candidate
         design = whitened(regressors(run, channel).T, pool, channel, QUIET[channel])
@@ -152,6 +153,18 @@ def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int)
         spread = np.eye(len(left)) + (series * variance) @ series.T
         likelier = left @ left - left @ np.linalg.solve(spread, left) - np.linalg.slogdet(spread)[1]
         assert scored.gain == pytest.approx(likelier, rel=1e-3, abs=0.05)
+
+
+@pytest.mark.parametrize("of_scale", [True, False])
+def test_scale_factors_that_wander_and_biases_that_do_are_told_apart(of_scale: bool) -> None:
+    steps = np.random.default_rng(9).standard_normal(len(RUN.t))
+    walk = np.cumsum(np.cumsum(steps - steps.mean()))
+    made = read(RUN) + noise(len(RUN.t), 9, NOISY)
+    made[:, 2] += 0.05 * walk / np.abs(walk).max() * (RUN.rate[:, 2] if of_scale else 0.02)
+    one = asked(made)
+    first = rank(normal_equations(one.pool, NOISY), one.candidates, ())[0].candidate
+    assert first.prior is not None
+    assert ("input" in first.term.equation) == of_scale
 
 
 def test_what_was_planted_is_found_and_nothing_else(both: Asked) -> None:
