@@ -1,7 +1,10 @@
-"""A scale factor that bends at one end of the range only: clipping as deep as the noise.
+"""Clipping as deep as the noise, which no plateau shows, beside a scale factor that bends.
 
-No plateau shows there, since noise hides it; what polynomials fit to it bends nowhere else.
+It bends at one end of the range alone, and cuts off the noise there; where a unit rests in a few
+positions any bend may lie at one end, and the noise alone tells.
 """
+
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -14,21 +17,29 @@ CLIPPING = {
 }
 END = 0.1  # of the range of a channel's input
 MOSTLY = 0.7  # of the bend's power at one end: a parabola over an even input has a quarter there
+RESTING = 0.05  # rad/s: what turns faster may vibrate
+FEWEST = 200  # readings at rest by whose scatter noise is compared
+CUT = 0.9  # of the noise elsewhere: a hundredth is what chance makes
 
 
-def bends_at_one_end(effect: str, contribution: np.ndarray, motion: Motion) -> tuple[str, ...]:
-    """The name of clipping, if an effect bends a scale factor nearly at one end alone.
+def possibly_clipped_in_noise(
+    effect: str, contribution: np.ndarray, readings: np.ndarray, motion: Motion
+) -> tuple[str, ...]:
+    """The name of clipping, if an effect bends a scale factor at one end, or noise is cut off there.
 
-    contribution: (n, 6) rad/s and m/s² that it adds to the readings; the channel that it changes
-    most, in units of its own range, decides.
+    contribution, readings: (n, 6) rad/s and m/s², what the effect adds to the readings, and they.
+    The channel that it changes most, in units of its own range, tells where it bends.
     """
     if effect not in CLIPPING:
         return ()
     inputs = Inputs.of(motion)
     felt = np.hstack([inputs.rate, inputs.force])
-    powers = np.array([_bend(felt[:, c], contribution[:, c]) for c in range(felt.shape[1])])
-    total, at_end = powers[int(np.argmax(powers[:, 0]))]
-    return (CLIPPING[effect],) if at_end > MOSTLY * total > 0.0 else ()
+    channels = [c for c in range(felt.shape[1]) if np.nan_to_num(contribution[:, c]).any()]
+    bends = [_bend(felt[:, c], contribution[:, c]) for c in channels]
+    total, at_end = max(bends, default=(0.0, 0.0))
+    resting = np.linalg.norm(np.nan_to_num(motion.rate), axis=1) < RESTING
+    cut = any(_noise_is_cut(felt[:, c], readings[:, c], resting) for c in channels)
+    return (CLIPPING[effect],) if cut or at_end > MOSTLY * total > 0.0 else ()
 
 
 def _bend(own: np.ndarray, added: np.ndarray) -> tuple[float, float]:
@@ -38,10 +49,33 @@ def _bend(own: np.ndarray, added: np.ndarray) -> tuple[float, float]:
     known = np.isfinite(own) & np.isfinite(added)
     own, added = own[known], added[known]
     size = float(np.ptp(own)) if len(own) else 0.0
-    if not size > 0.0 or not added.any():
+    if not size > 0.0:
         return 0.0, 0.0
     place = (own - own.min()) / size
     line = np.polynomial.polynomial.polyfit(place, added / size, 1)
     power = (added / size - np.polynomial.polynomial.polyval(place, line)) ** 2
-    ends = (float(power[side].sum()) for side in (place < END, place > 1.0 - END))
-    return float(power.sum()), max(ends)
+    return float(power.sum()), max(float(power[side].sum()) for side in _ends(place))
+
+
+def _noise_is_cut(own: np.ndarray, readings: np.ndarray, resting: np.ndarray) -> bool:
+    """Whether readings (n,) at rest scatter less at an end of their input (n,) than within it.
+
+    By second differences of three rows that all lie there.
+    """
+    known = resting & np.isfinite(own)
+    if not known.any() or not np.ptp(own[known]) > 0.0:
+        return False
+    place = (own - own[known].min()) / np.ptp(own[known])
+    scatter = np.abs(np.diff(readings, 2))
+
+    def level(rows: np.ndarray) -> float:
+        rows = rows & known
+        three = rows[:-2] & rows[1:-1] & rows[2:] & np.isfinite(scatter)
+        return float(scatter[three].mean()) if three.sum() >= FEWEST else np.nan
+
+    within = level((place >= END) & (place <= 1.0 - END))
+    return any(level(end) < CUT * within for end in _ends(place))
+
+
+def _ends(place: np.ndarray) -> Iterator[np.ndarray]:
+    yield from (place < END, place > 1.0 - END)

@@ -8,7 +8,7 @@ import numpy as np
 from schemas.discrepancy import FoundParameter
 from tasks.explain.confounding.families import common_part
 from tasks.explain.determined import DeterminedModel
-from tasks.explain.evidence.bent_end import bends_at_one_end
+from tasks.explain.evidence.bent_end import possibly_clipped_in_noise
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, leakage
@@ -150,7 +150,7 @@ def _indistinguishable(
         if one.score - other.score < INDISTINGUISHABLE
     ]
     names += possibly_clipped(group.name, channels, full.motion)
-    names += bends_at_one_end(group.name, contribution, full.motion)
+    names += possibly_clipped_in_noise(group.name, contribution, full.readings, full.motion)
     return tuple(name for name in dict.fromkeys(names) if name != UNNAMED)
 
 

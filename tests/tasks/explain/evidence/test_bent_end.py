@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from engine_run import motion
 
-from tasks.explain.evidence.bent_end import bends_at_one_end
+from tasks.explain.evidence.bent_end import possibly_clipped_in_noise
 from tasks.motion.whole import Motion
 
 RUN = motion()
 TOP = 2.0  # rad/s
+NONLINEAR = "gyro_scale_nonlinearity"
 SWINGING = replace(RUN, rate=np.outer(TOP * np.sin(0.7 * RUN.t), [0.0, 0.2, 1.0]))
+STILL = np.zeros((len(RUN.t), 6))
 
 
 def added(motion: Motion, channel: int, change: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -35,12 +37,29 @@ def added(motion: Motion, channel: int, change: Callable[[np.ndarray], np.ndarra
 def test_a_bend_at_one_end_alone_may_be_clipping(
     change: Callable[[np.ndarray], np.ndarray], clipped: bool
 ) -> None:
-    names = bends_at_one_end("gyro_scale_nonlinearity", added(SWINGING, 2, change), SWINGING)
+    names = possibly_clipped_in_noise(NONLINEAR, added(SWINGING, 2, change), STILL, SWINGING)
     assert names == (("gyro_saturation",) if clipped else ())
+
+
+@pytest.mark.parametrize(("limit", "clipped"), [(9.80, True), (9.95, False)])
+def test_noise_that_is_cut_off_at_an_end_may_be_clipping(limit: float, clipped: bool) -> None:
+    """Six positions: at one g, none and minus one g any bend is a parabola."""
+    count = len(RUN.t)
+    up = np.zeros((count, 3))
+    up[:, 0] = np.sign(np.sin(6.0 * np.pi * np.arange(count) / count)).round()
+    up[np.arange(count) % 900 < 300] = [0.0, 0.0, 1.0]
+    resting = replace(RUN, rate=np.zeros((count, 3)), acceleration=np.zeros((count, 3)), up=up)
+    force = resting.force[:, 0]
+    readings = np.zeros((count, 6))
+    readings[:, 3] = force + 0.02 * np.random.default_rng(3).standard_normal(count)
+    readings[:, 3] = np.minimum(readings[:, 3], limit)
+    bend = np.zeros((count, 6))
+    bend[:, 3] = 1e-5 * force**2
+    names = possibly_clipped_in_noise("accel_nonlinearity", bend, readings, resting)
+    assert names == (("accel_saturation",) if clipped else ())
 
 
 def test_what_bends_no_scale_factor_is_no_clipping() -> None:
     clipped = added(SWINGING, 2, lambda rate: -np.maximum(rate - 0.9 * TOP, 0.0))
-    assert bends_at_one_end("temperature_scale", clipped, SWINGING) == ()
-    nothing = np.zeros_like(clipped)
-    assert bends_at_one_end("gyro_scale_nonlinearity", nothing, SWINGING) == ()
+    assert possibly_clipped_in_noise("temperature_scale", clipped, STILL, SWINGING) == ()
+    assert possibly_clipped_in_noise(NONLINEAR, STILL, STILL, SWINGING) == ()
