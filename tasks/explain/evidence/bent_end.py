@@ -25,7 +25,7 @@ CUT = 0.9  # of the noise elsewhere: a hundredth is what chance makes
 def possibly_clipped_in_noise(
     effect: str, contribution: np.ndarray, readings: np.ndarray, motion: Motion
 ) -> tuple[str, ...]:
-    """The name of clipping, if an effect bends a scale factor at one end, or noise is cut off there.
+    """The name of clipping, if an effect bends a scale factor at one end or noise is cut there.
 
     contribution, readings: (n, 6) rad/s and m/s², what the effect adds to the readings, and they.
     The channel that it changes most, in units of its own range, tells where it bends.
