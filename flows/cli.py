@@ -24,7 +24,7 @@ from flows import (
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
 
-CONTAINERS = 50_000  # new ones, for which the collector looks through the youngest
+CONTAINERS = 300_000  # new ones, for which the collector looks through the youngest: few make them
 INTERRUPTED = 130  # what typer gives for Ctrl-C
 LONGEST = 1200  # characters of a sentence; of a longer one its middle is left out
 ENDS = 300
