@@ -27,8 +27,6 @@ from schemas.orders import (
     ReviewOrder,
     SimulateOrder,
 )
-from schemas.procedure import Procedure
-from schemas.station import StationFile
 from storage import settings
 from storage.home import Home, home
 
@@ -40,6 +38,8 @@ if TYPE_CHECKING:
     from schemas.history import Reprocessing
     from schemas.next_recording import NextRecording
     from schemas.orders import Estimation
+    from schemas.procedure import Procedure
+    from schemas.station import StationFile
     from tasks.stages.acquire import AcquiredRuns
     from tasks.stages.certificate_inputs import CertificateInputs
     from tasks.stages.correct import Corrected
@@ -68,9 +68,10 @@ def check_acquisition(order: AcquireOrder) -> None:
     check_run(procedure, station, ask)
 
 
-def _acquisition(order: AcquireOrder) -> tuple[StationFile, Procedure, "Ask | None"]:
+def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":
     """The station, the procedure, and how to prompt the operator."""
     from flows import refix_prompt
+    from schemas.station import StationFile
 
     station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
     return station, procedure, refix_prompt.at_terminal() if order.attended else None
@@ -214,8 +215,9 @@ def home_of(order: OrderModel) -> Home:
     return Home(Path(order.home)) if order.home else home()
 
 
-def procedure_of(order: AcquireOrder) -> Procedure:
+def procedure_of(order: AcquireOrder) -> "Procedure":
     """A procedure by name, or from a file of that name."""
+    from schemas.procedure import Procedure
     from tasks.station import procedures
 
     if Path(order.procedure).suffix in (".toml", ".json"):

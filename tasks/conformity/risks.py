@@ -2,8 +2,6 @@
 
 import math
 
-from scipy.special import ndtr, stdtr
-
 from schemas.decision import GlobalRisks
 from schemas.tolerance import ProductionPrior
 
@@ -29,6 +27,8 @@ def probability_of_conformity(
 
 
 def _below(z: float, dof: float) -> float:
+    from scipy.special import ndtr, stdtr  # late: a tenth of a start
+
     return float(ndtr(z) if math.isinf(dof) else stdtr(dof, z))
 
 

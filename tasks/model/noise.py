@@ -9,7 +9,6 @@ transform on an even grid, so that the cost grows with n·log n.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import exp1
 
 from tasks.uncertainty.drift import LEVELS, flicker_integral
 
@@ -62,6 +61,8 @@ def _on_grid(t: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, float]:
 
 def _mean_flicker(lags: np.ndarray, width: float, level: float) -> np.ndarray:
     """Covariance of flicker of unit strength, up to relaxations of `level` s, between two cells."""
+    from scipy.special import exp1  # late: a tenth of a start
+
     near = flicker_integral(np.abs(lags - width) / level) + flicker_integral((lags + width) / level)
     exact = (near - 2.0 * flicker_integral(lags / level)) * (level / width) ** 2
     # Far apart the second difference loses its digits, and the plain covariance is exact enough.

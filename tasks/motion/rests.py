@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import binary_erosion, uniform_filter1d
 
 SIDE = 0.25  # s: means on both sides of a sample, whose difference shows a motion
 SHORTEST = 0.5  # s
@@ -33,6 +32,8 @@ class Rest:
 
 def rests(angle: np.ndarray, interval: float, variance: np.ndarray) -> Iterator[Rest]:
     """The rests of one angle (n,) rad on an even grid, whose samples have variance (n,) rad²."""
+    from scipy.ndimage import binary_erosion, uniform_filter1d  # late: see encoder_rate
+
     side = max(FEWEST_AHEAD, round(SIDE / interval))
     if len(angle) < 4 * side:
         return

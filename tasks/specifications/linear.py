@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtrc
 
 RANK_TOLERANCE = 1e-9
 EXCESS_LEVEL = 0.01  # scatter that noise alone would give in one case of a hundred
@@ -77,6 +76,8 @@ def birge_ratio(
     The residuals' own covariance follows from the readings' covariance. The degrees of freedom
     are n − p.
     """
+    from scipy.special import chdtrc  # late: a tenth of a start
+
     if not len(readings) or not np.isfinite(readings).all():
         return BirgeRatio()
     degrees = len(readings) - np.linalg.matrix_rank(design)

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.special import exp1
 
 from tasks.segments.summarise import SegmentMean
 
@@ -213,6 +212,8 @@ def _prior(grid: np.ndarray, median: float) -> np.ndarray:
 
 def flicker_integral(x: np.ndarray) -> np.ndarray:
     """Twice the integral of E₁ from 0 to x ≥ 0: E₁(|t|/L) is the autocovariance of flicker."""
+    from scipy.special import exp1  # late: a tenth of a start
+
     bounded = np.where(x > 0, x, 1.0)
     bent = np.where(x > 0, 0.5 * x**2 * exp1(bounded), 0.0)
     return bent + x - 0.5 + 0.5 * (1.0 - x) * np.exp(-x)

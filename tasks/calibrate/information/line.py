@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtrc, chdtri
 
 from schemas.calibration import Information, Item
 from schemas.recording import AXES
@@ -64,6 +63,8 @@ def nonlinearity(rate: np.ndarray, output: np.ndarray, covariance: np.ndarray) -
     It is significant where noise alone would give the residuals in fewer than one case of a
     hundred. Takes three different rates.
     """
+    from scipy.special import chdtrc  # late: a tenth of a start
+
     scale = float(np.abs(output).max(initial=0.0))
     if len(set(np.round(rate, 6))) < 3 or not scale:
         return Ratio()
@@ -80,6 +81,8 @@ def asymmetry(rate: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> R
 
     Takes two different rates each way.
     """
+    from scipy.special import chdtri  # late: a tenth of a start
+
     slopes = []
     for side in (rate > 0, rate < 0):
         if len(set(np.round(rate[side], 6))) < 2:
