@@ -40,21 +40,27 @@ def _file_of(language: str) -> Mapping[str, str]:
     return found
 
 
+@cache
+def _bundle(language: str) -> Any:
+    """The messages of a language that were parsed, of every file."""
+    # Late: a command that says nothing needs no parser.
+    from fluent.runtime import FluentBundle
+
+    return FluentBundle([language], use_isolating=False)
+
+
 class _File:
     """One catalogue file. A message is parsed when it is first asked for, with those of the file
     that it may refer to: parsing all of them takes longer than most commands.
     """
 
     def __init__(self, language: str, name: str) -> None:
-        # Late: a command that says nothing needs no parser.
-        from fluent.runtime import FluentBundle
-
         self._name = f"{language}/{name}"
         text = (FOLDER / language / name).read_text(encoding="utf-8")
         starts = [found.start() for found in IDENTIFIER.finditer(text)]
         parts = [text[start:end] for start, end in zip(starts, [*starts[1:], None], strict=True)]
         self.unparsed = dict(zip(IDENTIFIER.findall(text), parts, strict=True))
-        self.bundle = FluentBundle([language], use_isolating=False)
+        self.bundle = _bundle(language)
         self._one_at_a_time = Lock()
 
     def message(self, id_: str) -> Any:
