@@ -208,8 +208,8 @@ def summarise(
     step = steps(imu) if step is None else step
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
     left_out, longest_burst = 0, 0
-    samples = _samples(values)
     read = one_pass(values, _angle(t, segment))
+    samples = _samples(values)  # after the pass, which left the rows in the processor's cache
     far = {} if segment.kind == "rotation" else _far_by_channel(values, read, samples, step)
     if far:
         corrupt = _widened(np.any(list(far.values()), axis=0))
