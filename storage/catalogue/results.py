@@ -48,7 +48,7 @@ def add_result(connection: sql.Connection, calibration: Calibration, why: str | 
     """`save` within a transaction; one writer at a time for each run."""
     _lock_run(connection, calibration)
     document = calibration.model_dump_json()
-    latest = _latest(connection, calibration)
+    latest = _latest(connection, calibration, document)
     if latest is not None and latest.document == document:
         return str(latest.id)
     before = None if latest is None else str(latest.id)
@@ -117,13 +117,13 @@ def calibration_of(row: sql.Row) -> Calibration:
         ) from error
 
 
-def _latest(connection: sql.Connection, calibration: Calibration) -> sql.Row | None:
+def _latest(connection: sql.Connection, calibration: Calibration, document: str) -> sql.Row | None:
     """The result of the same run, method and adopted terms that is not yet superseded."""
     table = tables.results
     mine = (table.c.run == calibration.run, table.c.method == calibration.method)
     adopted = [term.name for term in calibration.terms]
     for row in connection.execute(sql.select(table).where(*mine, database.newest_results())):
-        if _terms_of(row) == adopted:
+        if row.document == document or _terms_of(row) == adopted:
             return row
     return None
 
