@@ -1,9 +1,12 @@
 """What every test may use: the shared recordings, and an ideal JJF 2003 run by plain algebra."""
 
+import fcntl
 import gc
+import hashlib
+import os
 import signal
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -12,6 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from schemas.certificate import Certificate
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from schemas.validation import (
     EVIDENCE,
@@ -23,6 +27,7 @@ from schemas.validation import (
 from storage.catalogue import database
 from storage.formats.folder import read_folder
 from storage.home import Home
+from tasks.certificate.dcc import record_of
 from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
 from tests.migrated import as_migrated
@@ -51,6 +56,19 @@ def pytest_configure() -> None:
     for one, usual in ((signal.SIGINT, signal.default_int_handler), *ENDINGS):
         if signal.getsignal(one) == signal.SIG_IGN:
             signal.signal(one, usual)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """The worker that comes first compiles the tests alone; the others read what it compiled."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return (yield)
+    with Path(__file__).open() as first:
+        try:
+            fcntl.flock(first, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            fcntl.flock(first, fcntl.LOCK_SH)
+        return (yield)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -84,6 +102,16 @@ def _as_migrated() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(database, "_migrate", as_migrated)
         yield
+
+
+@pytest.fixture
+def unprinted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Certificates whose PDF is not typeset, for tests of what is done with them."""
+
+    def quick(certificate: Certificate, **_: object) -> bytes:
+        return b"%PDF " + hashlib.sha256(record_of(certificate)).digest()
+
+    monkeypatch.setattr("tasks.certificate.faces.render", quick)
 
 
 @pytest.fixture(scope="session")
