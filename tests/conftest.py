@@ -82,6 +82,7 @@ def waits(file: pytest.Module | None) -> bool:
 
 def pytest_collection_finish() -> None:
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)  # seldom: tests leave little behind
     gc.enable()
 
 

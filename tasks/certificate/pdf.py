@@ -56,7 +56,7 @@ def render(
     main = appearance.template.encode() if appearance.template else LAYOUT[HOUSE]
     attached = dcc_of(certificate) if dcc is None else dcc
     try:
-        return typst.compile(  # type: ignore[call-overload] # several files
+        return typst.compile(
             {**LAYOUT, MAIN: main, **appearance.pictures},
             root=Path(__file__).parent,
             format="pdf",
