@@ -1,9 +1,12 @@
 """What every test may use: the shared recordings, and an ideal JJF 2003 run by plain algebra."""
 
+import fcntl
 import gc
+import hashlib
+import os
 import signal
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Iterator
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -12,6 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from schemas.certificate import Certificate
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from schemas.validation import (
     EVIDENCE,
@@ -20,10 +24,13 @@ from schemas.validation import (
     MethodValidation,
     ValidationRecord,
 )
+from storage.catalogue import database
 from storage.formats.folder import read_folder
 from storage.home import Home
+from tasks.certificate.dcc import record_of
 from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
+from tests.migrated import as_migrated
 from tests.proof.line.draw import Line, draw_line
 from tests.proof.line.recorded import Recorded
 from tests.proof.line.store import fill
@@ -51,6 +58,19 @@ def pytest_configure() -> None:
             signal.signal(one, usual)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """The worker that comes first compiles the tests alone; the others read what it compiled."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return (yield)
+    with Path(__file__).open() as first:
+        try:
+            fcntl.flock(first, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            fcntl.flock(first, fcntl.LOCK_SH)
+        return (yield)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files that wait for the wall clock come first: at the end one worker would wait alone."""
     items.sort(key=lambda item: not waits(item.getparent(pytest.Module)))
@@ -62,6 +82,7 @@ def waits(file: pytest.Module | None) -> bool:
 
 def pytest_collection_finish() -> None:
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)  # seldom: tests leave little behind
     gc.enable()
 
 
@@ -71,6 +92,27 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     absent = Counter(reason.removeprefix("Skipped: ") for reason in reasons if ABSENT in reason)
     for reason, tests in sorted(absent.items()):
         terminalreporter.write_line(f"{tests} tests skipped: {reason}")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _as_migrated() -> Iterator[None]:
+    """Homes begin with the tables of the newest revision; tests/storage judges how they get there.
+
+    Commands in processes of their own migrate theirs.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(database, "_migrate", as_migrated)
+        yield
+
+
+@pytest.fixture
+def unprinted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Certificates whose PDF is not typeset, for tests of what is done with them."""
+
+    def quick(certificate: Certificate, **_: object) -> bytes:
+        return b"%PDF " + hashlib.sha256(record_of(certificate)).digest()
+
+    monkeypatch.setattr("tasks.certificate.faces.render", quick)
 
 
 @pytest.fixture(scope="session")

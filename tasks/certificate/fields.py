@@ -25,7 +25,9 @@ def field(label: str, value: Sayable) -> Field:
 
 def literal(text: str) -> str:
     """A text of the user on one line: what has no glyph (control characters) is a space."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    if not text.isprintable():
+        text = "".join(c if c.isprintable() else " " for c in text)
+    return " ".join(text.split())
 
 
 def given(en: str | None, zh: str | None = None) -> Sayable:

@@ -6,7 +6,9 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime, time
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 from schemas.appearance import Appearance
 from schemas.base import Unusable
@@ -38,7 +40,6 @@ def render(
     Raises Unusable where a text has a character that none of the fonts can show, and where the
     laboratory's template or pictures cannot be set.
     """
-    import pylopdf_fonts_zh_cn
     import typst
 
     languages = languages or certificate.languages
@@ -55,12 +56,11 @@ def render(
     main = appearance.template.encode() if appearance.template else LAYOUT[HOUSE]
     attached = dcc_of(certificate) if dcc is None else dcc
     try:
-        return typst.compile(  # type: ignore[call-overload] # several files
+        return typst.compile(
             {**LAYOUT, MAIN: main, **appearance.pictures},
             root=Path(__file__).parent,
             format="pdf",
-            font_paths=[pylopdf_fonts_zh_cn.serif_path().parent],
-            ignore_system_fonts=True,
+            font_paths=_fonts(),
             sys_inputs={
                 "certificate": json.dumps(printed, ensure_ascii=False),
                 "dcc": attached.decode(),
@@ -76,6 +76,16 @@ def render(
             f"Certificate {certificate.number} cannot be printed because no font shows the "
             f"text {character}: spell it differently in the manifest, laboratory or order file."
         ) from error
+
+
+@cache
+def _fonts() -> Any:
+    """The typesetter's fonts, read once: none of the system's, which differ by machine."""
+    import pylopdf_fonts_zh_cn
+    import typst
+
+    folder = pylopdf_fonts_zh_cn.serif_path().parent
+    return typst.Fonts(include_system_fonts=False, font_paths=[folder])
 
 
 def _unset(fault: str, appearance: Appearance) -> Exception:

@@ -5,7 +5,7 @@ the messages `typography-…` of each catalogue.
 """
 
 import re
-from functools import partial
+from functools import lru_cache, partial
 
 from schemas.text import Statement
 from tasks.words.message import Argument, message
@@ -37,6 +37,7 @@ _CLAUSE = (
 )
 
 
+@lru_cache(maxsize=4096)  # certificates say the same of many units
 def typeset(text: str, language: str) -> str:
     """A sentence with real minus signs, ° for deg, “< 0.1 %” on one line, and what its language
     has for the rest.

@@ -23,6 +23,7 @@ def test_a_draft_is_checked_issued_and_withdrawn_and_the_trail_tells_it(mimucal,
     issued = mimucal("issue", key, "--by", "Zhao", "--json").json
     assert [step["person"] for step in issued["steps"]] == ["Wang", "Li", "Zhao"]
     assert all(Path(issued[face]).exists() for face in ("pdf", "dcc", "record"))
+    assert Path(issued["pdf"]).read_bytes().startswith(b"%PDF-1.")
     gone = mimucal("withdraw", issued["number"], "--why", "a wrong table", "--by", "Zhao")
     assert f"{issued['number']}: pass (withdrawn)" in gone.out
     assert "due" not in gone.out  # nobody is to come back by a certificate that no longer counts

@@ -62,7 +62,7 @@ def test_the_table_comes_to_rest_and_the_recording_is_kept(ending, turning, tmp_
             try:
                 wait_until_it_turns(home, process)
                 process.send_signal(ending)
-                printed, failure = process.communicate(timeout=60)
+                printed, failure = process.communicate(timeout=600)
             finally:
                 process.kill()
         state, watchdog = table_and_watchdog(station)

@@ -1,15 +1,11 @@
 """History made again: new results beside the old, exactly what moved, and nothing twice."""
 
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Callable
 from datetime import date
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from flows import run_orders
@@ -22,37 +18,18 @@ from schemas.recording import Recording
 from storage.catalogue import results, run_index, runs
 from storage.home import Home
 from tasks.stages import make_again
+from tests.earlier_results import EARLIER, newest, plant, two_calibrated
 from tests.keep import keep, take_number
-
-EARLIER = "0.0.9+earlier"
 
 
 @pytest.fixture
 def store(home: Path, mimucal, ideal_run: Callable[..., Recording]) -> Home:
     """Two runs, calibrated."""
-    kept = Home(home)
-    for off in (1.0, 1.01):
-        run, _ = runs.add(ideal_run(dwell=2.0, Kg=off * np.eye(3)), kept)
-        assert mimucal("calibrate", run.id).code == 0
-    return kept
+    return two_calibrated(home, mimucal, ideal_run)
 
 
 def reprocess(**order: Any) -> Reprocessing:
     return run_orders.reprocess(ReprocessOrder(workers=1, **order))
-
-
-def newest(home: Home) -> list[Calibration]:
-    return [results.of_run(run, home)[-1].calibration for run in run_index.all_runs(home)]
-
-
-def plant(result: Calibration, home: Home, item: str, element: str, by: float) -> Calibration:
-    """Keeps a result as earlier code made it: one value of it was another by so many U."""
-    was = result.items[item]
-    moved = was.value[element] - by * was.U[element]
-    items = result.items | {item: was.model_copy(update={"value": was.value | {element: moved}})}
-    earlier = result.model_copy(update={"items": items, "code_version": EARLIER})
-    results.save(earlier, home)
-    return earlier
 
 
 def test_the_same_code_changes_nothing_and_keeps_nothing_new(store: Home) -> None:
@@ -205,22 +182,3 @@ def test_an_order_that_cannot_be_is_one_sentence(
     assert done.code == 2
     assert named in done.err
     assert done.err.strip().count("\n") == 0
-
-
-@pytest.mark.real_time
-def test_the_command_is_a_flow_whose_processes_make_the_same_results(
-    store: Home, prefect_server: str
-) -> None:
-    first, second = newest(store)
-    plant(first, store, "gyro_scale_factor", "x", 3.0)
-    plant(second, store, "gyro_scale_factor", "y", 2.0)
-    keep = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
-    done = subprocess.run(
-        [sys.executable, "-m", "flows.cli", "reprocess", "--workers", "2", "--json"],
-        capture_output=True, text=True, timeout=600,
-        env=keep | {"MIMUCAL_HOME": str(store.path), "PREFECT_API_URL": prefect_server},
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    moved = {(each["run"], each["element"]) for each in json.loads(done.stdout)["changed"]}
-    assert moved == {(first.run, "x"), (second.run, "y")}
-    assert newest(store) == [first, second]

@@ -89,7 +89,7 @@ class UnitDriver:
     def lost(self, samples: np.ndarray) -> np.ndarray:
         """Samples missing between neighbours, (n,) -> (n - 1,): by the counter, else by time."""
         if self.link.frame.has("counter"):
-            return np.mod(np.diff(samples["counter"]) - 1, counter_turn(self.link.frame))
+            return (np.diff(samples["counter"]) - 1) % counter_turn(self.link.frame)
         periods = np.rint(np.diff(samples["stamp"]) / 1e6 * self.link.rate_hz)
         return np.maximum(periods.astype(np.int64) - 1, 0)
 

@@ -1,5 +1,6 @@
 """Who is let in, and what is refused."""
 
+from functools import cache
 from pathlib import Path
 
 import httpx
@@ -17,13 +18,18 @@ from storage.home import Home
 from tests.pages_server import served
 
 PASSWORD = "correct horse battery"
-HASH = passwords.hashed(PASSWORD)
 PAGE = {"Accept": "text/html"}
+
+
+@cache
+def password_hash() -> str:
+    """Argon2 takes long on purpose: once for all tests, and not when they are collected."""
+    return passwords.hashed(PASSWORD)
 
 
 @pytest.fixture
 def home(tmp_path: Path) -> Home:
-    users.add("Wang Li", "operator", HASH, Home(tmp_path), "Admin")
+    users.add("Wang Li", "operator", password_hash(), Home(tmp_path), "Admin")
     return Home(tmp_path)
 
 
@@ -72,11 +78,11 @@ def test_a_session_begins_with_the_password_and_ends_with_the_user(
 def test_a_session_of_a_user_who_was_removed_is_none(client: FlaskClient, home: Home) -> None:
     log_in(client)
     users.remove("Wang Li", home, "Admin")
-    users.add("Zhao Min", "viewer", HASH, home, "Admin")
+    users.add("Zhao Min", "viewer", password_hash(), home, "Admin")
     assert client.get("/api/v1/runs").status_code == 401
     actions = [(entry.person, entry.action, entry.subject) for entry in trail.entries(home)]
     assert ("Admin", "remove user", "Wang Li") in actions
-    assert not any(HASH in entry.details for entry in trail.entries(home))
+    assert not any(password_hash() in entry.details for entry in trail.entries(home))
 
 
 def test_a_session_outlives_the_process_that_serves(client: FlaskClient, home: Home) -> None:

@@ -19,8 +19,24 @@ from storage.catalogue import database, numbers, run_index, tables
 from storage.catalogue.connection import Busy
 from storage.home import Home
 from tests.keep import take_number
+from tests.migrated import as_migrated, dump, every_revision
 
 TAKE_NUMBER = "from tests.keep import take_number\nnumber = take_number(home)"
+
+
+@pytest.fixture(autouse=True)
+def _every_revision(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(database, "_migrate", every_revision)
+
+
+def test_the_tests_of_everything_else_begin_with_what_the_migrations_make(
+    fresh: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    database.engine(fresh)
+    monkeypatch.setattr(database, "_migrate", as_migrated)
+    other = Home(tmp_path / "other")
+    database.engine(other)
+    assert sorted(dump(other)) == sorted(dump(fresh))
 
 
 def test_migrations_and_tables_do_not_drift(fresh: Home) -> None:

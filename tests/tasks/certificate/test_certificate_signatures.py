@@ -70,7 +70,7 @@ def write(faces: Faces, folder: Path) -> None:
 
 
 def run(*command: object) -> str:
-    made = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60)
+    made = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=600)
     return made.stdout + made.stderr
 
 

@@ -246,7 +246,7 @@ def test_what_is_in_no_catalogue_is_unnamed_and_says_what_it_follows() -> None:
 @pytest.mark.parametrize(
     ("name", "effect"),
     [
-        ("plant_earth_rotation", earth),
+        pytest.param("plant_earth_rotation", earth, marks=pytest.mark.rehearsal),
         pytest.param(
             "plant_lever_arm",
             lambda run, true: lever_arm(run, true["lever_arm"]),

@@ -16,6 +16,8 @@ from tasks.stages.issue import check, issue
 from tasks.words import say
 from tests.drafts import DECIDED, MORNING, calibration_of, certificate_of, recording_of
 
+pytestmark = pytest.mark.usefixtures("unprinted")
+
 FAILED = Decision(verdict="fail", rule="simple", document="Data sheet", limits=DECIDED.limits)
 UNDECIDED = DECIDED.model_copy(update={"verdict": "inconclusive"})
 

@@ -20,6 +20,8 @@ from tasks.stages import remind
 from tasks.stages.issue import check, issue, withdraw
 from tests.drafts import draft
 
+pytestmark = pytest.mark.usefixtures("unprinted")
+
 CLIENT = Party(name="Client & Co", name_zh="客户", address="a", address_zh="址")
 OTHER = Party(name="Other", name_zh="他", address="a", address_zh="址")
 DUE = date.today() + timedelta(days=400)

@@ -133,7 +133,7 @@ class InMemoryConsole(Console):
 def consoles() -> Iterator[Callable[..., SocketConsole]]:
     opened: list[SocketConsole] = []
 
-    def connect(station: StationFile, timeout: float = 10.0) -> SocketConsole:
+    def connect(station: StationFile, timeout: float = 60.0) -> SocketConsole:
         opened.append(SocketConsole(station, timeout))
         return opened[-1]
 
