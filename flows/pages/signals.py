@@ -16,7 +16,7 @@ from schemas.recording import Recording, Stream
 from storage.catalogue import runs
 from storage.catalogue.run_index import Run, find
 from storage.home import Home
-from tasks.rendering.envelope import envelope
+from tasks.rendering.chart import envelope
 from tasks.words import message
 
 HEIGHT_PX = 420

@@ -9,9 +9,7 @@ from storage import settings
 from storage.catalogue import certificates, reminders
 from storage.home import Home
 from tasks.reminders import send as sending
-from tasks.reminders.calendar import calendar
-from tasks.reminders.occasions import OCCASIONS, is_silent, occasion, pause
-from tasks.reminders.texts import body, title
+from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
 
 Send = Callable[[str, str, str, bytes], str | None]
 

@@ -23,8 +23,7 @@ from storage.catalogue import line_history
 from storage.catalogue.certificates import AS_LEFT
 from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
-from tasks.quality.retests import RETEST_DAYS, first_runs
-from tasks.quality.yields import shares, yields
+from tasks.quality.yields import RETEST_DAYS, first_runs, shares, yields
 from tasks.specifications.items import item_title, symbol
 from tasks.words import statement
 

@@ -19,9 +19,8 @@ from schemas.pages.quality import (
 )
 from storage.catalogue import line_history
 from storage.home import Home
-from tasks.quality.capability import Index, capability
+from tasks.quality.capability import Index, capability, consumed
 from tasks.quality.charts import individuals
-from tasks.quality.margin import consumed
 from tasks.quality.stations import against_each_other
 
 Runs = pd.DataFrame

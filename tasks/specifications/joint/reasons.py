@@ -5,12 +5,21 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from schemas.recording import AXES, UPS
-from tasks.specifications.estimate import ItemEstimate
+from tasks.specifications.estimate import (
+    DEG,
+    Estimates,
+    ItemEstimate,
+    diagonal,
+    off_diagonal,
+    scaled,
+    undetermined,
+)
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.joint.gravity_fit import FEWEST_RESTS
 from tasks.specifications.joint.segment_motion import SegmentMotion
 from tasks.words import Message, Sayable, clauses, message
 
+CLAUSES = {"gyro": "JJF 2003-2022, 5.1 eq. (1)", "accel": "JJF 2003-2022, 5.2 eq. (2)"}
 NO_GRAVITY = message("specifications-no-gravity")
 NOT_DISTINGUISHED = message("joint-not-distinguished")
 
@@ -88,3 +97,40 @@ def _not_rested(evidence: ClauseEvidence, used: np.ndarray) -> list[str]:
 
 def _not_held(evidence: ClauseEvidence, used: np.ndarray) -> list[str]:
     return [axis for axis in AXES if not any(used[i] for i in evidence.points[axis])]
+
+
+def joint_items(
+    evidence: ClauseEvidence,
+    parameters: Mapping[str, Estimates],
+    method: str,
+    readings: Mapping[str, tuple[str, ...]],
+) -> dict[str, ItemEstimate]:
+    """The nine items, in the units of their results.
+
+    parameters: by term, in SI units, with the fit offset beside them; method: as the clauses name
+    it; readings: of each item.
+    """
+    gyro, accel = parameters["gyro_matrix"], parameters["accel_matrix"]
+    elements = {
+        "gyro_scale_factor": diagonal(gyro),
+        "gyro_cross_coupling": off_diagonal(gyro),
+        "gyro_fit_offset": scaled(parameters["gyro_fit_offset"], DEG),
+        "gyro_bias": scaled(parameters["gyro_bias"], DEG),
+        "gyro_g_sensitivity": scaled(parameters["gyro_g_sensitivity"], DEG),
+        "accel_scale_factor": diagonal(accel),
+        "accel_cross_coupling": off_diagonal(accel),
+        "accel_bias": parameters["accel_bias"],
+        "accel_rate_sensitivity": scaled(parameters["accel_rate_sensitivity"], -1.0),
+    }
+    without_earth = elements["gyro_g_sensitivity"]
+    if evidence.latitude_deg is None:
+        without_earth = undetermined(without_earth)
+    return {
+        key: ItemEstimate(
+            of_item,
+            f"{CLAUSES[key.partition('_')[0]]}, {method}",
+            readings[key],
+            without_earth if key == "gyro_g_sensitivity" else None,
+        )
+        for key, of_item in elements.items()
+    }

@@ -7,7 +7,7 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from schemas.base import Unusable
-from tasks.station.virtual import line_faults as line
+from tasks.station.virtual import unit_faults as line
 from tasks.station.virtual import unit_faults as unit
 
 HUNTING_RAD = np.radians(30.0 / 3600.0)

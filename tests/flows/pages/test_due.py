@@ -16,7 +16,7 @@ from schemas.base import Unusable
 from schemas.pages.due import DueQuestion, DueShown
 from storage.catalogue import certificates, equipment, reminders
 from storage.home import Home
-from tasks.reminders.occasions import pause
+from tasks.reminders.send import pause
 from tasks.stages.remind import recalled
 from tests.proof.line.draw import Line
 

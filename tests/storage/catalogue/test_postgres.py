@@ -133,7 +133,7 @@ def test_a_reminder_asked_for_at_once_on_postgresql_is_sent_by_one(
     script = """
 from datetime import UTC, datetime
 from storage.catalogue import reminders
-from tasks.reminders.occasions import pause
+from tasks.reminders.send import pause
 print(reminders.claim(home, ("A-1", -30, "mail"), datetime(2027, 1, 1, tzinfo=UTC), pause))
 """
     claims = at_once(script, shared_catalogue, processes=4)

@@ -6,7 +6,7 @@ import pytest
 
 from storage.home import Home
 from storage.run_status import statuses
-from tasks.stages.run_status import status_file
+from tasks.stages.acquire import status_file
 from tasks.station import procedures
 from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation, station_file
