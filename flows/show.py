@@ -9,8 +9,8 @@ from schemas.base import Unusable, first_fault
 from schemas.run_log import LogEntry
 from storage.catalogue import certificates, results, runs
 from storage.home import home
-from tasks.stages.validity import validity_of
 from tasks.stages.import_recording import run_of
+from tasks.stages.validity import validity_of
 
 
 def show_run(reference: str, as_json: bool) -> None:
