@@ -93,7 +93,7 @@ def impact(
     """
     from flows.print_history import print_impact
     from schemas.orders import Selection, order_of
-    from storage.catalogue.impact import impact_of
+    from storage.catalogue.selection import impact_of
     from storage.home import home
 
     first, last = since.date() if since else None, until.date() if until else None

@@ -13,7 +13,7 @@ from flows.pages.access import guard
 from flows.pages.compressed import compress
 from flows.pages.files import files as certificate_files
 from flows.pages.login import login
-from flows.pages.preferences import view_of_request
+from flows.pages.page import view_of_request
 from flows.pages.register import FIRST, PAGES
 from storage import settings
 from storage.home import Home

@@ -6,7 +6,7 @@ from dash.development.base_component import Component
 from flows.pages.page import Page, View
 from flows.pages.parts import table
 from schemas.base import Unusable
-from schemas.pages.budget import BudgetQuestion, BudgetShown
+from schemas.pages.run import BudgetQuestion, BudgetShown
 from schemas.text import Statement
 from storage.catalogue import results
 from storage.home import Home

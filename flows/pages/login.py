@@ -5,8 +5,8 @@ from flask_wtf.csrf import generate_csrf
 from werkzeug.wrappers import Response
 
 from flows.pages.access import log_in
+from flows.pages.page import view_of_request
 from flows.pages.passwords import Gate
-from flows.pages.preferences import view_of_request
 from flows.pages.register import PAGES
 from schemas.base import Unusable
 from storage.catalogue.users import users

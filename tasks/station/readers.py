@@ -10,7 +10,7 @@ import numpy as np
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Stream, joined
-from schemas.unit_clock import ClockComparison
+from schemas.unit_link import ClockComparison
 from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock, wall_s
 from tasks.station.drivers.samples import no_samples

@@ -9,8 +9,7 @@ import pytest
 
 from flows.pages import due_data
 from flows.pages.due import PAGE
-from flows.pages.due_data import data
-from flows.pages.due_states import due_state
+from flows.pages.due_data import data, due_state
 from flows.pages.page import View
 from schemas.base import Unusable
 from schemas.pages.due import DueQuestion, DueShown

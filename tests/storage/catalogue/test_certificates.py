@@ -14,7 +14,7 @@ from storage.catalogue import (
     certificates,
     database,
     keep_certificate,
-    numbers,
+    result_rows,
     results,
     run_index,
     runs,
@@ -67,7 +67,7 @@ def test_a_scheme_without_the_year_goes_on_counting(
 ) -> None:
     with database.changing(fresh) as connection:
         given = [
-            numbers.next_number(connection, numbers.series_of(scheme, "L", year))
+            result_rows.next_number(connection, result_rows.series_of(scheme, "L", year))
             for year in (2026, 2026, 2027)
         ]
     assert given == expected

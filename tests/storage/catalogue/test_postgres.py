@@ -28,8 +28,7 @@ from storage.catalogue import (
     tables,
     trail,
 )
-from storage.catalogue.impact import impact_of
-from storage.catalogue.selection import select
+from storage.catalogue.selection import impact_of, select
 from storage.catalogue.unchanged import version
 from storage.formats.columns import write_columns
 from storage.home import Home
