@@ -9,8 +9,8 @@ from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
 from tasks.specifications.items import item_title
 from tasks.words import say
+from tasks.words.quantities import unit_text
 from tasks.words.rounding import column
-from tasks.words.units import unit_text
 
 
 def print_calibration(calibration: Calibration) -> None:

@@ -12,9 +12,8 @@ from storage.catalogue import results
 from storage.home import Home
 from tasks.specifications.items import item_title, symbol
 from tasks.words import message, statement
-from tasks.words.quantities import plain, power_of_ten
+from tasks.words.quantities import plain, power_of_ten, unit_text
 from tasks.words.rounding import column
-from tasks.words.units import unit_text
 
 
 def data(question: BudgetQuestion, home: Home) -> BudgetShown:

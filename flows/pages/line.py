@@ -21,7 +21,7 @@ from schemas.pages.runs import Condition
 from storage.catalogue import database, tables
 from storage.catalogue.run_states import run_list
 from storage.home import Home
-from storage.run_status import statuses
+from storage.station_lock import statuses
 from tasks.words import message
 
 WAITING = ("PENDING", "SCHEDULED", "RUNNING", "PAUSED")

@@ -31,8 +31,7 @@ from schemas.pages.run import (
 from schemas.text import Remark, Statement
 from storage.home import Home
 from tasks.words import message
-from tasks.words.quantities import power_of_ten
-from tasks.words.units import unit_text
+from tasks.words.quantities import power_of_ten, unit_text
 
 OF_FEW = 3  # segments; a remark that names more of them stands once, above the table
 TABS = ("items", "segments", "signals", "certificate", "log", "lineage")

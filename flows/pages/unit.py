@@ -26,9 +26,8 @@ from schemas.pages.unit import (
 )
 from tasks.conformity.limits import interval_text
 from tasks.words import message
-from tasks.words.quantities import quantity
+from tasks.words.quantities import quantity, unit_text
 from tasks.words.rounding import exact
-from tasks.words.units import unit_text
 
 ACROSS, PANEL_PX, GAP = 3, 230, 0.08
 COLORS: dict[AsMeasured, str] = {"found": BLUE, "left": ORANGE, "invalid": GREY}

@@ -27,7 +27,7 @@ from storage import settings
 from storage.catalogue import certificates, units
 from storage.catalogue.certificates import AS_LEFT, Entry
 from storage.home import Home
-from tasks.quality.drift import drift
+from tasks.quality.charts import drift
 from tasks.specifications.items import ITEMS, item_title, symbol
 from tasks.stages.interval import advice_by, sentence
 from tasks.words import statement

@@ -13,9 +13,15 @@ from schemas.calibration import Calibration, Elements, Item
 from schemas.decision import Decision, LimitDecision, Verdict
 from schemas.text import Statement
 from schemas.tolerance import Limit, Tolerance
-from tasks.conformity.doubt import Doubts, is_doubted
 from tasks.conformity.equipment import taken_to_be_met
-from tasks.conformity.reasons import missing, outside, too_uncertain, without_uncertainty
+from tasks.conformity.reasons import (
+    Doubts,
+    is_doubted,
+    missing,
+    outside,
+    too_uncertain,
+    without_uncertainty,
+)
 from tasks.conformity.rules import (
     Criterion,
     criterion,

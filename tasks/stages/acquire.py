@@ -18,13 +18,12 @@ from storage.catalogue.run_index import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
-from storage.run_status import write_status
-from storage.station_lock import one_run_on
+from storage.station_lock import one_run_on, write_status
 from storage.whole_files import writing_in_home
 from tasks.stages.left_run import LeftRun, left_runs
 from tasks.stages.stage import stage
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
-from tasks.station.interrupted import interrupted
+from tasks.station.manifest import interrupted
 from tasks.station.ports import Ask
 from tasks.station.progress import Progress
 

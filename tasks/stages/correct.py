@@ -16,9 +16,8 @@ from storage.formats.columns import write_columns
 from storage.home import Home
 from tasks.coefficients.c_header import as_c
 from tasks.coefficients.correct import Coefficients, coefficients, correct
-from tasks.coefficients.document import document
 from tasks.coefficients.kalibr import as_kalibr
-from tasks.coefficients.tables import as_csv, as_json, as_ros, as_yaml
+from tasks.coefficients.tables import as_csv, as_json, as_ros, as_yaml, document
 from tasks.stages.calibration_input import correcting_calibration
 from tasks.stages.stage import stage
 

@@ -67,7 +67,7 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     from tasks.review.report import review_of
     from tasks.review.search import search
     from tasks.review.together import reviewed_runs
-    from tasks.stages.run_statistics import all_kept_statistics, make_statistics
+    from tasks.stages.explain import all_kept_statistics, make_statistics
 
     out = report_folder(order.out)
     chosen, skipped = _chosen(order, home)

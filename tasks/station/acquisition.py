@@ -15,8 +15,7 @@ from tasks.station.anomalies import MEASURED, remarks_on
 from tasks.station.bench import Bench, connected
 from tasks.station.clock import StationClock
 from tasks.station.drivers.unit import UnitDriver
-from tasks.station.interrupted import Interrupted, remaining
-from tasks.station.manifest import ManifestBuilder
+from tasks.station.manifest import Interrupted, ManifestBuilder, remaining
 from tasks.station.plan import plan
 from tasks.station.ports import Ask, Table
 from tasks.station.progress import Progress, Tracker

@@ -25,9 +25,8 @@ from storage.home import Home
 from tasks.quality.charts import RULES
 from tasks.specifications.items import symbol
 from tasks.words import message
-from tasks.words.quantities import plain, quantities
+from tasks.words.quantities import plain, quantities, unit_text
 from tasks.words.rounding import MINUS, USUAL_K
-from tasks.words.units import unit_text
 
 ASKED = ("model", "item", "element", "station", "serial", "since", "until", "plot")
 

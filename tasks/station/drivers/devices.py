@@ -23,8 +23,7 @@ from tasks.station.drivers.backend import Backend, check_expected
 from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.drivers.modbus_device import ModbusBackend
 from tasks.station.drivers.table import DescribedTable
-from tasks.station.drivers.text_device import TextBackend
-from tasks.station.drivers.text_link import TextLink
+from tasks.station.drivers.text_device import TextBackend, TextLink
 from tasks.station.ports import Chamber, Climate, Fixture, Table
 
 POLL_S = 0.02

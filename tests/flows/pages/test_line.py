@@ -13,8 +13,7 @@ from flows.pages.page import View
 from schemas.pages.line import LineQuestion
 from schemas.run_log import RunStatus
 from storage.home import Home
-from storage.run_status import write_status
-from storage.station_lock import one_run_on
+from storage.station_lock import one_run_on, write_status
 from tests.drafts import draft
 
 NOW = datetime(2026, 11, 23, 6, tzinfo=UTC)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from storage.home import Home
-from storage.run_status import statuses
+from storage.station_lock import statuses
 from tasks.stages.acquire import status_file
 from tasks.station import procedures
 from tasks.station.progress import Progress
