@@ -202,7 +202,7 @@ def _show_items(calibration: Calibration) -> None:
 
 def _ordered(
     function: str, run_name: str | None, show: Show = lambda _: None, name: str = ""
-) -> Flow[..., Any]:
+) -> Any:
     """The flow that carries out an order by the function of that name in `run_orders`.
 
     show: writes the artifacts of the answer, where the server takes them. name: of the flow, where
@@ -217,7 +217,7 @@ def _ordered(
             show(answer)
         return answer
 
-    return flow(carried_out, name=name or function, flow_run_name=run_name)
+    return flow(name=name or function, flow_run_name=run_name)(carried_out)
 
 
 acquire = _ordered("acquire", "acquire on {order.station}")

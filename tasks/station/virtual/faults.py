@@ -67,7 +67,7 @@ class Condition:
     held_frames: int = 0  # until there are so many
     stamps: tuple[unit.Stamps, ...] = ()
     counts: tuple[unit.Counts, ...] = ()
-    wire: tuple[line.Wire, ...] = ()
+    wire: tuple[unit.Wire, ...] = ()
 
 
 Change = Callable[[Condition], Condition]
@@ -89,7 +89,7 @@ def _stamps(change: unit.Stamps) -> Change:
     return lambda now: replace(now, stamps=(*now.stamps, change))
 
 
-def _wire(change: line.Wire) -> Change:
+def _wire(change: unit.Wire) -> Change:
     return lambda now: replace(now, wire=(*now.wire, change))
 
 
