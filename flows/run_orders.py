@@ -42,11 +42,10 @@ if TYPE_CHECKING:
     from schemas.orders import Estimation
     from tasks.stages.acquire import AcquiredRuns
     from tasks.stages.certificate_inputs import CertificateInputs
-    from tasks.stages.correct import Corrected
+    from tasks.stages.correct import Corrected, Simulated
     from tasks.stages.explain import Explained
     from tasks.stages.published import Published
     from tasks.stages.review import Reviewed
-    from tasks.stages.simulate import Simulated
     from tasks.station.ports import Ask
 
 
@@ -119,8 +118,8 @@ def next_recording(order: NextOrder) -> "NextRecording":
 
 def simulate(order: SimulateOrder) -> "Simulated":
     """Simulate the readings of a calibrated unit for the motion of a run."""
+    from tasks.stages.correct import simulate_run
     from tasks.stages.import_recording import run_of
-    from tasks.stages.simulate import simulate_run
 
     place = home_of(order)
     return simulate_run(run_of(order.run, place), place, order)

@@ -11,7 +11,7 @@ from schemas.base import Frozen, Unusable
 from schemas.certificate import State
 from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
-from storage.catalogue import certificates, database, explanations, numbers, tables, trail
+from storage.catalogue import certificates, database, explanations, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.results import calibration_of, result_id
 from storage.catalogue.run_index import Run, all_runs
@@ -226,7 +226,7 @@ def against_trail(home: Home) -> Iterator[str]:
 
 def number_gaps(home: Home) -> Iterator[str]:
     """Numbers that were given and are gone."""
-    for number in numbers.missing(home):
+    for number in certificates.missing(home):
         yield f"{number} was given and is not in the register; {RESTORE}"
 
 

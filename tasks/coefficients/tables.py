@@ -1,4 +1,4 @@
-"""A correction as text for other software: YAML, ROS 2 parameters, CSV."""
+"""A correction, and as text for other software: YAML, ROS 2 parameters, CSV, a C header."""
 
 import csv
 import io
@@ -11,6 +11,43 @@ from schemas.correction import Coefficient, CorrectedUnit, Correction, Correctio
 from schemas.recording import AXES, Unit
 from tasks.coefficients.correct import PASSES, Coefficients, coefficients, correct, local_gravity
 
+FORCES = ("accel", "force")
+FUNCTION = """
+/* Corrects one reading: gyro rad/s, accel m/s2 into rate rad/s, force m/s2. */
+static inline void mimu_correct(const double gyro[3], const double accel[3],
+                                double rate[3], double force[3])
+{
+    double squared[3] = {0.0, 0.0, 0.0};
+    int pass, i, j;
+    for (pass = 0; pass <= MIMU_PASSES; pass++) {
+        double without[3];
+        for (i = 0; i < 3; i++) {
+            without[i] = accel[i] - MIMU_B_a[i];
+            for (j = 0; j < 3; j++)
+                without[i] -= MIMU_P[i][j] * squared[j];
+        }
+        for (i = 0; i < 3; i++) {
+            force[i] = 0.0;
+            for (j = 0; j < 3; j++)
+                force[i] += MIMU_C_a[i][j] * without[j];
+        }
+        if (pass == MIMU_PASSES)
+            return;
+        for (i = 0; i < 3; i++) {
+            without[i] = gyro[i] - MIMU_B_g[i];
+            for (j = 0; j < 3; j++)
+                without[i] -= MIMU_G[i][j] * force[j];
+        }
+        for (i = 0; i < 3; i++) {
+            rate[i] = 0.0;
+            for (j = 0; j < 3; j++)
+                rate[i] += MIMU_C_g[i][j] * without[j];
+        }
+        for (i = 0; i < 3; i++)
+            squared[i] = rate[i] * rate[i];
+    }
+}
+"""
 MODEL = ("gyro = K_g*rate + B_g + G*force", "accel = K_a*force + B_a + P*rate^2")
 FIRST = "force = C_a*(accel - B_a)"
 PASS = ("rate = C_g*(gyro - B_g - G*force)", "force = C_a*(accel - B_a - P*rate^2)")
@@ -140,3 +177,37 @@ def _example(known: Coefficients) -> CorrectionExample:
     rows = (EXAMPLE_GYRO[0], EXAMPLE_ACCEL[0], rate[0], force[0])
     gyro, accel, corrected_rate, corrected_force = (tuple(row.tolist()) for row in rows)
     return CorrectionExample(gyro=gyro, accel=accel, rate=corrected_rate, force=corrected_force)
+
+
+def as_c(correction: Correction) -> str:
+    """A header for C99 and C++; doubles are written so that they are read back as they are."""
+    comment = heading(correction, " * ").replace("*/", "* /").replace("/*", "/ *")
+    constants = [
+        _array(f"MIMU_{name}", coefficient.value, coefficient.unit)
+        for name, coefficient in correction.coefficients.items()
+    ]
+    example = [
+        _array(f"MIMU_EXAMPLE_{name.upper()}", value, "m/s2" if name in FORCES else "rad/s")
+        for name, value in correction.example
+    ]
+    return "\n".join([
+        f"/*\n{comment} */",
+        "#ifndef MIMU_CORRECTION_H\n#define MIMU_CORRECTION_H\n",
+        f"#define MIMU_PASSES {PASSES}\n",
+        *constants,
+        FUNCTION,
+        "/* mimu_correct(MIMU_EXAMPLE_GYRO, MIMU_EXAMPLE_ACCEL, ...) gives these. */",
+        *example,
+        "\n#endif\n",
+    ])  # fmt: skip
+
+
+def _array(name: str, values: tuple[Any, ...], unit: str) -> str:
+    if isinstance(values[0], tuple):
+        rows = ",\n".join(f"    {_braced(row)}" for row in values)
+        return f"static const double {name}[3][3] = {{ /* {unit} */\n{rows}\n}};"
+    return f"static const double {name}[3] = {_braced(values)}; /* {unit} */"
+
+
+def _braced(values: tuple[float, ...]) -> str:
+    return f"{{{', '.join(map(repr, values))}}}"

@@ -9,8 +9,12 @@ from schemas.decision import LimitDecision
 from schemas.equipment import MeasurementStandard
 from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
-from tasks.uncertainty.equipment import LIMIT_NAMES, TAKEN_TO_BE_MET
-from tasks.uncertainty.own_limits import standard_uncertainty, stated_limits
+from tasks.uncertainty.equipment import (
+    LIMIT_NAMES,
+    TAKEN_TO_BE_MET,
+    standard_uncertainty,
+    stated_limits,
+)
 from tasks.words import Message, message
 from tasks.words.quantities import plain, quantity_text
 from tasks.words.typography import clause

@@ -13,7 +13,7 @@ import sqlalchemy as sql
 from schemas.base import Unusable
 from schemas.certificate import DEFAULT_PREFIX, DEFAULT_SCHEME, Certificate, State, Step, StepName
 from storage import settings
-from storage.catalogue import database, equipment, keep_certificate, numbers, tables, trail
+from storage.catalogue import certificates, database, equipment, keep_certificate, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.results import calibration_of
 from storage.home import Home
@@ -171,11 +171,11 @@ def _numbered(connection: sql.Connection, certificate: Certificate, now: datetim
     laboratory, today = certificate.laboratory, day_of_moment(now)
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
     scheme = laboratory.number_scheme if laboratory else DEFAULT_SCHEME
-    series = numbers.series_of(scheme, prefix, today.year)
+    series = certificates.series_of(scheme, prefix, today.year)
     dated: dict[str, object] = {"issued_on": today}
     if certificate.calibrated_on is None:
         dated["due"] = due_date(today, certificate.order, certificate.calibration)
-    number = numbers.next_number(connection, series)
+    number = certificates.next_number(connection, series)
     return certificate.model_copy(update={"number": number, **dated})
 
 

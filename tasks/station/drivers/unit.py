@@ -6,7 +6,7 @@ from schemas.base import Unusable
 from schemas.recording import Stream
 from schemas.unit_link import AnyFrame, BinaryFrame, UnitLink
 from tasks.station.clock import wall_s
-from tasks.station.drivers.binary_frames import find_binary
+from tasks.station.drivers.frames import find_binary, find_text
 from tasks.station.drivers.samples import (
     FrameSearch,
     counter_turn,
@@ -14,7 +14,6 @@ from tasks.station.drivers.samples import (
     stamp_turn_us,
     to_stream,
 )
-from tasks.station.drivers.text_frames import find_text
 from tasks.station.ports import Line
 
 LONGEST_STEP_US = 3_000_000
