@@ -1,8 +1,8 @@
 """Frames of the unit, binary or lines of text: found in a byte stream, checked and decoded."""
 
 import re
-from binascii import crc_hqx
-from dataclasses import dataclass
+from binascii import crc32, crc_hqx
+from collections.abc import Callable
 from functools import lru_cache, reduce
 from operator import xor
 
@@ -15,25 +15,6 @@ from tasks.station.drivers.samples import FrameSearch, filled, no_samples
 NUMBER = rb"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 MOST_BYTES = 4096  # of a line; what is longer is no line
 CHECK_DIGITS = {"xor8": 2, "crc16_xmodem": 4}
-
-
-@dataclass(frozen=True)
-class Crc:
-    """A cyclic redundancy check, as catalogues of them give it."""
-
-    width: int
-    polynomial: int
-    start: int
-    is_reflected: bool
-    end_xor: int
-
-
-CRCS = {
-    "crc16_xmodem": Crc(16, 0x1021, 0, False, 0),
-    "crc16_ccitt_false": Crc(16, 0x1021, 0xFFFF, False, 0),
-    "crc16_modbus": Crc(16, 0x8005, 0xFFFF, True, 0),
-    "crc32": Crc(32, 0x04C11DB7, 0xFFFFFFFF, True, 0xFFFFFFFF),
-}
 
 
 def find_binary(data: bytes, frame: BinaryFrame) -> FrameSearch:
@@ -111,43 +92,24 @@ def _apart(places: np.ndarray, taken: np.ndarray, size: int) -> int:
 
 def check_sums(kind: Check, rows: np.ndarray) -> np.ndarray:
     """The check sum of each row of octets, (n, k) -> (n,) uint64."""
-    if kind == "sum8":
-        return rows.astype(np.uint64).sum(axis=1) & np.uint64(0xFF)
-    if kind == "xor8":
-        return np.bitwise_xor.reduce(rows, axis=1).astype(np.uint64)
-    return _crc(CRCS[kind], rows)
+    return np.array([CHECKS[kind](row.tobytes()) for row in rows], np.uint64)
 
 
-def _crc(crc: Crc, rows: np.ndarray) -> np.ndarray:
-    table = _table(crc)
-    register = np.full(len(rows), crc.start, np.uint64)
-    mask, octet = np.uint64(2**crc.width - 1), np.uint64(0xFF)
-    high, eight = np.uint64(crc.width - 8), np.uint64(8)
-    for column in rows.T:
-        if crc.is_reflected:
-            register = (register >> eight) ^ table[(register ^ column) & octet]
-        else:
-            register = ((register << eight) & mask) ^ table[(register >> high) ^ column]
-    return register ^ np.uint64(crc.end_xor)
+def _crc16_modbus(octets: bytes) -> int:
+    from pymodbus.framer import FramerRTU
+
+    low_first = FramerRTU.compute_CRC(octets)
+    return low_first >> 8 | (low_first & 0xFF) << 8
 
 
-@lru_cache
-def _table(crc: Crc) -> np.ndarray:
-    """What each octet adds, (256,) uint64."""
-    top, mask = 1 << (crc.width - 1), 2**crc.width - 1
-    polynomial = crc.polynomial
-    if crc.is_reflected:
-        polynomial = int(f"{polynomial:0{crc.width}b}"[::-1], 2)
-    table = []
-    for octet in range(256):
-        register = octet if crc.is_reflected else octet << (crc.width - 8)
-        for _ in range(8):
-            if crc.is_reflected:
-                register = (register >> 1) ^ (polynomial if register & 1 else 0)
-            else:
-                register = ((register << 1) ^ (polynomial if register & top else 0)) & mask
-        table.append(register)
-    return np.array(table, np.uint64)
+CHECKS: dict[str, Callable[[bytes], int]] = {
+    "sum8": lambda octets: sum(octets) & 0xFF,
+    "xor8": lambda octets: reduce(xor, octets, 0),
+    "crc16_xmodem": lambda octets: crc_hqx(octets, 0),
+    "crc16_ccitt_false": lambda octets: crc_hqx(octets, 0xFFFF),
+    "crc16_modbus": _crc16_modbus,
+    "crc32": crc32,
+}
 
 
 def find_text(data: bytes, frame: TextFrame) -> FrameSearch:
@@ -200,8 +162,7 @@ def _values(line: bytes, frame: TextFrame) -> tuple[float, ...] | None:
 
 
 def _check(line: bytes, frame: TextFrame) -> int:
-    body = line[line[:1] in (b"$", b"!") : line.rindex(b"*")]
-    return reduce(xor, body, 0) if frame.check == "xor8" else crc_hqx(body, 0)
+    return CHECKS[frame.check](line[line[:1] in (b"$", b"!") : line.rindex(b"*")])
 
 
 @lru_cache
