@@ -141,6 +141,6 @@ def review(
     if as_json:
         print(reviewed.review.model_dump_json(indent=1))
         return
-    from flows.print_review import print_review
+    from flows.print_explanation import print_review
 
     print_review(reviewed)

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from flows.print_calibration import print_calibration
-from flows.print_validity import lines, summary
+from flows.print_calibration import lines, print_calibration, summary
 from flows.printing import print_json, print_rows, stdout
 from schemas.base import Unusable, first_fault
 from schemas.run_log import LogEntry

@@ -29,7 +29,7 @@ from storage.catalogue.certificates import AS_LEFT, Entry
 from storage.home import Home
 from tasks.quality.charts import drift
 from tasks.specifications.items import ITEMS, item_title, symbol
-from tasks.stages.interval import advice_by, sentence
+from tasks.stages.remind import advice_by, sentence
 from tasks.words import statement
 
 YEAR_D = 365.25

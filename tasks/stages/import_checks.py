@@ -9,8 +9,8 @@ from schemas.recording import ACCEL, ANGLE, GYRO, MEASURED, Manifest, Recording,
 from storage.formats import recordings
 from storage.formats.checks import absent
 from storage.verify import StoreFault
-from tasks.segments.attitude import wrong_accel_unit, wrong_rate_unit
 from tasks.segments.summarise import summarise_all
+from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 
 
 def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> Recording:

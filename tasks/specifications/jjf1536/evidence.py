@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
-from tasks.segments.attitude import attitude_vector, with_attitude, wrong_rate_unit
+from tasks.segments.attitude import attitude_vector, with_attitude
 from tasks.segments.find import find_segments, up_of
 from tasks.segments.rates import turning_points
 from tasks.segments.summarise import (
@@ -19,6 +19,7 @@ from tasks.segments.summarise import (
     rows_of,
     summarise_all,
 )
+from tasks.segments.units import wrong_rate_unit
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise

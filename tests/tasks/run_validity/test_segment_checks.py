@@ -10,8 +10,8 @@ import pytest
 from schemas.recording import Recording, Stream
 from schemas.text import Remark
 from tasks.calibrate.calibrate import calibrate
-from tasks.segments.attitude import wrong_accel_unit, wrong_rate_unit
 from tasks.segments.summarise import summarise_all
+from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 from tasks.specifications.jjf2003 import JJF2003
 
 
