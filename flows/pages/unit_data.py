@@ -133,10 +133,7 @@ def _drift(readings: list[Reading], u: Mapping[str, float | None]) -> DriftShown
     values = [_number(each.value) for each in readings]
     adjustments = np.cumsum([each.state == "left" for each in readings], dtype=int)
     stated = [_number(u[each.run]) for each in readings]
-    found = drift(np.array(years), np.array(values), np.array(stated), adjustments)
-    if found is None:
-        return None
-    return DriftShown(per_year=found.per_year, U=found.U, readings=found.readings)
+    return drift(np.array(years), np.array(values), np.array(stated), adjustments)
 
 
 def _years(day: date) -> float:
