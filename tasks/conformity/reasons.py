@@ -20,6 +20,8 @@ from tasks.words import Message, Sayable, message
 from tasks.words.quantities import quantity_text
 from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
 
+MORE_PLACES = 6  # of decimals, up to which a value is written out to show that it is beyond
+
 
 @dataclass(frozen=True)
 class Doubt:
@@ -34,7 +36,6 @@ class Doubt:
 
 
 Doubts = Mapping[str, Doubt]  # by item
-MORE_PLACES = 6  # of decimals, up to which a value is written out to show that it is beyond
 
 
 def outside(limit: LimitDecision) -> Message:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from schemas.review import Layout, PooledParameter, PooledTerm
 from tasks.explain.search.candidates import parts_of
-from tasks.review.run_statistics import NAME as GROUND
+from tasks.review.ground import NAME as GROUND
 
 TermIdentity = tuple[str, tuple[float, ...], tuple[str, ...]]
 

@@ -24,9 +24,9 @@ from tasks.model.effect import effect_name, separating_recording
 from tasks.model.regression import inverse
 from tasks.motion.table import EARTH_RATE
 from tasks.review.carriers import Carried, Change
+from tasks.review.ground import NAME
 from tasks.review.hypotheses import Effect
 from tasks.review.pool import Pool
-from tasks.review.run_statistics import NAME
 from tasks.review.search import FALSE_ALARMS, Found
 from tasks.review.windows import Window, rows_of
 from tasks.words import Message, Sayable, clauses, message, statement

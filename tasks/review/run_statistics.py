@@ -6,7 +6,6 @@ every run has a standard model of its own.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,32 +26,11 @@ from tasks.explain.search.design import (
 from tasks.explain.search.stepwise import initial_noises
 from tasks.explain.whitening import Noise
 from tasks.model.catalogue import catalogue
-from tasks.model.parameters import DEG, single
 from tasks.model.regression import inverse
-from tasks.model.term import Column, Inputs, Term
-from tasks.model.terms.axes import level_axes
+from tasks.model.term import Column, Term
 from tasks.motion.whole import Motion
+from tasks.review.ground import ground_rotation
 
-NAME = "ground_rotation"
-
-
-@dataclass(frozen=True)
-class GroundRotation(Term):
-    """A rate (3,) of the ground: along the table's x and y axes with all angles zero, and up."""
-
-    def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
-        level = level_axes(motion)
-        rate = values[2] * motion.up
-        if level is not None:
-            rate = rate + values[0] * level[0] + values[1] * level[1]
-        return Inputs(inputs.rate + rate, inputs.force)
-
-
-PRINTED = ("deg/h", 3600.0 * DEG, 1e-3)
-GROUND_ROTATION = GroundRotation(
-    NAME, "site", "input", "ω = ω_table + Ω_x·x + Ω_y·y + Ω_z·up", "rigid-body kinematics",
-    single("x", "Ω_x", PRINTED) + single("y", "Ω_y", PRINTED) + single("up", "Ω_z", PRINTED),
-)  # fmt: skip
 VERSION = 1  # of these statistics: another one is made again
 STEP = 32767  # of a correlation of one
 SLOW = 1.0  # Hz: where physics that is left would be, and most noise is not
@@ -152,11 +130,3 @@ def _left_over(design: BandedDesign, channel: ChannelDesign | None, noise: Noise
     taken = float(np.trace(solved @ gram[:-1, :-1]))
     ratio = float(left) / max(design.bands.sizes[slow].sum() - taken, 1.0)
     return ratio if ratio > BELIEVED else 1.0
-
-
-def ground_rotation(recording: Recording) -> tuple[Term, ...]:
-    """The term of a run whose manifest omits latitude and heading."""
-    station = recording.manifest.station
-    if station.latitude_deg is not None and station.heading_deg is not None:
-        return ()
-    return (GROUND_ROTATION,)

@@ -17,6 +17,7 @@ from tasks.station.drivers.modbus import ModbusLink, decode, encode
 from tasks.station.ports import EncoderBlock
 
 MOST_WORDS = 120  # a request reads at most 125
+LATE_PERIODS = 5.0  # a poll that comes later leaves a gap
 
 
 @dataclass(frozen=True)
@@ -140,9 +141,6 @@ class ModbusBackend:
             else:
                 groups.append([place])
         return groups
-
-
-LATE_PERIODS = 5.0  # a poll that comes later leaves a gap
 
 
 class Unwrapped:

@@ -7,6 +7,7 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from schemas.base import Unusable
+from tasks.station.virtual import line_faults as line
 from tasks.station.virtual import unit_faults as unit
 
 HUNTING_RAD = np.radians(30.0 / 3600.0)
@@ -67,7 +68,7 @@ class Condition:
     held_frames: int = 0  # until there are so many
     stamps: tuple[unit.Stamps, ...] = ()
     counts: tuple[unit.Counts, ...] = ()
-    wire: tuple[unit.Wire, ...] = ()
+    wire: tuple[line.Wire, ...] = ()
 
 
 Change = Callable[[Condition], Condition]
@@ -89,7 +90,7 @@ def _stamps(change: unit.Stamps) -> Change:
     return lambda now: replace(now, stamps=(*now.stamps, change))
 
 
-def _wire(change: unit.Wire) -> Change:
+def _wire(change: line.Wire) -> Change:
     return lambda now: replace(now, wire=(*now.wire, change))
 
 
@@ -136,16 +137,16 @@ FAULTS: dict[str, tuple[Change, str]] = {
     "fixture_stays": (_set(fixture_stays=True), "the fixture does not turn"),
     "busy_computer": (_set(busy_s=0.2), "the station's computer is busy for every other 0.2 s"),
     "power_cut": (_set(is_dead=True), "the station is gone: its process ends"),
-    "unit_silent": (_wire(unit.silence), "the unit sends nothing more"),
-    "unit_garbage": (_wire(unit.garble), "each 20th frame has a wrong byte and noise behind it"),
-    "unit_drops": (_wire(unit.drop), "the last ten of each 200 frames are lost"),
+    "unit_silent": (_wire(line.silence), "the unit sends nothing more"),
+    "unit_garbage": (_wire(line.garble), "each 20th frame has a wrong byte and noise behind it"),
+    "unit_drops": (_wire(line.drop), "the last ten of each 200 frames are lost"),
     "unit_late": (_set(held_frames=100), "frames come in bouts of a hundred"),
-    "unit_repeats": (_wire(unit.repeat), "each 50th frame is sent twice"),
-    "unit_merges": (_wire(unit.merge), "each 40th frame runs into the next: its end is lost"),
-    "unit_cuts": (_wire(unit.cut), "each 60th frame is cut in half"),
-    "unit_swaps": (_wire(unit.swap), "two neighbouring frames of each 80 change places"),
-    "unit_bit_flips": (_wire(unit.flip), "a bit of each 100th frame is wrong"),
-    "unit_noise_line": (_wire(unit.noise), "random bytes come in the place of frames"),
+    "unit_repeats": (_wire(line.repeat), "each 50th frame is sent twice"),
+    "unit_merges": (_wire(line.merge), "each 40th frame runs into the next: its end is lost"),
+    "unit_cuts": (_wire(line.cut), "each 60th frame is cut in half"),
+    "unit_swaps": (_wire(line.swap), "two neighbouring frames of each 80 change places"),
+    "unit_bit_flips": (_wire(line.flip), "a bit of each 100th frame is wrong"),
+    "unit_noise_line": (_wire(line.noise), "random bytes come in the place of frames"),
     "unit_cut": (_set(cuts_unit=True), "the unit's connection ends, and can be made again"),
     "stuck_channel": (_counts(unit.stick), "gyro y stands at one value"),
     "stuck_accel": (_counts(unit.stick_accel), "accelerometer z stands at one value"),

@@ -5,8 +5,8 @@ import numpy as np
 from schemas.limits import ChamberLimits
 from schemas.recording import Mount
 from tasks.station.virtual import quaternions
+from tasks.station.virtual.profile import STANDING, to_angle
 from tasks.station.virtual.protocol import FIXTURE_STATUS
-from tasks.station.virtual.table import STANDING, to_angle
 
 MINUTE_S = 60.0
 SPEED = np.radians(60.0)

@@ -8,7 +8,8 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import recovery_checks, simulate
-from tasks.validation.make import EXAMPLES, example_check, independent_checks
+from tasks.validation.examples import EXAMPLES, example_check
+from tasks.validation.independent import independent_checks
 from tasks.validation.plain_joint import plain_joint
 
 METHODS = {name: partial(calibrate, spec) for name, spec in SPECIFICATIONS.items()}
