@@ -1,4 +1,4 @@
-"""Stages: makes the correction of a result, and corrects a recording with it."""
+"""Stages: the correction of a result, a recording corrected with it, and one simulated by it."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -89,12 +89,7 @@ def apply_correction(run: Run, home: Home, order: ApplyOrder) -> Corrected:
     if source is not None:
         _check_unit(source.manifest.unit, recording.manifest, order.calibration)
     corrected, out = corrected_recording(recording, known, calibration), Path(order.out)
-    try:
-        write_columns(corrected, out)
-    except OSError as error:  # FileExistsError is one
-        raise Unusable(
-            f"{out} cannot be written ({error.strerror or error}); name a new folder with --out."
-        ) from error
+    _write(corrected, out)
     left_in = tuple(term.name for term in calibration.terms)
     rows = len(corrected.imu)
     return Corrected(out, rows, len(recording.imu) - rows, assumed, left_in)
@@ -129,6 +124,15 @@ def corrected_recording(
     return replace(recording, manifest=Manifest.model_validate(fields), imu=imu, digest="")
 
 
+def _write(recording: Recording, out: Path) -> None:
+    try:
+        write_columns(recording, out)
+    except OSError as error:  # FileExistsError is one
+        raise Unusable(
+            f"{out} cannot be written ({error.strerror or error}); name a new folder with --out."
+        ) from error
+
+
 def _recording_of(calibration: Calibration, home: Home) -> Recording | None:
     """The recording that a calibration was made of, if it is in the store."""
     for run in run_index.all_runs(home):
@@ -161,12 +165,7 @@ def simulate_run(run: Run, home: Home, order: SimulateOrder) -> Simulated:
     values, assumed = model_values(given)
     out = Path(order.out)
     simulated = simulated_recording(recording, values)
-    try:
-        write_columns(simulated, out)
-    except OSError as error:  # FileExistsError is one
-        raise Unusable(
-            f"{out} cannot be written ({error.strerror or error}); name a new folder with --out."
-        ) from error
+    _write(simulated, out)
     rows = len(simulated.imu)
     return Simulated(out, rows, len(recording.imu) - rows, assumed)
 

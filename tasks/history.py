@@ -1,4 +1,4 @@
-"""The difference between two results of one run: values, uncertainties, verdicts."""
+"""Differences between an earlier result and today's, and the report of a re-processing."""
 
 import csv
 from collections.abc import Iterator
