@@ -96,7 +96,7 @@ def trail(form: options.TrailForm = "table", as_json: options.Json = False) -> N
 
     `verify` checks that it is complete and unaltered.
     """
-    from flows.print_trail import print_trail
+    from flows.print_certificate import print_trail
 
     print_trail("json" if as_json else form)
 

@@ -11,12 +11,10 @@ from typer.exceptions import TyperException
 from flows import (
     certificate_commands,
     correction_commands,
-    dashboard_commands,
     equipment_commands,
     explain_commands,
     history_commands,
     options,
-    review_commands,
     station,
     store_commands,
     user_commands,
@@ -39,11 +37,9 @@ app = typer.Typer(
 )
 app.add_typer(certificate_commands.app)
 app.add_typer(explain_commands.app)
-app.add_typer(review_commands.app)
 app.add_typer(correction_commands.app)
 app.add_typer(store_commands.app)
 app.add_typer(history_commands.app)
-app.add_typer(dashboard_commands.app)
 app.add_typer(equipment_commands.app, name="equipment")
 app.add_typer(station.app, name="station")
 app.add_typer(user_commands.app, name="user")
@@ -203,8 +199,8 @@ def acquire(
     abandoned; the runs of the others are kept.
     """
     from flows.carry_out import as_flow_run
-    from flows.print_acquired import print_acquired
     from flows.run_orders import check_acquisition, home_of
+    from flows.show import print_acquired
     from schemas.orders import AcquireOrder
 
     order = AcquireOrder(

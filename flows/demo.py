@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from flows.prefect_server import connect
-from flows.print_calibration import print_calibration
+from flows.print_calibration import print_calibration, summary
 from flows.print_certificate import print_verdict
-from flows.print_validity import summary
 from flows.printing import print_rows
 from flows.progress import working
 from flows.run_orders import procedure_of

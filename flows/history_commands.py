@@ -1,4 +1,4 @@
-"""Commands over the history of a store: `reprocess`, `table` and `impact`."""
+"""Commands over the history of a store: `reprocess`, `table`, `impact`; and `dashboard`."""
 
 import typer
 
@@ -93,7 +93,7 @@ def impact(
     """
     from flows.print_history import print_impact
     from schemas.orders import Selection, order_of
-    from storage.catalogue.impact import impact_of
+    from storage.catalogue.selection import impact_of
     from storage.home import home
 
     first, last = since.date() if since else None, until.date() if until else None
@@ -103,3 +103,15 @@ def impact(
         print(found.model_dump_json(indent=1))
     else:
         print_impact(found)
+
+
+@app.command(epilog="Example: mimucal dashboard --port 8765")
+def dashboard(host: options.Host = "127.0.0.1", port: options.PagesPort = 8765) -> None:
+    """Serve the operations pages until Ctrl-C.
+
+    Line, runs, units, quality, mismatch and due dates, in Chinese and English.
+    """
+    from flows.pages.serve import serve
+    from storage.home import home
+
+    serve(home(), host, port)

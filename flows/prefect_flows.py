@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from copy import copy
 from datetime import UTC, datetime, timedelta
+from functools import wraps
 from time import monotonic
 from typing import Any
 
@@ -25,42 +26,28 @@ from flows import run_orders
 from schemas.base import BrokenOff
 from schemas.calibration import Calibration
 from schemas.certificate_orders import (
-    AmendOrder,
-    CertifyOrder,
-    CheckOrder,
-    IssueOrder,
     ProduceOrder,
-    WithdrawOrder,
 )
 from schemas.history import Reprocessing
-from schemas.next_recording import NextRecording
 from schemas.orders import (
-    AcquireOrder,
-    ApplyOrder,
-    CalibrateOrder,
-    ExplainOrder,
-    NextOrder,
     OrderModel,
     RemindOrder,
     ReprocessOrder,
-    ReviewOrder,
-    SimulateOrder,
 )
 from schemas.recall import Recalled
 from tasks.conformity.limits import verdict_title
 from tasks.stages import remind as reminding
-from tasks.stages.acquire import AcquiredRuns
 from tasks.stages.certificate_inputs import read_inputs
-from tasks.stages.correct import Corrected
 from tasks.stages.explain import Explained
 from tasks.stages.published import Published
 from tasks.stages.review import Reviewed
-from tasks.stages.simulate import Simulated
 from tasks.stages.stage import without_loss
 from tasks.words import say
 
 PROGRESS_EVERY_S = 5.0
 MOST_ROWS = 1000  # of an artifact's table
+
+Show = Callable[[Any], None]
 
 
 def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
@@ -79,12 +66,6 @@ def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
         return without_loss(named.fn, with_body)(order)
 
 
-@flow(name="acquire", flow_run_name="acquire on {order.station}")
-def acquire(order: AcquireOrder) -> AcquiredRuns:
-    """Acquire a run of each unit on the station of a station file."""
-    return run_orders.acquire(order)
-
-
 @flow(name="produce", flow_run_name="produce on {order.station}")
 def produce(order: ProduceOrder) -> tuple[Published, ...]:
     """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
@@ -97,81 +78,6 @@ def produce(order: ProduceOrder) -> tuple[Published, ...]:
     if acquired.given_up:
         raise BrokenOff("; ".join(acquired.given_up))
     return drafts
-
-
-@flow(name="calibrate", flow_run_name="calibrate {order.run}")
-def calibrate(order: CalibrateOrder) -> Calibration:
-    """Estimate every item that a run (an id, or a path imported on the fly) allows."""
-    calibration = run_orders.calibrate(order)
-    with suppress(TransportError):
-        _show_items(calibration)
-    return calibration
-
-
-@flow(name="explain", flow_run_name="explain {order.run}")
-def explain(order: ExplainOrder) -> Explained:
-    """Find where model and run differ, which physics was left out, and how much it matters."""
-    explained = run_orders.explain(order)
-    with suppress(TransportError):
-        _show_discrepancy(explained)
-    return explained
-
-
-@flow(name="review")
-def review(order: ReviewOrder) -> Reviewed:
-    """Find what many runs show together, what carries it and since when."""
-    reviewed = run_orders.review(order)
-    with suppress(TransportError):
-        _show_review(reviewed)
-    return reviewed
-
-
-@flow(name="next", flow_run_name="next recording of {order.runs}")
-def next_recording(order: NextOrder) -> NextRecording:
-    """Propose the recording that settles what the explanations of some runs left open."""
-    return run_orders.next_recording(order)
-
-
-@flow(name="simulate", flow_run_name="simulate {order.run}")
-def simulate(order: SimulateOrder) -> Simulated:
-    """Simulate the readings of a calibrated unit for the motion of a run."""
-    return run_orders.simulate(order)
-
-
-@flow(name="apply", flow_run_name="apply {order.calibration} to {order.run}")
-def apply(order: ApplyOrder) -> Corrected:
-    """Write a run corrected for its unit's errors."""
-    return run_orders.apply(order)
-
-
-@flow(name="certify", flow_run_name="certify {order.run}")
-def certify(order: CertifyOrder) -> Published:
-    """Estimate, decide and draft the certificate of a run."""
-    return _shown(run_orders.certify(order))
-
-
-@flow(name="check", flow_run_name="check {order.certificate}")
-def check(order: CheckOrder) -> Published:
-    """Record that a person checked the draft of a certificate."""
-    return run_orders.check(order)
-
-
-@flow(name="issue", flow_run_name="issue {order.certificate}")
-def issue(order: IssueOrder) -> Published:
-    """Issue a checked certificate under the laboratory's next number."""
-    return _shown(run_orders.issue(order))
-
-
-@flow(name="amend", flow_run_name="amend {order.certificate}")
-def amend(order: AmendOrder) -> Published:
-    """Draft a certificate that replaces an issued one."""
-    return _shown(run_orders.amend(order))
-
-
-@flow(name="withdraw", flow_run_name="withdraw {order.certificate}")
-def withdraw(order: WithdrawOrder) -> Published:
-    """Withdraw an issued certificate."""
-    return run_orders.withdraw(order)
 
 
 @flow(name="reprocess")
@@ -234,20 +140,18 @@ def _show_changes(report: Reprocessing) -> None:
     )
 
 
-def _shown(published: Published) -> Published:
+def _show_certificate(published: Published) -> None:
     """The certificate with its items, verdict, reasons and path, as Prefect artifacts."""
     certificate = published.certificate
     verdict = say(verdict_title(certificate.decision), "en")
     reasons = "\n".join(f"- {reason}" for reason in certificate.decision.reasons)
-    with suppress(TransportError):
-        _show_items(certificate.calibration)
-        create_markdown_artifact(
-            key="certificate",
-            markdown=f"# {certificate.number}: {verdict} ({published.state})\n\n{reasons}\n\n"
-            f"Recalibration due: {certificate.due or 'not agreed'}. PDF: `{published.pdf}`",
-            description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
-        )
-    return published
+    _show_items(certificate.calibration)
+    create_markdown_artifact(
+        key="certificate",
+        markdown=f"# {certificate.number}: {verdict} ({published.state})\n\n{reasons}\n\n"
+        f"Recalibration due: {certificate.due or 'not agreed'}. PDF: `{published.pdf}`",
+        description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
+    )
 
 
 def _show_discrepancy(explained: Explained) -> None:
@@ -294,3 +198,37 @@ def _show_items(calibration: Calibration) -> None:
         table=rows,
         description=f"{calibration.recording_id}, {calibration.procedure}",
     )
+
+
+def _ordered(
+    function: str, run_name: str | None, show: Show = lambda _: None, name: str = ""
+) -> Any:
+    """The flow that carries out an order by the function of that name in `run_orders`.
+
+    show: writes the artifacts of the answer, where the server takes them. name: of the flow, where
+    it is another.
+    """
+
+    # all but the module: the flow is one of this file
+    @wraps(getattr(run_orders, function), assigned=("__name__", "__qualname__", "__doc__"))
+    def carried_out(order: OrderModel) -> Any:
+        answer = getattr(run_orders, function)(order)
+        with suppress(TransportError):
+            show(answer)
+        return answer
+
+    return flow(name=name or function, flow_run_name=run_name)(carried_out)
+
+
+acquire = _ordered("acquire", "acquire on {order.station}")
+calibrate = _ordered("calibrate", "calibrate {order.run}", _show_items)
+explain = _ordered("explain", "explain {order.run}", _show_discrepancy)
+review = _ordered("review", None, _show_review)
+next_recording = _ordered("next_recording", "next recording of {order.runs}", name="next")
+simulate = _ordered("simulate", "simulate {order.run}")
+apply = _ordered("apply", "apply {order.calibration} to {order.run}")
+certify = _ordered("certify", "certify {order.run}", _show_certificate)
+check = _ordered("check", "check {order.certificate}")
+issue = _ordered("issue", "issue {order.certificate}", _show_certificate)
+amend = _ordered("amend", "amend {order.certificate}", _show_certificate)
+withdraw = _ordered("withdraw", "withdraw {order.certificate}")

@@ -1,16 +1,24 @@
 """Prints a calibration."""
 
+from typing import Any
+
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from flows.print_validity import WORDS
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
+from schemas.validity import RunVerdict, Validity
 from tasks.specifications.items import item_title
 from tasks.words import say
+from tasks.words.quantities import unit_text
 from tasks.words.rounding import column
-from tasks.words.units import unit_text
+
+WORDS: dict[RunVerdict, str] = {
+    "valid": "the run is valid",
+    "remarks": "the run is valid with remarks, on which no unit passes",
+    "invalid": "the run is invalid, and nothing is decided on the unit",
+}
 
 
 def print_calibration(calibration: Calibration) -> None:
@@ -68,3 +76,13 @@ def _add_item(table: Table, name: str, item: Item | Information) -> None:
             power + unit_text(item.unit),
             end_section=row == len(item.value) - 1,
         )
+
+
+def summary(validity: Validity) -> dict[str, Any]:
+    """The validity as in JSON."""
+    return {"verdict": validity.verdict, "reasons": list(validity.reasons)}
+
+
+def lines(validity: Validity) -> list[str]:
+    """The validity, and a line for each reason."""
+    return [WORDS[validity.verdict], *(f"  {reason}" for reason in validity.reasons)]

@@ -1,10 +1,17 @@
 """Prints a certificate."""
 
+import csv
+import json
+import sys
 from typing import TYPE_CHECKING, Any
 
-from flows.printing import print_json, stdout
+from flows.printing import print_json, print_rows, stdout
+from schemas.base import Unusable
 from schemas.certificate import AsFound
 from schemas.decision import Verdict
+from storage.catalogue import trail
+from storage.catalogue.trail import Entry
+from storage.home import home
 from tasks.words import say
 
 if TYPE_CHECKING:
@@ -77,3 +84,33 @@ def _as_found(found: AsFound | None) -> dict[str, Any] | None:
     if found is None:
         return None
     return {"run": found.calibration.run, "verdict": found.decision.verdict}
+
+
+def print_trail(form: str) -> None:
+    """Print every entry in the order of writing."""
+    entries = trail.entries(home())
+    if form == "json":
+        print_json({"format": "mimu-trail/1", "entries": [_fields(entry) for entry in entries]})
+    elif form == "jsonl":
+        for entry in entries:
+            print(json.dumps(_fields(entry), ensure_ascii=False))
+    elif form == "csv":
+        writer = csv.writer(sys.stdout, lineterminator="\n")
+        writer.writerow(Entry.model_fields)
+        writer.writerows(entry.model_dump(mode="json").values() for entry in entries)
+    elif form == "table":
+        rows = [
+            (str(e.number), f"{e.at:%F %T}", e.person, e.action, e.subject, _reason(e))
+            for e in entries
+        ]
+        print_rows("Trail", ("entry", "UTC", "person", "action", "subject", "reason"), rows)
+    else:
+        raise Unusable(f"--as {form}: choose one of table, csv, jsonl")
+
+
+def _fields(entry: Entry) -> dict[str, object]:
+    return entry.model_dump(mode="json") | {"details": json.loads(entry.details)}
+
+
+def _reason(entry: Entry) -> str:
+    return str(json.loads(entry.details).get("reason") or "")

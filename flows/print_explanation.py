@@ -1,4 +1,4 @@
-"""Prints an explanation."""
+"""Prints an explanation, and a review."""
 
 from collections.abc import Sequence
 
@@ -8,9 +8,11 @@ from rich.text import Text
 
 from flows.printing import stdout
 from schemas.discrepancy import Discrepancy, ReportedFinding, Verdict
+from schemas.review import Review, ReviewFinding
 from tasks.explain.correction.consequences import moved_by
 from tasks.explain.report import names
 from tasks.stages.explain import Explained
+from tasks.stages.review import Reviewed
 from tasks.words import say
 from tasks.words.quantities import chi2, percent, quantities
 from tasks.words.rounding import USUAL_K
@@ -20,7 +22,8 @@ COLOURS: dict[Verdict, str] = {
     "unexplained": "red",
 }  # fmt: skip
 COLUMNS = ("missing", "share", "channels", "parameter", "value", "U (k = 2)", "unit")
-NUMERIC = ("share", "value", "U (k = 2)")
+REVIEW_COLUMNS = ("effect", "carrier", "since", "parameter", "value", "U (k = 2)", "unit", "runs")
+NUMERIC = ("share", "value", "U (k = 2)", "runs")
 MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
 
 
@@ -46,10 +49,15 @@ def print_explanation(explained: Explained) -> None:
         print(path)
 
 
-def _table(discrepancy: Discrepancy) -> Table:
+def _headed(columns: Sequence[str]) -> Table:
     table = Table()
-    for name in COLUMNS:
+    for name in columns:
         table.add_column(name, justify="right" if name in NUMERIC else "left")
+    return table
+
+
+def _table(discrepancy: Discrepancy) -> Table:
+    table = _headed(COLUMNS)
     for finding in discrepancy.findings:
         *others, last = _parameters(finding) or [("–", "–", "–", "")]
         first = (finding.effect, percent(finding.share), ", ".join(finding.channels))
@@ -59,7 +67,7 @@ def _table(discrepancy: Discrepancy) -> Table:
     return table
 
 
-def _parameters(finding: ReportedFinding) -> Sequence[tuple[str, str, str, str]]:
+def _parameters(finding: ReportedFinding | ReviewFinding) -> Sequence[tuple[str, str, str, str]]:
     """Name, value, U and unit of each parameter, as in the report."""
     made = [(p.name, quantities([p.value], USUAL_K * p.u, p.unit)) for p in finding.parameters]
     return [
@@ -85,3 +93,32 @@ def _print_finding(console: Console, finding: ReportedFinding) -> None:
         item, verdicts = names.element_title(change.item, ""), names.change_title(change)
         line = f"  verdict of {say(item, 'en')}: {say(verdicts, 'en')}"
         console.print(line, style="bold", markup=False)
+
+
+def print_review(reviewed: Reviewed) -> None:
+    """Print the verdict, the common effects with their parameters, and the runs left out."""
+    review, console = reviewed.review, stdout()
+    console.print(f"{review.verdict.replace('_', ' ')} ({review.runs} runs)", markup=False)
+    console.print(review.statement.en, markup=False)
+    if review.findings:
+        console.print(_review_table(review))
+    for statement in [one.statement for one in review.findings] + [
+        one.statement for one in review.sites
+    ]:
+        console.print(statement.en, markup=False)
+    for skipped in review.skipped:
+        console.print(f"left out: {skipped.run}: {skipped.why}", markup=False)
+    for path in reviewed.files:
+        print(path)
+
+
+def _review_table(review: Review) -> Table:
+    table = _headed(REVIEW_COLUMNS)
+    for finding in review.findings:
+        since = finding.since.at if finding.since else "–"
+        first = (finding.effect, f"{finding.level} {finding.carrier}", since)
+        runs = str(finding.evidence.runs)
+        for cells in _parameters(finding):
+            table.add_row(*map(Text, (*first, *cells, runs)))
+            first, runs = ("", "", ""), ""
+    return table

@@ -2,7 +2,7 @@
 
 from flows.printing import print_rows, stdout
 from schemas.history import Impact, Plan, Pruned, Reprocessing
-from tasks.words.units import unit_text
+from tasks.words.quantities import unit_text
 
 SHOWN = 20  # rows of each table; the report has all
 

@@ -42,11 +42,10 @@ if TYPE_CHECKING:
     from schemas.station import StationFile
     from tasks.stages.acquire import AcquiredRuns
     from tasks.stages.certificate_inputs import CertificateInputs
-    from tasks.stages.correct import Corrected
+    from tasks.stages.correct import Corrected, Simulated
     from tasks.stages.explain import Explained
     from tasks.stages.published import Published
     from tasks.stages.review import Reviewed
-    from tasks.stages.simulate import Simulated
     from tasks.station.ports import Ask
 
 
@@ -78,7 +77,7 @@ def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | No
 
 
 def calibrate(order: CalibrateOrder) -> "Calibration":
-    """Estimate every item that a run allows."""
+    """Estimate every item that a run (an id, or a path imported on the fly) allows."""
     from tasks.stages.estimate import estimate
     from tasks.stages.import_recording import run_of
 
@@ -87,7 +86,7 @@ def calibrate(order: CalibrateOrder) -> "Calibration":
 
 
 def explain(order: ExplainOrder) -> "Explained":
-    """Find which physics the standard's model leaves out of a run."""
+    """Find where model and run differ, which physics was left out, and how much it matters."""
     from tasks.stages.explain import explain_run
     from tasks.stages.import_recording import run_of
 
@@ -101,7 +100,7 @@ def explain(order: ExplainOrder) -> "Explained":
 
 
 def review(order: ReviewOrder) -> "Reviewed":
-    """Find what many runs show together."""
+    """Find what many runs show together, what carries it and since when."""
     from tasks.stages.review import review_runs
 
     with counting("runs") as report:
@@ -120,8 +119,8 @@ def next_recording(order: NextOrder) -> "NextRecording":
 
 def simulate(order: SimulateOrder) -> "Simulated":
     """Simulate the readings of a calibrated unit for the motion of a run."""
+    from tasks.stages.correct import simulate_run
     from tasks.stages.import_recording import run_of
-    from tasks.stages.simulate import simulate_run
 
     place = home_of(order)
     return simulate_run(run_of(order.run, place), place, order)
@@ -182,7 +181,7 @@ def check(order: CheckOrder) -> "Published":
 
 
 def issue(order: IssueOrder) -> "Published":
-    """Issue a checked certificate under a number."""
+    """Issue a checked certificate under the laboratory's next number."""
     from tasks.stages import issue as stage
 
     return stage.issue(order.certificate, home_of(order), order.by, order.reason)

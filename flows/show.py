@@ -1,16 +1,24 @@
 """Prints one run."""
 
+import sys
+from typing import TYPE_CHECKING, Any
+
 from pydantic import TypeAdapter, ValidationError
 
-from flows.print_calibration import print_calibration
-from flows.print_validity import lines, summary
+from flows.print_calibration import lines, print_calibration, summary
 from flows.printing import print_json, print_rows, stdout
 from schemas.base import Unusable, first_fault
 from schemas.run_log import LogEntry
 from storage.catalogue import certificates, results, runs
-from storage.home import home
+from storage.home import Home, home
 from tasks.stages.import_recording import run_of
 from tasks.stages.validity import validity_of
+
+if TYPE_CHECKING:
+    from schemas.validity import Validity
+    from storage.catalogue.run_index import Run
+    from tasks.stages.acquire import AcquiredRuns
+    from tasks.station.acquisition import Acquired
 
 
 def show_run(reference: str, as_json: bool) -> None:
@@ -72,3 +80,32 @@ def show_log(reference: str, as_json: bool) -> None:
         return
     rows = [(f"{e.at:%F %T}", f"{e.t:.2f}", e.state.replace("_", " "), e.en) for e in log]
     print_rows(f"Log of run {run.id}", ("UTC", "at s", "state", "cause"), rows)
+
+
+def print_acquired(acquired: "AcquiredRuns", home: Home, as_json: bool) -> bool:
+    """Print the runs and their validity; returns whether none is invalid."""
+    from tasks.stages.validity import validity_of
+
+    judged = [(run, made, validity_of(run, home)) for run, made in acquired.kept]
+    if as_json:
+        first, *others = (_as_data(*each) for each in judged)
+        several = {"neighbours": others, "given_up": list(acquired.given_up)}
+        is_alone = not others and not acquired.given_up
+        print_json({"format": "mimu-acquire/1"} | first | ({} if is_alone else several))
+    else:
+        for run, made, validity in judged:
+            print(run.id)
+            for sentence in (*(remark.en for remark in made.warnings), *lines(validity)):
+                print(sentence, file=sys.stderr)
+    return all(validity.verdict != "invalid" for *_, validity in judged)
+
+
+def _as_data(run: "Run", made: "Acquired", validity: "Validity") -> dict[str, Any]:
+    return {
+        "run": run.id,
+        "recording_id": run.recording_id,
+        "lost_samples": made.lost_samples,
+        "bad_frames": made.bad_frames,
+        "warnings": [remark.en for remark in made.warnings],
+        "validity": summary(validity),
+    }

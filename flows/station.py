@@ -112,7 +112,7 @@ def status(as_json: options.Json = False) -> None:
     from flows.acquisition_view import facts
     from flows.printing import print_json, print_rows
     from storage.home import home
-    from storage.run_status import statuses
+    from storage.station_lock import statuses
 
     found = statuses(home())
     if as_json:

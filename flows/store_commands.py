@@ -199,7 +199,7 @@ def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
 
     from flows.printing import print_json
     from storage.home import home
-    from tasks.stages.interval import interval_advice, sentence
+    from tasks.stages.remind import interval_advice, sentence
     from tasks.words import say
 
     unit, agreed, advice = interval_advice(serial, home())

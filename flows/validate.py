@@ -14,7 +14,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import MIN_UNITS, Calibrate
 from tasks.validation.make import make_record
-from tasks.validation.page import validation_html
+from tasks.validation.record import validation_html
 from tasks.version import code_version
 
 

@@ -14,7 +14,6 @@ from schemas.curve import Curve
 from schemas.decision import Decision
 from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard
 from schemas.recording import Manifest
-from schemas.signing import SigningSettings
 
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
 DEFAULT_PREFIX = "MIMU"
@@ -31,6 +30,36 @@ PRINTED_IN: dict[PrintedIn, tuple[str, ...]] = {  # the large one first
 }
 # Conditions of a specification without which no unit passes, unless the client waives them.
 ConditionName = Literal["largest_rate", "environment"]
+
+
+class Token(Frozen):
+    """A key in a PKCS#11 token (a card, an HSM, SoftHSM).
+
+    module: the manufacturer's library. token: label of the token; key: label of the key and of its
+    certificate.
+    """
+
+    module: str = Field(min_length=1)
+    token: str = Field(min_length=1)
+    key: str = Field(min_length=1)
+
+
+class SigningSettings(Frozen):
+    """The signing key: pkcs12, a file relative to the home folder unless absolute; or a token.
+
+    The passphrase or PIN is taken from the environment (MIMUCAL_SIGNING_PASSPHRASE). time_stamps:
+    address of a time-stamping service (RFC 3161), for the PDF.
+    """
+
+    pkcs12: str | None = None
+    pkcs11: Token | None = None
+    time_stamps: str | None = None
+
+    @model_validator(mode="after")
+    def _one_key(self) -> Self:
+        if (self.pkcs12 is None) == (self.pkcs11 is None):
+            raise ValueError("signing names one key: give either pkcs12 or pkcs11")
+        return self
 
 
 class Party(Frozen):

@@ -1,12 +1,12 @@
 """Table, chamber and fixture as data: their abilities, and how they are read and commanded."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from schemas.base import Finite, Frozen
-from schemas.described import Described, ModbusDevice, TextDevice
+from schemas.described import ModbusDevice, TextDevice
 
 
 class Capture(Frozen):
@@ -25,7 +25,7 @@ class Capture(Frozen):
     samples: str
 
 
-class _Table(Frozen):
+class _TableAbilities(Frozen):
     """Abilities of a table beside what it reads.
 
     turnover_deg: the angle at which its encoder wraps. poll_period_ms: how often the angles are
@@ -41,27 +41,44 @@ class _Table(Frozen):
     home_timeout_s: Finite = Field(default=120.0, gt=0)
 
 
-NEEDED = {"table": ("move_to", "turn_at", "stop"), "fixture": ("turn",)}
+class _Kind(Frozen):
+    """What a device of a kind is asked for: the commands that it has, the values that it reads."""
+
+    needed: ClassVar[tuple[str, ...]] = ()
+    read: ClassVar[tuple[str, ...]] = ()
+
+    @model_validator(mode="after")
+    def _is_of_its_kind(self) -> Self:
+        device: Any = self
+        for name in self.needed:
+            if name not in device.commands:
+                raise ValueError(f"commands.{name} is missing")
+        for name in self.read:
+            if name not in device.readings:
+                raise ValueError(f"nothing reads {name}")
+        return self
 
 
-def _check_kind(device: Described, kind: str, readings: tuple[str, ...]) -> None:
-    commands: Mapping[str, Any] = getattr(device, "commands", {})
-    for name in NEEDED.get(kind, ()):
-        if name not in commands:
-            raise ValueError(f"commands.{name} is missing")
-    for name in readings:
-        if name not in device.readings:
-            raise ValueError(f"nothing reads {name}")
+class _Table(_Kind):
+    needed = ("move_to", "turn_at", "stop")
+    read = ("angle",)
 
 
-class ModbusTable(ModbusDevice, _Table):
+class _Chamber(_Kind):
+    read = ("temperature",)
+
+
+class _Fixture(_Kind):
+    needed = ("turn",)
+
+
+class ModbusTable(_Table, ModbusDevice, _TableAbilities):
     """A table behind registers."""
 
     capture: Capture | None = None
 
     @model_validator(mode="after")
-    def _is_a_table(self) -> Self:
-        _check_kind(self, "table", ("angle",))
+    def _captures_into_registers(self) -> Self:
         named = self.capture and (
             self.capture.wanted, self.capture.count, self.capture.first, self.capture.samples
         )  # fmt: skip
@@ -71,49 +88,24 @@ class ModbusTable(ModbusDevice, _Table):
         return self
 
 
-class TextTable(TextDevice, _Table):
+class TextTable(_Table, TextDevice, _TableAbilities):
     """A table that takes lines of text; its angles are polled."""
 
-    @model_validator(mode="after")
-    def _is_a_table(self) -> Self:
-        _check_kind(self, "table", ("angle",))
-        return self
 
-
-class ModbusChamber(ModbusDevice):
+class ModbusChamber(_Chamber, ModbusDevice):
     """A chamber behind registers."""
 
-    @model_validator(mode="after")
-    def _is_a_chamber(self) -> Self:
-        _check_kind(self, "chamber", ("temperature",))
-        return self
 
-
-class TextChamber(TextDevice):
+class TextChamber(_Chamber, TextDevice):
     """A chamber or a thermometer that takes lines of text."""
 
-    @model_validator(mode="after")
-    def _is_a_chamber(self) -> Self:
-        _check_kind(self, "chamber", ("temperature",))
-        return self
 
-
-class ModbusFixture(ModbusDevice):
+class ModbusFixture(_Fixture, ModbusDevice):
     """A fixture behind registers that turns the unit over, and may switch its supply."""
 
-    @model_validator(mode="after")
-    def _is_a_fixture(self) -> Self:
-        _check_kind(self, "fixture", ())
-        return self
 
-
-class TextFixture(TextDevice):
+class TextFixture(_Fixture, TextDevice):
     """A fixture that takes lines of text."""
-
-    @model_validator(mode="after")
-    def _is_a_fixture(self) -> Self:
-        _check_kind(self, "fixture", ())
-        return self
 
 
 class PythonDevice(Frozen):

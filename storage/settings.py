@@ -16,7 +16,7 @@ from schemas.recall import RecallFile
 from schemas.tolerance import Tolerance
 from schemas.validation import ValidationRecord
 from storage.home import Home
-from storage.plain_files import check_depth, text_bytes
+from storage.whole_files import check_depth, text_bytes
 
 LABORATORY = "laboratory.toml"
 RECALL = "recall.toml"

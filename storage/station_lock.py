@@ -5,13 +5,16 @@ import hashlib
 import os
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
 
+from pydantic import ValidationError
+
 from schemas.base import Unusable
+from schemas.run_log import ENDED, RunStatus
 from storage.home import Home
-from storage.whole_files import writing_in_home
+from storage.whole_files import drafted, writing_in_home
 
 LOOK_S = 0.2  # for no longer does `is_held` keep a run from its lock
 
@@ -69,3 +72,23 @@ def _take(lock: TextIO) -> None:
             time.sleep(LOOK_S / 10)
         else:
             return
+
+
+def write_status(status: RunStatus, home: Home) -> None:
+    """Write how a run stands. A disk that refuses costs the status, and not the run."""
+    file = home.status / f"{lock_of(status.station, home).stem}.json"
+    with suppress(OSError):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with drafted(file) as draft:
+            draft.write_text(status.model_dump_json(), encoding="utf-8")
+
+
+def statuses(home: Home) -> list[tuple[RunStatus, bool]]:
+    """The last run of each station, and whether its process is dead: it ended without a word."""
+    found = []
+    for file in sorted(home.status.glob("*.json")):
+        with suppress(OSError, ValidationError):
+            status = RunStatus.model_validate_json(file.read_bytes())
+            is_dead = status.state not in ENDED and not is_held(status.station, home)
+            found.append((status, is_dead))
+    return found

@@ -1,5 +1,6 @@
 """Whether everything in the home is still as it was stored."""
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
+from schemas.certificate import State
 from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
 from storage.catalogue import certificates, database, explanations, tables, trail
@@ -18,9 +20,17 @@ from storage.formats.content import fingerprint
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from storage.left_drafts import age_s, is_of_draft
-from storage.verify_trail import RESTORE, against_trail, number_gaps
 from storage.whole_files import is_as_kept
 
+RESTORE = "bring the catalogue back from a backup"
+AFTER: dict[str, State] = {
+    "draft": "draft",
+    "check": "checked",
+    "issue": "issued",
+    "amend": "amended",
+    "withdraw": "withdrawn",
+}
+Standing = tuple[State, list[str | None]]  # what became of it, and the SHA-256 of its files
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
 LEFT_OVER = "no certificate in the catalogue has it; move it away"
 BROKEN_OFF = (
@@ -29,7 +39,6 @@ BROKEN_OFF = (
 ISSUE_S = 60.0  # a younger file may be of a certificate that is just being kept
 SILENT_S = 60.0  # an acquisition writes every second; one that is silent so long has ended
 UNKNOWN = "import it if it is a recording that you want, else move it away"
-
 Progress = Callable[[int, int], None]
 Found = tuple[str, str]  # where a file is, and what is wrong with it
 Check = tuple[object, Callable[[], Iterable[str]]]  # of what, and what is wrong with it
@@ -203,3 +212,50 @@ def _abandoned(home: Home) -> Iterator[Found]:
                 "an acquisition that was broken off; `mimucal import --salvage` takes in what "
                 "is whole of it, then delete the file",
             )
+
+
+def against_trail(home: Home) -> Iterator[str]:
+    """Certificates of which the register does not say what the trail does.
+
+    Looked at twice: what others change in between is no fault.
+    """
+    first = set(_differences(home))
+    if first:
+        yield from (fault for fault in _differences(home) if fault in first)
+
+
+def number_gaps(home: Home) -> Iterator[str]:
+    """Numbers that were given and are gone."""
+    for number in certificates.missing(home):
+        yield f"{number} was given and is not in the register; {RESTORE}"
+
+
+def _differences(home: Home) -> Iterator[str]:
+    standing = _standing(home)
+    register = {entry.number: entry for entry in certificates.register(home)}
+    for number, (state, hashes) in standing.items():
+        entry = register.get(number)
+        if entry is None:
+            yield f"{number} is {state} in the trail and is not in the register; {RESTORE}"
+            continue
+        if entry.state != state:
+            yield f"{number} is {state} in the trail and {entry.state} in the register; {RESTORE}"
+        if hashes and hashes != [entry.pdf_sha256, entry.dcc_sha256, entry.record_sha256]:
+            yield f"{number} has other files in the register than in the trail; {RESTORE}"
+    for number in register.keys() - standing.keys():
+        if register[number].purpose is not None:  # an earlier version kept no trail
+            yield f"{number} is in the register, and the trail does not know it; {RESTORE}"
+
+
+def _standing(home: Home) -> dict[str, Standing]:
+    """What the trail says of each certificate; the key of a draft is gone with its issue."""
+    standing: dict[str, Standing] = {}
+    for entry in trail.entries(home):
+        if entry.action not in AFTER:
+            continue
+        details = json.loads(entry.details)
+        for gone in (*details.get("dropped", ()), details.get("draft")):
+            standing.pop(gone, None)
+        before = standing.get(entry.subject, ("draft", []))[1]
+        standing[entry.subject] = AFTER[entry.action], details.get("sha256", before)
+    return standing

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from schemas.certificate import Certificate
-from storage.catalogue import database, keep_certificate, numbers, trail
+from storage.catalogue import certificates, database, keep_certificate, trail
 from storage.home import Home
 
 ACTIONS = {"draft": "draft", "checked": "check", "issued": "issue"}
@@ -31,5 +31,5 @@ def keep(certificate: Certificate, home: Home, pdf: bytes = b"%PDF") -> None:
 def take_number(home: Home, prefix: str = "MIMU", year: int = 2026) -> str:
     """The next number of a laboratory, for nothing."""
     with database.changing(home) as connection:
-        series = numbers.series_of("{prefix}-{year}-{serial:04d}", prefix, year)
-        return numbers.next_number(connection, series)
+        series = certificates.series_of("{prefix}-{year}-{serial:04d}", prefix, year)
+        return certificates.next_number(connection, series)

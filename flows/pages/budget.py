@@ -6,15 +6,14 @@ from dash.development.base_component import Component
 from flows.pages.page import Page, View
 from flows.pages.parts import table
 from schemas.base import Unusable
-from schemas.pages.budget import BudgetQuestion, BudgetShown
+from schemas.pages.run import BudgetQuestion, BudgetShown
 from schemas.text import Statement
 from storage.catalogue import results
 from storage.home import Home
 from tasks.specifications.items import item_title, symbol
 from tasks.words import message, statement
-from tasks.words.quantities import plain, power_of_ten
+from tasks.words.quantities import plain, power_of_ten, unit_text
 from tasks.words.rounding import column
-from tasks.words.units import unit_text
 
 
 def data(question: BudgetQuestion, home: Home) -> BudgetShown:

@@ -9,9 +9,8 @@ from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
 from dash.development.base_component import Component
 
 from flows.pages.orders import FIELDS, Orders, station_files
-from flows.pages.page import Page, View
+from flows.pages.page import Page, View, view_of_request
 from flows.pages.parts import table
-from flows.pages.preferences import view_of_request
 from flows.pages.states import Kind, StepState, badge
 from schemas.access import MAY, Action
 from schemas.base import Unusable

@@ -7,11 +7,9 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.asked import asks
-from flows.pages.due_data import data
-from flows.pages.due_states import due_state
-from flows.pages.grid import GRID_OPTIONS, locale
+from flows.pages.due_data import data, due_state
 from flows.pages.page import Page, View
-from flows.pages.parts import table
+from flows.pages.parts import GRID_OPTIONS, locale, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
 from flows.pages.states import Kind, StepState, badge
 from schemas.pages.due import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue

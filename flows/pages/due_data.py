@@ -2,11 +2,11 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from datetime import date, timedelta
+from datetime import UTC, date, datetime, timedelta
 
 from dateutil.relativedelta import relativedelta
 
-from flows.pages.due_states import today
+from flows.pages.states import StepState
 from schemas.pages.due import (
     ClientDue,
     DueQuestion,
@@ -22,7 +22,9 @@ from storage.catalogue import equipment, reminders
 from storage.catalogue.reminders import Reminder
 from storage.home import Home
 from tasks.stages import remind
+from tasks.words import message
 
+SOON = timedelta(days=90)
 MONTHS = 12
 LAST_MESSAGES = 500
 
@@ -103,3 +105,21 @@ def _equipment(home: Home, now: date) -> list[StandardDue]:
         for each in equipment.on_day(home, now).values()
     ]  # fmt: skip
     return sorted(counted, key=lambda each: (each.valid_until or date.max, each.serial))
+
+
+def today() -> date:
+    """The present day, as the reminders have it: by this machine's clock."""
+    return datetime.now(UTC).astimezone().date()
+
+
+def due_state(due: date | None, day: date | None = None) -> StepState:
+    """Overdue is bad, and what falls due within 90 days is open. day: the present one."""
+    now = day or today()
+    if due is None:
+        return StepState(message("pages-due-state.none"), "none")
+    if due < now:
+        return StepState(message("pages-due-state.overdue", days=(now - due).days), "bad")
+    days = (due - now).days
+    return StepState(
+        message("pages-due-state.in", days=days), "open" if due <= now + SOON else "good"
+    )

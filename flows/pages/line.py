@@ -1,24 +1,33 @@
 """The Line page: what each station is doing, today's output, and the queue."""
 
+import os
+import time
 from collections import Counter
 from datetime import UTC, date, datetime
+from functools import lru_cache
 
 import dash_mantine_components as dmc
+import httpx
 import sqlalchemy as sql
 from dash.development.base_component import Component
+from pydantic import ValidationError
 
 from flows.pages.page import Page, View
 from flows.pages.parts import facts, table
-from flows.pages.queue import queue
 from flows.pages.states import Kind, StepState, badge
-from schemas.pages.line import LineNow, LineQuestion, Output, Queue, StationNow
+from flows.prefect_server import server_named
+from schemas.pages.line import LineNow, LineQuestion, Output, Queue, Queued, StationNow
 from schemas.pages.runs import Condition
 from storage.catalogue import database, tables
 from storage.catalogue.run_states import run_list
 from storage.home import Home
-from storage.run_status import statuses
+from storage.station_lock import statuses
 from tasks.words import message
 
+WAITING = ("PENDING", "SCHEDULED", "RUNNING", "PAUSED")
+MOST = 50
+TIMEOUT_S = 2.0
+FRESH_S = 2.0  # for all who look at the page
 REFRESH_S = 2.0
 MOST_IN_A_DAY = 10_000
 
@@ -137,6 +146,35 @@ def _queue(waiting: Queue, view: View) -> Component:
     ]
     names = ("name", "state", "expected")
     return table([message(f"pages-queue-column.{name}") for name in names], rows, view)
+
+
+def queue() -> Queue:
+    """The flow runs that wait or run, the next one first; none where no server is named."""
+    if not server_named():
+        return Queue(server=False)
+    return _asked(os.environ["PREFECT_API_URL"], int(time.monotonic() / FRESH_S))
+
+
+@lru_cache(maxsize=1)
+def _asked(url: str, _: int) -> Queue:
+    asked = {
+        "flow_runs": {"state": {"type": {"any_": WAITING}}},
+        "sort": "EXPECTED_START_TIME_ASC",
+        "limit": MOST,
+    }
+    try:
+        answer = httpx.post(f"{url.rstrip('/')}/flow_runs/filter", json=asked, timeout=TIMEOUT_S)
+        answer.raise_for_status()
+        waiting = tuple(
+            Queued(
+                name=run["name"], state=run["state_name"], expected_at=run["expected_start_time"]
+            )
+            for run in answer.json()
+        )
+    except (httpx.HTTPError, httpx.InvalidURL, ValueError, KeyError, TypeError) as error:
+        why = "ValidationError" if isinstance(error, ValidationError) else str(error)
+        return Queue(server=True, fault=f"Prefect's server did not answer ({why})")
+    return Queue(server=True, waiting=waiting)
 
 
 PAGE = Page("line", LineQuestion, LineNow, data, layout, refresh_s=REFRESH_S)

@@ -7,12 +7,14 @@ from urllib.parse import parse_qsl
 
 from dash import Dash
 from dash.development.base_component import Component
+from flask import g, request
 
 from schemas.access import Visitor
 from schemas.base import Frozen
 from storage.home import Home
-from tasks.words import Sayable, message, say
+from tasks.words import LANGUAGES, Sayable, message, say
 
+LANGUAGE, THEME = "mimucal_language", "mimucal_theme"
 Theme = Literal["light", "dark"]
 
 
@@ -67,3 +69,12 @@ class Page:
     def about(self, view: View) -> str:
         """One sentence of what it shows."""
         return view.say(message(f"pages-{self.name}.about"))
+
+
+def view_of_request() -> View:
+    """The view that the request asks for: its cookies, else the browser's language, and light."""
+    chosen = request.cookies.get(LANGUAGE)
+    accepted = request.accept_languages.best_match(LANGUAGES, default="en")
+    theme: Theme = "dark" if request.cookies.get(THEME) == "dark" else "light"
+    language = chosen if chosen in LANGUAGES else accepted
+    return View(language=language, theme=theme, visitor=g.get("visitor") or Visitor())

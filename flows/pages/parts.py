@@ -1,6 +1,7 @@
 """Layout parts that several pages share."""
 
 from collections.abc import Sequence
+from typing import Any
 from urllib.parse import urlencode
 
 import dash_mantine_components as dmc
@@ -8,8 +9,16 @@ from dash import dcc
 from dash.development.base_component import Component
 
 from flows.pages.page import View
-from tasks.words import Message
+from tasks.words import Message, identifiers, message
 
+OWN_WORDS = "pages-grid-"
+GRID_OPTIONS: dict[str, Any] = {
+    "theme": "themeQuartz",
+    "rowHeight": 38,
+    "suppressCellFocus": True,
+    "enableCellTextSelection": True,
+    "animateRows": False,
+}
 Cell = str | Component | None
 ON_ONE_LINE = 32  # letters
 
@@ -49,3 +58,8 @@ def facts(pairs: Sequence[tuple[Message, Cell]], view: View) -> Component:
 
 def _fact(value: Cell) -> Component:
     return value if isinstance(value, Component) else dmc.Text(value or "–", lineClamp=3)
+
+
+def locale(view: View) -> dict[str, str]:
+    """The grid's words by its own keys, which are the ends of the identifiers."""
+    return {id_.removeprefix(OWN_WORDS): view.say(message(id_)) for id_ in identifiers(OWN_WORDS)}

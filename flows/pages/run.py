@@ -8,9 +8,8 @@ from dash import Dash, Input, Output, State
 from dash.development.base_component import Component
 
 from flows.pages import budget, signals
-from flows.pages.page import Page, View, parameters
+from flows.pages.page import Page, View, parameters, view_of_request
 from flows.pages.parts import facts, link, table
-from flows.pages.preferences import view_of_request
 from flows.pages.run_data import data
 from flows.pages.run_lineage import certificate_table, lineage, log
 from flows.pages.states import (
@@ -21,13 +20,18 @@ from flows.pages.states import (
     validity_state,
     verdict_state,
 )
-from schemas.pages.budget import BudgetQuestion
-from schemas.pages.run import ElementShown, LimitShown, RunQuestion, RunShown, SegmentShown
+from schemas.pages.run import (
+    BudgetQuestion,
+    ElementShown,
+    LimitShown,
+    RunQuestion,
+    RunShown,
+    SegmentShown,
+)
 from schemas.text import Remark, Statement
 from storage.home import Home
 from tasks.words import message
-from tasks.words.quantities import power_of_ten
-from tasks.words.units import unit_text
+from tasks.words.quantities import power_of_ten, unit_text
 
 OF_FEW = 3  # segments; a remark that names more of them stands once, above the table
 TABS = ("items", "segments", "signals", "certificate", "log", "lineage")

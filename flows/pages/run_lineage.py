@@ -37,10 +37,6 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
     return table([message(f"pages-certificate-column.{name}") for name in names], rows, view)
 
 
-def _printed(number: str) -> Component:
-    return dmc.Anchor(number, href=f"/certificate/{number}.pdf", refresh=True, inherit=True)
-
-
 def log(shown: RunShown, view: View) -> Component:
     """Every change of the run's state, when and why."""
     if not shown.log:

@@ -1,20 +1,61 @@
 """The Runs page: every run with the state of each step, filtered and sorted by the database."""
 
-from typing import Any
+from collections.abc import Mapping
+from datetime import date
+from typing import Any, get_args
 
 import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash import Dash, Input, Output
 from dash.development.base_component import Component
 
-from flows.pages.grid import GRID_OPTIONS, locale
-from flows.pages.page import Page, View
-from flows.pages.preferences import view_of_request
-from flows.pages.run_grid import columns, conditions_from, conditions_of, filter_model, row
-from schemas.pages.runs import AT_ONCE, RunsQuestion, RunsShown
+from flows.pages.page import Page, View, view_of_request
+from flows.pages.parts import GRID_OPTIONS, locale
+from flows.pages.states import (
+    StepState,
+    certificate_state,
+    result_state,
+    validity_state,
+    verdict_state,
+)
+from schemas.base import Unusable
+from schemas.certificate import State
+from schemas.decision import Verdict
+from schemas.pages.runs import (
+    AT_ONCE,
+    Comparison,
+    Condition,
+    ResultState,
+    RunLine,
+    RunsQuestion,
+    RunsShown,
+)
+from schemas.validity import RunVerdict
 from storage.catalogue.run_states import run_list
 from storage.home import Home
-from tasks.words import message
+from tasks.words import Sayable, message
+
+EARLIEST, LATEST = date(1970, 1, 1), date(2999, 12, 31)  # where a question names no day
+EQUALS = ("id", "manufacturer", "model", "serial", "station", "procedure", "method", "validity",
+          "result_state", "state", "verdict", "certificate")  # fmt: skip
+COMPARISONS: dict[str, Comparison] = {
+    "contains": "contains", "notContains": "not_contains", "startsWith": "begins",
+    "endsWith": "ends", "equals": "equals", "notEqual": "not_equals", "blank": "blank",
+    "notBlank": "not_blank", "lessThan": "less", "lessThanOrEqual": "less_or_equal",
+    "greaterThan": "greater", "greaterThanOrEqual": "greater_or_equal", "inRange": "between",
+}  # fmt: skip
+WORDED = {  # columns of states: their filter is on the words that are shown
+    "validity": (get_args(RunVerdict), lambda code: message(f"pages-validity.{code or 'missing'}")),
+    "result_state": (
+        get_args(ResultState),
+        lambda code: message(f"pages-result.{code or 'missing'}", count="…"),
+    ),
+    "state": (get_args(State), lambda code: message(f"pages-certificate.{code or 'missing'}")),
+    "verdict": (
+        get_args(Verdict),
+        lambda code: message(f"conformity-verdict.{code}" if code else "pages-verdict-missing"),
+    ),
+}
 
 
 def data(question: RunsQuestion, home: Home) -> RunsShown:
@@ -56,6 +97,133 @@ def callbacks(app: Dash, home: Home) -> None:
         total, runs = run_list(conditions, order, start, AT_ONCE, home)
         found = {"rowData": [row(run, view) for run in runs], "rowCount": total}
         return found, view.say(message("pages-runs-count", count=total))
+
+
+def columns(view: View) -> list[dict[str, Any]]:
+    """The columns of the grid; `State` and the links are renderers in assets/grid.js."""
+
+    def column(name: str, width: int, kind: str = "Text", **more: Any) -> dict[str, Any]:
+        heading = view.say(message(f"pages-column-{name.replace('_', '-')}"))
+        return {
+            "field": name, "headerName": heading, "width": width, "minWidth": 90,
+            "filter": f"ag{kind}ColumnFilter", "floatingFilter": True, **more,
+        }  # fmt: skip
+
+    def state(name: str, **more: Any) -> dict[str, Any]:
+        return column(name, 150, cellRenderer="State", **more)
+
+    return [
+        column("id", 150, cellRenderer="RunLink", pinned="left"),
+        column("recorded_on", 210, "Date"),
+        column("station", 120),
+        column("model", 120),
+        column("serial", 120, cellRenderer="UnitLink"),
+        state("validity"),
+        state("result_state"),
+        state("verdict"),
+        state("state"),
+        column("certificate", 170),
+        column("due", 210, "Date"),
+        column("procedure", 120),
+        column("method", 110),
+        column("seconds", 110, "Number"),
+        column("manufacturer", 140),
+        column("recording_id", 220),
+    ]
+
+
+def row(run: RunLine, view: View) -> dict[str, Any]:
+    """A run as a row of the grid; a state has its kind beside its words."""
+    states: dict[str, StepState] = {
+        "validity": validity_state(run.validity),
+        "result_state": result_state(run),
+        "verdict": verdict_state(run),
+        "state": certificate_state(run.state),
+    }
+    plain = run.model_dump(mode="json", exclude=set(states)) | {"seconds": round(run.seconds, 1)}
+    words = {name: view.say(each.words) for name, each in states.items()}
+    kinds = {f"{name}_kind": each.kind for name, each in states.items()}
+    return plain | words | kinds
+
+
+def conditions_of(question: RunsQuestion) -> list[Condition]:
+    """What a question asks of the rows."""
+    asked = [
+        Condition(column=name, value=value)
+        for name in EQUALS
+        if (value := getattr(question, name)) is not None
+    ]
+    if question.since or question.until:
+        since, until = question.since or EARLIEST, question.until or LATEST
+        asked.append(Condition(column="recorded_on", kind="between", value=since, to=until))
+    return asked
+
+
+def filter_model(question: RunsQuestion, view: View) -> dict[str, Any]:
+    """The same as the grid's own filters, so that whoever looks at them sees them."""
+    shown: dict[str, Any] = {}
+    for condition in conditions_of(question):
+        name = condition.column
+        if isinstance(condition.value, date):
+            shown[name] = {
+                "filterType": "date", "type": "inRange", "dateFrom": f"{condition.value} 00:00:00",
+                "dateTo": f"{condition.to} 00:00:00",
+            }  # fmt: skip
+        else:
+            text = view.say(WORDED[name][1](condition.value)) if name in WORDED else condition.value
+            shown[name] = {"filterType": "text", "type": "equals", "filter": text}
+    return shown
+
+
+def conditions_from(model: Mapping[str, Any], view: View) -> list[Condition]:
+    """What the grid's filters ask of the rows; raises Unusable for what is no filter of it."""
+    try:
+        return [_condition(name, each, view) for name, each in model.items()]
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise Unusable(f"the filter is not understood ({error}); take it out") from error
+
+
+def _condition(name: str, model: Mapping[str, Any], view: View) -> Condition:
+    if "conditions" in model:
+        parts = tuple(_condition(name, each, view) for each in model["conditions"])
+        if model["operator"] == "OR":
+            return Condition(column=name, any_of=parts)
+        return Condition(column=name, all_of=parts)
+    kind = COMPARISONS[model["type"]]
+    if name in WORDED:
+        return _by_words(name, kind, str(model.get("filter") or ""), view)
+    if model.get("filterType") == "date":
+        first, last = (_day(model.get(key)) for key in ("dateFrom", "dateTo"))
+        return Condition(column=name, kind=kind, value=first, to=last)
+    value = model.get("filter")
+    return Condition(column=name, kind=kind, value=value, to=model.get("filterTo"))
+
+
+def _by_words(name: str, kind: Comparison, text: str, view: View) -> Condition:
+    """The states whose words meet the filter."""
+    codes, words = WORDED[name]
+    sought = text.casefold()
+    meets = {
+        "contains": lambda shown: sought in shown,
+        "not_contains": lambda shown: sought not in shown,
+        "equals": lambda shown: sought == shown,
+        "not_equals": lambda shown: sought != shown,
+        "begins": lambda shown: shown.startswith(sought),
+        "ends": lambda shown: shown.endswith(sought),
+    }
+    if kind in ("blank", "not_blank"):
+        return Condition(column=name, kind=kind)
+    every: tuple[str | None, ...] = (*codes, None)
+    found = tuple(code for code in every if meets[kind](_folded(words(code), view)))
+    return Condition(column=name, kind="among", values=found)
+
+
+def _folded(sayable: Sayable, view: View) -> str:
+    return view.say(sayable).casefold()
+
+
+def _day(text: str | None) -> date | None:
+    return date.fromisoformat(text[:10]) if text else None
 
 
 PAGE = Page("runs", RunsQuestion, RunsShown, data, layout, has_grid=True, callbacks=callbacks)

@@ -11,8 +11,7 @@ from pydantic import ValidationError
 
 from flows.pages import asked, pictures
 from flows.pages.access import fault
-from flows.pages.page import Page, View, parameters
-from flows.pages.preferences import view_of_request
+from flows.pages.page import Page, View, parameters, view_of_request
 from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
 from storage.catalogue.connection import Busy

@@ -7,16 +7,15 @@ import dash_mantine_components as dmc
 from dash import Dash, Input, Output, State, dcc, no_update
 from dash.development.base_component import Component
 
-from flows.pages.page import Page, View
+from flows.pages.page import Page, View, view_of_request
 from flows.pages.pictures import GRAPH, figure
-from flows.pages.preferences import view_of_request
 from schemas.base import Unusable
-from schemas.pages.signals import SignalsQuestion, SignalsShown
+from schemas.pages.run import SignalsQuestion, SignalsShown
 from schemas.recording import Recording, Stream
 from storage.catalogue import runs
 from storage.catalogue.run_index import Run, find
 from storage.home import Home
-from tasks.rendering.envelope import envelope
+from tasks.rendering.chart import envelope
 from tasks.words import message
 
 HEIGHT_PX = 420

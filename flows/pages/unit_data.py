@@ -27,9 +27,9 @@ from storage import settings
 from storage.catalogue import certificates, units
 from storage.catalogue.certificates import AS_LEFT, Entry
 from storage.home import Home
-from tasks.quality.drift import drift
+from tasks.quality.charts import drift
 from tasks.specifications.items import ITEMS, item_title, symbol
-from tasks.stages.interval import advice_by, sentence
+from tasks.stages.remind import advice_by, sentence
 from tasks.words import statement
 
 YEAR_D = 365.25
@@ -133,10 +133,7 @@ def _drift(readings: list[Reading], u: Mapping[str, float | None]) -> DriftShown
     values = [_number(each.value) for each in readings]
     adjustments = np.cumsum([each.state == "left" for each in readings], dtype=int)
     stated = [_number(u[each.run]) for each in readings]
-    found = drift(np.array(years), np.array(values), np.array(stated), adjustments)
-    if found is None:
-        return None
-    return DriftShown(per_year=found.per_year, U=found.U, readings=found.readings)
+    return drift(np.array(years), np.array(values), np.array(stated), adjustments)
 
 
 def _years(day: date) -> float:

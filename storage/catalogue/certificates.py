@@ -1,5 +1,6 @@
 """The register of certificates: entries, records, and when units are due."""
 
+from collections.abc import Iterator
 from datetime import date
 from typing import Any, TypeVar
 
@@ -15,6 +16,13 @@ from storage.home import Home
 
 Model = TypeVar("Model", bound=BaseModel)
 AS_LEFT = "as-left"  # in the purpose of a certificate: its unit was adjusted before the run
+
+
+class _Serial:
+    """A placeholder in a scheme for a serial number that is not yet known."""
+
+    def __format__(self, spec: str) -> str:
+        return f"{{serial:{spec}}}"
 
 
 class Entry(Frozen):
@@ -212,3 +220,32 @@ def newest_issued(
 def _register(home: Home, which: sql.ColumnElement[bool]) -> list[Entry]:
     table = tables.certificates
     return database.with_units(home, Entry, table, which, table.c.kept_at)
+
+
+def series_of(scheme: str, prefix: str, year: int) -> str:
+    """A laboratory's scheme with prefix and year filled in, as `MIMU-2026-{serial:04d}`."""
+    return scheme.format(prefix=prefix, year=year, serial=_Serial())
+
+
+def next_number(connection: sql.Connection, series: str) -> str:
+    """The next number of a series; others wait for the end of the transaction.
+
+    The number is used up only when the transaction is committed.
+    """
+    table = tables.series
+    insert = database.dialect(connection).insert(table).values(pattern=series, last=1, before=0)
+    counted = insert.on_conflict_do_update(
+        index_elements=[table.c.pattern], set_={"last": table.c.last + 1}
+    )
+    serial = connection.execute(counted.returning(table.c.last)).scalar_one()
+    return series.format(serial=serial)
+
+
+def missing(home: Home) -> Iterator[str]:
+    """The numbers that were given and are not in the register."""
+    given_by = database.rows(home, sql.select(tables.series))  # first: others may go on issuing
+    held = {row.number for row in database.rows(home, sql.select(tables.certificates.c.number))}
+    for series in given_by:
+        given = range(series.before + 1, series.last + 1)
+        numbers = (series.pattern.format(serial=serial) for serial in given)
+        yield from (number for number in numbers if number not in held)

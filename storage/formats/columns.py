@@ -13,7 +13,6 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream
-from storage.formats.arrow import from_numpy, to_numpy
 from storage.formats.content import check_sum, digest, fingerprint, together
 from storage.formats.manifest import MANIFEST, manifest_of
 from storage.whole_files import drafted
@@ -95,3 +94,21 @@ def _read(path: Path) -> tuple[Stream, tuple[str, str]]:
     metadata = table.schema.metadata or {}
     marks = metadata.get(DIGEST, b"").decode(), metadata.get(CHECK_SUM, b"").decode()
     return Stream(columns.pop("t"), columns), marks
+
+
+def to_numpy(column: "pa.ChunkedArray") -> np.ndarray:
+    """(n,) float64, NaN where the column is null; without a copy where it has one chunk."""
+    if column.null_count:
+        import pyarrow.compute as pc  # late: what was kept has no nulls
+
+        column = pc.fill_null(column, from_numpy(np.array([np.nan]))[0])
+    parts = [np.from_dlpack(chunk) for chunk in column.chunks]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def from_numpy(values: np.ndarray) -> "pa.Array":
+    """The values (n,) as float64 without nulls."""
+    import pyarrow as pa
+
+    data = pa.py_buffer(np.ascontiguousarray(values, dtype=np.float64))
+    return pa.Array.from_buffers(pa.float64(), len(values), [None, data])

@@ -11,7 +11,7 @@ from storage.formats.checks import check_columns, check_stream, first, known_col
 from storage.formats.content import as_raw, fingerprint, nanoseconds, together
 from storage.formats.manifest import MANIFEST, manifest_of
 from storage.formats.stream_file import read_table
-from storage.plain_files import text_bytes
+from storage.whole_files import text_bytes
 
 MAX_LENGTH = 80  # characters of a name in a sentence
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.recording import FORMAT, Manifest, Segment, Station, TableAxis, Unit
-from storage.plain_files import check_depth
+from storage.whole_files import check_depth
 
 KNOWN = {n for m in (Manifest, Unit, Station, TableAxis, Segment) for n in m.model_fields}
 MANIFEST = "manifest.json"

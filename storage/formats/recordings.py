@@ -11,7 +11,7 @@ from storage.formats.folder import read_folder
 from storage.formats.manifest import MANIFEST, check_controls, manifest_of
 from storage.formats.mcap.chunk_writer import MAGIC
 from storage.formats.mcap.reader import read_mcap
-from storage.plain_files import check_plain, text_bytes
+from storage.whole_files import check_plain, text_bytes
 
 BAG = "metadata.yaml"  # beside the MCAP file of a rosbag2 folder
 KINDS = (".json", ".parquet", ".csv")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from schemas.base import Unusable
-from storage.formats.arrow import to_numpy
+from storage.formats.columns import to_numpy
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -7,7 +7,7 @@ from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.run_validity.judge import run_remarks
-from tasks.run_validity.laboratory import laboratory_remarks
+from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.specification import Specification

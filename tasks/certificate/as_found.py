@@ -14,8 +14,8 @@ from tasks.conformity.limits import quantity_title
 from tasks.specifications.items import ItemDefinition, item_title
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, message
+from tasks.words.quantities import unit_text
 from tasks.words.rounding import column
-from tasks.words.units import unit_text
 
 
 @dataclass(frozen=True)

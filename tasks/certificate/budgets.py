@@ -15,8 +15,8 @@ from tasks.certificate.equipment import half_width, limits_of, name_of, source
 from tasks.certificate.fields import first_known, slug
 from tasks.specifications.items import item_title, symbol
 from tasks.words import Message, Sayable, message
+from tasks.words.quantities import unit_text
 from tasks.words.rounding import MINUS, column, text
-from tasks.words.units import unit_text
 
 DIGITS = 3  # significant digits of a standard uncertainty inside a budget
 PLAIN = (1e-3, 1e4)  # sizes written without a power of ten

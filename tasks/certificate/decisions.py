@@ -6,8 +6,8 @@ from tasks.certificate.fields import Field, field, given, slug
 from tasks.conformity.limits import nothing_accepted, probability_text
 from tasks.specifications.items import item_title, symbol
 from tasks.words import Message, Sayable, clauses, message
+from tasks.words.quantities import quantity_text
 from tasks.words.rounding import exact, text
-from tasks.words.units import quantity_text
 
 
 def conformity(decision: Decision) -> tuple[Field, ...]:

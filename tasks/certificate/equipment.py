@@ -12,9 +12,8 @@ from tasks.conformity.equipment import bound_text
 from tasks.specifications.specification import Specification
 from tasks.uncertainty.equipment import GRAVITY, LATITUDE, RECOMMENDED, limit_of
 from tasks.words import Message, Sayable, clauses, message
-from tasks.words.quantities import plain
+from tasks.words.quantities import plain, quantity_text
 from tasks.words.typography import clause
-from tasks.words.units import quantity_text
 
 ASSUMED = {
     GRAVITY.clause: message("certificate-assumed.gravity"),

@@ -11,8 +11,8 @@ from schemas.text import Statement
 from tasks.certificate.fields import first_known, quoted, slug
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, message
+from tasks.words.quantities import quantity_text, unit_text
 from tasks.words.rounding import column, round_up, text
-from tasks.words.units import quantity_text, unit_text
 
 # Which value of an item contains what the separated one does not.
 EARTH = "gyro_g_sensitivity_without_earth_rotation"

@@ -10,8 +10,7 @@ import numpy as np
 from schemas.curve import Curve, FigureName
 from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE
 from tasks.specifications.items import ITEMS
-from tasks.words.quantities import plain, power_of_ten
-from tasks.words.units import unit_text
+from tasks.words.quantities import plain, power_of_ten, unit_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,8 +22,8 @@ from tasks.specifications.items import (
 )
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message
+from tasks.words.quantities import unit_text
 from tasks.words.typography import FULL_STOPS, clause
-from tasks.words.units import unit_text
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from tasks.certificate.equipment import limits_of, size
 from tasks.certificate.fields import NOT_GIVEN, first_known, given, literal, slug
 from tasks.uncertainty.equipment import TAKEN_TO_BE_MET
 from tasks.words import Message, Sayable, message
+from tasks.words.quantities import quantity_text
 from tasks.words.rounding import as_given
 from tasks.words.typography import clause
-from tasks.words.units import quantity_text
 
 UNITS = {"gravity_m_s2": "m/s2", "latitude_deg": "deg"}
 LIMIT = "limit of "

@@ -1,12 +1,59 @@
-"""A correction as text for other software: YAML, ROS 2 parameters, CSV."""
+"""A correction, and as text for other software: YAML, ROS 2 parameters, CSV, a C header."""
 
 import csv
 import io
 from typing import Any
 
-from schemas.correction import Correction
-from schemas.recording import AXES
+import numpy as np
 
+from schemas.calibration import Calibration
+from schemas.correction import Coefficient, CorrectedUnit, Correction, CorrectionExample
+from schemas.recording import AXES, Unit
+from tasks.coefficients.correct import PASSES, Coefficients, coefficients, correct, local_gravity
+
+FORCES = ("accel", "force")
+FUNCTION = """
+/* Corrects one reading: gyro rad/s, accel m/s2 into rate rad/s, force m/s2. */
+static inline void mimu_correct(const double gyro[3], const double accel[3],
+                                double rate[3], double force[3])
+{
+    double squared[3] = {0.0, 0.0, 0.0};
+    int pass, i, j;
+    for (pass = 0; pass <= MIMU_PASSES; pass++) {
+        double without[3];
+        for (i = 0; i < 3; i++) {
+            without[i] = accel[i] - MIMU_B_a[i];
+            for (j = 0; j < 3; j++)
+                without[i] -= MIMU_P[i][j] * squared[j];
+        }
+        for (i = 0; i < 3; i++) {
+            force[i] = 0.0;
+            for (j = 0; j < 3; j++)
+                force[i] += MIMU_C_a[i][j] * without[j];
+        }
+        if (pass == MIMU_PASSES)
+            return;
+        for (i = 0; i < 3; i++) {
+            without[i] = gyro[i] - MIMU_B_g[i];
+            for (j = 0; j < 3; j++)
+                without[i] -= MIMU_G[i][j] * force[j];
+        }
+        for (i = 0; i < 3; i++) {
+            rate[i] = 0.0;
+            for (j = 0; j < 3; j++)
+                rate[i] += MIMU_C_g[i][j] * without[j];
+        }
+        for (i = 0; i < 3; i++)
+            squared[i] = rate[i] * rate[i];
+    }
+}
+"""
+MODEL = ("gyro = K_g*rate + B_g + G*force", "accel = K_a*force + B_a + P*rate^2")
+FIRST = "force = C_a*(accel - B_a)"
+PASS = ("rate = C_g*(gyro - B_g - G*force)", "force = C_a*(accel - B_a - P*rate^2)")
+# rad/s and m/s² within every unit's range, different on each axis.
+EXAMPLE_GYRO = np.array([[0.5, -1.0, 2.0]])
+EXAMPLE_ACCEL = np.array([[1.0, -2.0, 9.5]])
 WIDTH = 100  # characters of a line of YAML
 
 
@@ -79,3 +126,88 @@ def dump_yaml(document: Any) -> str:
 def _flat(values: Any) -> list[Any]:
     """The elements of a vector, or of a matrix row by row."""
     return [each for row in values for each in (row if isinstance(row, tuple) else (row,))]
+
+
+def document(calibration: Calibration, unit: Unit | None) -> Correction:
+    """The correction that a calibration gives; raises Unusable where it gives none."""
+    known, expanded, assumed = coefficients(calibration)
+    return Correction(
+        unit=_named(unit) if unit else None,
+        recording_id=calibration.recording_id,
+        run=calibration.run,
+        digest=calibration.digest,
+        method=calibration.method,
+        code_version=calibration.code_version,
+        gravity_m_s2=local_gravity(calibration),
+        model=MODEL,
+        correction=(FIRST, *PASS * PASSES),
+        coefficients=_coefficients(known, expanded),
+        assumed_ideal=assumed,
+        left_in=tuple(term.name for term in calibration.terms),
+        example=_example(known),
+    )
+
+
+def _named(unit: Unit) -> CorrectedUnit:
+    return CorrectedUnit(manufacturer=unit.manufacturer, model=unit.model, serial=unit.serial)
+
+
+def _coefficients(known: Coefficients, expanded: Coefficients) -> dict[str, Coefficient]:
+    """Those of the model with U, and the inverse matrices of the correction."""
+
+    def one(unit: str, name: str) -> Coefficient:
+        U: np.ndarray = getattr(expanded, name).astype(object)
+        U[np.isnan(getattr(expanded, name))] = None
+        return Coefficient(unit=unit, value=getattr(known, name).tolist(), U=U.tolist())
+
+    return {
+        "K_g": one("1", "gyro_matrix"),
+        "B_g": one("rad/s", "gyro_bias"),
+        "G": one("(rad/s)/(m/s2)", "gyro_g_sensitivity"),
+        "K_a": one("1", "accel_matrix"),
+        "B_a": one("m/s2", "accel_bias"),
+        "P": one("m", "accel_rate_sensitivity"),
+        "C_g": Coefficient(unit="1", value=np.linalg.inv(known.gyro_matrix).tolist()),
+        "C_a": Coefficient(unit="1", value=np.linalg.inv(known.accel_matrix).tolist()),
+    }
+
+
+def _example(known: Coefficients) -> CorrectionExample:
+    rate, force = correct(known, EXAMPLE_GYRO, EXAMPLE_ACCEL)
+    rows = (EXAMPLE_GYRO[0], EXAMPLE_ACCEL[0], rate[0], force[0])
+    gyro, accel, corrected_rate, corrected_force = (tuple(row.tolist()) for row in rows)
+    return CorrectionExample(gyro=gyro, accel=accel, rate=corrected_rate, force=corrected_force)
+
+
+def as_c(correction: Correction) -> str:
+    """A header for C99 and C++; doubles are written so that they are read back as they are."""
+    comment = heading(correction, " * ").replace("*/", "* /").replace("/*", "/ *")
+    constants = [
+        _array(f"MIMU_{name}", coefficient.value, coefficient.unit)
+        for name, coefficient in correction.coefficients.items()
+    ]
+    example = [
+        _array(f"MIMU_EXAMPLE_{name.upper()}", value, "m/s2" if name in FORCES else "rad/s")
+        for name, value in correction.example
+    ]
+    return "\n".join([
+        f"/*\n{comment} */",
+        "#ifndef MIMU_CORRECTION_H\n#define MIMU_CORRECTION_H\n",
+        f"#define MIMU_PASSES {PASSES}\n",
+        *constants,
+        FUNCTION,
+        "/* mimu_correct(MIMU_EXAMPLE_GYRO, MIMU_EXAMPLE_ACCEL, ...) gives these. */",
+        *example,
+        "\n#endif\n",
+    ])  # fmt: skip
+
+
+def _array(name: str, values: tuple[Any, ...], unit: str) -> str:
+    if isinstance(values[0], tuple):
+        rows = ",\n".join(f"    {_braced(row)}" for row in values)
+        return f"static const double {name}[3][3] = {{ /* {unit} */\n{rows}\n}};"
+    return f"static const double {name}[3] = {_braced(values)}; /* {unit} */"
+
+
+def _braced(values: tuple[float, ...]) -> str:
+    return f"{{{', '.join(map(repr, values))}}}"

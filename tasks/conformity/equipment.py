@@ -9,12 +9,15 @@ from schemas.decision import LimitDecision
 from schemas.equipment import MeasurementStandard
 from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
-from tasks.uncertainty.equipment import LIMIT_NAMES, TAKEN_TO_BE_MET
-from tasks.uncertainty.own_limits import standard_uncertainty, stated_limits
+from tasks.uncertainty.equipment import (
+    LIMIT_NAMES,
+    TAKEN_TO_BE_MET,
+    standard_uncertainty,
+    stated_limits,
+)
 from tasks.words import Message, message
-from tasks.words.quantities import plain
+from tasks.words.quantities import plain, quantity_text
 from tasks.words.typography import clause
-from tasks.words.units import quantity_text
 
 ROUNDING = 1e-9  # relative: two limits that differ by less are one
 

@@ -4,8 +4,8 @@ from decimal import Decimal
 
 from schemas.decision import Decision, LimitDecision
 from tasks.words import Message, message
+from tasks.words.quantities import quantity_text
 from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
-from tasks.words.units import quantity_text
 
 NO_INTERVAL = "–"
 DIGITS = 9  # significant, of a limit as it is printed

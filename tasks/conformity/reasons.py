@@ -1,6 +1,7 @@
 """Why a unit does not pass, and under which condition it does."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from decimal import Decimal
 
 from schemas.calibration import Calibration
@@ -16,10 +17,25 @@ from tasks.conformity.limits import (
 )
 from tasks.specifications.items import item_title, second_value, symbol
 from tasks.words import Message, Sayable, message
+from tasks.words.quantities import quantity_text
 from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
-from tasks.words.units import quantity_text
 
 MORE_PLACES = 6  # of decimals, up to which a value is written out to show that it is beyond
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Why nothing is decided on an item; elements: on which of it, None: on any."""
+
+    sentence: Sayable
+    elements: frozenset[str] | None = None
+
+    def about(self, element: str) -> bool:
+        """Whether it is a doubt about an element; one about the whole item is about each."""
+        return self.elements is None or element == "all" or element in self.elements
+
+
+Doubts = Mapping[str, Doubt]  # by item
 
 
 def outside(limit: LimitDecision) -> Message:
@@ -167,3 +183,8 @@ def _uncertainty(limit: LimitDecision) -> str:
 def _limits(limit: LimitDecision) -> str:
     limits, relative = quantity_text(limits_text(limit), limit.unit), relative_text(limit)
     return f"{limits} ({relative})" if relative else limits
+
+
+def is_doubted(doubts: Doubts, item: str, element: str) -> bool:
+    """Whether nothing can be decided on an element of an item."""
+    return item in doubts and doubts[item].about(element)

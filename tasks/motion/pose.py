@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from schemas.recording import ACCEL, Recording, Stream
-from tasks.motion.band import band_edge, derivatives
-from tasks.motion.motion_noise import derivative_gain, taken_away
+from tasks.motion.band import band_edge, derivatives, response
 from tasks.motion.pose_frames import Frames, Stretch, added_turns, frames_of
 from tasks.motion.samples import interpolated
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
+POINTS = 512
 MARGIN = 0.5  # periods of the band's edge at either end that are not
 RESTING = 0.02  # rad that a body at rest turns at most within RESTING_TIME
 RESTING_TIME = 1.0  # s
@@ -232,3 +232,20 @@ def _rests(recording: Recording, frames: Frames) -> np.ndarray:
 def _at(flags: np.ndarray, t: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Flags (n,) at times t, as they are at the nearest of them: (m,) bool."""
     return np.asarray(np.interp(at, t, flags.astype(float)) > 0.5)
+
+
+def derivative_gain(order: int, edge: float, interval: float, width: float = 0.0) -> float:
+    """Variance of a derivative, per s^order, of white noise of variance one in each sample.
+
+    edge: Hz, where the smoothing's band ends. interval: s between samples. width: s that it is
+    averaged over.
+    """
+    frequency = (np.arange(POINTS) + 0.5) / (2.0 * POINTS * interval)
+    size = (2.0 * np.pi * frequency) ** order * response(frequency, edge)
+    return float(((size * np.sinc(frequency * width)) ** 2).mean())
+
+
+def taken_away(edge: float, interval: float) -> float:
+    """Share of the variance of white noise that the smoothing takes away."""
+    frequency = (np.arange(POINTS) + 0.5) / (2.0 * POINTS * interval)
+    return float(((1.0 - response(frequency, edge)) ** 2).mean())

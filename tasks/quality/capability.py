@@ -9,18 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2, norm
 
+from schemas.pages.quality import IndexShown
+
 D2 = 2.0 / np.sqrt(np.pi)  # mean range of two values of a normal distribution, in sigma
 LEVEL = 0.95
 FEWEST = 2
-
-
-@dataclass(frozen=True)
-class Index:
-    """An index with its interval; None where the limits or the values do not give one."""
-
-    value: float | None
-    low: float | None = None
-    high: float | None = None
 
 
 @dataclass(frozen=True)
@@ -34,13 +27,13 @@ class Capability:
     mean: float | None
     within: float | None
     overall: float | None
-    cp: Index
-    cpk: Index
-    pp: Index
-    ppk: Index
+    cp: IndexShown
+    cpk: IndexShown
+    pp: IndexShown
+    ppk: IndexShown
 
 
-NONE = Index(None)
+NONE = IndexShown(value=None)
 
 
 def capability(values: np.ndarray, lower: float | None, upper: float | None) -> Capability:
@@ -76,18 +69,18 @@ def dof_within(n: int) -> float:
     return max(1.0, (n - 1.0) ** 2 / (2.0 * (0.8264 * n - 1.082)))
 
 
-def _two_sided(sigma: float, dof: float, lower: float | None, upper: float | None) -> Index:
+def _two_sided(sigma: float, dof: float, lower: float | None, upper: float | None) -> IndexShown:
     """(U - L)/(6 sigma), with the interval that sigma has by chi-squared."""
     if lower is None or upper is None or sigma <= 0.0:
         return NONE
     value = (upper - lower) / (6.0 * sigma)
     low, high = (float(np.sqrt(chi2.ppf(p, dof) / dof)) for p in ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-    return Index(value, value * low, value * high)
+    return IndexShown(value=value, low=value * low, high=value * high)
 
 
 def _nearer(
     mean: float, sigma: float, n: int, dof: float, lower: float | None, upper: float | None
-) -> Index:
+) -> IndexShown:
     """The distance to the nearer limit in 3 sigma; its interval by A. F. Bissell's approximation
     (Applied Statistics 39 (1990) 331).
     """
@@ -97,4 +90,22 @@ def _nearer(
         return NONE
     value = min(margins) / (3.0 * sigma)
     half = float(norm.ppf((1 + LEVEL) / 2) * np.sqrt(1.0 / (9.0 * n) + value**2 / (2.0 * dof)))
-    return Index(value, value - half, value + half)
+    return IndexShown(value=value, low=value - half, high=value + half)
+
+
+def margins(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """(n,) distance of each value to its nearer limit, negative outside; NaN without one.
+
+    lower, upper: (n,), NaN where there is none.
+    """
+    with np.errstate(invalid="ignore"):
+        return np.fmin(values - lower, upper - values)
+
+
+def consumed(values: np.ndarray, U: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """(n,) share of the margin that U takes: 1 where the limit is U away; infinite on the limit
+    and outside. NaN without a limit, a value or U.
+    """
+    margin = margins(values, lower, upper)
+    share = np.divide(U, margin, out=np.full(len(margin), np.inf), where=margin > 0.0)
+    return np.where(np.isnan(margin) | np.isnan(U), np.nan, share)

@@ -2,12 +2,25 @@
 
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from datetime import date, datetime, timedelta
 from string import Template
+from typing import TYPE_CHECKING
+from zoneinfo import ZoneInfo
 
 from schemas.base import Unusable
+from schemas.recall import Recalled, SilentHours
+from schemas.text import Statement
+from tasks.words import message, say
 
+if TYPE_CHECKING:
+    from icalendar import Event
+
+OCCASIONS = (-60, -30, -7, 7, 30)  # days after the due date; negative: before it
+FIRST_PAUSE = timedelta(minutes=5)
+LONGEST_PAUSE = timedelta(hours=6)
+PRODUCT = "-//mimucal//recalibration//"
 ENTRY = "recalibration.ics"
 NO_REASON = "the channel gave no reason"
 
@@ -69,3 +82,93 @@ def _warnings() -> Iterator[list[str]]:
         yield warned
     finally:
         logger.removeHandler(catcher)
+
+
+def title(recalled: Recalled, days: int, language: str) -> str:
+    """The subject of a message on an occasion, days after the due date."""
+    return say(
+        message(f"recall-title.{_side(days)}", unit=recalled.unit, due=recalled.due.isoformat()),
+        language,
+    )
+
+
+def body(recalled: Recalled, days: int, language: str) -> str:
+    """The message: which unit, by which certificate, and how many days from then."""
+    day = recalled.due + timedelta(days=days)
+    english, chinese = recalled.laboratory
+    return say(
+        message(
+            f"recall-body.{_side(days)}", unit=recalled.unit, certificate=recalled.certificate,
+            issued=recalled.issued_on.isoformat(), due=recalled.due.isoformat(),
+            days=str(abs(days)), day=day.isoformat(), laboratory=Statement(en=english, zh=chinese),
+        ),
+        language,
+    )  # fmt: skip
+
+
+def _side(days: int) -> str:
+    return "before" if days < 0 else "after"
+
+
+def calendar(
+    recalled: Iterable[Recalled], language: str, now: datetime, sequence: int = 0
+) -> bytes:
+    """An all-day entry on each due date.
+
+    The entry of a certificate keeps its UID, so that a later one takes the place of an earlier;
+    sequence: which one it is.
+    """
+    from icalendar import Calendar  # late: most days nothing is due
+
+    made = Calendar()
+    made.add("version", "2.0")
+    made.add("prodid", PRODUCT + language.upper())
+    made.add("method", "PUBLISH")
+    for each in recalled:
+        made.add_component(_event(each, language, now, sequence))
+    return made.to_ical()
+
+
+def _event(recalled: Recalled, language: str, now: datetime, sequence: int) -> "Event":
+    from icalendar import Event
+
+    event = Event()
+    event.add("uid", f"recalibration-{recalled.certificate}@mimucal")
+    event.add("dtstamp", now)
+    event.add("sequence", sequence)
+    event.add("dtstart", recalled.due)
+    event.add("dtend", recalled.due + timedelta(days=1))
+    event.add("transp", "TRANSPARENT")
+    event.add("summary", say(message("recall-entry", unit=recalled.unit), language))
+    event.add(
+        "description",
+        say(message("recall-entry-of", certificate=recalled.certificate), language),
+    )
+    return event
+
+
+def occasion(due: date, issued_on: date, today: date) -> int | None:
+    """The last occasion that has come; None before the first.
+
+    One from before the issue of the certificate does not count: nobody is reminded of a certificate
+    just received.
+    """
+    come = [
+        days for days in OCCASIONS if issued_on < due + timedelta(days=days) <= today
+    ]  # fmt: skip
+    return come[-1] if come else None
+
+
+def is_silent(silent: SilentHours | None, now: datetime) -> bool:
+    """Whether nothing is sent at a moment; hours that begin in the evening end in the morning."""
+    if silent is None:
+        return False
+    clock = now.astimezone(ZoneInfo(silent.timezone)).time()
+    if silent.since <= silent.until:
+        return silent.since <= clock < silent.until
+    return clock >= silent.since or clock < silent.until
+
+
+def pause(tries: int) -> timedelta:
+    """How long to wait after so many tries, twice as long each time."""
+    return min(FIRST_PAUSE * 2 ** min(tries - 1, 16), LONGEST_PAUSE)

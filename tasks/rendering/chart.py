@@ -1,10 +1,13 @@
 """SVG charts in one style, with text as text and reproducible to the byte."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from html import escape
 from io import StringIO
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +29,20 @@ STYLE: Any = {
 NO_STYLE: Any = MappingProxyType({})
 CLOCKS = (("h", 3600.0), ("min", 60.0), ("s", 1.0))
 NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """Of each bin the smallest and the largest value.
+
+    t: (m,) s, the time of the first row of the bin; low, high: (m,), NaN where no row of the bin
+    has a number. is_reduced: whether a bin may hold more than one row.
+    """
+
+    t: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    is_reduced: bool
 
 
 def draw(
@@ -74,3 +91,18 @@ def time_axis(axes: "Axes") -> None:
     inside = [tick for tick in ticks if start <= tick * size <= end]
     axes.set_xticks([tick * size for tick in inside], [f"{tick:g}" for tick in inside])
     axes.set_xlabel(f"time / {unit}", loc="right")
+
+
+def envelope(t: np.ndarray, values: np.ndarray, bins: int) -> Envelope:
+    """The envelope of a signal over equal times.
+
+    t: (n,) s, strictly rising; values: (n,). With no more than two rows per bin every row is kept.
+    A bin without rows, in a gap of the recording, is left out.
+    """
+    if len(t) <= 2 * bins:
+        return Envelope(t, values, values, is_reduced=False)
+    edges = np.linspace(t[0], t[-1], bins + 1)[:-1]
+    starts = np.unique(np.searchsorted(t, edges))
+    low = np.fmin.reduceat(values, starts)
+    high = np.fmax.reduceat(values, starts)
+    return Envelope(t[starts], low, high, is_reduced=True)

@@ -14,8 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
-from tasks.review.batched import inverses, quadratic_forms
 from tasks.review.evidence import Evidence, ridged
+from tasks.review.sums import inverses, quadratic_forms
 
 IN_EVERY_RUN = 0.5  # κ, in units of what one run determines
 

@@ -1,24 +1,32 @@
 """All checks of a run."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+
+from pydantic import TypeAdapter, ValidationError
 
 from schemas.calibration import Item
-from schemas.text import Remark
+from schemas.text import Remark, Statement
 from tasks.run_validity.clocks import clock_remarks
 from tasks.run_validity.encoders import encoder_remarks
-from tasks.run_validity.environment import environment_remarks
-from tasks.run_validity.labels import label_remarks
+from tasks.run_validity.environment import (
+    environment_remarks,
+    supply_remarks,
+    unit_temperature_remarks,
+)
+from tasks.run_validity.labels import label_remarks, point_remarks
 from tasks.run_validity.lost_data import lost_data_remarks
 from tasks.run_validity.outliers import outlier_remarks
-from tasks.run_validity.points import point_remarks
-from tasks.run_validity.scatter import scatter_remarks
+from tasks.run_validity.remark import run_remark
+from tasks.run_validity.scatter import scatter_remarks, vibration_remarks
 from tasks.run_validity.site import site_remarks
-from tasks.run_validity.station_faults import station_remarks
-from tasks.run_validity.supply import supply_remarks
-from tasks.run_validity.unit_temperature import unit_temperature_remarks
-from tasks.run_validity.vibration import vibration_remarks
 from tasks.segments.conditions import Conditions
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.words import remark
+
+FIELD = "station_remarks"
+REMARKS = TypeAdapter(tuple[Remark, ...])
+OF_TABLE = ("table_unsettled", "table_rate")  # codes of tasks.station.anomalies
+OF_UNIT = ("stuck_channel", "spikes")
 
 
 def run_remarks(
@@ -43,3 +51,19 @@ def run_remarks(
         *supply_remarks(evidence),
         *station_remarks(evidence),
     )
+
+
+def station_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Faults of table and unit in measured segments; what else it noticed the data show."""
+    noticed = (evidence.recording.manifest.model_extra or {}).get(FIELD, ())
+    try:
+        remarks = REMARKS.validate_python(noticed)
+    except ValidationError:
+        yield run_remark("station_remarks_unreadable", field=FIELD)
+        return
+    for each in remarks:
+        if each.segments and each.code in (*OF_TABLE, *OF_UNIT):
+            yield remark(
+                each.code, Statement(en=each.en, zh=each.zh), each.segments, blocks_pass=True,
+                run="invalid" if each.code in OF_TABLE else "remarks",
+            )  # fmt: skip

@@ -8,7 +8,7 @@ from schemas.recording import MEASURED, TRIADS, Recording, Stream
 from schemas.text import Remark
 from tasks.motion.samples import covered
 from tasks.run_validity.remark import run_remark
-from tasks.segments.pieces import extreme_steps
+from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message

@@ -8,12 +8,12 @@ import numpy as np
 from schemas.recording import ANGLE, Recording
 from schemas.text import Remark
 from tasks.run_validity.remark import run_remark
-from tasks.segments.median import median
 from tasks.segments.summarise import (
     CHANNELS,
     LONGEST_BURST,
     SegmentMean,
     coarsely_quantised,
+    median,
 )
 from tasks.specifications.evidence import ClauseEvidence
 

@@ -1,4 +1,4 @@
-"""Rests outside their stated uncertainty: the zero drifts or jumps."""
+"""Scatter of the unit's readings at rest: vibration, and rests that differ more than they may."""
 
 from collections.abc import Iterator, Mapping
 
@@ -14,9 +14,13 @@ from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.uncertainty.drift import seconds_of
 
+# Standard deviation of the rows of a rest: noise of no unit that is worth a calibration.
+MOST_DEVIATION = np.array([np.radians(1.0)] * len(AXES) + [0.5] * len(AXES))  # rad/s, m/s²
+ABOVE_OTHERS = 5.0  # times that of the run's usual rest
+STEPS = 2.0  # of the output: what rounding makes of a quiet rest
 BEYOND = 3.0  # times U of the zero and what the rest's own noise may do to it
 # No unit is calibrated whose zero wanders so far within a run: rad/s, m/s².
-LARGEST = (*[float(np.radians(0.1))] * len(AXES), *[0.05] * len(AXES))
+LARGEST_DRIFT = (*[float(np.radians(0.1))] * len(AXES), *[0.05] * len(AXES))
 ZEROS = (("gyro_bias", 0), ("ahrs_zero_offset", 0), ("accel_bias", 3))  # item, first channel
 PER_SI = {"deg/s": float(np.degrees(1.0)), "m/s2": 1.0}
 
@@ -25,7 +29,7 @@ def scatter_remarks(evidence: ClauseEvidence, items: Mapping[str, Item]) -> Iter
     """Channels whose rests disagree with one another by more than U covers, or a steady unit."""
     yield from _beyond_uncertainty(evidence, items)
     rests = _rests(evidence, None)
-    for channel, largest in enumerate(LARGEST):
+    for channel, largest in enumerate(LARGEST_DRIFT):
         alike = channel < len(AXES) and "ahrs_zero_offset" in items  # no model of g-sensitivity
         faces = np.ones((len(rests), 1)) if alike else _faces(evidence, rests)
         drift = _drift(evidence, rests, faces, channel, largest)
@@ -99,3 +103,22 @@ def _level(north: np.ndarray, evidence: ClauseEvidence, rests: list[int]) -> np.
     """North and east (2, 3, rests) in the body."""
     up = np.array([unit_vector(evidence.up[i]) for i in rests])
     return np.stack([north.T, np.cross(north, up).T])
+
+
+def vibration_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Rests that scatter more than any unit's noise, or much more than the others."""
+    rests = [evidence.segments[i] for i in evidence.of_kind("static")]
+    if not rests:
+        return
+    deviation = np.array([rest.deviation for rest in rests])
+    usual = np.median(deviation, axis=0)
+    step = np.max([rest.step for rest in rests], axis=0)
+    limit = np.minimum(MOST_DEVIATION, np.maximum(ABOVE_OTHERS * usual, STEPS * step))
+    above = deviation > limit
+    for channel in np.flatnonzero(above.any(axis=0)).tolist():
+        shaken = [rests[i].segment.name for i in np.flatnonzero(above[:, channel])]
+        yield run_remark(
+            "vibration", *shaken, run="invalid", channel=CHANNELS[channel], count=len(shaken),
+            first=shaken[0], deviation=f"{deviation[:, channel].max():.3g}",
+            limit=f"{limit[channel]:.3g}",
+        )  # fmt: skip

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.segments.pieces import ROWS, pieces
-
+ROWS = 1 << 15  # of a piece: a quarter of a megabyte, which stays in a processor's cache
 BLOCKS = 32  # finest blocks of the Allan variances
 
 
@@ -95,3 +94,21 @@ def _constant_cosine_sine(angle: np.ndarray) -> np.ndarray:
     half = np.tan(0.5 * angle)
     square = half**2
     return np.array([1.0 + square, 1.0 - square, 2.0 * half]) / (1.0 + square)
+
+
+# Processes long columns piece by piece, so that each piece is read from memory once.
+#
+# A column of a hundred million rows is otherwise read again for every question, and its differences
+# are as long as itself.
+
+
+def pieces(count: int) -> Iterator[slice]:
+    """The pieces of `count` rows, one after the other."""
+    return (slice(start, min(start + ROWS, count)) for start in range(0, count, ROWS))
+
+
+def extreme_steps(t: np.ndarray) -> tuple[float, float]:
+    """Smallest and largest difference of neighbours among (n ≥ 2,) values; both NaN if one is."""
+    steps = (np.diff(t[piece.start : piece.stop + 1]) for piece in pieces(len(t) - 1))
+    extremes = np.array([(step.min(), step.max()) for step in steps])
+    return float(extremes[:, 0].min()), float(extremes[:, 1].max())

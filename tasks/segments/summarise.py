@@ -7,15 +7,13 @@ from typing import Literal
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
-from tasks.segments.median import median
 from tasks.segments.one_pass import Pass, one_pass
 
+FEW = 100  # numbers that are sorted faster than partitioned
 Origin = Literal["label", "found"]
-
 CHANNELS: tuple[str, ...] = GYRO + ACCEL
 GYRO_COLUMNS = slice(0, 3)
 ACCEL_COLUMNS = slice(3, 6)
-
 SAMPLE_ROWS = 2000  # rows that centre and scale are taken from; enough for a median
 PLACES = np.arange(SAMPLE_ROWS) * (np.sqrt(5.0) - 1.0) / 2.0 % 1.0  # of the rows, by golden section
 GLANCE_ROWS = 200  # rows that already show that every row of a segment is near
@@ -274,3 +272,15 @@ def summarise_all(
     step = steps(recording.imu)
     summaries = (summarise(recording.imu, segment, origin, step) for segment in measured)
     return tuple(summary for summary in summaries if summary is not None)
+
+
+def median(values: np.ndarray) -> np.ndarray:
+    """Medians (…) along the last axis of (…, n ≥ 1) values, NaN where one of them is.
+
+    What np.median gives, in half to a tenth of its time.
+    """
+    count = values.shape[-1]
+    low, high = (count - 1) // 2, count // 2
+    ordered = np.sort(values) if count < FEW else np.partition(values, (low, high, count - 1))
+    middle = 0.5 * (ordered[..., low] + ordered[..., high])
+    return np.where(np.isnan(ordered[..., -1]), np.nan, middle)  # NaN is sorted to the end

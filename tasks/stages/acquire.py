@@ -1,24 +1,56 @@
 """Stage: acquires a run on a station, writing raw data as they arrive, and stores it."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
+import os
+import secrets
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
 
 from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
+from schemas.run_log import ENDED, RunStatus, State
 from schemas.station import StationFile
 from storage.catalogue import runs
 from storage.catalogue.run_index import Run
 from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
-from storage.station_lock import one_run_on
+from storage.station_lock import one_run_on, write_status
+from storage.whole_files import writing_in_home
 from tasks.stages.left_run import LeftRun, left_runs
-from tasks.stages.raw_recordings import RawRecording, begun, what_is_left
-from tasks.stages.run_status import status_file
 from tasks.stages.stage import stage
-from tasks.station.acquisition import Acquired, RunRequest, acquire
+from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
+from tasks.station.manifest import interrupted
 from tasks.station.ports import Ask
 from tasks.station.progress import Progress
+
+WRITE_EVERY_S = 1.0
+
+
+@dataclass(frozen=True)
+class RawRecording:
+    """A raw file that is being written, and the interrupted run it continues."""
+
+    new: NewRecording
+    sink: RawWriter
+    path: Path
+    left: LeftRun | None
+
+    def take_over(self) -> None:
+        """Begin the file with what an interrupted run recorded."""
+        if self.left is None or self.new.earlier is None:
+            return
+        self.sink.manifest(self.new.earlier.manifest)
+        for name, stream in self.left.recording.streams().items():
+            self.sink.append(name, stream)
+
+    def forget(self) -> None:
+        """The file holds all of what the interrupted run left."""
+        if self.left is not None:
+            self.left.forget()
 
 
 @dataclass(frozen=True)
@@ -113,3 +145,81 @@ def _with_what_is_left(fault: Unusable, raw: list[RawRecording]) -> str:
     left = what_is_left(raw)
     plain = fault.__cause__ if not left and isinstance(fault.__cause__, Unusable) else fault
     return f"{str(plain).rstrip('.')}{left}" if left else str(plain)
+
+
+def begun(
+    station: StationFile, procedure: Procedure, home: Home, left: LeftRun | None
+) -> RawRecording:
+    """A new file for the unit of a station; raises Unusable where the home takes none."""
+    began = datetime.now(UTC)
+    recording_id = f"{station.unit.serial}-{procedure.name}-{began:%Y%m%dT%H%M%SZ}"
+    earlier = None
+    if left is not None:
+        recording_id = left.recording.manifest.recording_id
+        earlier = interrupted(left.recording, station.unit_link)
+    path = home.acquiring / f"{began:%Y%m%dT%H%M%SZ}-{secrets.token_hex(4)}.mcap"
+    with writing_in_home(path):
+        sink = RawWriter(path)
+    return RawRecording(NewRecording(station, sink, recording_id, earlier), sink, path, left)
+
+
+def what_is_left(recordings: Iterable[RawRecording]) -> str:
+    """What a run that broke off leaves behind, as the end of a sentence; else nothing.
+
+    A file without a reading of the unit is removed.
+    """
+    paths = []
+    for raw in recordings:
+        if raw.sink.readings:
+            paths.append(str(raw.path))
+        else:
+            raw.path.unlink(missing_ok=True)
+    if not paths:
+        return ""
+    it = "it" if len(paths) == 1 else "them"
+    return (
+        f"; recorded so far: {', '.join(paths)} (`mimucal acquire --resume` goes on with {it}, "
+        f"`mimucal import --salvage` takes {it} in as {'it is' if it == 'it' else 'they are'})"
+    )
+
+
+@contextmanager
+def status_file(
+    station: StationFile, procedure: Procedure, home: Home, report: Callable[[Progress], None]
+) -> Iterator[Callable[[Progress], None]]:
+    """Gives the report that also writes the status: at every change, and every WRITE_EVERY_S.
+
+    An exception is written as the cause for which the run stopped.
+    """
+    began, written_s = datetime.now(UTC), 0.0
+    last = Progress("connecting", 0.0, 0.0, 0.0)
+    units = tuple(alone.unit.serial for alone in station.per_unit())
+
+    def write(state: State, cause: str = "") -> None:
+        nonlocal written_s
+        written_s = time.monotonic()
+        status = RunStatus(
+            station=station.station.id, procedure=procedure.name, units=units, process=os.getpid(),
+            began_at=began, at=datetime.now(UTC), state=state, now=last.now,
+            segment=last.segment, segments=last.segments, station_s_done=last.station_s_done,
+            station_s_total=last.station_s_total, wall_s_left=last.wall_s_left,
+            rates_hz=last.rates_hz, noise=last.noise, alarms=last.alarms, cause=cause,
+        )  # fmt: skip
+        write_status(status, home)
+
+    def reporting(progress: Progress) -> None:
+        nonlocal last
+        is_new = (progress.state, progress.now) != (last.state, last.now)
+        last = progress
+        if is_new or time.monotonic() - written_s >= WRITE_EVERY_S:
+            # The run is done once its recording is in the store.
+            write("finishing" if progress.state in ENDED else progress.state)
+        report(progress)
+
+    write("begun")
+    try:
+        yield reporting
+    except BaseException as fault:
+        write("stopped", str(fault) or type(fault).__name__)
+        raise
+    write("done")

@@ -9,14 +9,12 @@ from schemas.certificate import AsFound, Certificate, Order, Replaced, Step
 from schemas.configuration import configuration_of
 from schemas.decision import Decision
 from storage import settings
-from storage.catalogue import runs
+from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks import conformity, reminders
-from tasks.curves import curves_of_run
-from tasks.curves.history import history
+from tasks.curves import curves_of_run, history
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.stages.appearance import with_appearance
 from tasks.stages.certificate_inputs import (
     CertificateInputs,
     check_order,
@@ -25,14 +23,16 @@ from tasks.stages.certificate_inputs import (
     day_of_moment,
     manifest_fields,
     tolerance_of,
+    with_appearance,
 )
 from tasks.stages.draft import DRAFT, keep_draft
-from tasks.stages.earlier import earlier_certificates
 from tasks.stages.equipment_in_use import standards_in_use
 from tasks.stages.published import Published
 from tasks.stages.stage import stage
 from tasks.validation import record
 from tasks.words import statement
+
+MOST = 20  # the last ones show how a unit moves
 
 
 @stage("decide and publish")
@@ -180,3 +180,19 @@ def _check_run(run: Run, calibration: Calibration, inputs: CertificateInputs) ->
             f"run {run.id} is invalid: {validity.reasons[0].rstrip('.')}{others}; measure again, "
             "or ask for a report of the invalid run with --invalid-run"
         )
+
+
+def earlier_certificates(run: Run, day: date | None, home: Home) -> list[Certificate]:
+    """Records of the last issued certificates of a run's unit before a day, the oldest first.
+
+    None where the day is not known. A record that cannot be read shows nothing: `verify` finds it.
+    """
+    if day is None:
+        return []
+    found = []
+    for entry in certificates.issued_before(run, day, MOST, home):
+        try:
+            found.append(certificates.record_of(entry, home))
+        except Unusable:
+            continue
+    return found

@@ -1,4 +1,4 @@
-"""Stages: makes the correction of a result, and corrects a recording with it."""
+"""Stages: the correction of a result, a recording corrected with it, and one simulated by it."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -8,21 +8,38 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.correction import Correction
-from schemas.orders import ApplyOrder, ExportOrder
+from schemas.orders import ApplyOrder, ExportOrder, SimulateOrder
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream, Unit
 from storage.catalogue import run_index, runs
 from storage.catalogue.run_index import Run
 from storage.formats.columns import write_columns
 from storage.home import Home
-from tasks.coefficients.c_header import as_c
 from tasks.coefficients.correct import Coefficients, coefficients, correct
-from tasks.coefficients.document import document
 from tasks.coefficients.kalibr import as_kalibr
-from tasks.coefficients.tables import as_csv, as_json, as_ros, as_yaml
-from tasks.stages.calibration_input import correcting_calibration
+from tasks.coefficients.parameters import model_values
+from tasks.coefficients.tables import as_c, as_csv, as_json, as_ros, as_yaml, document
+from tasks.model.simulate import predict
+from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.motion.whole import whole_motion
+from tasks.stages.calibration_input import correcting_calibration, read_calibration
+from tasks.stages.estimate import estimate
 from tasks.stages.stage import stage
 
 OF_CORRECTION = {"json": as_json, "yaml": as_yaml, "c": as_c, "ros": as_ros, "csv": as_csv}
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A simulated recording: its folder, its rows, and what had to be taken as ideal or left out.
+
+    assumed: elements that the calibration does not give. rows_left_out: where the motion is not
+    known.
+    """
+
+    folder: Path
+    rows: int
+    rows_left_out: int
+    assumed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -72,12 +89,7 @@ def apply_correction(run: Run, home: Home, order: ApplyOrder) -> Corrected:
     if source is not None:
         _check_unit(source.manifest.unit, recording.manifest, order.calibration)
     corrected, out = corrected_recording(recording, known, calibration), Path(order.out)
-    try:
-        write_columns(corrected, out)
-    except OSError as error:  # FileExistsError is one
-        raise Unusable(
-            f"{out} cannot be written ({error.strerror or error}); name a new folder with --out."
-        ) from error
+    _write(corrected, out)
     left_in = tuple(term.name for term in calibration.terms)
     rows = len(corrected.imu)
     return Corrected(out, rows, len(recording.imu) - rows, assumed, left_in)
@@ -112,6 +124,15 @@ def corrected_recording(
     return replace(recording, manifest=Manifest.model_validate(fields), imu=imu, digest="")
 
 
+def _write(recording: Recording, out: Path) -> None:
+    try:
+        write_columns(recording, out)
+    except OSError as error:  # FileExistsError is one
+        raise Unusable(
+            f"{out} cannot be written ({error.strerror or error}); name a new folder with --out."
+        ) from error
+
+
 def _recording_of(calibration: Calibration, home: Home) -> Recording | None:
     """The recording that a calibration was made of, if it is in the store."""
     for run in run_index.all_runs(home):
@@ -129,3 +150,44 @@ def _check_unit(unit: Unit, manifest: Manifest, reference: str) -> None:
             f"{reference} corrects {' '.join(named(unit))}, but {manifest.recording_id} is of "
             f"{' '.join(named(manifest.unit))}; give a result of that unit."
         )
+
+
+@stage("simulate")
+def simulate_run(run: Run, home: Home, order: SimulateOrder) -> Simulated:
+    """Write what models (1) and (2) read on a run's motion as a mimu-recording/1 folder.
+
+    Without a calibration in the order it is the run's own, by the method of its specification.
+    The folder has the run's own table, pose and environment.
+    Raises Unusable where no motion is known, or the calibration is of another kind of unit.
+    """
+    recording = runs.load(run, home)
+    given = read_calibration(order.calibration, home) if order.calibration else estimate(run, home)
+    values, assumed = model_values(given)
+    out = Path(order.out)
+    simulated = simulated_recording(recording, values)
+    _write(simulated, out)
+    rows = len(simulated.imu)
+    return Simulated(out, rows, len(recording.imu) - rows, assumed)
+
+
+def simulated_recording(recording: Recording, values: np.ndarray) -> Recording:
+    """The recording as models (1) and (2) with parameters (p,), SI, read its motion.
+
+    Rows of unknown motion are left out; a triad that needs more than is known there is null.
+    """
+    readings = predict(STANDARD_TERMS, whole_motion(recording), values)
+    known = np.isfinite(readings).any(axis=1)
+    manifest = recording.manifest
+    if not known.any():
+        raise Unusable(
+            f"{manifest.recording_id}: neither encoders nor a pose nor labels tell how the unit "
+            "moved, so nothing can be simulated; add a table or reference stream, or segments."
+        )
+    fields = manifest.model_dump() | {
+        "recording_id": f"{manifest.recording_id}_simulated",
+        "simulated": True,
+    }
+    imu = Stream(
+        recording.imu.t[known], dict(zip(GYRO + ACCEL, readings[known].T.copy(), strict=True))
+    )
+    return replace(recording, manifest=Manifest.model_validate(fields), imu=imu, digest="")

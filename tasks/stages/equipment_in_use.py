@@ -12,7 +12,7 @@ from schemas.recording import Manifest
 from storage.catalogue import equipment
 from storage.catalogue.lineage import provenance
 from storage.home import Home
-from tasks.uncertainty.own_limits import own_limits
+from tasks.uncertainty.equipment import own_limits
 
 
 def standards_in_use(

@@ -1,8 +1,11 @@
 """Stage: where model and recording differ, which physics was left out, and how much it matters."""
 
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,21 +15,33 @@ from schemas.base import Unusable
 from schemas.discrepancy import Discrepancy
 from schemas.orders import ExplainOrder
 from schemas.recording import ACCEL, GYRO, Recording
-from storage import settings
+from schemas.review import RunStatistics
+from storage import run_statistics, settings
 from storage.catalogue import explanations, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.whole_files import report_folder
 from tasks.explain.progress import Progress, silent, tell
+from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.stages import import_checks
+from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.stage import stage
 from tasks.words import message
 
 if TYPE_CHECKING:
     from tasks.explain.inputs.reference import ReferencePrediction
 
+WORTH_A_PROCESS = 4  # runs that take longer than a process takes to begin
 MAX_STEPS = 1.5  # steps of the unit between which another simulator's rows are interpolated
 MIN_SHARE_OF_ROWS = 0.5  # of the unit's rows that a simulation must have
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run whose statistics are to be made."""
+
+    run: Run
+    home: Home
 
 
 @dataclass(frozen=True)
@@ -53,7 +68,6 @@ def explain_run(
     from tasks.explain.inputs.angle_rates import as_mean_rates
     from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
-    from tasks.stages.run_statistics import keep_statistics
 
     out = report_folder(order.out)
     recording = runs.load(run, home)
@@ -129,3 +143,47 @@ def _within(known: np.ndarray, t: np.ndarray) -> np.ndarray:
     before = np.clip(after - 1, 0, None)
     inside = (t > known[before]) & (t < known[after])
     return (known[after] == t) | (inside & (known[after] - known[before] <= longest))
+
+
+def kept_statistics(run: Run, home: Home) -> RunStatistics | None:
+    """The statistics of a run where they are kept."""
+    return run_statistics.load(run.digest, VERSION, home)
+
+
+def all_kept_statistics(which: Sequence[Run], home: Home) -> list[RunStatistics | None]:
+    """The same of many runs, unpacked by as many threads as there are processors."""
+    with ThreadPoolExecutor(processors()) as threads:
+        return list(threads.map(partial(kept_statistics, home=home), which))
+
+
+def keep_statistics(run: Run, recording: Recording, home: Home) -> None:
+    """Makes and keeps the statistics of a run, unless they are there; a run that has none, and a
+    home that only reads, stay without.
+    """
+    if kept_statistics(run, home) is None:
+        with suppress(Unusable):
+            run_statistics.keep(run.digest, VERSION, statistics_of(recording), home)
+
+
+def make_statistics(which: Sequence[Run], home: Home) -> Iterator[tuple[Run, str]]:
+    """Makes and stores the statistics of runs in one process per processor; yields each finished
+    run, and why it has none; empty: it has.
+    """
+    workers = min(processors(), len(which) // WORTH_A_PROCESS)
+    yield from fan_out(_made, [Job(run, home) for run in which], workers, _died)
+
+
+def _made(job: Job) -> tuple[Run, str]:
+    """However it fails, one recording does not end the work on the others."""
+    try:
+        recording = runs.load(job.run, job.home)
+        run_statistics.keep(job.run.digest, VERSION, statistics_of(recording), job.home)
+    except Unusable as fault:
+        return job.run, str(fault)
+    except Exception as failure:
+        return job.run, f"mimucal itself failed ({type(failure).__name__}: {failure})"
+    return job.run, ""
+
+
+def _died(job: Job) -> tuple[Run, str]:
+    return job.run, "its worker died twice; see that the machine has enough memory for it"

@@ -33,9 +33,8 @@ def explain_together(
     # Late: the other stages need none of it.
     from tasks.explain.explain import explain
     from tasks.review.pool import pooled
-    from tasks.review.run_identity import reviewed_runs
     from tasks.review.run_statistics import statistics_of
-    from tasks.review.together import found_together
+    from tasks.review.together import found_together, reviewed_runs
     from tasks.review.together_report import discrepancy_together
 
     recordings = [runs.load(run, home) for run in which]

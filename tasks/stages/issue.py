@@ -4,25 +4,32 @@ Each is one transaction, and what is printed is made within it: a process that e
 leaves a certificate issued whole, or not at all and its number still to be given.
 """
 
+import os
+import unicodedata
 from datetime import UTC, datetime
 
 import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.certificate import DEFAULT_PREFIX, DEFAULT_SCHEME, Certificate, State, Step, StepName
-from storage.catalogue import database, keep_certificate, numbers, trail
+from storage import settings
+from storage.catalogue import certificates, database, equipment, keep_certificate, tables, trail
 from storage.catalogue.certificates import Entry, record_of
+from storage.catalogue.results import calibration_of
 from storage.home import Home
 from storage.whole_files import is_as_kept
+from tasks import conformity
 from tasks.certificate.faces import faces_of
-from tasks.certificate.sign import Signing
+from tasks.certificate.sign import Signing, signing_of
 from tasks.stages.certificate_inputs import day_of_moment
 from tasks.stages.certify import due_date
-from tasks.stages.hindrances import check_issuable
-from tasks.stages.persons import check_person
 from tasks.stages.published import Published, published
-from tasks.stages.signing import signing_for
 from tasks.stages.stage import stage
+from tasks.words import say
+
+AGAIN = "certify the run again"
+PASSPHRASE = "MIMUCAL_SIGNING_PASSPHRASE"
+DONE: dict[StepName, str] = {"draft": "drafted", "check": "checked", "issue": "issued"}
 
 
 @stage("check certificate")
@@ -164,11 +171,11 @@ def _numbered(connection: sql.Connection, certificate: Certificate, now: datetim
     laboratory, today = certificate.laboratory, day_of_moment(now)
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
     scheme = laboratory.number_scheme if laboratory else DEFAULT_SCHEME
-    series = numbers.series_of(scheme, prefix, today.year)
+    series = certificates.series_of(scheme, prefix, today.year)
     dated: dict[str, object] = {"issued_on": today}
     if certificate.calibrated_on is None:
         dated["due"] = due_date(today, certificate.order, certificate.calibration)
-    number = numbers.next_number(connection, series)
+    number = certificates.next_number(connection, series)
     return certificate.model_copy(update={"number": number, **dated})
 
 
@@ -190,3 +197,100 @@ def _replace(
     keep_certificate.remove(connection, entry)
     faces = faces_of(certificate, signing)
     return keep_certificate.add(connection, home, certificate, faces, draft=draft)
+
+
+def check_person(certificate: Certificate, person: str, step: StepName, home: Home) -> None:
+    """Raises Unusable for a person who took an earlier step, and for a draft of nobody.
+
+    The laboratory of the home says whether they have to be different persons; where there is
+    none, that of the certificate.
+    """
+    laboratory = settings.laboratory(home) or certificate.laboratory
+    if laboratory is not None and not laboratory.separate_persons:
+        return
+    number, run = certificate.number, certificate.calibration.run
+    if certificate.step("draft") is None:
+        raise Unusable(
+            f"{number} does not say who drafted it; certify run {run} again with --by NAME, or "
+            "name the operator in laboratory.toml."
+        )
+    for earlier in certificate.steps:
+        if _plain(earlier.person) == _plain(person):
+            raise Unusable(
+                f"{earlier.person} {DONE[earlier.step]} {number}, so another person must "
+                f"{step} it; separate_persons = false in laboratory.toml lets one person take "
+                "every step."
+            )
+
+
+def _plain(name: str) -> str:
+    return " ".join(unicodedata.normalize("NFKC", name).split()).casefold()
+
+
+def signing_for(home: Home, at: datetime) -> Signing | None:
+    """The key of `[signing]` in the home's laboratory.toml, opened; None where it names none."""
+    laboratory = settings.laboratory(home)
+    if laboratory is None or laboratory.signing is None:
+        return None
+    return signing_of(laboratory.signing, home.path, os.environ.get(PASSPHRASE), at)
+
+
+def check_issuable(
+    connection: sql.Connection, entry: Entry, certificate: Certificate, home: Home
+) -> None:
+    """Raises Unusable with the first reason for which a certificate cannot be issued."""
+    _check_limits(certificate)
+    _check_equipment(certificate, home)
+    _check_run(connection, certificate)
+    _check_newest(connection, entry)
+
+
+def _check_limits(certificate: Certificate) -> None:
+    """There is no verdict without limits; a calibration without one has to be ordered."""
+    asked = certificate.order is None or certificate.order.conformity
+    if not certificate.decision.limits and asked:
+        unit = certificate.manifest.unit
+        raise Unusable(
+            f"{certificate.number} has no verdict, because there are no limits of "
+            f"{unit.manufacturer} {unit.model}: give them with --tolerance or in the folder "
+            f"tolerances of the home, or let the order say conformity = false, and {AGAIN}."
+        )
+
+
+def _check_equipment(certificate: Certificate, home: Home) -> None:
+    """Standards without a valid certificate on the day of calibration, by draft or register."""
+    laboratory = certificate.laboratory
+    day = certificate.calibrated_on or certificate.issued_on
+    late = {standard.serial: standard for standard in equipment.past_due(home, day)}
+    listed = laboratory.equipment if laboratory else ()
+    for expired in conformity.expired([late.get(each.serial, each) for each in listed], day):
+        raise Unusable(
+            f"{certificate.number} cannot be issued: {say(expired, 'en').rstrip('.')}; calibrate "
+            "with equipment that is in date."
+        )
+
+
+def _check_run(connection: sql.Connection, certificate: Certificate) -> None:
+    """A newer result that finds the run invalid."""
+    if certificate.calibration.validity.verdict == "invalid":
+        return  # and it says so
+    table, run = tables.results, certificate.calibration.run
+    asked = sql.select(table).where(table.c.run == run, database.newest_results())
+    for row in connection.execute(asked):
+        validity = calibration_of(row).validity
+        if validity.verdict == "invalid":
+            raise Unusable(
+                f"{certificate.number} cannot be issued: by result {row.id} run {run} is invalid "
+                f"({validity.reasons[0].rstrip('.')}); measure again."
+            )
+
+
+def _check_newest(connection: sql.Connection, entry: Entry) -> None:
+    """A newer result than the one that it prints."""
+    table = tables.results.c
+    newer = connection.scalar(sql.select(table.id).where(table.supersedes == entry.result))
+    if newer:
+        raise Unusable(
+            f"{entry.number} prints result {entry.result}, which {newer} superseded; {AGAIN}"
+            + (f" (`mimucal amend {entry.supersedes}`)." if entry.supersedes else ".")
+        )

@@ -20,7 +20,7 @@ from storage.catalogue import equipment, reprocessing, results
 from storage.catalogue.connection import Busy, name_of
 from storage.catalogue.reprocessing import Made, ToMake
 from storage.home import Home
-from tasks.history.difference import difference
+from tasks.history import difference
 from tasks.stages.estimate import calibration_of, how_made
 from tasks.version import code_version
 

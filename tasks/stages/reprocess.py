@@ -14,8 +14,7 @@ from storage.catalogue.run_index import Run
 from storage.catalogue.selection import select
 from storage.home import Home
 from storage.whole_files import report_folder
-from tasks.history.difference import difference
-from tasks.history.report import write_report
+from tasks.history import difference, write_report
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.make_again import Job, Outcome, circumstances, make_again, store_of, with_fault
 from tasks.stages.stage import stage

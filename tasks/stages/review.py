@@ -1,28 +1,49 @@
 """Stage: what many runs show together, who carries it and since when."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+import numpy as np
+
 from schemas.base import Unusable
+from schemas.certificate import LIVE
 from schemas.orders import ReviewOrder, Selection, order_of
-from schemas.review import KeptReview, Review, Skipped
+from schemas.review import KeptReview, Review, Skipped, Touched
 from storage import last_review
-from storage.catalogue import runs
+from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.catalogue.selection import select
 from storage.home import Home
 from storage.whole_files import report_folder, writing_to
+from tasks.review.hypotheses import Effect
+from tasks.review.search import Found
+from tasks.review.touched import moved_elements, touched_of, with_touched
+from tasks.review.windows import rows_of
+from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.import_recording import run_of
 from tasks.stages.stage import stage
 from tasks.version import code_version
 
+MOST = 200  # certificates of a finding that are looked at, the newest
+WORTH_A_PROCESS = 8  # certificates that take longer than a process takes to begin
 Progress = Callable[[int, int], None]
 FEWEST = 2  # runs that have anything in common
 MANIFEST = "manifest.json"
 SELECTED = ("since", "until", "model", "serial", "station")
+
+
+@dataclass(frozen=True)
+class AffectedCertificate:
+    """A certificate, the run it is based on, and an effect with values (m,) SI."""
+
+    certificate: str
+    run: Run
+    effect: Effect
+    values: np.ndarray
+    home: Home
 
 
 @dataclass(frozen=True)
@@ -44,10 +65,9 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     # Late: the other stages need none of it.
     from tasks.review.pool import pooled
     from tasks.review.report import review_of
-    from tasks.review.run_identity import reviewed_runs
     from tasks.review.search import search
-    from tasks.stages.run_statistics import all_kept_statistics, make_statistics
-    from tasks.stages.touched import with_certificates
+    from tasks.review.together import reviewed_runs
+    from tasks.stages.explain import all_kept_statistics, make_statistics
 
     out = report_folder(order.out)
     chosen, skipped = _chosen(order, home)
@@ -135,3 +155,39 @@ def _write(review: Review, folder: Path) -> Path:
     with writing_to(path) as draft:
         draft.write_text(review.model_dump_json(indent=1), encoding="utf-8")
     return path
+
+
+def with_certificates(
+    review: Review, found: Sequence[Found], chosen: Mapping[str, Run], home: Home
+) -> Review:
+    """The review with what each finding changes in the certificates based on its runs.
+
+    found: of each finding. chosen: runs by id.
+    """
+    standing = [each for each in certificates.register(home) if each.state in LIVE]
+    findings = []
+    for finding, one in zip(review.findings, found, strict=True):
+        affected = {
+            one.pool.runs[k].run for k in np.flatnonzero(rows_of(one.pool, one.best.window))
+        }
+        jobs = [
+            AffectedCertificate(entry.number, chosen[entry.run], one.best.effect, one.values, home)
+            for entry in standing if entry.run in affected
+        ][-MOST:]  # fmt: skip
+        workers = min(processors(), len(jobs) // WORTH_A_PROCESS)
+        elements = [each for some in fan_out(_touched, jobs, workers, _none) for each in some]
+        findings.append(with_touched(finding, elements, len(jobs)))
+    return review.model_copy(update={"findings": tuple(findings)})
+
+
+def _touched(job: AffectedCertificate) -> list[Touched]:
+    """Nothing where the recording is gone or its clauses give no items."""
+    try:
+        elements = moved_elements(runs.load(job.run, job.home), job.effect, job.values)
+    except Unusable:
+        return []
+    return list(touched_of(job.certificate, elements))
+
+
+def _none(job: AffectedCertificate) -> list[Touched]:
+    return []

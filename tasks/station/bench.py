@@ -1,18 +1,135 @@
 """The devices of a station that a run needs, connected and ready."""
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
-from contextlib import ExitStack, asynccontextmanager, closing
+import asyncio
+import threading
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterator, Sequence
+from contextlib import ExitStack, asynccontextmanager, closing, contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from schemas.procedure import Refix
 from schemas.station import StationFile
 from schemas.unit_link import UnitLink
-from tasks.station.bus import BusChamber, BusFixture, BusTable, bus
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
-from tasks.station.ports import Ask, Chamber, Fixture, Table
+from tasks.station.ports import Ask, Chamber, Climate, EncoderBlock, Fixture, Table, TableState
+
+T = TypeVar("T")
+
+
+# A thread in which drivers talk to their devices, so that other work does not delay them.
+#
+# What the run writes, checks and shows may hold up its own event loop for seconds; the encoders
+# that the table has captured are fetched meanwhile.
+
+
+class Bus:
+    """An event loop in a thread; `do` runs something there for another loop."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.new_event_loop()
+        # What fails is raised where it was asked for; whoever asked may have ended meanwhile.
+        self._loop.set_exception_handler(lambda loop, context: None)
+        self._thread = threading.Thread(target=self._loop.run_forever, name="bus", daemon=True)
+        self._thread.start()
+
+    async def do(self, work: Coroutine[Any, Any, T]) -> T:
+        """What the work gives, or raises; cancelled here, it is cancelled there."""
+        return await asyncio.wrap_future(asyncio.run_coroutine_threadsafe(work, self._loop))
+
+    def close(self) -> None:
+        """End whatever still runs there, and the thread."""
+        self._loop.call_soon_threadsafe(self._end)
+        self._thread.join()
+        self._loop.close()
+
+    def _end(self) -> None:
+        running = asyncio.all_tasks(self._loop)
+        for task in running:
+            task.cancel()
+        # again until all have ended, as in `acquisition`: one may swallow its cancellation
+        self._loop.call_later(0.01, self._end) if running else self._loop.stop()
+
+
+@contextmanager
+def bus() -> Iterator[Bus]:
+    """A bus for the length of the block."""
+    made = Bus()
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+@dataclass(frozen=True)
+class BusTable:
+    """A table that is talked to on a bus."""
+
+    table: Table
+    bus: Bus
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.table.names
+
+    @property
+    def period_us(self) -> int:
+        return self.table.period_us
+
+    @property
+    def block_samples(self) -> int:
+        return self.table.block_samples
+
+    @property
+    def time_half_width_s(self) -> float:
+        return self.table.time_half_width_s
+
+    async def home(self) -> None:
+        await self.bus.do(self.table.home())
+
+    async def move_to(self, axis: int, angle: float, rate: float, acceleration: float) -> None:
+        await self.bus.do(self.table.move_to(axis, angle, rate, acceleration))
+
+    async def turn_at(self, axis: int, rate: float, acceleration: float) -> None:
+        await self.bus.do(self.table.turn_at(axis, rate, acceleration))
+
+    async def stop(self, axis: int) -> None:
+        await self.bus.do(self.table.stop(axis))
+
+    async def state(self) -> TableState:
+        return await self.bus.do(self.table.state())
+
+    async def encoder(self, first: int) -> EncoderBlock:
+        return await self.bus.do(self.table.encoder(first))
+
+    async def leave(self) -> None:
+        await self.bus.do(self.table.leave())
+
+
+@dataclass(frozen=True)
+class BusChamber:
+    """A chamber that is read on a bus."""
+
+    chamber: Chamber
+    bus: Bus
+
+    async def climate(self) -> Climate:
+        return await self.bus.do(self.chamber.climate())
+
+    async def set_temperature(self, degc: float) -> None:
+        await self.bus.do(self.chamber.set_temperature(degc))
+
+
+@dataclass(frozen=True)
+class BusFixture:
+    """A fixture that is turned on a bus."""
+
+    fixture: Fixture
+    bus: Bus
+
+    async def turn(self, refix: Refix) -> float | None:
+        return await self.bus.do(self.fixture.turn(refix))
 
 
 @dataclass(frozen=True)

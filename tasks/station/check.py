@@ -16,8 +16,8 @@ from tasks.station.clock import wall_s
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
+from tasks.station.plan import SetPoint, move_s
 from tasks.station.ports import Climate, Fixture, Table, TableState
-from tasks.station.setpoints import SetPoint, move_s
 from tasks.words import Message, Sayable, message, statement
 
 MOVE_DEG = 1.0

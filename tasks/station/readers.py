@@ -10,14 +10,15 @@ import numpy as np
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Stream, joined
-from schemas.unit_clock import ClockComparison
+from schemas.unit_link import ClockComparison
 from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock, wall_s
 from tasks.station.drivers.samples import no_samples
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
-from tasks.station.time_base import compared
 
+BLOCKS = 12  # spans of time of which the least delay counts
+FEWEST = 4
 Note = Callable[[Anomaly], None]
 CLIMATE = tuple(each.name for each in fields(Climate))
 MOST_BLOCKS = 2**15
@@ -211,3 +212,39 @@ class UnitReader:
             before, after = frames["stamp"][place : place + 2] / 1e6 + self.clock_shifts_s[-1]
             self.lost_samples += int(lost[place])
             self._note(Anomaly("unit_lost_samples", before, after, int(lost[place])))
+
+
+def compared(
+    unit_s: np.ndarray, latest_s: np.ndarray, doubt_s: np.ndarray
+) -> ClockComparison | None:
+    """Compare stamps of a unit with the table's time when they arrived.
+
+    unit_s: (n,) s. latest_s: (n,) s, the latest that the table's time can have been. doubt_s:
+    (n,) s, by how much earlier it may have been when the unit set its stamp, in a line without
+    fluctuation: the table's answer and the least delay of the line.
+
+    A line only ever delays, so the least difference of each of BLOCKS spans is taken, and a
+    straight line through these by least squares. The offset lies below it by no more than the
+    median doubt of these: a rectangular distribution. None for fewer than FEWEST spans.
+    """
+    blocks = np.array_split(np.arange(len(unit_s)), BLOCKS)
+    difference = latest_s - unit_s
+    if sum(len(block) > 0 for block in blocks) < FEWEST:
+        return None
+    level = difference - np.polyval(np.polyfit(unit_s, difference, 1), unit_s)
+    least = np.array([b[np.argmin(level[b])] for b in blocks if len(b)], dtype=int)
+    at_s = float(unit_s[least].mean())
+    regressors = np.column_stack([np.ones(len(least)), unit_s[least] - at_s])
+    inverse = np.linalg.pinv(regressors.T @ regressors)
+    most, skew = inverse @ regressors.T @ difference[least]
+    residual = difference[least] - regressors @ [most, skew]
+    scatter, u_skew = np.sqrt(np.diag(inverse) * (residual @ residual) / (len(least) - 2))
+    half_width = float(np.median(doubt_s[least])) / 2.0
+    return ClockComparison(
+        at_s=at_s,
+        offset_s=float(most) - half_width,
+        half_width_s=half_width,
+        u_offset_s=float(np.hypot(scatter, half_width / np.sqrt(3.0))),
+        skew=float(skew),
+        u_skew=float(u_skew),
+    )

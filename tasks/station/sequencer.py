@@ -10,11 +10,10 @@ from schemas.station import StationFile
 from tasks.station.anomalies import Anomaly
 from tasks.station.bench import Bench
 from tasks.station.clock import StationClock, wall_s
-from tasks.station.plan import PlannedSegment
+from tasks.station.plan import PlannedSegment, SetPoint, move_s, nearest_turn, rate_change_s
 from tasks.station.ports import TableState, check_trips
 from tasks.station.progress import Tracker
 from tasks.station.recorder import Recorder
-from tasks.station.setpoints import SetPoint, move_s, nearest_turn, rate_change_s
 
 SETTLING_MARGIN_S = 20.0  # station time beyond twice the computed duration
 GUARD_WALL_S = 0.2

@@ -1,19 +1,115 @@
 """One unit of a run: its data go to its sink at once and are checked on the way."""
 
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Protocol
 
-from schemas.recording import Manifest, Segment, Stream
-from schemas.run_log import LogEntry
-from schemas.text import Remark
+import numpy as np
+
+from schemas.recording import ACCEL, ANGLE, GYRO, Manifest, Segment, Stream, joined
+from schemas.run_log import LogEntry, State
+from schemas.text import Remark, Statement
 from tasks.station.anomalies import FAILURES, Anomaly, touches
 from tasks.station.clock import StationClock
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.manifest import ManifestBuilder
 from tasks.station.monitor import SegmentMonitor
 from tasks.station.readers import UnitReader
-from tasks.station.run_log import RunLog
-from tasks.station.stream_figures import LastRows
-from tasks.words import message
+from tasks.words import Message, message, statement, texts
+
+ROWS = 400  # the last ones, of which the figures are
+MOST_OF = {"gyro": (GYRO, 180.0 / np.pi), "accel": (ACCEL, 1.0)}
+REPEATED = "segment_repeated"  # a change of state, and no anomaly of its own
+
+
+@dataclass
+class LastRows:
+    """The last ROWS of each stream."""
+
+    streams: dict[str, Stream] = field(default_factory=dict)
+
+    def add(self, name: str, stream: Stream) -> None:
+        """Take in what came next of a stream."""
+        if len(stream):
+            parts = [self.streams[name], stream] if name in self.streams else [stream]
+            if parts[0].columns.keys() != stream.columns.keys():
+                parts = [stream]
+            self.streams[name] = joined(parts).at(slice(-ROWS, None))
+
+    @property
+    def rates_hz(self) -> Mapping[str, float]:
+        """Rows of each stream in a second of its time."""
+        return {
+            name: (len(stream) - 1) / float(stream.t[-1] - stream.t[0])
+            for name, stream in self.streams.items()
+            if len(stream) > 1
+        }
+
+    @property
+    def noise(self) -> Mapping[str, float]:
+        """Standard deviation of a sample of the noisiest gyro (deg/s) and accelerometer (m/s²).
+
+        From the differences of samples that follow each other, in which a motion does not count.
+        """
+        imu = self.streams.get("imu")
+        if imu is None or len(imu) < 3:
+            return {}
+        rates = dict(imu.columns)
+        for angle, gyro in zip(ANGLE, GYRO, strict=True):
+            if angle in imu.columns:
+                rates[gyro] = np.gradient(imu.columns[angle], imu.t)
+        found = {}
+        for name, (channels, scale) in MOST_OF.items():
+            known = [rates[channel] for channel in channels if channel in rates]
+            if known:
+                steps = np.diff(np.stack(known), axis=1)
+                found[name] = scale * float(steps.std(axis=1).max()) / np.sqrt(2.0)
+        return {name: value for name, value in found.items() if np.isfinite(value)}
+
+
+class RunLog:
+    """What a run goes through, with time and cause; `state` is the present one.
+
+    origin_s: station time (s) from which the recording counts.
+    """
+
+    def __init__(self, clock: StationClock, origin_s: float) -> None:
+        self.entries: list[LogEntry] = []
+        self.state: State = "begun"
+        self._clock = clock
+        self._origin_s = origin_s
+        self._noticed: Counter[tuple[str, str]] = Counter()
+        self._seen = 0
+
+    def enter(self, state: State, cause: Message) -> None:
+        """The run enters a state."""
+        self.state = state
+        self._note(cause)
+
+    def notice(self, anomalies: Sequence[Anomaly]) -> None:
+        """Count what came since; the first of each code and subject is an entry."""
+        new, self._seen = anomalies[self._seen :], len(anomalies)
+        for anomaly in new:
+            kind = (anomaly.code, anomaly.subject)
+            if anomaly.code != REPEATED and kind not in self._noticed:
+                self._note(message("station-log-alarm", alarm=_alarm(*kind)))
+            self._noticed[kind] += 1
+
+    @property
+    def alarms(self) -> tuple[Statement, ...]:
+        """What was noticed so far, and how often."""
+        return tuple(
+            statement(message("station-log-times", alarm=_alarm(code, subject), count=count))
+            for (code, subject), count in self._noticed.items()
+            if code != REPEATED
+        )
+
+    def _note(self, cause: Message) -> None:
+        t = round(self._clock.station_s - self._origin_s, 3)
+        at = datetime.now(UTC)
+        self.entries.append(LogEntry(at=at, t=t, state=self.state, **texts(cause)))
 
 
 class Sink(Protocol):
@@ -116,3 +212,7 @@ class UnitRecorder:
         if comparison := self.unit.compared():
             extra["unit_clock"] = comparison.model_dump()
         self._sink.manifest(self.manifest.build())
+
+
+def _alarm(code: str, subject: str) -> Message:
+    return message(f"station-alarm-{code.replace('_', '-')}", subject=subject)

@@ -5,11 +5,11 @@ The defaults are the tables' own recommendations; a laboratory's own limits go b
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import get_args
 
-from schemas.equipment import EquipmentLimit, LimitName, LimitShape
+from schemas.equipment import EquipmentLimit, ErrorBound, LimitName, LimitShape, MeasurementStandard
 from tasks.uncertainty.budget import InputQuantity
 from tasks.uncertainty.distributions import DIVISORS
 from tasks.uncertainty.examples import EXAMPLE
@@ -115,7 +115,6 @@ JJF2003 = Equipment(
     axes=_limit("α3", "axes", "rad", 10 * ARCSECOND, "rectangular", TABLE_1),
     fixture=_limit("α4", "fixture", "rad", 10 * ARCSECOND, "rectangular", FIXTURE_2003),
 )
-
 TABLE_1_AHRS = "JJF 1536-2015, Table 1"  # U_rel of the rate with k = 2
 FIXTURE_1536 = "JJF 1536-2015, 6.2.2 b)"
 JJF1536 = Equipment(
@@ -127,11 +126,9 @@ JJF1536 = Equipment(
     position=_limit("α1", "table-angle", "rad", 10 * ARCSECOND, "normal", TABLE_1_AHRS),
     fixture=_limit("α4", "fixture", "rad", 5 * ARCSECOND, "rectangular", FIXTURE_1536),
 )
-
 POLLED = "the recording: longest exchange with the table"
 RECOMMENDED = {TABLE_1, FIXTURE_2003, TABLE_1_AHRS, FIXTURE_1536}
 TAKEN_TO_BE_MET = RECOMMENDED | {EXAMPLE}  # of limits that nobody stated of the equipment used
-
 # A unit turned by hand, on a pillar, or on a table that nobody describes.
 UNKNOWN = Equipment()
 
@@ -164,3 +161,35 @@ def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -
         )
         changed |= {"rates": ((0.0, limit),)} if name == "rate" else {name: limit}
     return replace(equipment, **changed)  # type: ignore[arg-type]
+
+
+def standard_uncertainty(bound: ErrorBound) -> float:
+    """Half-width over the divisor of the distribution, in the bound's unit."""
+    return bound.half_width / DIVISORS[bound.distribution]
+
+
+def stated_limits(standards: Iterable[MeasurementStandard]) -> dict[LimitName, EquipmentLimit]:
+    """What the certificates of the standards state, of two on one property the larger."""
+    found: dict[LimitName, EquipmentLimit] = {}
+    for standard in standards:
+        for name, bound in standard.limits.items():
+            limit = EquipmentLimit(**bound.model_dump(), source=source_of(standard))
+            if name not in found or _is_larger(limit, found[name]):
+                found[name] = limit
+    return found
+
+
+def own_limits(
+    standards: Iterable[MeasurementStandard], own: Mapping[LimitName, EquipmentLimit]
+) -> dict[LimitName, EquipmentLimit]:
+    """The limits that the budgets take: what a laboratory states itself, else its standards."""
+    return stated_limits(standards) | dict(own)
+
+
+def source_of(standard: MeasurementStandard) -> str:
+    """How a budget names the certificate of a standard."""
+    return f"{standard.certificate} ({standard.serial})"
+
+
+def _is_larger(one: ErrorBound, other: ErrorBound) -> bool:
+    return standard_uncertainty(one) > standard_uncertainty(other)

@@ -5,8 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tasks.words.rounding import MINUS, USUAL_K, column
-from tasks.words.units import unit_text
 
+SPELLINGS = (
+    ("m/s2", "m/s²"), ("(rad/s)2", "(rad/s)²"), ("^2", "²"), ("^3", "³"), ("deg", "°"), ("*", "·"),
+    ("sqrt(h)", "√h"), ("sqrt(Hz)", "√Hz"),
+)  # fmt: skip
 PREFIXED = ("m", "s", "rad", "m/s2", "V", "T")  # units that take a prefix
 PREFIXES = {-3: "m", -6: "µ", -9: "n"}
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
@@ -123,3 +126,17 @@ def quantities(values: Sequence[float | None], U: float | None, unit: str) -> Qu
 def quantity(value: float, U: float | None, unit: str) -> str:
     """A value with its U (0 or None: without) and unit."""
     return quantities([value], U, unit).text(0)
+
+
+def unit_text(unit: str) -> str:
+    """A unit as it is printed."""
+    for ascii_, printed in SPELLINGS:
+        unit = unit.replace(ascii_, printed)
+    return unit
+
+
+def quantity_text(number: str, unit: str) -> str:
+    """A number with its unit as it is printed; a ratio has none."""
+    if unit == "deg":
+        return f"{number}°"
+    return number if unit == "1" else f"{number} {unit_text(unit)}"

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from schemas.unit_link import UnitLink
-from tasks.station.drivers.stamps import StampSequence
-from tasks.station.drivers.unit import find_frames
+from tasks.station.drivers.unit import StampSequence, find_frames
 from tests.tasks.station.sample_stations import rates_link, sample
 
 INPUTS = 1_000_000

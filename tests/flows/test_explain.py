@@ -61,7 +61,7 @@ def engine(monkeypatch) -> Callable[[int], dict[str, Any]]:
             return known_answer(recording, count)
 
         monkeypatch.setattr("tasks.explain.explain.explain", explain)
-        monkeypatch.setattr("tasks.stages.run_statistics.keep_statistics", lambda *_: None)
+        monkeypatch.setattr("tasks.stages.explain.keep_statistics", lambda *_: None)
         return asked
 
     return finding

@@ -5,8 +5,7 @@ from pathlib import Path
 
 from schemas.run_log import RunStatus
 from storage.home import Home
-from storage.run_status import statuses, write_status
-from storage.station_lock import one_run_on
+from storage.station_lock import one_run_on, statuses, write_status
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
 

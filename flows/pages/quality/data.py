@@ -3,12 +3,11 @@
 from collections import Counter
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from flows.pages.quality.element import of_element
+from flows.pages.quality.element import between, of_element
 from flows.pages.specification_order import place
 from schemas.base import Unusable
 from schemas.pages.quality import (
@@ -23,8 +22,7 @@ from storage.catalogue import line_history
 from storage.catalogue.certificates import AS_LEFT
 from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
-from tasks.quality.retests import RETEST_DAYS, first_runs
-from tasks.quality.yields import shares, yields
+from tasks.quality.yields import RETEST_DAYS, first_runs, shares, yields
 from tasks.specifications.items import item_title, symbol
 from tasks.words import statement
 
@@ -89,24 +87,13 @@ def runs_of(home: Home) -> Runs:
 
 def _within(runs: Runs, question: QualityQuestion) -> Runs:
     """The runs at the station and in the time that are asked for."""
-    which = np.ones(len(runs), bool)
-    if question.station is not None:
-        which &= (runs["station"] == question.station).to_numpy()
-    return runs[which & _in_time(runs, question)]
+    runs = runs[between(runs, question)]
+    return runs if question.station is None else runs[runs["station"] == question.station]
 
 
 def _of(runs: Runs, question: QualityQuestion, model: str | None) -> Runs:
     """The runs of the model in that time at all stations."""
-    return runs[_in_time(runs, question) & (runs["model"] == model).to_numpy()]
-
-
-def _in_time(runs: Runs, question: QualityQuestion) -> Any:
-    which = np.ones(len(runs), bool)
-    if question.since is not None:
-        which &= (runs["day"] >= pd.Timestamp(question.since)).to_numpy()
-    if question.until is not None:
-        which &= (runs["day"] <= pd.Timestamp(question.until)).to_numpy()
-    return which
+    return runs[between(runs, question) & (runs["model"] == model)]
 
 
 def _decided(runs: Runs) -> Runs:

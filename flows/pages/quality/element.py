@@ -12,16 +12,14 @@ from schemas.pages.quality import (
     ChartShown,
     Choices,
     Event,
-    IndexShown,
     Plot,
     QualityQuestion,
     StationShown,
 )
 from storage.catalogue import line_history
 from storage.home import Home
-from tasks.quality.capability import Index, capability
+from tasks.quality.capability import capability, consumed
 from tasks.quality.charts import individuals
-from tasks.quality.margin import consumed
 from tasks.quality.stations import against_each_other
 
 Runs = pd.DataFrame
@@ -40,7 +38,7 @@ def of_element(
     measured = runs[(runs["model"] == model) & runs["valid"]].join(table.astype(float), on="run")
     measured = measured[np.isfinite(measured["value"])]
     here = measured[measured["run"].isin(selected["run"])]
-    in_time = measured[_between(measured, question)]
+    in_time = measured[between(measured, question)]
     charted = here if question.plot == "value" else _changes(measured, here)
     return {
         "capability": _capability(here[here["first"]], named, home),
@@ -49,7 +47,8 @@ def of_element(
     }  # fmt: skip
 
 
-def _between(runs: Runs, question: QualityQuestion) -> "pd.Series[bool]":
+def between(runs: Runs, question: QualityQuestion) -> "pd.Series[bool]":
+    """Which runs are of the days that are asked for."""
     since, until = pd.Timestamp(question.since or "1900-01-01"), question.until or "2999-12-31"
     return runs["day"].between(since, pd.Timestamp(until))
 
@@ -71,15 +70,11 @@ def _capability(values: Runs, named: tuple[str, str, str], home: Home) -> Capabi
     return CapabilityShown(
         n=found.n, lower=lower, upper=upper,
         limits_vary=len(table[["lower", "upper"]].drop_duplicates()) > 1,
-        mean=found.mean, within=found.within, overall=found.overall, cp=_index(found.cp),
-        cpk=_index(found.cpk), pp=_index(found.pp), ppk=_index(found.ppk),
+        mean=found.mean, within=found.within, overall=found.overall, cp=found.cp,
+        cpk=found.cpk, pp=found.pp, ppk=found.ppk,
         margin_median=_share(share, 0.5), margin_95=_share(share, 0.95),
         over=int((share > 1.0).sum()),
     )  # fmt: skip
-
-
-def _index(found: Index) -> IndexShown:
-    return IndexShown(value=found.value, low=found.low, high=found.high)
 
 
 def _number(value: Any) -> float | None:

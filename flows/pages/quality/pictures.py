@@ -6,7 +6,7 @@ from flows.pages.page import View
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
 from schemas.pages.quality import ChartShown, Plot, QualityShown, StationShown
 from tasks.words import message
-from tasks.words.units import unit_text
+from tasks.words.quantities import unit_text
 
 CAUSES = {"adjusted": "#ae3ec9", "station": "#0ca678", "equipment": ORANGE}
 MANY = 300  # points, whose order no line between them shows any more

@@ -12,7 +12,7 @@ from schemas.calibration import Information
 from schemas.recording import AXES, Recording
 from tasks.calibrate.information.allan import MIN_LEVELS, AllanCurve, allan_curve, white_noise
 from tasks.calibrate.information.entry import entry, of_axes, student_k, unit_and_table
-from tasks.segments.pieces import extreme_steps
+from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,

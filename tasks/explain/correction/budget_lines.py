@@ -11,7 +11,7 @@ from schemas.calibration import Elements, Item
 from schemas.uncertainty import Budget, BudgetInput, Correlation
 from tasks.calibrate.evaluation import common_factor, expanded
 from tasks.explain.correction.sensitivity import UncertainInput
-from tasks.uncertainty.coverage import half_width
+from tasks.uncertainty.budget import half_width
 from tasks.uncertainty.propagation import coverage_factor, variance_terms
 from tasks.words import message, say
 

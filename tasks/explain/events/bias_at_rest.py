@@ -16,7 +16,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import GYROS
 from tasks.explain.events.event import Event, channel_names
 from tasks.explain.events.noise import noise_by_rate
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.model.terms.standard import regressors
 from tasks.motion.lag import first_order_lag
 from tasks.motion.samples import in_blocks

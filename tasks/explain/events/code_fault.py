@@ -17,7 +17,7 @@ from tasks.explain.events.event import CHANNELS, UNITS, Event
 from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.stuck_bit import put_back, stuck_bit
 from tasks.explain.events.torn_code import BYTE, torn_codes
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import message
 

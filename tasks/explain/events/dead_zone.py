@@ -19,7 +19,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import GYROS
 from tasks.explain.events.event import CHANNELS, UNITS, Event, channel_names
 from tasks.explain.events.quantisation import Quantiser
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion

@@ -18,7 +18,7 @@ from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.spikes import find_spikes
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
 

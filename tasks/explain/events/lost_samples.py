@@ -20,7 +20,7 @@ from tasks.explain.events.delays import (
 from tasks.explain.events.event import Event
 from tasks.explain.events.noise import noise_by_rate
 from tasks.explain.events.staircase import Staircase, fit_staircase
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.samples import gaps, interpolated, sample_interval
 from tasks.motion.whole import Motion
 from tasks.words import Message, message

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.explain.channels import EVERY
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 
 NEAR = 0.03  # of the largest reading: what may be disturbed by a limit, at first

@@ -15,7 +15,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import EVERY, TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, Event
 from tasks.explain.events.quantisation import Quantiser
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
 from tasks.words import message

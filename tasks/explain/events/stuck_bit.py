@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 
 BITS = tuple(range(2, 15))

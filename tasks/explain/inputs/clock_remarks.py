@@ -3,7 +3,7 @@
 from pydantic import ValidationError
 
 from schemas.recording import Recording
-from schemas.unit_clock import ClockComparison
+from schemas.unit_link import ClockComparison
 from tasks.model.terms.timing import TIME_OFFSET
 from tasks.words import Sayable, message
 

@@ -15,7 +15,7 @@ from tasks.explain.inputs.delay import advanced, coarse_delay
 from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.samples import bridged, interpolated
 
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings

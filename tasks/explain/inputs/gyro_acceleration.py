@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.motion.band import band_edge, derivatives
-from tasks.motion.motion_noise import derivative_gain
+from tasks.motion.pose import derivative_gain
 from tasks.motion.samples import noise_by_differences
 from tasks.motion.whole import Motion
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 
 KEPT, MEAN_OF_KEPT = 0.98, 0.8734  # of the squares; their mean for standard normal ones

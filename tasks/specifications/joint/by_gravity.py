@@ -16,10 +16,8 @@ from tasks.specifications.estimate import (
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS, MIMU_ITEMS, OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.joint.gravity_fit import UPPER, GravityFit, fit_gravity
-from tasks.specifications.joint.items import joint_items
 from tasks.specifications.joint.moves import MovesFit, fit_moves, gather_moves
-from tasks.specifications.joint.reasons import gravity_reasons
-from tasks.specifications.joint.remarks import gravity_remarks
+from tasks.specifications.joint.remarks import gravity_reasons, gravity_remarks, joint_items
 from tasks.specifications.joint.zero_correction import least_squares
 from tasks.uncertainty.budget import Contribution, observed
 from tasks.uncertainty.equipment import Equipment

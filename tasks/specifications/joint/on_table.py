@@ -11,9 +11,13 @@ from tasks.specifications.estimate import (
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MIMU_ITEMS
 from tasks.specifications.jjf2003.positions import position_remarks
-from tasks.specifications.joint.items import joint_items
-from tasks.specifications.joint.reasons import level_unknown, table_reasons
-from tasks.specifications.joint.remarks import earth_remarks, procedure_remarks
+from tasks.specifications.joint.remarks import (
+    earth_remarks,
+    joint_items,
+    level_unknown,
+    procedure_remarks,
+    table_reasons,
+)
 from tasks.specifications.joint.segment_motion import SegmentMotion, segment_motion
 from tasks.specifications.joint.solution import Joint, solve_jointly
 from tasks.uncertainty.equipment import Equipment

@@ -9,14 +9,13 @@ import pytest
 
 from flows.pages import due_data
 from flows.pages.due import PAGE
-from flows.pages.due_data import data
-from flows.pages.due_states import due_state
+from flows.pages.due_data import data, due_state
 from flows.pages.page import View
 from schemas.base import Unusable
 from schemas.pages.due import DueQuestion, DueShown
 from storage.catalogue import certificates, equipment, reminders
 from storage.home import Home
-from tasks.reminders.occasions import pause
+from tasks.reminders.send import pause
 from tasks.stages.remind import recalled
 from tests.proof.line.draw import Line
 

@@ -8,13 +8,12 @@ from threading import Thread
 
 import pytest
 
-from flows.pages import line, queue
+from flows.pages import line
 from flows.pages.page import View
 from schemas.pages.line import LineQuestion
 from schemas.run_log import RunStatus
 from storage.home import Home
-from storage.run_status import write_status
-from storage.station_lock import one_run_on
+from storage.station_lock import one_run_on, write_status
 from tests.drafts import draft
 
 NOW = datetime(2026, 11, 23, 6, tzinfo=UTC)
@@ -52,7 +51,7 @@ def test_the_day_counts_what_was_taken_in_on_it(tmp_path: Path) -> None:
 
 def test_without_a_server_there_is_no_queue(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("PREFECT_API_URL", raising=False)
-    assert not queue.queue().server
+    assert not line.queue().server
 
 
 def test_the_queue_is_what_the_server_answers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -72,8 +71,8 @@ def test_the_queue_is_what_the_server_answers(monkeypatch: pytest.MonkeyPatch) -
     with HTTPServer(("127.0.0.1", 0), Server) as server:
         Thread(target=server.handle_request, daemon=True).start()
         monkeypatch.setenv("PREFECT_API_URL", f"http://127.0.0.1:{server.server_port}/api")
-        queue._asked.cache_clear()
-        found = queue.queue()
+        line._asked.cache_clear()
+        found = line.queue()
     assert found.fault is None
     assert [(each.name, each.state) for each in found.waiting] == [("acquire on T1", "Late")]
     assert asked[0][0] == "/api/flow_runs/filter"
@@ -82,8 +81,8 @@ def test_the_queue_is_what_the_server_answers(monkeypatch: pytest.MonkeyPatch) -
 
 def test_a_server_that_does_not_answer_is_said_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:9/api")
-    queue._asked.cache_clear()
-    found = queue.queue()
+    line._asked.cache_clear()
+    found = line.queue()
     assert found.server
     assert found.fault
     assert "did not answer" in found.fault

@@ -15,8 +15,7 @@ from flows.pages.run_lineage import lineage
 from flows.pages.shell import page_at
 from flows.pages.signals import data as signals
 from schemas.base import Unusable
-from schemas.pages.run import RunQuestion, RunShown
-from schemas.pages.signals import SignalsQuestion
+from schemas.pages.run import RunQuestion, RunShown, SignalsQuestion
 from storage.catalogue import results, runs
 from storage.catalogue.run_index import find
 from storage.home import Home

@@ -14,7 +14,7 @@ from schemas.pages.unit import UnitQuestion, UnitShown
 from storage import dataframes
 from storage.catalogue import certificates, runs
 from storage.home import Home
-from tasks.stages.interval import interval_advice, sentence
+from tasks.stages.remind import interval_advice, sentence
 from tasks.words import say
 from tests.drafts import draft, recording_of
 from tests.proof.line.draw import Line

@@ -18,8 +18,7 @@ from storage import settings
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
-from tasks.curves import curves_of_run
-from tasks.curves.history import history
+from tasks.curves import curves_of_run, history
 from tasks.specifications.register import BY_STANDARD
 from tasks.stages.certify import due_date
 from tasks.validation import record

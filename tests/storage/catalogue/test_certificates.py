@@ -14,7 +14,6 @@ from storage.catalogue import (
     certificates,
     database,
     keep_certificate,
-    numbers,
     results,
     run_index,
     runs,
@@ -67,7 +66,7 @@ def test_a_scheme_without_the_year_goes_on_counting(
 ) -> None:
     with database.changing(fresh) as connection:
         given = [
-            numbers.next_number(connection, numbers.series_of(scheme, "L", year))
+            certificates.next_number(connection, certificates.series_of(scheme, "L", year))
             for year in (2026, 2026, 2027)
         ]
     assert given == expected

@@ -14,8 +14,8 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
+from storage.catalogue import certificates, database, run_index, tables
 from storage.catalogue import connection as connections
-from storage.catalogue import database, numbers, run_index, tables
 from storage.catalogue.connection import Busy
 from storage.home import Home
 from tests.keep import take_number
@@ -75,7 +75,7 @@ def test_reader_sees_the_old_state_while_a_writer_works(fresh: Home) -> None:
 def test_change_that_fails_leaves_nothing(fresh: Home) -> None:
     def change() -> None:
         with database.changing(fresh) as connection:
-            numbers.next_number(connection, "MIMU-2026-{serial:04d}")
+            certificates.next_number(connection, "MIMU-2026-{serial:04d}")
             raise RuntimeError
 
     with pytest.raises(RuntimeError):
@@ -178,10 +178,10 @@ def test_home_of_the_first_revision_is_migrated_with_what_it_holds(
         connection.exec_driver_sql("INSERT INTO numbers VALUES ('A', 2026, 7)")
     (row,) = database.rows(fresh, sql.select(tables.certificates))
     assert (row.calibrated_on, row.due) == (date(2026, 1, 2), date(2027, 1, 2))
-    assert list(numbers.missing(fresh)) == []  # what an earlier version gave may have gaps
+    assert list(certificates.missing(fresh)) == []  # what an earlier version gave may have gaps
     with database.changing(fresh) as connection:
-        assert numbers.next_number(connection, "A-2026-{serial:04d}") == "A-2026-0008"
-    assert list(numbers.missing(fresh)) == ["A-2026-0008"]
+        assert certificates.next_number(connection, "A-2026-{serial:04d}") == "A-2026-0008"
+    assert list(certificates.missing(fresh)) == ["A-2026-0008"]
 
 
 def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(

@@ -28,8 +28,7 @@ from storage.catalogue import (
     tables,
     trail,
 )
-from storage.catalogue.impact import impact_of
-from storage.catalogue.selection import select
+from storage.catalogue.selection import impact_of, select
 from storage.catalogue.unchanged import version
 from storage.formats.columns import write_columns
 from storage.home import Home
@@ -133,7 +132,7 @@ def test_a_reminder_asked_for_at_once_on_postgresql_is_sent_by_one(
     script = """
 from datetime import UTC, datetime
 from storage.catalogue import reminders
-from tasks.reminders.occasions import pause
+from tasks.reminders.send import pause
 print(reminders.claim(home, ("A-1", -30, "mail"), datetime(2027, 1, 1, tzinfo=UTC), pause))
 """
     claims = at_once(script, shared_catalogue, processes=4)

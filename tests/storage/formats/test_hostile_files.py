@@ -20,7 +20,7 @@ from storage.formats import recordings, stream_file
 from storage.formats.mcap.chunk_writer import MAGIC, RECORD
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import write_mcap
-from storage.plain_files import MAX_TEXT_BYTES
+from storage.whole_files import MAX_TEXT_BYTES
 from tests.storage.formats.mcap.small_recording import manifest, recording
 
 PAPER = Path("flows/demo_papers/tolerance.toml")

@@ -9,8 +9,7 @@ import pytest
 from schemas.calibration import Calibration
 from schemas.uncertainty import Budget
 from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.distributions import monte_carlo_budget
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.evaluation import evaluation_for, monte_carlo_budget
 from tasks.specifications.estimate import Estimate
 from tasks.specifications.items import ITEMS
 from tasks.specifications.jjf1536 import JJF1536

@@ -13,7 +13,7 @@ from schemas.curve import Curve
 from tasks.certificate.figures import drawn
 from tasks.certificate.panels import _power
 from tasks.certificate.pdf import render
-from tasks.curves.history import history
+from tasks.curves import history
 
 DAY = date(2026, 11, 19)
 

@@ -7,7 +7,7 @@ from sample_certificate import calibration, items, printed, tolerance
 from tasks.certificate.results import Group, sections
 from tasks.certificate.statements import basis
 from tasks.conformity import decide
-from tasks.specifications.joint.items import CLAUSES
+from tasks.specifications.joint.remarks import CLAUSES
 from tasks.specifications.register import SPECIFICATIONS
 
 

@@ -9,7 +9,7 @@ from schemas.base import Unusable
 from schemas.recording import ACCEL, AXES, GYRO, Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.coefficients.correct import Coefficients, coefficients, correct
-from tasks.coefficients.document import document
+from tasks.coefficients.tables import document
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 

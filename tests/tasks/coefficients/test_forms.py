@@ -15,11 +15,9 @@ from schemas.base import Unusable
 from schemas.correction import Coefficient, Correction
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
-from tasks.coefficients.c_header import as_c
 from tasks.coefficients.correct import coefficients, correct
-from tasks.coefficients.document import document
 from tasks.coefficients.kalibr import as_kalibr
-from tasks.coefficients.tables import as_csv, as_json, as_ros, as_yaml
+from tasks.coefficients.tables import as_c, as_csv, as_json, as_ros, as_yaml, document
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.coefficients import kalibr_reader, ros_reader
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from schemas.tolerance import ProductionPrior
-from tasks.conformity.risks import (
+from tasks.conformity.rules import (
     global_risks,
     probability_of_conformity,
     probability_of_nonconformity,

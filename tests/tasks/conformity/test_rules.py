@@ -8,8 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.tolerance import Limit, Tolerance
-from tasks.conformity.risks import probability_of_conformity, probability_of_nonconformity
-from tasks.conformity.rules import Criterion, criterion
+from tasks.conformity.rules import (
+    Criterion,
+    criterion,
+    probability_of_conformity,
+    probability_of_nonconformity,
+)
 
 VALUE = st.floats(-3, 3)
 U_OF = st.floats(0.001, 1.0)

@@ -6,7 +6,7 @@ import pytest
 from sample_results import bias_limit, calibration, item, tolerance
 
 from tasks.conformity import decide
-from tasks.conformity.risks import probability_of_conformity, probability_of_nonconformity
+from tasks.conformity.rules import probability_of_conformity, probability_of_nonconformity
 
 TWELVE_SIGMA = 1.7764821120776789e-33  # ½·erfc(12/√2)
 

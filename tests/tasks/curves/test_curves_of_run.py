@@ -10,8 +10,7 @@ from schemas.calibration import AdoptedTerm, Calibration
 from schemas.curve import MAX_POINTS, Curve
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
-from tasks.curves import curves_of_run
-from tasks.curves.points import thinned
+from tasks.curves import curves_of_run, thinned
 from tasks.specifications.jjf2003 import JJF2003
 
 RATE_BUMP, FORCE_BUMP, SIGMA = 1e-3, 2e-3, 1e-4  # rad/s, m/s², rad/s of each reading

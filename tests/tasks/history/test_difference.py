@@ -7,7 +7,7 @@ import pytest
 from schemas.calibration import Calibration, Item
 from schemas.text import Remark
 from schemas.tolerance import Tolerance
-from tasks.history.difference import difference
+from tasks.history import difference
 
 AHRS_LIMIT = {"item": "ahrs_zero_offset", "unit": "deg", "upper": 1.0}
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from schemas.history import Change, Reprocessing
-from tasks.history.report import write_report
+from tasks.history import write_report
 
 CHANGE = Change(
     run="r1", method="jjf2003", item="gyro_bias", element="x", unit="deg/s", before=0.25,

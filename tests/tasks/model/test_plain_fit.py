@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from model_unit import tumbling
 
-from tasks.model.plain_fit import MAX_FIT_ROWS, plain_prediction
+from tasks.model.fit import MAX_FIT_ROWS, plain_prediction
 from tasks.model.simulate import predict
 from tasks.model.term import nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS, regressors
@@ -51,7 +51,7 @@ def test_nothing_is_predicted_where_the_motion_is_not_known_or_nothing_was_read(
 
 def test_a_long_run_is_fitted_to_evenly_spread_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     assert MAX_FIT_ROWS > 1e5
-    monkeypatch.setattr("tasks.model.plain_fit.MAX_FIT_ROWS", 100)
+    monkeypatch.setattr("tasks.model.fit.MAX_FIT_ROWS", 100)
     spoilt = READINGS.copy()
     spoilt[1::4] += 5.0  # rows between those that are fitted
     np.testing.assert_allclose(plain_prediction(spoilt, RUN), READINGS, atol=1e-10)

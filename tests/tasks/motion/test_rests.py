@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from tasks.motion.rests import Rest, rests
+from tasks.motion.encoder_rate import Rest, rests
 
 T = np.arange(0.0, 30.0, 0.01)
 NOISE = 1e-3  # rad

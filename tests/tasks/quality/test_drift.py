@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.quality.drift import drift
+from tasks.quality.charts import drift
 
 YEARS = np.array([0.0, 0.5, 1.0, 1.6, 2.0, 3.0])
 ONES = np.ones(6)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.quality.margin import consumed
+from tasks.quality.capability import consumed
 from tasks.quality.stations import against_each_other
 
 STATIONS = 4

@@ -5,8 +5,7 @@ import pandas as pd
 import pytest
 from scipy.stats import binomtest
 
-from tasks.quality.retests import RETEST_DAYS, first_runs
-from tasks.quality.yields import wilson, yields
+from tasks.quality.yields import RETEST_DAYS, first_runs, wilson, yields
 
 # R. G. Newcombe, Statistics in Medicine 17 (1998) 857, table I, method 3
 NEWCOMBE = {

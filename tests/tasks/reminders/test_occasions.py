@@ -5,7 +5,7 @@ from datetime import UTC, date, datetime, time, timedelta
 import pytest
 
 from schemas.recall import RecallFile, SilentHours
-from tasks.reminders.occasions import is_silent, occasion, pause
+from tasks.reminders.send import is_silent, occasion, pause
 
 DUE, ISSUED = date(2027, 11, 20), date(2026, 11, 20)
 

@@ -6,10 +6,9 @@ import pytest
 from schemas.recording import Manifest
 from schemas.review import Review
 from tasks.motion.table import EARTH_RATE
-from tasks.review.report import review_of
-from tasks.review.run_identity import reviewed_runs
+from tasks.review.report import estimated, review_of
 from tasks.review.search import search
-from tasks.review.site import estimated
+from tasks.review.together import reviewed_runs
 from tests.tasks.review.fleet import NOTHING, fleet, of
 
 SIZE = 3.0

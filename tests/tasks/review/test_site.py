@@ -5,8 +5,8 @@ import pytest
 
 from schemas.review import EstimatedSite, RunStatistics
 from tasks.review.pool import ReviewedRun, pooled
+from tasks.review.report import K, sites_of
 from tasks.review.run_statistics import statistics_of
-from tasks.review.site import K, sites_of
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
 

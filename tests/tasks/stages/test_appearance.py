@@ -7,7 +7,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.certificate import Laboratory, Party
 from storage.home import Home
-from tasks.stages.appearance import LARGEST, with_appearance
+from tasks.stages.certificate_inputs import LARGEST, with_appearance
 
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
 

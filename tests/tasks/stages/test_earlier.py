@@ -9,8 +9,8 @@ from schemas.certificate import State
 from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
-from tasks.stages import earlier
-from tasks.stages.earlier import earlier_certificates
+from tasks.stages import certify
+from tasks.stages.certify import earlier_certificates
 from tests.drafts import calibration_of, certificate_of, recording_of
 from tests.keep import keep
 
@@ -42,7 +42,7 @@ def test_only_issued_ones_of_other_runs_from_before_the_day_count_in_the_order_o
     run = kept(home, "e", "M-0", date(2023, 11, 20))
     assert [each.number for each in earlier_certificates(run, DAY, home)] == ["M-1", "M-2"]
     assert earlier_certificates(run, None, home) == []
-    monkeypatch.setattr(earlier, "MOST", 1)
+    monkeypatch.setattr(certify, "MOST", 1)
     assert [each.number for each in earlier_certificates(run, DAY, home)] == ["M-2"]
 
 

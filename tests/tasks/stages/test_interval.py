@@ -11,8 +11,8 @@ from schemas.decision import Decision
 from storage.catalogue import results, runs
 from storage.home import Home
 from tasks.stages.draft import keep_draft
-from tasks.stages.interval import interval_advice, sentence
 from tasks.stages.issue import check, issue
+from tasks.stages.remind import interval_advice, sentence
 from tasks.words import say
 from tests.drafts import DECIDED, MORNING, calibration_of, certificate_of, recording_of
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from storage.home import Home
-from storage.run_status import statuses
-from tasks.stages.run_status import status_file
+from storage.station_lock import statuses
+from tasks.stages.acquire import status_file
 from tasks.station import procedures
 from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation, station_file

@@ -18,8 +18,8 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.coefficients.parameters import model_values
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
+from tasks.stages.correct import simulate_run, simulated_recording
 from tasks.stages.explain import simulated_readings
-from tasks.stages.simulate import simulate_run, simulated_recording
 
 CHANNELS = GYRO + ACCEL
 RNG = np.random.default_rng(3)

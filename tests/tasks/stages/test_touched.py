@@ -12,7 +12,7 @@ from storage.home import Home
 from tasks.review.report import review_of
 from tasks.review.search import search
 from tasks.review.windows import rows_of
-from tasks.stages import touched
+from tasks.stages import review
 from tests.drafts import draft
 from tests.tasks.review.fleet import fleet, of
 
@@ -35,7 +35,7 @@ def test_only_certificates_on_its_runs_are_looked_at(
     names[int(np.argmin(rows))] = entries[1].run
     renamed = tuple(replace(r, run=n) for r, n in zip(pool.runs, names, strict=True))
     one = replace(one, pool=replace(pool, runs=renamed))
-    monkeypatch.setattr(touched, "moved_elements", lambda recording, effect, values: [MOVED])
-    review = touched.with_certificates(review_of(pool, (one,), p_value), (one,), chosen, home)
-    (found,) = review.findings[0].touched
+    monkeypatch.setattr(review, "moved_elements", lambda recording, effect, values: [MOVED])
+    completed = review.with_certificates(review_of(pool, (one,), p_value), (one,), chosen, home)
+    (found,) = completed.findings[0].touched
     assert (found.certificate, found.in_U) == (entries[0].number, pytest.approx(2.5))

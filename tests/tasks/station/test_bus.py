@@ -9,7 +9,7 @@ import pytest
 
 from schemas.base import Unusable
 from tasks.station import readers
-from tasks.station.bus import Bus, BusTable, bus
+from tasks.station.bench import Bus, BusTable, bus
 from tasks.station.clock import StationClock, wall_s
 from tasks.station.ports import EncoderBlock
 from tasks.station.readers import EncoderReader

@@ -7,7 +7,7 @@ from schemas.limits import Limits
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from tasks.station import procedures
-from tasks.station.limits import check_limits
+from tasks.station.requirements import check_limits
 from tasks.station.virtual.config import VirtualStation, station_file
 from tests.tasks.station.sample_stations import sample
 

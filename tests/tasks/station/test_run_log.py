@@ -6,7 +6,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.recording import Stream
 from schemas.run_log import LogEntry
-from tasks.station.stream_figures import ROWS, LastRows
+from tasks.station.unit_recorder import ROWS, LastRows
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tests.tasks.station.in_memory import InMemoryStation

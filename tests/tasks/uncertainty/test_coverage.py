@@ -14,8 +14,7 @@ from schemas.uncertainty import Budget
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
-from tasks.uncertainty.budget import Contribution, InputQuantity, combine
-from tasks.uncertainty.coverage import PROBABILITY, half_width
+from tasks.uncertainty.budget import PROBABILITY, Contribution, InputQuantity, combine, half_width
 from tasks.uncertainty.monte_carlo import (
     monte_carlo,
     numerical_tolerance,

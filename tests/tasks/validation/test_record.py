@@ -23,8 +23,7 @@ from tasks.validation.fingerprint import (
     sources,
     text_digest,
 )
-from tasks.validation.page import validation_html
-from tasks.validation.record import doubts_of, named, shipped
+from tasks.validation.record import doubts_of, named, shipped, validation_html
 from tasks.version import code_version
 from tasks.words import say, texts
 

@@ -22,8 +22,6 @@ def test_answers_are_read_rightly_or_refused(feed):
 
 
 def test_a_parser_that_takes_damaged_frames_is_found_out(monkeypatch):
-    monkeypatch.setattr(
-        "tasks.station.drivers.binary_frames._is_good", lambda rows, _: rows[:, 0] > 0
-    )
+    monkeypatch.setattr("tasks.station.drivers.frames._is_good", lambda rows, _: rows[:, 0] > 0)
     little = run_all(400, 3)[0]
     assert little.wrong > 0

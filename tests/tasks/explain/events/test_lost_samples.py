@@ -5,7 +5,7 @@ import pytest
 
 from tasks.explain.events.delays import delays_by_grid, oscillates
 from tasks.explain.events.lost_samples import LostSamples, find_lost_samples
-from tasks.model.plain_fit import plain_prediction
+from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import say
 

@@ -9,7 +9,7 @@ from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
-from tasks.specifications.jjf1536.noise import fit_angle_noise, pooled_allan
+from tasks.specifications.jjf1536.angles import fit_angle_noise, pooled_allan
 
 AXES = "xyz"
 K, B = (1.001, 0.999, 1.0), (0.002, -0.001, 0.003)

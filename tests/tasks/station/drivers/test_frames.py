@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tasks.station.drivers.binary_frames import find_binary
-from tasks.station.drivers.checks import check_sums
+from tasks.station.drivers.frames import check_sums, find_binary
 from tasks.station.drivers.samples import to_stream
 from tests.tasks.station.sample_stations import angles_link, rates_link
 

@@ -14,7 +14,7 @@ from pymodbus.simulator import DataType, SimData, SimDevice
 from schemas.base import Unusable
 from schemas.described import WORDS, Connection
 from tasks.station.drivers.modbus import ModbusLink, Refused, decode, encode
-from tasks.station.setpoints import move_s, nearest_turn
+from tasks.station.plan import move_s, nearest_turn
 from tests.tasks.station.makers import modbus_maker
 
 READ_AND_WRITE = 23

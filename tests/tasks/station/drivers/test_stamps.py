@@ -2,7 +2,7 @@ import numpy as np
 
 from schemas.unit_link import UnitLink
 from tasks.station.drivers.samples import no_samples, sample_type
-from tasks.station.drivers.stamps import StampSequence
+from tasks.station.drivers.unit import StampSequence
 from tests.tasks.station.sample_stations import rates_link, sample
 
 LINK = rates_link()

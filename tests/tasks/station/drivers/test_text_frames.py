@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.unit_link import TextFrame
-from tasks.station.drivers.text_frames import find_text
+from tasks.station.drivers.frames import find_text
 from tests.tasks.station.sample_stations import sample
 
 VNIMU = TextFrame.model_validate(sample("text_table")["unit_link"]["frame"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Mount
-from tasks.station.drivers.binary_frames import find_binary
+from tasks.station.drivers.frames import find_binary
 from tasks.station.virtual.config import VirtualStation, station_file, virtual_station
 from tasks.station.virtual.protocol import MODES
 from tasks.station.virtual.simulation import Simulation

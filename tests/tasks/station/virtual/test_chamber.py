@@ -4,8 +4,8 @@ import pytest
 
 from schemas.limits import ChamberLimits
 from tasks.station.drivers.modbus import encode
-from tasks.station.virtual.chamber import VirtualChamber
 from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.fixture import VirtualChamber
 from tasks.station.virtual.protocol import CHAMBER_REGISTERS
 from tasks.station.virtual.registers import ChamberRegisters, RefusedWrite
 from tasks.station.virtual.simulation import Simulation

@@ -6,10 +6,10 @@ from scipy.spatial.transform import Rotation
 
 from schemas.recording import Mount
 from tasks.station.virtual import quaternions
-from tasks.station.virtual.body import Body
 from tasks.station.virtual.config import VirtualStation, truth
 from tasks.station.virtual.protocol import MODES
 from tasks.station.virtual.sensors import SensorNoise, UnitUnderTest
+from tasks.station.virtual.simulation import Body
 from tasks.station.virtual.table import VirtualTable
 from tasks.station.virtual.unit import UnitTruth, draw_unit
 

@@ -1,1 +1,0 @@
-"""Earlier recordings re-processed with today's code: differences between results, and a report."""
