@@ -12,8 +12,8 @@ from tasks.explain.confounding.play import with_play
 from tasks.explain.events.faults import Fault, find_faults
 from tasks.explain.evidence.absorption import with_absorbed
 from tasks.explain.evidence.assemble import explanation_of
+from tasks.explain.evidence.event_findings import put_right, with_faults
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.fault_findings import put_right, with_faults
 from tasks.explain.evidence.pruning import pruned
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.angle_rates import as_mean_rates
@@ -31,7 +31,7 @@ from tasks.explain.search.candidates import (
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.fitted import FittedSelection, all_fitted, searched, with_delay
-from tasks.explain.search.time_budget import SEARCH_BUDGET, TimeBudget
+from tasks.explain.search.stepwise import SEARCH_BUDGET, TimeBudget
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
 from tasks.model.terms.reference_frame import REFERENCE_FRAME

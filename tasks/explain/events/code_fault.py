@@ -13,10 +13,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from schemas.discrepancy import FoundParameter
+from tasks.explain.events.broken_codes import BYTE, put_back, stuck_bit, torn_codes
 from tasks.explain.events.event import CHANNELS, UNITS, Event
 from tasks.explain.events.quantisation import quantiser_of
-from tasks.explain.events.stuck_bit import put_back, stuck_bit
-from tasks.explain.events.torn_code import BYTE, torn_codes
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import message

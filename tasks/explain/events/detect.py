@@ -1,9 +1,15 @@
-"""Detects events: those that would disturb the regression before it, weaker ones after it."""
+"""Detects events: those that would disturb the regression before it, weaker ones after it.
+
+Spikes: single outlying readings without a name in the catalogue.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import binary_dilation, maximum_filter1d
+from scipy.stats import norm
 
+from schemas.discrepancy import FoundParameter
 from tasks.explain.events.bias_at_rest import BiasAtRest, find_bias_at_rest
 from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.dead_zone import find_dead_zone
@@ -17,10 +23,15 @@ from tasks.explain.events.quantisation import Quantiser, find_quantisation, quan
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import find_saturation
-from tasks.explain.events.spikes import find_spikes
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
+
+MIN_SPIKES = 3
+THRESHOLD = 7.0  # times the noise, by which a reading stands out from both its neighbours
+CORNER = 10  # rows
+STEADY = 0.02  # rad/s: how far the rate may move where it counts as steady
+MIN_REST = 0.05  # share of the rows at rest, so that spikes may be missing there
 
 
 def events_in_readings(
@@ -131,3 +142,50 @@ def events_in_residual(
     bursts = find_bursts(left.without(*lines).without_channels(nonlinear), start)
     transients = tuple(event for event in (impacts, bursts) if event is not None)
     return Events((*lines, *transients, *events.events), events.masked, events.remarks)
+
+
+def find_spikes(
+    readings: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion
+) -> tuple[Event | None, np.ndarray]:
+    """Single readings far from both their neighbours, and which (n, 6) bool to mask for them.
+
+    In the readings and in what a plain fit leaves of them (n, 6): the one has the motion's corners,
+    the other those of the reference's noise.
+    """
+    apart = np.minimum(_apart(readings, noise), _apart(residual, noise))
+    far = (apart > THRESHOLD) & _steady(motion.rate)[:, None]
+    masked = np.asarray(binary_dilation(far, np.ones((3, 1))))
+    # A neighbour of a spike stands out as well, by less.
+    size = np.where(far, apart, 0.0)
+    peak = far & (size == maximum_filter1d(size, 3, axis=0, mode="constant"))
+    rows = peak.any(axis=1)
+    count = int(rows.sum())
+    if count < MIN_SPIKES:
+        return None, masked
+    channels = tuple(np.flatnonzero(peak.any(axis=0)).tolist())
+    at_rest = np.linalg.norm(motion.rate, axis=1) < STEADY
+    turning = bool(at_rest.mean() > MIN_REST and not (rows & at_rest).any())
+    description = message(
+        "events-spikes-in-rotation" if turning else "events-spikes",
+        count=count, threshold=f"{THRESHOLD:.0f}", channels=channel_names(channels),
+    )  # fmt: skip
+    parameters = (FoundParameter(name="spikes", value=float(count), unit="1", u=0.0),)
+    expected = far.size * 2 * norm.sf(THRESHOLD)
+    p_value = float(min(1.0, expected**MIN_SPIKES))
+    return Event("unnamed", channels, parameters, p_value, description), masked
+
+
+def _apart(values: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """(n, 6) times the noise by which values are off the middle of their neighbours."""
+    white = np.divide(values, noise, out=np.full(values.shape, np.nan), where=noise > 0)
+    apart = np.zeros(values.shape)
+    apart[1:-1] = np.abs(white[1:-1] - 0.5 * (white[:-2] + white[2:])) / np.sqrt(1.5)
+    return apart
+
+
+def _steady(rate: np.ndarray) -> np.ndarray:
+    """Rows (n,) bool about which the rate does not change: a corner of a ramp is no spike."""
+    moving = np.ones(len(rate), bool)
+    change = np.abs(rate[2 * CORNER :] - rate[: -2 * CORNER]).max(axis=1, initial=0.0)
+    moving[CORNER:-CORNER] = ~(change < STEADY)
+    return ~maximum_filter1d(moving, 2 * CORNER + 1, mode="constant")

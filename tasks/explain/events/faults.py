@@ -6,10 +6,16 @@ Wrong settings and wrong codes: both are undone before anything else is looked f
 import numpy as np
 
 from tasks.explain.channels import TRIADS
-from tasks.explain.events.axis_mapping import AxisMapping, axis_mapping, fitting
 from tasks.explain.events.code_fault import CodeFault, find_code_fault
-from tasks.explain.events.range_setting import RangeSetting, find_range_setting
-from tasks.explain.events.triad_matrix import TriadMatrix, triad_matrix
+from tasks.explain.events.settings import (
+    AxisMapping,
+    RangeSetting,
+    TriadMatrix,
+    axis_mapping,
+    find_range_setting,
+    fitting,
+    triad_matrix,
+)
 from tasks.motion.whole import Motion
 
 Setting = RangeSetting | AxisMapping

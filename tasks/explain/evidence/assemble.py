@@ -12,11 +12,9 @@ from tasks.explain.evidence.determination import determined_model
 from tasks.explain.evidence.event_findings import event_findings
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
-from tasks.explain.evidence.increments import without_switching
-from tasks.explain.evidence.left_over import LeftOver
+from tasks.explain.evidence.left_over import LeftOver, remainder
 from tasks.explain.evidence.reference_deviation import reference_deviation
-from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
-from tasks.explain.evidence.remainder import remainder
+from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
     small_remainder,
@@ -24,8 +22,8 @@ from tasks.explain.evidence.shares import (
     without_form_errors,
     without_shadows,
     without_slivers,
+    without_switching,
 )
-from tasks.explain.evidence.smoothing_error import with_smoothing_error
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.reference import ReferencePrediction

@@ -12,16 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.explain.evidence.cells import scatter_cells
-from tasks.explain.evidence.dead_band import unseen_turning
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
-from tasks.explain.evidence.loops import loops_both_ways
-from tasks.explain.evidence.one_end import jump_at_one_end
-from tasks.explain.evidence.partitions import partitions
-from tasks.explain.evidence.placements import made_by_placing
+from tasks.explain.evidence.homogeneity import PartwiseEstimate, partitions, partwise
+from tasks.explain.evidence.lookalikes import (
+    jump_at_one_end,
+    loops_both_ways,
+    made_by_placing,
+    swings,
+    unseen_turning,
+)
 from tasks.explain.evidence.shares import WEAK
 from tasks.explain.evidence.si_units import unit_of
-from tasks.explain.evidence.swinging import swings
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.model.regression import inverse
 from tasks.model.term import Parameter

@@ -7,13 +7,11 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import Recording, Segment
 from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.clock_remarks import clock_remarks
 from tasks.explain.inputs.gyro_acceleration import with_gyro_acceleration
 from tasks.explain.inputs.labels import with_usable_labels
 from tasks.explain.inputs.recorded_signals import recorded_signals
-from tasks.explain.inputs.reference_remarks import reference_remarks
-from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps
-from tasks.explain.inputs.vibration import vibration
+from tasks.explain.inputs.remarks import clock_remarks, reference_remarks
+from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps, vibration
 from tasks.motion.reference_noise import EXACT, ReferenceNoise, reference_noise
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import find_segments

@@ -8,11 +8,16 @@ import numpy as np
 from schemas.recording import Recording
 from tasks.explain.locate.partitions import Partition, partitions_of
 from tasks.explain.locate.rotation import Rotation, rotations_of
+from tasks.model.regression import inverse
+from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import segments_of
+from tasks.words.rounding import MINUS
 
 BLOCK = 0.04  # s: the finest resolution
 MIN_INTERVALS = 30  # that the shortest run is taken for
+ROUNDING = 1e-6  # standard deviations of the noise
+MIN_VISIBLE = 1e-3  # of a cell's rows: a step of which the model leaves less cannot be seen
 
 
 @dataclass(frozen=True)
@@ -72,3 +77,89 @@ class BlockedRun:
     def moments(self, values: np.ndarray, known: np.ndarray) -> Moments:
         """The blocks' moments of values (n,) over the known rows (n,); they are zero elsewhere."""
         return Moments(*map(self.block_sums, (known.astype(float), values, values**2)))
+
+
+@dataclass(frozen=True)
+class StandardDesign:
+    """The design matrix of the standard's model in one channel, of k regressors.
+
+    values: (n, k), zero where the motion is not known. known: (n,) bool.
+    inverse: (k, k) of the normal matrix. sums: (m, k) of the values over the blocks of the run.
+    """
+
+    values: np.ndarray
+    known: np.ndarray
+    inverse: np.ndarray
+    sums: np.ndarray
+
+    @classmethod
+    def of(cls, run: BlockedRun, channel: int) -> Self:
+        """The design matrix of channel 0 to 5."""
+        values = regressors(run.motion, channel)
+        known = np.isfinite(values).all(axis=1)
+        values[~known] = 0.0
+        return cls(values, known, inverse(values.T @ values), run.block_sums(values))
+
+    def residual(self, signal: np.ndarray) -> np.ndarray:
+        """(n,) of a signal what is not absorbed; zero where it or the motion is not known."""
+        known = self.known & np.isfinite(signal)
+        filled = np.where(known, signal, 0.0)
+        absorbed = self.values @ (self.inverse @ (self.values.T @ filled))
+        return np.where(known, filled - absorbed, 0.0)
+
+    def fit_steps(
+        self, rows: np.ndarray, sums: np.ndarray, excess: np.ndarray
+    ) -> tuple[np.ndarray, float]:
+        """A step for each cell (c,), fitted to an excess together with the regressors.
+
+        rows: (c,) in each cell. sums: (c, k) of the regressors over it. excess: (c,) its sum.
+        Returns the steps and the square sum that they absorb.
+        """
+        size = np.sqrt(np.maximum(rows, 1.0))
+        normal = np.diag(rows) - sums @ self.inverse @ sums.T
+        scaled = np.linalg.pinv(normal / np.outer(size, size), rcond=MIN_VISIBLE, hermitian=True)
+        steps = scaled @ (excess / size) / size
+        return steps, float(steps @ excess)
+
+
+@dataclass(frozen=True)
+class ChannelExcess:
+    """One channel's excess, and the standard's model beside it.
+
+    values: (n,) in standard deviations of the noise. moments: of the m blocks. factor, unit: to
+    print a value.
+    """
+
+    values: np.ndarray
+    moments: Moments
+    design: StandardDesign
+    factor: float
+    unit: str
+
+    @classmethod
+    def of(
+        cls, run: BlockedRun, values: np.ndarray, design: StandardDesign, channel: int, noise: float
+    ) -> Self:
+        """noise: one standard deviation, rad/s or m/s²."""
+        factor, unit = (float(np.degrees(noise)), "°/s") if channel < 3 else (noise, "m/s²")
+        return cls(values, run.moments(values, design.known), design, factor, unit)
+
+    @property
+    def power(self) -> float:
+        """The square sum."""
+        return float(self.moments.second.sum())
+
+    def formatted(self, value: float) -> str:
+        """A value with its sign and unit; arithmetic that is no value is zero."""
+        value = 0.0 if abs(value) < ROUNDING else value
+        return f"{value * self.factor:+.2g} {self.unit}".replace("-", MINUS)
+
+
+def noise_scales(noise: np.ndarray) -> np.ndarray:
+    """The noise (6,); for a constant reading, which has none, that of its triad."""
+    usable = np.isfinite(noise) & (noise > 0)
+    filled = np.where(usable, noise, 1.0)
+    for triad in (slice(0, 3), slice(3, 6)):
+        if usable[triad].any():
+            filled[triad][~usable[triad]] = np.median(noise[triad][usable[triad]])
+    return filled

@@ -16,13 +16,14 @@ from tasks.explain.search.refit import (
     with_later_clock,
 )
 from tasks.explain.search.stepwise import (
+    UNLIMITED,
     Selected,
     Selection,
+    TimeBudget,
     initial_noises,
     noises_beside,
     search,
 )
-from tasks.explain.search.time_budget import UNLIMITED, TimeBudget
 from tasks.explain.whitening import Noise
 from tasks.model.model import Model
 from tasks.model.terms.timing import TIME_OFFSET

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from made_up import counted, mean_readings, motion, noisy
 
-from tasks.explain.events.axis_mapping import AxisMapping
 from tasks.explain.events.faults import Setting, find_settings
-from tasks.explain.events.range_setting import RangeSetting
+from tasks.explain.events.settings import AxisMapping, RangeSetting
 from tasks.words import texts
 
 SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

@@ -5,7 +5,7 @@ import pytest
 
 from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.delay import MIN_DELAY, advanced, coarse_delay
+from tasks.explain.inputs.event_removal import MIN_DELAY, advanced, coarse_delay
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.motion.whole import Motion
 

@@ -8,6 +8,8 @@ import pytest
 from schemas.discrepancy import FoundParameter
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.shares import (
+    CHANCE,
+    chance_of_largest,
     without_form_errors,
     without_shadows,
     without_slivers,
@@ -137,3 +139,23 @@ def test_what_was_put_right_first_leaves_form_errors_too() -> None:
     weak = replace(NAMED, gain=60.0, delta_bic=50.0)
     (form_error,) = without_form_errors([weak], [replace(NAMED, effect="code_fault", gain=2e4)])
     assert form_error.effect == UNNAMED
+
+
+def test_walks_are_said_to_switch_as_seldom_as_stated() -> None:
+    rng = np.random.default_rng(17)
+    walks = np.cumsum(rng.standard_normal((2000, 400)), axis=1)
+    switching = sum(chance_of_largest(walk) < CHANCE for walk in walks)
+    assert switching <= CHANCE * len(walks) + 3.0 * np.sqrt(CHANCE * len(walks))
+
+
+def test_a_signal_that_switches_there_and_back_is_no_walk() -> None:
+    t = np.linspace(0.0, 100.0, 5000)
+    switched = np.where((t > 36.8) & (t < 61.3), 1.0, 0.0)
+    assert chance_of_largest(switched) < 1e-6
+    wander = 0.05 * np.cumsum(np.random.default_rng(3).standard_normal(5000)) / np.sqrt(250.0)
+    assert chance_of_largest(switched + wander) < CHANCE
+
+
+def test_what_does_not_change_or_is_hardly_known_is_not_judged() -> None:
+    assert chance_of_largest(np.zeros(100)) == 1.0
+    assert chance_of_largest(np.full(100, np.nan)) == 1.0

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.reference_noise_fit import (
+from tasks.explain.evidence.reference_errors import (
     dither,
     made_by_chance,
     simulated_reading,

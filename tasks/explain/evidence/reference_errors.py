@@ -1,4 +1,6 @@
-"""Whether findings describe the unit, or only the errors of its reference.
+"""Which findings and values the errors of the reference make by themselves.
+
+Whether findings describe the unit, or only the errors of its reference.
 
 What smooths or shrinks the predicted motion, as a low-pass beside a lead or a dead band does, fits
 better for that alone: the motion carries the encoder's noise and the unit does not (attenuation by
@@ -6,7 +8,14 @@ errors in the regressor; Fuller, Measurement Error Models, 1987). And what follo
 fits what smoothing the encoder leaves there. How much either earns, a simulated reading tells: the
 motion that was found, read by the same encoders or cameras and smoothed again, beside itself
 (parametric bootstrap; Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 6).
-"""
+
+
+What smoothing removes from the motion of a tracked body, and its influence on a fit.
+
+The filter that keeps the noise of poses out of their derivatives takes a little of the motion too,
+most of it near the end of the band. What it takes follows the motion, so that no scatter shows it:
+parameters that follow the same motion make up for it. How much it takes, the smoothed poses tell
+when they are smoothed again."""
 
 from dataclasses import replace
 from functools import cache
@@ -17,11 +26,13 @@ from scipy.spatial.transform import Rotation
 
 from schemas.recording import Recording, Stream
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.other_readings import equations_on
+from tasks.explain.evidence.groups import fitted_columns
+from tasks.explain.inputs.blocks import block_means
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.whitening import equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
-from tasks.motion.pose import Tracking
+from tasks.motion.pose import Tracking, motion_smoothed_twice
 from tasks.motion.pose_frames import PLACE, POSE
 from tasks.motion.reference_noise import EncoderNoise
 from tasks.motion.table import TableAxes
@@ -181,3 +192,38 @@ def dither(angle: np.ndarray, rest: np.ndarray, step: float) -> float:
     shifted = np.exp(-((2.0 * np.pi * np.outer(ratios, k)) ** 2)) / (np.pi * k) ** 2 / 2.0
     scatter = ratios**2 + 1.0 / 12.0 - shifted.sum(axis=1)
     return float(step * np.interp(np.mean(rough**2) / 924.0 / step**2, scatter, ratios))
+
+
+def with_smoothing_error(
+    evidence: Evidence, recording: Recording, full: FullRate, masked: np.ndarray
+) -> Evidence:
+    """The evidence, with u that covers what smoothing the poses moves its parameters by.
+
+    masked: (n, 6) bool, readings that are not used.
+    """
+    pose = recording.reference
+    if full.motion.tracking is None or pose is None or not evidence.groups:
+        return evidence
+    again = motion_smoothed_twice(recording, pose, full.motion.t + full.start)
+    twice = replace(
+        full.motion, up=again.up, north=again.north, rate=again.rate,
+        translation=again.translation,
+    )  # fmt: skip
+    model = evidence.fit.model
+    lost = model.prediction(full.motion) - model.prediction(twice)
+    normal, right = equations_on(replace(full, readings=lost), masked, evidence)
+    moved = inverse(normal + np.diag(evidence.prior)) @ right
+    return replace(evidence, smoothing_error=np.abs(moved))
+
+
+def equations_on(
+    full: FullRate, masked: np.ndarray, evidence: Evidence
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal matrix (q, q) and right side (q,) of the columns on other readings and motion.
+
+    masked: (n, 6) bool, readings that are not used. Blocks are as long as those of the fit.
+    """
+    fit = evidence.fit
+    blocks = block_means(full, fit.blocks.rate, masked, fewest=1)
+    columns, _ = fitted_columns(fit.model, evidence.groups, blocks.motion)
+    return equations_of(columns, blocks.readings, blocks, fit.noises).normal()[:2]

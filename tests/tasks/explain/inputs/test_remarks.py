@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import FORMAT, Manifest, Recording, Station, Stream, Unit
-from tasks.explain.inputs.clock_remarks import clock_remarks
+from tasks.explain.inputs.remarks import clock_remarks
 from tasks.words import say
 
 CLOCK = {

@@ -1,7 +1,11 @@
-"""Clipping as deep as the noise, which no plateau shows, beside a scale factor that bends.
+"""Clipping that a run cannot tell from a scale factor that bends.
 
-It bends at one end of the range alone, and cuts off the noise there; where a unit rests in a few
-positions any bend may lie at one end, and the noise alone tells.
+A reading that is clipped short of the only rate is too small there, and right everywhere below; so
+is that of a scale factor with a curvature. Rates between rest and the only one are in ramps alone.
+
+Clipping as deep as the noise shows in no plateau. It bends a scale factor at one end of the range
+alone, and cuts off the noise there; where a unit rests in a few positions any bend may lie at one
+end, and the noise alone tells.
 """
 
 from collections.abc import Iterator
@@ -11,6 +15,12 @@ import numpy as np
 from tasks.model.term import Inputs
 from tasks.motion.whole import Motion
 
+BENDING = ("gyro_scale_nonlinearity", "gyro_scale_asymmetry")
+GYRO_CLIPPING = "gyro_saturation"
+SLOW_RATE = 0.3  # of the largest rate about an axis: slower ones show neither
+HELD = 0.05  # of the largest rate in a second: what changes less is held
+ALIKE = 0.05  # relative: rates that differ by less are of one size
+NEARLY_ALL = 0.9
 CLIPPING = {
     "accel_nonlinearity": "accel_saturation",
     "gyro_scale_nonlinearity": "gyro_saturation",
@@ -20,6 +30,29 @@ MOSTLY = 0.7  # of the bend's power at one end: a parabola over an even input ha
 RESTING = 0.05  # rad/s: what turns faster may vibrate
 FEWEST = 200  # readings at rest by whose scatter noise is compared
 CUT = 0.9  # of the noise elsewhere: a hundredth is what chance makes
+
+
+def possibly_clipped(effect: str, channels: tuple[int, ...], motion: Motion) -> tuple[str, ...]:
+    """The name of clipping, if an effect bends the scale factor of channels (0 to 5) that turned at
+    one size of rate only; nothing otherwise.
+    """
+    gyros = [channel for channel in channels if channel < 3]
+    if effect not in BENDING or not gyros:
+        return ()
+    return (GYRO_CLIPPING,) if all(_one_size(motion, axis) for axis in gyros) else ()
+
+
+def _one_size(motion: Motion, axis: int) -> bool:
+    """Whether an axis was held at one size of rate, to either side, or at slow ones."""
+    rate = np.abs(np.nan_to_num(motion.rate[:, axis]))
+    turning = rate > SLOW_RATE * rate.max(initial=0.0)
+    if not turning.any():
+        return False
+    size = float(np.median(rate[turning]))
+    held = turning & (np.abs(np.nan_to_num(motion.acceleration[:, axis])) < HELD * size)
+    if 2 * held.sum() < turning.sum():
+        return False  # never held, as by hand
+    return bool(np.mean(np.abs(rate[held] - size) < ALIKE * size) > NEARLY_ALL)
 
 
 def possibly_clipped_in_noise(

@@ -1,9 +1,12 @@
-"""Remarks on a reference that is not a table: how it was smoothed, and what it lacks."""
+"""Remarks on the reference, how it was smoothed, and on the unit's clock, for judging a delay."""
 
 import numpy as np
+from pydantic import ValidationError
 
 from schemas.recording import ACCEL, GYRO, Recording
+from schemas.unit_clock import ClockComparison
 from tasks.model.parameters import DEG
+from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.pose_frames import BRIDGED
 from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
@@ -11,6 +14,7 @@ from tasks.words import Sayable, message
 WORTH_SAYING = 0.005  # of the recording
 DISTINCT = 0.1  # least ratio of the gains of a triad's axes: else it has no attitude
 TURNED = 5.0  # deg: a delay of the poses alone looks like one or two
+COVERAGE = 2.0
 
 
 def reference_remarks(recording: Recording, motion: Motion) -> tuple[Sayable, ...]:
@@ -53,3 +57,25 @@ def _turn(recording: Recording, motion: Motion) -> float | None:
         return None
     rotation = left @ right
     return float(DEG * np.arccos(np.clip(0.5 * (np.trace(rotation) - 1.0), -1.0, 1.0)))
+
+
+def clock_remarks(recording: Recording) -> tuple[Sayable, ...]:
+    """The part of a delay due to the clocks, τ = −offset of the recorded stamps, with its U.
+
+    It is reported, but not used as a prior of the delay, since the unit's own filter is not part of
+    it. None if the recording has no comparison with its half-width; if U exceeds a plausible delay,
+    as on a virtual station that runs fast; and for a unit that was switched on again, whose clock
+    was reset.
+    """
+    kept = recording.manifest.model_extra or {}
+    try:
+        clock = ClockComparison.model_validate(kept.get("unit_clock"))
+        moved_s = float(kept.get("unit_clock_shift_s", 0.0))
+    except (ValidationError, TypeError, ValueError):
+        return ()
+    expanded_s = COVERAGE * clock.u_offset_s
+    _, largest_s = TIME_OFFSET.parameters[0].plausible
+    if "unit_power_on_s" in kept or expanded_s > largest_s:
+        return ()
+    delay, U = (f"{1e3 * seconds:.1f}" for seconds in (moved_s - clock.offset_s, expanded_s))
+    return (message("reference-unit-clock", delay=delay, U=U),)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.explain.evidence.dispersion import CellInfluence, cell_influence
+from tasks.explain.evidence.scatter import CellInfluence, cell_influence
 
 CELLS, ROWS = 40, 60
 SLOPE = 2.0

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from engine_run import motion, read, segments
 
-from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.remainder import band_of, remainder
+from tasks.explain.evidence.left_over import LeftOver, band_of, remainder
 from tasks.explain.inputs.full_rate import FullRate
 
 RUN = motion()
