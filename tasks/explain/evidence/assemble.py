@@ -5,11 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from schemas.discrepancy import Verdict
-from schemas.recording import Recording
 from tasks.explain.events.detect import events_in_residual
-from tasks.explain.events.event import Events
 from tasks.explain.evidence.determination import determined_model
-from tasks.explain.evidence.event_findings import event_findings
+from tasks.explain.evidence.event_findings import event_findings, with_faults
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
 from tasks.explain.evidence.left_over import LeftOver, remainder
@@ -25,8 +23,7 @@ from tasks.explain.evidence.shares import (
     without_switching,
 )
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
-from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.inputs.reference import ReferencePrediction
+from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.search.refit import fitted, model_of
 from tasks.explain.search.stepwise import FALSE_ALARMS
 
@@ -34,24 +31,17 @@ MOSTLY = 0.5  # explained share up to which what is left is told as a finding of
 COMPLETE = 0.9  # share of the mismatch above noise from which on it counts as explained
 
 
-def explanation_of(
-    recording: Recording,
-    full: FullRate,
-    events: Events,
-    evidence: Evidence,
-    reference: ReferencePrediction | None = None,
-    ordered: bool = False,
-) -> Explanation:
-    """The explanation given by a fitted selection and the events.
+def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False) -> Explanation:
+    """The explanation given by a fitted selection, the events and the faults of the logger.
 
-    reference: the prediction by which the readings were reduced to those of an ideal unit. ordered:
-    exactly these terms were requested, and each is reported whatever the evidence.
+    ordered: exactly these terms were requested, and each is reported whatever the evidence.
     """
-    evidence = with_smoothing_error(evidence, recording, full, events.masked)
+    evidence = with_smoothing_error(evidence, prepared)
+    full, events, reference = prepared.full, prepared.events, prepared.reference
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)
-    to_noise = fitted_to_reference_noise(recording, full, standard, evidence, events.masked)
+    to_noise = fitted_to_reference_noise(prepared, standard, evidence)
     scrutinies = scrutinised(evidence)
     determined = determined_model(evidence, scrutinies, full)
     terms = findings_of(evidence, scrutinies, full, determined, to_noise, ordered)
@@ -80,8 +70,8 @@ def explanation_of(
     if mostly and (rest := remainder(full, artefacts.found, left)):
         reported.append(rest)
     p_value = min([fit.selection.p_value, *(event.p_value for event in artefacts.events.events)])
-    return Explanation(
-        recording=recording,
+    explanation = Explanation(
+        recording=prepared.recording,
         nominal=nominal,
         found=artefacts.found,
         noise=noise,
@@ -96,6 +86,7 @@ def explanation_of(
         small=tuple(small),
         determined=determined,
     )
+    return with_faults(explanation, prepared)
 
 
 def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Verdict:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.discrepancy import Verdict
-from schemas.recording import Recording
 from tasks.explain.channels import CHANNELS, EVERY
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.event import Event, Events
@@ -22,6 +21,7 @@ from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.shares import WEAK, without_form_errors
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.inputs.prepared import Prepared
 from tasks.model.effect import EVENTS
 
 LEAST_P = 1e-300
@@ -150,27 +150,13 @@ def _left_in(event: Event, left: LeftOver) -> float:
     return max(1.0, float(known.mean())) if len(known) else 1.0
 
 
-def put_right(recording: Recording, faults: Sequence[Fault]) -> Recording:
-    """The recording as it would have been without the faults."""
-    if not faults:
-        return recording
-    readings = recording.imu.stack(CHANNELS)
-    for fault in reversed(faults):
-        readings = fault.undone(readings)
-    right = {c: readings[:, k] for k, c in enumerate(CHANNELS) if c in recording.imu.columns}
-    return replace(
-        recording, imu=replace(recording.imu, columns={**recording.imu.columns, **right})
-    )
-
-
-def with_faults(
-    explanation: Explanation, recording: Recording, faults: Sequence[Fault]
-) -> Explanation:
+def with_faults(explanation: Explanation, prepared: Prepared) -> Explanation:
     """The explanation of a recording that was put right, with the faults as its first findings.
 
     The standard's scale factors take a setting up whole: against the fitted model it leaves no
     mismatch, and its evidence is that no working unit has such scale factors.
     """
+    recording, faults = prepared.recorded, prepared.faults
     if not faults:
         return explanation
     t, found, own = recording.imu.t, explanation.found, list[Finding]()

@@ -29,6 +29,7 @@ from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import fitted_columns
 from tasks.explain.inputs.blocks import block_means
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.whitening import equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
@@ -47,23 +48,22 @@ STILL = 0.003  # rad/s
 SEED = 20
 
 
-def fitted_to_reference_noise(
-    recording: Recording, full: FullRate, standard: Model, evidence: Evidence, masked: np.ndarray
-) -> set[int]:
+def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evidence) -> set[int]:
     """Numbers of the findings that the errors of the reference would bring forth by themselves.
 
-    standard: the model without findings, fitted. masked: (n, 6) bool, readings that are not used.
+    standard: the model without findings, fitted.
     """
+    full = prepared.full
     rng = np.random.default_rng(SEED)
     normal, right, by_chance = np.zeros(()), np.zeros(()), np.zeros(len(evidence.groups))
     owed: set[int] = set()
     for draws in range(1, DRAWS + 1) if evidence.groups else ():
-        simulated = simulated_reading(recording, full, rng)
+        simulated = simulated_reading(prepared.recording, full, rng)
         if simulated is None:
             return set()
         true, read = simulated
         errors = standard.prediction(true) - standard.prediction(read)
-        more = equations_on(replace(full, readings=errors, motion=read), masked, evidence)
+        more = _equations_on(replace(full, readings=errors, motion=read), prepared, evidence)
         normal, right = normal + more[0], right + more[1]
         made = _gains(evidence, normal / draws, right / draws)
         by_chance = by_chance + (made if draws == 1 else _gains(evidence, *more))
@@ -194,14 +194,9 @@ def dither(angle: np.ndarray, rest: np.ndarray, step: float) -> float:
     return float(step * np.interp(np.mean(rough**2) / 924.0 / step**2, scatter, ratios))
 
 
-def with_smoothing_error(
-    evidence: Evidence, recording: Recording, full: FullRate, masked: np.ndarray
-) -> Evidence:
-    """The evidence, with u that covers what smoothing the poses moves its parameters by.
-
-    masked: (n, 6) bool, readings that are not used.
-    """
-    pose = recording.reference
+def with_smoothing_error(evidence: Evidence, prepared: Prepared) -> Evidence:
+    """The evidence, with u that covers what smoothing the poses moves its parameters by."""
+    recording, full, pose = prepared.recording, prepared.full, prepared.recording.reference
     if full.motion.tracking is None or pose is None or not evidence.groups:
         return evidence
     again = motion_smoothed_twice(recording, pose, full.motion.t + full.start)
@@ -211,19 +206,18 @@ def with_smoothing_error(
     )  # fmt: skip
     model = evidence.fit.model
     lost = model.prediction(full.motion) - model.prediction(twice)
-    normal, right = equations_on(replace(full, readings=lost), masked, evidence)
+    normal, right = _equations_on(replace(full, readings=lost), prepared, evidence)
     moved = inverse(normal + np.diag(evidence.prior)) @ right
     return replace(evidence, smoothing_error=np.abs(moved))
 
 
-def equations_on(
-    full: FullRate, masked: np.ndarray, evidence: Evidence
+def _equations_on(
+    other: FullRate, prepared: Prepared, evidence: Evidence
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Normal matrix (q, q) and right side (q,) of the columns on other readings and motion.
-
-    masked: (n, 6) bool, readings that are not used. Blocks are as long as those of the fit.
+    """Normal matrix (q, q) and right side (q,) of the columns on other readings and motion, in
+    blocks as long as those of the fit.
     """
     fit = evidence.fit
-    blocks = block_means(full, fit.blocks.rate, masked, fewest=1)
+    blocks = block_means(other, fit.blocks.rate, prepared.events.masked, fewest=1)
     columns, _ = fitted_columns(fit.model, evidence.groups, blocks.motion)
     return equations_of(columns, blocks.readings, blocks, fit.noises).normal()[:2]

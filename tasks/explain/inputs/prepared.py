@@ -1,10 +1,9 @@
-"""Readings prepared for the search: events and a long delay of the stamps removed.
+"""A recording prepared for the search: faults, events and a long delay of the stamps removed.
 
-A long delay of all time stamps, found before the model is linearised without one.
-
-A motion that oscillates determines a delay by its phase only to within half a period; a fit that
-begins at nothing ends on the wrong turn. So the slow motion is compared first, by means over long
-windows, and what is faster over ever shorter ones: each determines the turn of the next.
+A long delay is found before the model is linearised without one. A motion that oscillates
+determines a delay by its phase only to within half a period; a fit that begins at nothing ends on
+the wrong turn. So the slow motion is compared first, by means over long windows, and what is faster
+over ever shorter ones: each determines the turn of the next.
 """
 
 from dataclasses import dataclass, replace
@@ -14,18 +13,24 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import orth
 
 from schemas.recording import Recording
+from tasks.explain.channels import CHANNELS
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
+from tasks.explain.events.faults import Fault, find_faults
 from tasks.explain.events.lost_samples import LostSamples
 from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.repeats import find_repeats
+from tasks.explain.inputs.angle_rates import as_mean_rates
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
+from tasks.explain.progress import Progress, silent, tell
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.samples import bridged, interpolated
+from tasks.motion.whole import Motion
 
+LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
 WIDTHS = (0.32, 0.16, 0.08, 0.04)  # s: windows of mean rates, from slow to fast
 MAX_DELAY = 0.3  # s
@@ -37,56 +42,96 @@ RANK = 1e-9
 
 
 @dataclass(frozen=True)
-class Cleaned:
-    """A recording without its events and without a delay of all time stamps.
+class Prepared:
+    """A recording without faults of its logger, as it is, and without its events and delay.
 
-    delay: s by which the stamps were late. masked: (n, 6) bool, readings that say nothing.
+    recorded: with rates in place of angles. faults: of its logger, undone in all that follows.
+    recording, full: without them, at the unit's rows. clean: without events, and with the stamps
+    `delay` s earlier, by which they were late. masked: (n, 6) bool, readings that say nothing.
+    reference: the prediction by which the readings of `clean` were reduced to those of an ideal
+    unit.
     """
 
+    recorded: Recording
+    faults: tuple[Fault, ...]
+    recording: Recording
     full: FullRate
+    clean: FullRate
     delay: float
     events: Events
     masked: np.ndarray
+    reference: ReferencePrediction | None = None
 
     def blocks(self, rate: float) -> Blocks:
-        """Block means at a rate, Hz."""
-        return block_means(self.full, rate, self.masked)
+        """Block means at a rate, Hz; of a long run at a lower one."""
+        return block_means(self.clean, self._share * rate, self.masked)
 
-    def less(self, reference: ReferencePrediction | None, full: FullRate) -> "Cleaned":
-        """The same less what a reference predicts beyond an ideal unit. full: as recorded."""
-        if reference is None:
-            return self
-        readings = self.full.readings - reference.beyond_ideal(full.motion)
-        return replace(self, full=replace(self.full, readings=readings))
+    def blocks_as_stamped(self, rate: float) -> Blocks:
+        """The same with the stamps as they were recorded."""
+        late = replace(self.clean, motion=self.full.motion)
+        return block_means(late, self._share * rate, self.masked)
 
-    def with_stamps_of(self, full: FullRate) -> "Cleaned":
-        """The same readings at the time stamps as they were recorded."""
-        return replace(self, full=replace(self.full, motion=self.as_stamped(full).motion))
-
-    def as_stamped(self, full: FullRate) -> FullRate:
-        """What was recorded, with the acceleration that gyros showed `delay` s later."""
-        if full.motion.tracking is None or not self.delay:
-            return full
-        t, known = full.motion.t, np.isfinite(self.full.motion.acceleration).all(axis=1)
-        earlier = interpolated(t, t[known] - self.delay, self.full.motion.acceleration[known])
-        same = np.where(np.isfinite(full.motion.acceleration), earlier, np.nan)
-        return replace(full, motion=replace(full.motion, acceleration=same))
+    @property
+    def _share(self) -> float:
+        return min(1.0, LONG / float(self.full.motion.t[-1]))
 
 
-def cleaned(recording: Recording, full: FullRate, delay_sought: bool) -> Cleaned:
-    """The readings without events and delay; lost samples hide a delay until they are known, so
-    that it is sought before and after them, and held ones feign one.
+def prepare(
+    recording: Recording,
+    reference: ReferencePrediction | None = None,
+    *,
+    delay_sought: bool = True,
+    progress: Progress = silent,
+) -> Prepared:
+    """The inputs of a search. Lost samples hide a delay until they are known, so that it is sought
+    before and after them, and held ones feign one.
+
+    Raises Unusable where the recording tells no motion or is too short.
     """
+    tell(progress, "motion")
+    recorded = as_mean_rates(recording)
+    faults, right, full = without_faults(recorded, reference)
+    tell(progress, "events")
     delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
-    advanced_rows, events = _with_delay(recording, full, delay)
+    rows, events = _with_delay(right, full, delay)
     losses = [event for event in events.events if isinstance(event, LostSamples)]
-    if losses and delay_sought:
-        more = coarse_delay(advanced_rows, until=losses[0].times[0])
-        if more:
-            delay += more
-            advanced_rows, events = _with_delay(recording, full, delay)
-    without_events, masked = _without_events(advanced_rows, events)
-    return Cleaned(without_events, delay, events, masked)
+    more = coarse_delay(rows, until=losses[0].times[0]) if losses and delay_sought else 0.0
+    if more:
+        delay += more
+        rows, events = _with_delay(right, full, delay)
+    clean, masked = _without_events(rows, events)
+    if reference is not None:
+        clean = replace(clean, readings=clean.readings - reference.beyond_ideal(full.motion))
+    as_stamped = _as_stamped(full, clean.motion, delay)
+    return Prepared(recorded, faults, right, as_stamped, clean, delay, events, masked, reference)
+
+
+def without_faults(
+    recorded: Recording, reference: ReferencePrediction | None = None
+) -> tuple[tuple[Fault, ...], Recording, FullRate]:
+    """Faults of the logger, and the recording without them, as it is and at the unit's rate."""
+    full = full_rate(recorded)
+    tracked = recorded.table is None and recorded.reference is not None
+    faults = find_faults(full.readings, full.motion, None if reference else tracked)
+    if not faults:
+        return (), recorded, full
+    readings = recorded.imu.stack(CHANNELS)
+    for fault in reversed(faults):
+        readings = fault.undone(readings)
+    own = {c: readings[:, k] for k, c in enumerate(CHANNELS) if c in recorded.imu.columns}
+    imu = replace(recorded.imu, columns={**recorded.imu.columns, **own})
+    right = replace(recorded, imu=imu)
+    return faults, right, full_rate(right)
+
+
+def _as_stamped(full: FullRate, earlier: Motion, delay: float) -> FullRate:
+    """What was recorded, with the acceleration that gyros showed `delay` s later."""
+    if full.motion.tracking is None or not delay:
+        return full
+    t, known = full.motion.t, np.isfinite(earlier.acceleration).all(axis=1)
+    acceleration = interpolated(t, t[known] - delay, earlier.acceleration[known])
+    same = np.where(np.isfinite(full.motion.acceleration), acceleration, np.nan)
+    return replace(full, motion=replace(full.motion, acceleration=same))
 
 
 def _between_fresh(full: FullRate) -> FullRate:

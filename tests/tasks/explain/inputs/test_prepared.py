@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.event_removal import cleaned
-from tasks.explain.inputs.full_rate import full_rate
+from tasks.explain.inputs.prepared import prepare
 from tests.tasks.explain.inputs.test_blocks import on_a_shaft
 
 
@@ -15,6 +14,6 @@ def test_samples_that_are_held_are_no_delay() -> None:
     held = np.arange(len(recording.imu.t)) // 4 * 4
     columns = {name: recording.imu.columns[name][held] for name in CHANNELS}
     recording = replace(recording, imu=replace(recording.imu, columns=columns))
-    found = cleaned(recording, full_rate(recording), True)
+    found = prepare(recording)
     assert found.delay == 0.0
     assert [event.effect for event in found.events.events] == ["repeated_samples"]
