@@ -69,7 +69,7 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
         return None
     stuck = {c: bit for c, step in steps.items() if (bit := stuck_bit(readings[:, c] / step))}
     off = put_back(readings, motion, {c: bit * steps[c] for c, bit in stuck.items()})
-    found = [_faulty(c, abs(bit), steps[c], off) for c, bit in stuck.items()]
+    found = {c: abs(bit) for c, bit in stuck.items()}
     right = readings - off
     predicted = plain_prediction(right, motion)
     codes = {
@@ -81,16 +81,14 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
     for c, jump in jumps.items():
         for added, left in sorted(((off[:, c], left[c]) for off, left in tried), key=_left):
             if left < MAX_LEFT * jump and _of_code(right[:, c] - added, added, jump):
-                off[:, c] = added
-                found.append(_faulty(c, codes[c], steps[c], off))
+                off[:, c], found[c] = added, codes[c]
                 break
-    explained = {one.channel for one in found}
     for c, step in steps.items():
-        torn = None if c in explained else torn_codes(right[:, c] / step, predicted[:, c] / step)
+        torn = None if c in found else torn_codes(right[:, c] / step, predicted[:, c] / step)
         if torn is not None:
             off[:, c] += torn * step
-            found.append(_faulty(c, round(BYTE), step, off))
-    return _event(found, off) if found else None
+            found[c] = round(BYTE)
+    return _event([_faulty(c, n, steps[c], off) for c, n in found.items()], off) if found else None
 
 
 def _left(one: tuple[np.ndarray, float]) -> float:

@@ -32,9 +32,8 @@ def as_mean_rates(recording: Recording) -> Recording:
     imu = recording.imu
     if not gives_angles(recording) or len(imu) < 2:
         return recording
-    steps = np.diff(imu.t)
+    span, steps = sample_interval(imu.t), np.diff(imu.t)
     gained = np.diff(imu.stack(ANGLE), axis=0)
-    span = sample_interval(imu.t)
     whole = (np.abs(steps - span) < UNEVEN * span) & (np.abs(gained) < HALF_TURN).all(axis=1)
     rates = np.where(whole[:, None], gained / steps[:, None], np.nan)
     columns = {
