@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 
-from schemas.recall import Recalled
+from schemas.reminders import DueUnit
 from tasks.words import message, say
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ PRODUCT = "-//mimucal//recalibration//"
 
 
 def calendar(
-    recalled: Iterable[Recalled], language: str, now: datetime, sequence: int = 0
+    due_units: Iterable[DueUnit], language: str, now: datetime, sequence: int = 0
 ) -> bytes:
     """An all-day entry on each due date.
 
@@ -27,24 +27,24 @@ def calendar(
     made.add("version", "2.0")
     made.add("prodid", PRODUCT + language.upper())
     made.add("method", "PUBLISH")
-    for each in recalled:
+    for each in due_units:
         made.add_component(_event(each, language, now, sequence))
     return made.to_ical()
 
 
-def _event(recalled: Recalled, language: str, now: datetime, sequence: int) -> "Event":
+def _event(due_unit: DueUnit, language: str, now: datetime, sequence: int) -> "Event":
     from icalendar import Event
 
     event = Event()
-    event.add("uid", f"recalibration-{recalled.certificate}@mimucal")
+    event.add("uid", f"recalibration-{due_unit.certificate}@mimucal")
     event.add("dtstamp", now)
     event.add("sequence", sequence)
-    event.add("dtstart", recalled.due)
-    event.add("dtend", recalled.due + timedelta(days=1))
+    event.add("dtstart", due_unit.due)
+    event.add("dtend", due_unit.due + timedelta(days=1))
     event.add("transp", "TRANSPARENT")
-    event.add("summary", say(message("recall-entry", unit=recalled.unit), language))
+    event.add("summary", say(message("reminder-entry", unit=due_unit.unit), language))
     event.add(
         "description",
-        say(message("recall-entry-of", certificate=recalled.certificate), language),
+        say(message("reminder-entry-of", certificate=due_unit.certificate), language),
     )
     return event

@@ -2,27 +2,27 @@
 
 from datetime import timedelta
 
-from schemas.recall import Recalled
+from schemas.reminders import DueUnit
 from schemas.text import Statement
 from tasks.words import message, say
 
 
-def title(recalled: Recalled, days: int, language: str) -> str:
+def title(due_unit: DueUnit, days: int, language: str) -> str:
     """The subject of a message on an occasion, days after the due date."""
     return say(
-        message(f"recall-title.{_side(days)}", unit=recalled.unit, due=recalled.due.isoformat()),
+        message(f"reminder-title.{_side(days)}", unit=due_unit.unit, due=due_unit.due.isoformat()),
         language,
     )
 
 
-def body(recalled: Recalled, days: int, language: str) -> str:
+def body(due_unit: DueUnit, days: int, language: str) -> str:
     """The message: which unit, by which certificate, and how many days from then."""
-    day = recalled.due + timedelta(days=days)
-    english, chinese = recalled.laboratory
+    day = due_unit.due + timedelta(days=days)
+    english, chinese = due_unit.laboratory
     return say(
         message(
-            f"recall-body.{_side(days)}", unit=recalled.unit, certificate=recalled.certificate,
-            issued=recalled.issued_on.isoformat(), due=recalled.due.isoformat(),
+            f"reminder-body.{_side(days)}", unit=due_unit.unit, certificate=due_unit.certificate,
+            issued=due_unit.issued_on.isoformat(), due=due_unit.due.isoformat(),
             days=str(abs(days)), day=day.isoformat(), laboratory=Statement(en=english, zh=chinese),
         ),
         language,

@@ -13,7 +13,7 @@ from schemas.discrepancy import Discrepancy
 from schemas.orders import ExplainOrder
 from schemas.recording import ACCEL, GYRO, Recording
 from storage import settings
-from storage.catalogue import explanations, runs
+from storage.catalogue import discrepancies, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.whole_files import report_folder
@@ -71,7 +71,7 @@ def explain_run(
     if reference is None:
         html = report_html(discrepancy, explanation, pictures_of(discrepancy, explanation))
         with suppress(Unusable):
-            explanations.keep(run, discrepancy, html, datetime.now(UTC), home)
+            discrepancies.keep(run, discrepancy, html, datetime.now(UTC), home)
     keep_statistics(run, recording, home)
     return Explained(discrepancy, files)
 

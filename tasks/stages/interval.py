@@ -57,7 +57,7 @@ def sentence(unit: str, agreed: int, advice: IntervalAdvice) -> Message:
     """The advice in words."""
     known = advice.days is not None
     return message(
-        f"recall-advice.{advice.advice.replace(' ', '-')}{'' if known else '-unknown'}",
+        f"reminder-advice.{advice.advice.replace(' ', '-')}{'' if known else '-unknown'}",
         unit=unit, agreed=str(agreed), intervals=str(advice.intervals),
         conforming=str(advice.conforming), days=f"{advice.days or 0:.0f}",
         shortest=f"{advice.shortest or 0:.0f}", longest=f"{advice.longest or 0:.0f}",

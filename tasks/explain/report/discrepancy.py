@@ -40,7 +40,7 @@ NOT_WRITTEN = Statement(en="", zh="")
 def discrepancy_of(
     explanation: Explanation, wheres: Sequence[tuple[Where, ...]], effects: Consequences
 ) -> Discrepancy:
-    """The whole answer of an explanation, in every language.
+    """The whole discrepancy of an explanation, in every language.
 
     wheres: one entry for each finding, in the order of the findings, as `effects` has them.
     Raises ValueError where their number differs from that of the findings.

@@ -129,8 +129,11 @@ def searched(
     """
     tell(progress, "candidates")
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
-    terms = catalogue(prepared.recording, coarse.motion)
-    terms = [*terms, *empirical(coarse.motion)] if only is None else _named(terms, only)
+    listed = catalogue(prepared.recording, coarse.motion)
+    if only is None:
+        terms = [*listed, *empirical(coarse.motion)]
+    else:
+        terms = [term for term in listed if term.name in only]
     candidates, columns = candidates_of(terms, coarse.motion)
     if coarse.motion.tracking is not None and only is None:
         candidates = tuple(with_nuisances(candidates, OF_TRACKING))
@@ -145,10 +148,6 @@ def searched(
         TimeBudget.of(seconds), partial(tell, progress, "search"),
     )  # fmt: skip
     return Searched(prepared, candidates, coarse, fit)
-
-
-def _named(terms: Sequence[Term], names: Sequence[str]) -> list[Term]:
-    return [term for term in terms if term.name in names]
 
 
 def all_fitted(

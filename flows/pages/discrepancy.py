@@ -7,17 +7,17 @@ from dash import html
 from dash.development.base_component import Component
 
 from flows.pages.asked import asks
-from flows.pages.mismatch_data import data
+from flows.pages.discrepancy_data import data
 from flows.pages.page import Page, View
 from flows.pages.parts import Cell, facts, link, table
 from flows.pages.states import StepState, badge
 from schemas.discrepancy import FoundParameter, Moved, Verdict
-from schemas.pages.mismatch import (
+from schemas.pages.discrepancy import (
     Carried,
+    DiscrepancyQuestion,
+    DiscrepancyShown,
     EffectSeen,
     ExplainedRun,
-    MismatchQuestion,
-    MismatchShown,
     PaperMoved,
     Papers,
     ReviewShown,
@@ -34,7 +34,7 @@ ASKED = ("effect", "station", "model", "serial")
 FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
 
 
-def layout(shown: MismatchShown, view: View, question: MismatchQuestion) -> Component:
+def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
     """The last review, then what the explained runs show one by one."""
     none = message("pages-mismatch-no-review")
     review = _review(shown.review, view) if shown.review else [dmc.Text(view.say(none))]
@@ -58,7 +58,7 @@ def _heading(name: str, view: View) -> Component:
     return dmc.Title(view.say(message(f"pages-mismatch-{name}")), order=3, mt="sm")
 
 
-def _choices(shown: MismatchShown, view: View, question: MismatchQuestion) -> Component:
+def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
     values = {"effect": shown.known, "station": shown.stations, "model": shown.models,
               "serial": shown.serials}  # fmt: skip
     asked = question.model_dump()
@@ -261,4 +261,4 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
     )
 
 
-PAGE = Page("mismatch", MismatchQuestion, MismatchShown, data, layout)
+PAGE = Page("mismatch", DiscrepancyQuestion, DiscrepancyShown, data, layout)

@@ -10,7 +10,7 @@ from schemas.review import ReviewFinding
 from schemas.text import Statement
 
 
-class MismatchQuestion(Frozen):
+class DiscrepancyQuestion(Frozen):
     """Which of the explained runs. Null: all of them. The review is the last one in any case."""
 
     effect: str | None = Field(default=None, max_length=200)
@@ -122,7 +122,7 @@ class ExplainedRun(Frozen):
     findings: tuple[FoundShown, ...]
 
 
-class MismatchShown(Frozen):
+class DiscrepancyShown(Frozen):
     """review: null where none was made. runs: how many there are; explained: how many of these were
     explained and are asked for; newest: of these the last ones. stations, models, serials, effects:
     what may be asked for.

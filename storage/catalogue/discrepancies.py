@@ -1,4 +1,4 @@
-"""The last explanation of each run: its findings as rows, its report as written."""
+"""The last discrepancy of each run: its findings as rows, its report as written."""
 
 from datetime import datetime
 from pathlib import Path

@@ -9,13 +9,13 @@ import sqlalchemy as sql
 
 from schemas.certificate import LIVE
 from schemas.discrepancy import Moved
-from schemas.pages.mismatch import (
+from schemas.pages.discrepancy import (
     Carried,
+    DiscrepancyQuestion,
+    DiscrepancyShown,
     EffectSeen,
     ExplainedRun,
     FoundShown,
-    MismatchQuestion,
-    MismatchShown,
     PaperMoved,
     Papers,
     ReviewShown,
@@ -26,7 +26,7 @@ from schemas.review import ReviewFinding, Touched
 from storage import last_review
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_runs
-from storage.catalogue.explanations import explained_runs
+from storage.catalogue.discrepancies import explained_runs
 from storage.home import Home
 from tasks.model.effect import effect_name
 from tasks.words import statement
@@ -38,13 +38,13 @@ DAY = timedelta(days=1)
 Explained = dict[str, Any]
 
 
-def data(question: MismatchQuestion, home: Home) -> MismatchShown:
+def data(question: DiscrepancyQuestion, home: Home) -> DiscrepancyShown:
     """The last review, and the findings of the explained runs that are asked for."""
     complete_runs(home)
     every = explained_runs(home)
     chosen = [run for run in every if _is_asked(run, question)]
     counted = database.rows(home, sql.select(sql.func.count()).select_from(tables.runs))
-    return MismatchShown(
+    return DiscrepancyShown(
         review=_review(home), runs=counted[0][0] if counted else 0, explained=len(chosen),
         effects=tuple(_effects(chosen, question, home)),
         newest=tuple(_run(run) for run in reversed(chosen[-NEWEST:])),
@@ -54,7 +54,7 @@ def data(question: MismatchQuestion, home: Home) -> MismatchShown:
     )  # fmt: skip
 
 
-def _is_asked(run: Explained, question: MismatchQuestion) -> bool:
+def _is_asked(run: Explained, question: DiscrepancyQuestion) -> bool:
     asked = ((name, getattr(question, name)) for name in ("station", "model", "serial"))
     shown = {found["effect"] for found in run["findings"]}
     of_effect = question.effect is None or question.effect in shown
@@ -165,7 +165,7 @@ def _papers(rows: Sequence[sql.Row[Any]]) -> Papers:
 
 
 def _effects(
-    runs: Sequence[Explained], question: MismatchQuestion, home: Home
+    runs: Sequence[Explained], question: DiscrepancyQuestion, home: Home
 ) -> Iterable[EffectSeen]:
     """Each effect that the runs show, that of the most runs first."""
     with_effect: dict[str, list[Explained]] = {}

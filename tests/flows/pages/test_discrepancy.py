@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from flows.pages.app import make_app
-from flows.pages.mismatch import PAGE
-from flows.pages.mismatch_data import data
+from flows.pages.discrepancy import PAGE
+from flows.pages.discrepancy_data import data
 from flows.pages.page import View
 from schemas.discrepancy import (
     Consequence,
@@ -19,7 +19,7 @@ from schemas.discrepancy import (
     HeldOut,
     ReportedFinding,
 )
-from schemas.pages.mismatch import MismatchQuestion
+from schemas.pages.discrepancy import DiscrepancyQuestion
 from schemas.review import (
     KeptReview,
     Moment,
@@ -31,13 +31,13 @@ from schemas.review import (
 )
 from schemas.text import Statement
 from storage import dataframes, last_review
-from storage.catalogue import explanations, run_index
+from storage.catalogue import discrepancies, run_index
 from storage.home import Home
 from tests.proof.line.draw import Line
 
 ANSWER = Statement(en="Said.", zh="说。")
 TILT = FoundParameter(name="east", value=1e-4, unit="rad", u=1e-5)
-EVERYTHING = MismatchQuestion()
+EVERYTHING = DiscrepancyQuestion()
 
 
 def discrepancy(effect: str | None) -> Discrepancy:
@@ -92,7 +92,7 @@ def home(line_store: tuple[Home, Line]) -> Home:
     other = table[table["station"] == "ST-02"]["id"].iloc[0]
     for run, effect in ((first, None), (second, "axis_tilt"), (other, "lever_arm")):
         at = datetime(2026, 11, 1, tzinfo=UTC)
-        explanations.keep(run_index.find(run, home), discrepancy(effect), "<p>told</p>", at, home)
+        discrepancies.keep(run_index.find(run, home), discrepancy(effect), "<p>told</p>", at, home)
     return home
 
 
@@ -110,23 +110,23 @@ def test_effects_are_counted_by_station_unit_and_model(home: Home) -> None:
 
 
 def test_a_choice_of_station_or_effect_takes_the_runs_that_meet_it(home: Home) -> None:
-    there = data(MismatchQuestion(station="ST-01"), home)
+    there = data(DiscrepancyQuestion(station="ST-01"), home)
     assert there.explained == 2
     assert [each.effect for each in there.effects] == ["axis_tilt"]
-    arm = data(MismatchQuestion(effect="lever_arm"), home)
+    arm = data(DiscrepancyQuestion(effect="lever_arm"), home)
     assert [run.station for run in arm.newest] == ["ST-02"]
-    assert data(MismatchQuestion(station="none"), home).explained == 0
+    assert data(DiscrepancyQuestion(station="none"), home).explained == 0
 
 
 def test_a_run_that_is_explained_again_has_the_new_answer_alone(home: Home) -> None:
     clean = next(run.run for run in data(EVERYTHING, home).newest if not run.findings)
     run = run_index.find(clean, home)
-    before = explanations.explained_runs(home)
+    before = discrepancies.explained_runs(home)
     at = datetime(2026, 11, 2, tzinfo=UTC)
-    explanations.keep(run, discrepancy("time_offset"), "<p>again</p>", at, home)
-    assert len(explanations.explained_runs(home)) == len(before)
-    assert explanations.report_of(run, home) == b"<p>again</p>"
-    explanations.keep(run, discrepancy(None), "<p>told</p>", at, home)
+    discrepancies.keep(run, discrepancy("time_offset"), "<p>again</p>", at, home)
+    assert len(discrepancies.explained_runs(home)) == len(before)
+    assert discrepancies.report_of(run, home) == b"<p>again</p>"
+    discrepancies.keep(run, discrepancy(None), "<p>told</p>", at, home)
 
 
 @pytest.mark.parametrize(("level", "carrier", "field"), [

@@ -1,4 +1,4 @@
-"""Prints an explanation."""
+"""Prints a discrepancy."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ NUMERIC = ("share", "value", "U (k = 2)")
 MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
 
 
-def print_explanation(explained: Explained) -> None:
+def print_discrepancy(explained: Explained) -> None:
     """Print the verdict, the findings with their parameters, their consequences, and the files."""
     discrepancy, console = explained.discrepancy, stdout()
     verdict = discrepancy.verdict.replace("_", " ")
