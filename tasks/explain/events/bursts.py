@@ -16,9 +16,8 @@ from scipy.stats import gamma
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import AddedSignal, channel_names
 from tasks.explain.events.noise import RATE_CHANGE, equalised, median_by_state, motion_states
-from tasks.explain.events.residual import Residual
+from tasks.explain.events.residual import Residual, peak_offset
 from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, damped_wave
-from tasks.explain.events.spectrum import peak_offset
 from tasks.motion.samples import in_blocks
 from tasks.motion.whole import Motion
 from tasks.words import message

@@ -17,8 +17,7 @@ from tasks.explain.events.event import (
     channel_names,
     significant_channels,
 )
-from tasks.explain.events.residual import Residual
-from tasks.explain.events.spectrum import LEVEL_BINS, Spectrum, spectrum_of
+from tasks.explain.events.residual import LEVEL_BINS, Residual, Spectrum, spectrum_of
 from tasks.words import message
 
 FALSE_ALARM = 2e-4  # of one recording, for the mains and for all other frequencies

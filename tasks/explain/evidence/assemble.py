@@ -3,15 +3,16 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.special import chdtrc
 
-from schemas.discrepancy import Verdict
+from schemas.discrepancy import FoundParameter, Verdict
+from tasks.explain.channels import EVERY
 from tasks.explain.events.detect import events_in_residual
 from tasks.explain.evidence.determination import determined_model
 from tasks.explain.evidence.event_findings import event_findings, with_faults
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
 from tasks.explain.evidence.left_over import LeftOver, remainder
-from tasks.explain.evidence.reference_deviation import reference_deviation
 from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
@@ -23,12 +24,21 @@ from tasks.explain.evidence.shares import (
     without_switching,
 )
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
+from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import Prepared
+from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted, model_of
 from tasks.explain.search.stepwise import FALSE_ALARMS
+from tasks.explain.whitening import equations_of
+from tasks.model.model import Model
+from tasks.model.term import places
+from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.words import message
 
 MOSTLY = 0.5  # explained share up to which what is left is told as a finding of its own
 COMPLETE = 0.9  # share of the mismatch above noise from which on it counts as explained
+CLEAR = 3.0  # standard uncertainties from which on a parameter is listed
+OTHER = message("explain-other-parameters")
 
 
 def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False) -> Explanation:
@@ -99,3 +109,53 @@ def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Ver
         return "unexplained"
     complete = quiet or left.explained_share > COMPLETE
     return "explained" if len(named) == len(findings) and complete else "partly_explained"
+
+
+def reference_deviation(
+    standard: Model, predicted: np.ndarray, full: FullRate, fit: FittedSelection
+) -> list[Finding]:
+    """The finding that the standard's parameters are not those of the prediction; none: they are.
+
+    standard: the standard's model fitted to the readings less what the prediction has beyond an
+    ideal unit. predicted: (n, 6) by it at full rate.
+    """
+    ideal = Model.of(STANDARD_TERMS)
+    count = int(standard.free.sum())
+    gain = _chi2(ideal, fit) - _chi2(standard, fit)
+    if chdtrc(count, max(gain, 0.0)) > FALSE_ALARMS:
+        return []
+    return [
+        Finding(
+            effect=UNNAMED,
+            family=UNNAMED,
+            title=OTHER,
+            equation="models (1) and (2)",
+            source="JJF 2003-2022, 5.1 and 5.2",
+            channels=EVERY,
+            parameters=_clear_deviations(standard, ideal.values),
+            contribution=predicted - ideal.prediction(full.motion),
+            gain=gain,
+            delta_bic=gain - count * float(np.log(fit.blocks.used)),
+            held_out_gain=0.5 * gain - count,
+        )
+    ]
+
+
+def _chi2(model: Model, fit: FittedSelection) -> float:
+    """Of a model on the blocks that the selection is fitted to."""
+    blocks = fit.blocks
+    misfit = blocks.readings - model.prediction(blocks.motion)
+    return equations_of([], misfit, blocks, fit.noises).normal()[2]
+
+
+def _clear_deviations(standard: Model, ideal: np.ndarray) -> tuple[FoundParameter, ...]:
+    """The parameters that clearly deviate, as differences from the prediction's, SI."""
+    found = []
+    for term, place in zip(STANDARD_TERMS, places(STANDARD_TERMS), strict=True):
+        for p, parameter in enumerate(term.parameters, place.start):
+            name, u = f"{term.name}_{parameter.name}", float(standard.u[p])
+            change = float(standard.values[p] - ideal[p])
+            if u > 0 and abs(change) > CLEAR * u:
+                unit = "1" if parameter.factor == 1.0 and parameter.unit == "1" else "SI"
+                found.append(FoundParameter(name=name, value=change, unit=unit, u=u))
+    return tuple(found)

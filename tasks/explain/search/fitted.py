@@ -32,7 +32,6 @@ from tasks.explain.search.stepwise import (
 from tasks.explain.whitening import Noise
 from tasks.model.catalogue import catalogue
 from tasks.model.model import Model
-from tasks.model.term import Term
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.timing import TIME_OFFSET
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from made_up import counted, mean_readings, motion, noisy
 
-from tasks.explain.events.faults import Setting, find_settings
-from tasks.explain.events.settings import AxisMapping, RangeSetting
+from tasks.explain.events.faults import AxisMapping, RangeSetting, Setting, find_settings
 from tasks.words import texts
 
 SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
