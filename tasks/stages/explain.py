@@ -50,9 +50,9 @@ def explain_run(
     # Late: the other stages need none of it.
     from tasks.explain.correction.consequences import consequences
     from tasks.explain.explain import explain
-    from tasks.explain.inputs.angle_rates import as_mean_rates
     from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
+    from tasks.motion.angle_rates import as_mean_rates
     from tasks.stages.run_statistics import keep_statistics
 
     out = report_folder(order.out)

@@ -88,7 +88,8 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
         if torn is not None:
             off[:, c] += torn * step
             found[c] = round(BYTE)
-    return _event([_faulty(c, n, steps[c], off) for c, n in found.items()], off) if found else None
+    faulty = [_faulty(c, number, steps[c], off) for c, number in found.items()]
+    return _event(faulty, off) if faulty else None
 
 
 def _left(one: tuple[np.ndarray, float]) -> float:

@@ -78,10 +78,10 @@ def full_rate(recording: Recording) -> FullRate:
     for k, each in enumerate(segments):
         segment[recording.imu.rows(each.t_start, each.t_end)] = k
     variance = noise_by_segment(readings, motion, segment, len(segments))
+    remarks = (*on_labels, *reference_remarks(recording, motion), *clock_remarks(recording))
     speed = np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
     recorded = recorded_signals(recording, motion.t, segments)
     recorded["vibration"] = vibration(variance, segment, speed)
-    remarks = (*on_labels, *reference_remarks(recording, motion), *clock_remarks(recording))
     start = float(motion.t[0])
     noise = reference_noise(recording, motion).since(start)
     motion = replace(motion, t=motion.t - start, recorded=recorded)

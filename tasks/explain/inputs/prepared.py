@@ -20,13 +20,13 @@ from tasks.explain.events.faults import Fault, find_faults
 from tasks.explain.events.lost_samples import LostSamples
 from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.repeats import find_repeats
-from tasks.explain.inputs.angle_rates import as_mean_rates
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
 from tasks.model.plain_fit import plain_prediction
+from tasks.motion.angle_rates import as_mean_rates
 from tasks.motion.samples import bridged, interpolated
 from tasks.motion.whole import Motion
 

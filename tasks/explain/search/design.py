@@ -105,8 +105,8 @@ def _channel_design(
     blocks: Blocks, readings: np.ndarray, columns: Sequence[Column], bands: Bands, channel: int
 ) -> ChannelDesign:
     which, signals = of_channel(columns, readings, channel)
-    weight = blocks.weight[:, channel]
-    stack = weighted(regressors(blocks.motion, channel).T, weight)
+    standard, weight = regressors(blocks.motion, channel).T, blocks.weight[:, channel]
+    stack = weighted(standard, weight)
     basis = np.linalg.qr(stack.T)[0].T
     parts = [_at_unit_size(stack, blocks)]
     for first in range(0, len(signals), TOGETHER):

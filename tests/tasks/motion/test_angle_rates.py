@@ -5,7 +5,7 @@ import pytest
 
 from schemas.recording import ANGLE, GYRO, Manifest, Recording, Stream
 from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.angle_rates import as_mean_rates
+from tasks.motion.angle_rates import as_mean_rates
 
 T = np.arange(0.0, 20.0, 0.1)
 MANIFEST = Manifest.model_validate({
