@@ -7,10 +7,9 @@ from schemas.base import Unusable
 from schemas.recording import Recording
 from tasks.explain.confounding.compare import compared
 from tasks.explain.confounding.play import with_play
-from tasks.explain.evidence.absorption import with_absorbed
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.pruning import pruned
+from tasks.explain.evidence.pruning import pruned, with_absorbed
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.prepared import prepare
 from tasks.explain.inputs.reference import ReferencePrediction

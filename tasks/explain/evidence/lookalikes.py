@@ -26,10 +26,10 @@ import numpy as np
 from scipy.stats import chi2
 
 from tasks.explain.channels import ACCELS
+from tasks.explain.determined import unit_of
 from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import fitted_columns
-from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import Refusal
 from tasks.explain.whitening import equations_of
 from tasks.model.regression import inverse

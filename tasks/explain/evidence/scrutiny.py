@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tasks.explain.determined import unit_of
 from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partitions, partwise
@@ -22,7 +23,6 @@ from tasks.explain.evidence.lookalikes import (
     unseen_turning,
 )
 from tasks.explain.evidence.shares import WEAK
-from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.model.regression import inverse
 from tasks.model.term import Parameter

@@ -12,10 +12,12 @@ import numpy as np
 from tasks.explain.channels import ACCELS, EVERY, GYROS
 from tasks.explain.search.empirical_terms import (
     Regressors,
+    leans,
+    lost_motion,
     regression_term,
     sinusoid,
+    tips,
 )
-from tasks.explain.search.tilts import leans, lost_motion, tips
 from tasks.model.term import Inputs, Term
 from tasks.motion.lag import first_order_lag
 from tasks.motion.whole import Motion

@@ -8,11 +8,11 @@ from engine_run import GRAVITY, NOISY, RATE, WHITE, motion, noise, observed, rea
 
 from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.channels import ACCELS, CHANNELS
+from tasks.explain.determined import si_unit
 from tasks.explain.events.event import Events
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import JUMPS
-from tasks.explain.evidence.si_units import si_unit
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.prepared import Prepared

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY
 
-from tasks.explain.evidence.absorption import MIN_LOG_ODDS, absorbed
+from tasks.explain.evidence.pruning import MIN_LOG_ODDS, absorbed
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.stepwise import Selected

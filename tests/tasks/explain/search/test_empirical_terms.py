@@ -7,7 +7,7 @@ import pytest
 from engine_run import GRAVITY, motion
 
 from tasks.explain.search.empirical import empirical
-from tasks.explain.search.tilts import LostMotion, Tip, leans, lost_motion, tips
+from tasks.explain.search.empirical_terms import LostMotion, Tip, leans, lost_motion, tips
 from tasks.motion.table import TableAxes
 
 RUN = motion()

@@ -7,8 +7,14 @@ import numpy as np
 import pytest
 from engine_run import MOVE, NOISY, QUIET, RATE, REST, motion, noise, observed, read
 
-from tasks.explain.evidence.cells import CELL_LENGTH, cell_equations, fold_cells
-from tasks.explain.evidence.held_out import FOLDS, CrossValidation, cross_validation
+from tasks.explain.evidence.cells import (
+    CELL_LENGTH,
+    FOLDS,
+    CrossValidation,
+    cell_equations,
+    cross_validation,
+    fold_cells,
+)
 from tasks.explain.whitening import Noise
 from tasks.model.simulate import linearise
 from tasks.model.term import Column, nominal_values
