@@ -19,7 +19,6 @@ from tasks.explain.events.noise import RATE_CHANGE, equalised, median_by_state, 
 from tasks.explain.events.residual import Residual, peak_offset
 from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, damped_wave
 from tasks.motion.samples import in_blocks
-from tasks.motion.whole import Motion
 from tasks.words import message
 
 BLOCK_RATE = 25.0  # Hz, of the means that bursts are looked for in
@@ -60,7 +59,7 @@ def find_bursts(residual: Residual, start: float = 0.0) -> AddedSignal | None:
     if len(channels) == 0:
         return None
     white = blocks.white[:, channels]
-    strong, searched = find_transients(blocks.t, white, blocks.motion, FALSE_ALARM)
+    strong, searched = find_transients(blocks, white)
     if not strong or len(strong) > MAX_BURSTS:
         return None
     state = motion_states(blocks.motion, blocks.t)
@@ -156,16 +155,14 @@ def _correlated(values: np.ndarray, template: np.ndarray) -> np.ndarray:
     return np.asarray(correlate(padded, template, mode="valid", method="fft"))
 
 
-def find_transients(
-    t: np.ndarray, white: np.ndarray, motion: Motion, false_alarm: float
-) -> tuple[list[Transient], int]:
-    """Transients in white readings (m, k) at even times t (m,) s, strongest first, apart in time.
+def find_transients(blocks: Residual, white: np.ndarray) -> tuple[list[Transient], int]:
+    """Transients in some white channels (m, k) of blocks, strongest first, apart in time.
 
     With them the number of windows and frequencies that were searched.
     """
-    spectra = [(decay, *_peak_power(t, white, motion, decay)) for decay in DECAYS]
+    spectra = [(decay, *_peak_power(blocks, white, decay)) for decay in DECAYS]
     searched = sum(power.size for _, _, _, power in spectra)
-    threshold = float(gamma.isf(false_alarm / max(searched, 1), white.shape[1]))
+    threshold = float(gamma.isf(FALSE_ALARM / max(searched, 1), white.shape[1]))
     found = [
         Transient(float(starts[row]), float(frequencies[k]), decay, float(power[row, k]))
         for decay, starts, frequencies, power in spectra
@@ -179,10 +176,10 @@ def find_transients(
 
 
 def _peak_power(
-    t: np.ndarray, white: np.ndarray, motion: Motion, decay: float
+    blocks: Residual, white: np.ndarray, decay: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Starts (w,) s, frequencies (k,) Hz and the power (w, k) of peaks, 0 where there is none."""
-    step = float(np.median(np.diff(t)))
+    t, step = blocks.t, blocks.interval
     length, hop = int(WINDOW * decay / step), max(1, round(decay / step / HOPS))
     if len(t) < 4 * length:
         return np.zeros(0), np.zeros(0), np.zeros((0, 0))
@@ -191,7 +188,7 @@ def _peak_power(
     frequencies = np.fft.rfftfreq(size, step)
     reach = int(np.searchsorted(frequencies, min(FASTEST, 0.4 / step)))
     starts = np.arange(0, len(t) - length, hop)
-    state = motion_states(motion, t[starts])
+    state = motion_states(blocks.motion, t[starts])
     total = np.zeros((len(starts), reach), np.float32)
     for channel in white.astype(np.float32).T:  # half the work, and exact enough
         windows = np.lib.stride_tricks.sliding_window_view(channel, length)[starts]

@@ -34,18 +34,16 @@ STEADY = 0.02  # rad/s: how far the rate may move where it counts as steady
 MIN_REST = 0.05  # share of the rows at rest, so that spikes may be missing there
 
 
-def events_in_readings(
-    t: np.ndarray, readings: np.ndarray, motion: Motion, start: float = 0.0
-) -> Events:
+def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0) -> Events:
     """Events that disturb a regression: rows repeated or lost, limits, dead zone, steps, spikes.
 
-    t: (n,) s, rising. readings: (n, 6) rad/s and m/s² at the unit's full sample rate, NaN where a
-    triad was not recorded. motion: at the same rows, NaN where it is not known. start: of t = 0
-    on the recording's own clock, s.
+    readings: (n, 6) rad/s and m/s² at the unit's full sample rate, NaN where a triad was not
+    recorded. motion: at the same rows, NaN where it is not known. start: of t = 0 on the
+    recording's own clock, s.
     """
-    flat = constant_channels(readings)
+    t, flat = motion.t, constant_channels(readings)
     quantisers = [quantiser_of(column) for column in readings.T]
-    zone, zeroed = _zone(t, readings, motion, quantisers)
+    zone, zeroed = _zone(readings, motion, quantisers)
     if isinstance(zone, BiasAtRest):  # all other events act before it
         readings = readings - zone.applied(t, np.zeros(readings.shape))
     repeats = find_repeats(readings, motion, quantisers)
@@ -56,8 +54,8 @@ def events_in_readings(
     if masked.any():
         quantisers = [quantiser_of(column) for column in used.T]
     held = masked if repeats is None else masked | repeats.held
-    jitter = find_jitter(t, readings, motion, predicted, held)
-    lost = find_lost_samples(t, readings, motion, predicted, masked, start)
+    jitter = find_jitter(readings, motion, predicted, held)
+    lost = find_lost_samples(readings, motion, predicted, masked, start)
     times = (event for event in (jitter, repeats, lost) if event is not None)
     events: tuple[Event, ...] = (*times, *limits)
     residual = readings - predicted
@@ -94,7 +92,7 @@ def flat_remarks(flat: np.ndarray) -> tuple[Message, ...]:
 
 
 def _zone(
-    t: np.ndarray, readings: np.ndarray, motion: Motion, quantisers: Sequence[Quantiser | None]
+    readings: np.ndarray, motion: Motion, quantisers: Sequence[Quantiser | None]
 ) -> tuple[Event | None, np.ndarray]:
     """What firmware does to small rates, and the readings (n, 6) bool that say nothing for it.
 
@@ -103,28 +101,23 @@ def _zone(
     zone, zeroed = find_dead_zone(readings, motion, quantisers)
     if zone is not None and zone.thresholds:
         return zone, zeroed
-    estimated = find_bias_at_rest(t, readings, motion)
+    estimated = find_bias_at_rest(readings, motion)
     return (zone, zeroed) if estimated is None else (estimated, np.zeros(readings.shape, bool))
 
 
 def events_in_residual(
-    events: Events,
-    t: np.ndarray,
-    residual: np.ndarray,
-    noise: np.ndarray,
-    motion: Motion,
-    start: float = 0.0,
+    events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion, start: float = 0.0
 ) -> Events:
     """The events found before a regression, and lines, impacts and bursts in its residual.
 
-    t: (n,) s. residual: (n, 6) readings minus `events.applied` to the prediction of the fitted
-    model, NaN where that is unknown. noise: (6,) standard deviation of a sample, for channels whose
-    residual does not scatter. motion: at the same rows. start: of t = 0 on the recording's own
-    clock, s. These events add to what the unit senses, so they act before all others. Poses do not
-    show how a body vibrates: fast components of the residual need not be errors, unless they have
-    the mains' frequency throughout.
+    residual: (n, 6) readings minus `events.applied` to the prediction of the fitted model, NaN
+    where that is unknown. noise: (6,) standard deviation of a sample, for channels whose residual
+    does not scatter. motion: at the same rows. start: of t = 0 on the recording's own clock, s.
+    These events add to what the unit senses, so they act before all others. Poses do not show how
+    a body vibrates: fast components of the residual need not be errors, unless they have the mains'
+    frequency throughout.
     """
-    values = np.where(events.masked, np.nan, residual)
+    t, values = motion.t, np.where(events.masked, np.nan, residual)
     level = without_dead(noise_by_rate(values, motion))
     level = np.where(level == 0, noise, level)
     for event in events.events:

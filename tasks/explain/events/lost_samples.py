@@ -83,7 +83,6 @@ class Staircase:
 
 
 def find_lost_samples(
-    t: np.ndarray,
     readings: np.ndarray,
     motion: Motion,
     predicted: np.ndarray,
@@ -95,9 +94,10 @@ def find_lost_samples(
     predicted: (n, 6) by a plain fit. masked: (n, 6) readings that a limit disturbs. start: of
     t = 0 on the recording's own clock, s.
     """
+    t = motion.t
     if len(t) < 3 or not motion.known.any():
         return None
-    interval = sample_interval(t)
+    interval = motion.interval
     noise = noise_by_rate(readings - predicted, motion)
     slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
     slope = np.where(np.abs(slope) > FLAT * noise, slope, 0.0)

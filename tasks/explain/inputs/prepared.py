@@ -147,7 +147,7 @@ def _between_fresh(full: FullRate) -> FullRate:
 
 def _with_delay(recording: Recording, full: FullRate, delay: float) -> tuple[FullRate, Events]:
     rows = full_rate(advanced(recording, delay)) if delay else full
-    events = events_in_readings(rows.motion.t, rows.readings, rows.motion, rows.start)
+    events = events_in_readings(rows.readings, rows.motion, rows.start)
     unknown = within_jumps(recording, rows.motion.t + rows.start)
     return rows, replace(events, masked=events.masked | unknown[:, None])
 
