@@ -7,7 +7,8 @@ import numpy as np
 
 from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.scrutiny import COVERAGE, Scrutiny
+from tasks.explain.evidence.lookalikes import COVERAGE
+from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.refit import fitted
 from tasks.explain.whitening import equations_of

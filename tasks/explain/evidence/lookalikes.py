@@ -19,8 +19,8 @@ T²/2 (a delay) and T² (one pole), and the model has that. A mount that swings 
 and is off by the square of its period: by −f̈/ω₀² below its resonance, and by all of f above.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.stats import chi2
@@ -29,8 +29,8 @@ from tasks.explain.channels import ACCELS
 from tasks.explain.determined import unit_of
 from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import fitted_columns
-from tasks.explain.explanation import Refusal
+from tasks.explain.evidence.groups import FindingGroup, fitted_columns
+from tasks.explain.explanation import Refusal, RefusalKind
 from tasks.explain.whitening import equations_of
 from tasks.model.regression import inverse
 from tasks.model.term import Inputs, Parameter, parameters_of
@@ -39,6 +39,8 @@ from tasks.model.terms.gyro import THRESHOLD
 from tasks.motion.whole import Motion
 
 COVERAGE = 2.0  # standard uncertainties in U
+KNOWN_SIZE = 0.3  # by which physics that is known beforehand may differ from what is known
+SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
 UNSEEN = 1e-3  # p value of coefficients that the faster rates show
 FAST_THRESHOLDS = 3.0  # thresholds: faster than what the errors of a rest make of it
 FEWEST_CELLS = 3  # cells on either side: two tell a change by themselves
@@ -50,9 +52,36 @@ CLEAR_LAG = 3.0  # standard uncertainties
 MORE_CURVED = 2.0  # times the square of the lag: more than any order of filter differs by
 
 
-def unseen_turning(evidence: Evidence, number: int) -> Refusal | None:
+@dataclass(frozen=True)
+class Examined:
+    """A finding by its number in some evidence, with the values and the standard uncertainties
+    (k,) of its own columns.
+    """
+
+    evidence: Evidence
+    number: int
+    values: np.ndarray
+    u: np.ndarray
+
+    @property
+    def group(self) -> FindingGroup:
+        return self.evidence.groups[self.number]
+
+    @cached_property
+    def parameters(self) -> list[Parameter]:
+        """Of each own column; known physics has a size, which is one."""
+        return [parameter or SIZE for parameter in self.evidence.parameters(self.number)]
+
+    def refused(self, kind: RefusalKind, k: int, value: float, limit: float) -> Refusal:
+        """For the value of its parameter k."""
+        parameter = self.parameters[k]
+        name, unit = parameter.name, unit_of(parameter)
+        return Refusal(kind, self.group.name, name, unit, value, limit)
+
+
+def unseen_turning(one: Examined) -> Refusal | None:
     """Where a dead band's coefficients may be nothing by the faster rates alone."""
-    fit, group = evidence.fit, evidence.groups[number]
+    evidence, fit, group = one.evidence, one.evidence.fit, one.group
     bands = [term for term in group.terms if THRESHOLD in term.shapes]
     if not bands:
         return None
@@ -71,7 +100,7 @@ def unseen_turning(evidence: Evidence, number: int) -> Refusal | None:
     places = [p for band in bands for p in range(*model.places[band.key].indices(len(model.free)))]
     own = np.flatnonzero(np.isin(free, places))
     values = (covariance @ right)[own]
-    covariance = covariance[np.ix_(own, own)] * evidence.scatter.dispersion(number)
+    covariance = covariance[np.ix_(own, own)] * evidence.scatter.dispersion(one.number)
     if chi2.sf(values @ inverse(covariance) @ values, len(own)) < UNSEEN:
         return None
     u = np.sqrt(np.diag(covariance))
@@ -83,11 +112,11 @@ def unseen_turning(evidence: Evidence, number: int) -> Refusal | None:
     )  # fmt: skip
 
 
-def jump_at_one_end(evidence: Evidence, number: int) -> Refusal | None:
+def jump_at_one_end(one: Examined) -> Refusal | None:
     """The jump that has too few cells before or after it to show that the bias is constant
     there.
     """
-    group, blocks = evidence.groups[number], evidence.fit.blocks
+    group, blocks = one.group, one.evidence.fit.blocks
     times = [term.at[0] for term in group.terms if term.time_course == "jump"]
     if not times:
         return None
@@ -101,33 +130,28 @@ def jump_at_one_end(evidence: Evidence, number: int) -> Refusal | None:
     return Refusal("one_end", group.name, value=float(min(before, after)))
 
 
-def loops_both_ways(
-    effect: str, parameters: Sequence[Parameter], values: np.ndarray, u: np.ndarray
-) -> Refusal | None:
-    """A memory whose widths have weights of both signs, each larger than its U, in one channel.
-
-    values, u: (k,) of its parameters, weight by weight of each axis.
-    """
-    if effect != MEMORY:
+def loops_both_ways(one: Examined) -> Refusal | None:
+    """A memory whose widths have weights of both signs, each larger than its U, in one channel."""
+    if one.group.name != MEMORY:
         return None
-    clear = np.where(np.abs(values) > COVERAGE * u, np.sign(values), 0.0)
+    clear = np.where(np.abs(one.values) > COVERAGE * one.u, np.sign(one.values), 0.0)
     signs: dict[tuple[str, str], set[float]] = {}
-    for parameter, sign in zip(parameters, clear.tolist(), strict=True):
+    for parameter, sign in zip(one.parameters, clear.tolist(), strict=True):
         channel = parameter.unit, parameter.name.rsplit("_", 1)[-1]
         signs.setdefault(channel, set()).add(sign)
     both = any({1.0, -1.0} <= found for found in signs.values())
-    return Refusal("both_ways", effect) if both else None
+    return Refusal("both_ways", MEMORY) if both else None
 
 
-def made_by_placing(evidence: Evidence, number: int) -> Refusal | None:
+def made_by_placing(one: Examined) -> Refusal | None:
     """Where a finding that turns the body has no fewer parameters than the rests leave values."""
-    group, motion = evidence.groups[number], evidence.fit.blocks.motion
+    group, motion = one.group, one.evidence.fit.blocks.motion
     if motion.axes is not None or motion.tracking is not None:
         return None
     if not any(term.stage == "motion" for term in group.terms):
         return None
-    placed = _placements(evidence)
-    if 3 * placed - STANDARD_AT_REST > len(evidence.own[number][0]):
+    placed = _placements(one.evidence)
+    if 3 * placed - STANDARD_AT_REST > len(one.evidence.own[one.number][0]):
         return None
     return Refusal("placed", group.name, value=float(placed))
 
@@ -139,27 +163,22 @@ def _placements(evidence: Evidence) -> int:
     return len(np.unique(blocks.segment[rests & (blocks.segment >= 0)]))
 
 
-def swings(
-    evidence: Evidence, number: int, parameters: Sequence[Parameter], values: np.ndarray,
-    u: np.ndarray,
-) -> Refusal | None:  # fmt: skip
-    """A low-pass of the accelerometers alone whose amplitude is not that of a filter.
-
-    parameters, values, u: (k,) of the finding.
-    """
-    group = evidence.groups[number]
+def swings(one: Examined) -> Refusal | None:
+    """A low-pass of the accelerometers alone whose amplitude is not that of a filter."""
     lags = [
         value
-        for parameter, value, own in zip(parameters, values.tolist(), u.tolist(), strict=True)
-        if parameter.name in OF_ACCELEROMETERS or abs(value) > CLEAR_LAG * own
+        for parameter, value, u in zip(
+            one.parameters, one.values.tolist(), one.u.tolist(), strict=True
+        )
+        if parameter.name in OF_ACCELEROMETERS or abs(value) > CLEAR_LAG * u
     ]
-    alone = [parameter.name in OF_ACCELEROMETERS for parameter in parameters]
-    if group.name != BANDWIDTH.name or not any(alone) or len(lags) > sum(alone):
+    alone = [parameter.name in OF_ACCELEROMETERS for parameter in one.parameters]
+    if one.group.name != BANDWIDTH.name or not any(alone) or len(lags) > sum(alone):
         return None
-    curvature, own = _curvature(evidence)
+    curvature, own = _curvature(one.evidence)
     if abs(curvature) < max(CLEAR_LAG * own, MORE_CURVED * max(lags) ** 2):
         return None
-    return Refusal("swings", group.name)
+    return Refusal("swings", one.group.name)
 
 
 def _curvature(evidence: Evidence) -> tuple[float, float]:

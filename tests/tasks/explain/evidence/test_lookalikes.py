@@ -10,7 +10,12 @@ from engine_run import NOISY, RATE, motion, noise, observed, read
 from scipy.fft import irfft, rfft, rfftfreq
 
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.lookalikes import loops_both_ways, made_by_placing, unseen_turning
+from tasks.explain.evidence.lookalikes import (
+    Examined,
+    loops_both_ways,
+    made_by_placing,
+    unseen_turning,
+)
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.explanation import Refusal
 from tasks.explain.search.candidates import Candidate
@@ -31,7 +36,7 @@ PARAMETERS = tuple(
 )
 U = np.full(6, 0.01)
 ROWS = 20  # of each segment, and between them
-SHAKEN = motion()
+SHAKEN, NONE = motion(), np.zeros(0)
 
 
 def refused(made: np.ndarray, reported: Motion) -> Refusal | None:
@@ -40,7 +45,7 @@ def refused(made: np.ndarray, reported: Motion) -> Refusal | None:
     nothing = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
     blocks = replace(observed(made, RUN), motion=reported)
     fit = FittedSelection.of(Selection((selected,), NOISY, 0.0, nothing), blocks, RATE)
-    return unseen_turning(Evidence.of(fit), 0)
+    return unseen_turning(Examined(Evidence.of(fit), 0, NONE, NONE))
 
 
 def test_one_that_takes_off_faster_rates_too_keeps_its_name() -> None:
@@ -58,6 +63,13 @@ def test_what_takes_off_the_errors_of_rests_alone_has_no_name(error: float) -> N
     assert refusal.kind == "undetermined"
 
 
+def memory(effect: str, values: np.ndarray) -> Examined:
+    """A finding with the weights of two widths of each axis."""
+    groups = [SimpleNamespace(name=effect)]
+    evidence = SimpleNamespace(groups=groups, parameters=lambda _: PARAMETERS)
+    return Examined(cast(Evidence, evidence), 0, values, U)
+
+
 @pytest.mark.parametrize(
     ("values", "refused"),
     [
@@ -69,30 +81,31 @@ def test_what_takes_off_the_errors_of_rests_alone_has_no_name(error: float) -> N
 def test_clear_weights_of_both_signs_in_one_channel_are_no_memory(
     values: tuple[float, ...], refused: bool
 ) -> None:
-    found = loops_both_ways("hysteresis", PARAMETERS, np.array(values), U)
+    found = loops_both_ways(memory("hysteresis", np.array(values)))
     assert (found is not None and found.kind == "both_ways") == refused
 
 
 def test_other_effects_may_have_parameters_of_both_signs() -> None:
     values = np.array([0.1, 0.0, 0.0, -0.3, 0.0, 0.0])
-    assert loops_both_ways("temperature_bias", PARAMETERS, values, U) is None
+    assert loops_both_ways(memory("temperature_bias", values)) is None
 
 
-def evidence_of(rests: int, term: Term, parameters: int = 6, **motion: Any) -> Evidence:
+def placed(rests: int, term: Term, parameters: int = 6, **motion: Any) -> Examined:
     """A run of rests with a turn after each, told by labels unless `motion` says otherwise."""
     segment = np.tile(np.repeat([0, -1], ROWS), rests)
     segment[segment == 0] = np.repeat(np.arange(rests), ROWS)
     rate = np.where(segment[:, None] >= 0, 0.0, 0.3) * np.ones(3)
     fields = {"axes": None, "tracking": None, "rate": rate} | motion
     blocks = SimpleNamespace(motion=SimpleNamespace(**fields), segment=segment)
-    return cast(Evidence, SimpleNamespace(
+    evidence = SimpleNamespace(
         fit=SimpleNamespace(blocks=blocks), own=[(list(range(parameters)), None)],
         groups=[SimpleNamespace(terms=(term,), name=term.name)],
-    ))  # fmt: skip
+    )  # fmt: skip
+    return Examined(cast(Evidence, evidence), 0, NONE, NONE)
 
 
 def test_six_labelled_rests_tell_no_fixture_that_bends() -> None:
-    refusal = made_by_placing(evidence_of(6, STRUCTURAL_COMPLIANCE), 0)
+    refusal = made_by_placing(placed(6, STRUCTURAL_COMPLIANCE))
     assert refusal is not None
     assert (refusal.kind, refusal.name, refusal.value) == ("placed", "structural_compliance", 6)
 
@@ -111,7 +124,7 @@ def test_six_labelled_rests_tell_no_fixture_that_bends() -> None:
 def test_what_more_is_known_of_keeps_its_name(
     rests: int, parameters: int, term: Term, motion: dict[str, Any]
 ) -> None:
-    assert made_by_placing(evidence_of(rests, term, parameters, **motion), 0) is None
+    assert made_by_placing(placed(rests, term, parameters, **motion)) is None
 
 
 def refusal_of_filter(readings: np.ndarray) -> str | None:
