@@ -8,6 +8,7 @@ another: that is how a fault differs from a bias that jumps, which does not ask 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -79,7 +80,7 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
     jumps = {c: number * steps[c] for c, number in codes.items()}
     tried = [_put_right(right, predicted, motion, jumps, way) for way in WAYS if jumps]
     for c, jump in jumps.items():
-        for added, left in sorted(((off[:, c], left[c]) for off, left in tried), key=_left):
+        for added, left in sorted(((off[:, c], left[c]) for off, left in tried), key=itemgetter(1)):
             if left < MAX_LEFT * jump and _of_code(right[:, c] - added, added, jump):
                 off[:, c], found[c] = added, codes[c]
                 break
@@ -90,10 +91,6 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
             found[c] = round(BYTE)
     faulty = [_faulty(c, number, steps[c], off) for c, number in found.items()]
     return _event(faulty, off) if faulty else None
-
-
-def _left(one: tuple[np.ndarray, float]) -> float:
-    return one[1]
 
 
 def _faulty(channel: int, codes: int, step: float, off: np.ndarray) -> FaultyChannel:

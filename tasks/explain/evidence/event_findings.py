@@ -74,7 +74,8 @@ def event_findings(
         if len(kept) < len(events.events)
         else every
     )
-    removed = _removed_by(borne_out, full, predicted, left)
+    without = (_without(event, borne_out, full, predicted) for event in kept)
+    removed = [max(0.0, float(np.nansum(left.squares(one) - left.after))) for one in without]
     return EventFindings(findings, borne_out, found, left, removed)
 
 
@@ -107,13 +108,6 @@ def event_finding(
         indistinguishable=event.indistinguishable,
         separated_by=effect.separated_by if effect else None,
     )
-
-
-def _removed_by(
-    events: Events, full: FullRate, predicted: np.ndarray, left: LeftOver
-) -> list[float]:
-    residuals = (_without(event, events, full, predicted) for event in events.events)
-    return [max(0.0, float(np.nansum(left.squares(one) - left.after))) for one in residuals]
 
 
 def _without(event: Event, events: Events, full: FullRate, predicted: np.ndarray) -> np.ndarray:
