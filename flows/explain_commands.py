@@ -35,9 +35,9 @@ def explain(
     if as_json:
         print(explained.discrepancy.model_dump_json(indent=1))
         return
-    from flows.print_explanation import print_explanation
+    from flows.print_discrepancy import print_discrepancy
 
-    print_explanation(explained)
+    print_discrepancy(explained)
 
 
 @app.command(name="next", epilog="Example: mimucal next r8b7e8cc74921 --minutes 15 --out next.json")
@@ -141,6 +141,6 @@ def review(
     if as_json:
         print(reviewed.review.model_dump_json(indent=1))
         return
-    from flows.print_explanation import print_review
+    from flows.print_discrepancy import print_review
 
     print_review(reviewed)

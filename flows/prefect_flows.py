@@ -34,7 +34,7 @@ from schemas.orders import (
     RemindOrder,
     ReprocessOrder,
 )
-from schemas.recall import Recalled
+from schemas.reminders import DueUnit
 from tasks.conformity.limits import verdict_title
 from tasks.stages import remind as reminding
 from tasks.stages.certificate_inputs import read_inputs
@@ -90,14 +90,14 @@ def reprocess(order: ReprocessOrder) -> Reprocessing:
 
 
 @flow(name="remind")
-def remind(order: RemindOrder) -> list[Recalled]:
+def remind(order: RemindOrder) -> list[DueUnit]:
     """Send the reminders that are due now, and list the units due within so many days.
 
     Raises BrokenOff if one could not be sent; the next run tries again.
     """
     home, now = run_orders.home_of(order), datetime.now(UTC)
     faults = reminding.remind(home, now)
-    due = reminding.recalled(home, now.astimezone().date() + timedelta(days=order.within_days))
+    due = reminding.due_units(home, now.astimezone().date() + timedelta(days=order.within_days))
     create_table_artifact(
         key="recalibration-due",
         table=[{"unit": d.unit, "certificate": d.certificate, "due": str(d.due)} for d in due],

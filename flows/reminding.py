@@ -13,7 +13,7 @@ def print_reminders(within: int, dry_run: bool, as_json: bool) -> None:
     """Send the reminders due now, unless `dry_run`, and list units due within so many days."""
     place, now = home(), datetime.now(UTC)
     faults = [] if dry_run else remind.remind(place, now)
-    due = remind.recalled(place, now.astimezone().date() + timedelta(days=within))
+    due = remind.due_units(place, now.astimezone().date() + timedelta(days=within))
     sent = remind.sent(place)
     if as_json:
         listed = [

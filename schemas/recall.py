@@ -1,6 +1,6 @@
 """Who is reminded of recalibration, and how: recall.toml in the home folder."""
 
-from datetime import date, time
+from datetime import time
 from typing import Annotated, Literal, Self
 from zoneinfo import ZoneInfo
 
@@ -49,19 +49,3 @@ class RecallFile(Frozen):
         if twice := [name for name in names if names.count(name) > 1]:
             raise ValueError(f"the client {twice[0]!r} is listed twice")
         return self
-
-
-class Recalled(Frozen):
-    """A unit due for recalibration, with the issued certificate that agreed the interval.
-
-    key: the unit's number in the catalogue. client, laboratory: the name in English and in Chinese.
-    """
-
-    unit: str
-    key: int
-    model: str
-    certificate: str
-    issued_on: date
-    due: date
-    client: tuple[str, str]
-    laboratory: tuple[str, str]

@@ -16,7 +16,7 @@ from schemas.base import Unusable
 from schemas.history import Dispensable, Refused
 from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
-from storage.catalogue import certificates, database, explanations, runs, tables, trail
+from storage.catalogue import certificates, database, discrepancies, runs, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.run_index import Run, runs_where
 from storage.home import Home
@@ -124,7 +124,7 @@ def _delete_recording(each: Dispensable, person: str, home: Home) -> None:
     blobs.remove_file(f"raw/{digest}.mcap")
     blobs.remove_folder(f"columns/{digest}")
     blobs.remove_file(run_statistics.name_of(digest))
-    blobs.remove_file(explanations.name_of(digest))
+    blobs.remove_file(discrepancies.name_of(digest))
 
 
 def _delete_columns(each: Dispensable, person: str, home: Home) -> None:

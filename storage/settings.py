@@ -19,7 +19,7 @@ from storage.home import Home
 from storage.whole_files import check_depth, text_bytes
 
 LABORATORY = "laboratory.toml"
-RECALL = "recall.toml"
+REMINDERS = "recall.toml"
 PAGES = "pages.toml"
 VALIDATION = "validation.json"
 READERS = {".toml": tomllib.loads, ".json": json.loads}
@@ -86,9 +86,9 @@ def laboratory(home: Home) -> Laboratory | None:
     return read(path, Laboratory) if path.exists() else None
 
 
-def recall(home: Home) -> RecallFile | None:
+def reminders(home: Home) -> RecallFile | None:
     """Who is reminded of recalibration and how, or None where `recall.toml` is missing."""
-    path = home.path / RECALL
+    path = home.path / REMINDERS
     return read(path, RecallFile) if path.exists() else None
 
 

@@ -11,7 +11,7 @@ from schemas.base import Frozen, Unusable
 from schemas.certificate import State
 from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
-from storage.catalogue import certificates, database, explanations, tables, trail
+from storage.catalogue import certificates, database, discrepancies, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.results import calibration_of, result_id
 from storage.catalogue.run_index import Run, all_runs
@@ -183,8 +183,8 @@ def _unknown(blobs: Blobs, runs: list[Run]) -> Iterator[Found]:
     """Recordings and what is made of them in folder or bucket that the catalogue does not name."""
     known = {f"raw/{run.digest}.mcap" for run in runs} | {f"columns/{run.digest}" for run in runs}
     known |= {run_statistics.name_of(run.digest) for run in runs}
-    known |= {explanations.name_of(run.digest) for run in runs}
-    folders = ("raw", "columns", run_statistics.FOLDER, explanations.FOLDER)
+    known |= {discrepancies.name_of(run.digest) for run in runs}
+    folders = ("raw", "columns", run_statistics.FOLDER, discrepancies.FOLDER)
     for kept in (each for folder in folders for each in blobs.kept(folder)):
         if kept.name not in known:
             yield from _left_over(blobs.where(kept.name), kept.age_s)

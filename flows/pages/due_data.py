@@ -17,7 +17,7 @@ from schemas.pages.due import (
     StandardDue,
     UnitDue,
 )
-from schemas.recall import Recalled
+from schemas.reminders import DueUnit
 from storage.catalogue import equipment, reminders
 from storage.catalogue.reminders import Reminder
 from storage.home import Home
@@ -31,7 +31,7 @@ LAST_MESSAGES = 500
 
 def data(question: DueQuestion, home: Home) -> DueShown:
     """Units, messages and equipment of a question; raises Unusable for a damaged certificate."""
-    now, every = today(), remind.recalled(home)
+    now, every = today(), remind.due_units(home)
     of = [each for each in every if _is_asked(each, question)]
     messages = reminders.all_reminders(home)
     sent = Counter(each.certificate for each in messages if each.sent_at is not None)
@@ -51,20 +51,20 @@ def data(question: DueQuestion, home: Home) -> DueShown:
     )
 
 
-def _is_asked(recalled: Recalled, question: DueQuestion) -> bool:
-    is_client = question.client is None or question.client in recalled.client
-    return is_client and question.model in (None, recalled.model)
+def _is_asked(due_unit: DueUnit, question: DueQuestion) -> bool:
+    is_client = question.client is None or question.client in due_unit.client
+    return is_client and question.model in (None, due_unit.model)
 
 
-def _unit(recalled: Recalled, now: date, sent: Counter[str]) -> UnitDue:
+def _unit(due_unit: DueUnit, now: date, sent: Counter[str]) -> UnitDue:
     return UnitDue(
-        unit=recalled.key, name=recalled.unit, model=recalled.model, client=recalled.client,
-        certificate=recalled.certificate, due=recalled.due, days=(recalled.due - now).days,
-        messages=sent[recalled.certificate],
+        unit=due_unit.key, name=due_unit.unit, model=due_unit.model, client=due_unit.client,
+        certificate=due_unit.certificate, due=due_unit.due, days=(due_unit.due - now).days,
+        messages=sent[due_unit.certificate],
     )  # fmt: skip
 
 
-def _clients(of: Sequence[Recalled], now: date, until: date) -> list[ClientDue]:
+def _clients(of: Sequence[DueUnit], now: date, until: date) -> list[ClientDue]:
     overdue = Counter(each.client for each in of if each.due < now)
     coming = Counter(each.client for each in of if now <= each.due <= until)
     return [
@@ -73,7 +73,7 @@ def _clients(of: Sequence[Recalled], now: date, until: date) -> list[ClientDue]:
     ]
 
 
-def _months(of: Sequence[Recalled], now: date) -> list[Month]:
+def _months(of: Sequence[DueUnit], now: date) -> list[Month]:
     """What falls due from today on in this month and in those after it."""
     counts = Counter(f"{each.due:%Y-%m}" for each in of if each.due >= now)
     first = now.replace(day=1)

@@ -1,6 +1,6 @@
 """All pages, in the order of the navigation."""
 
-from flows.pages import budget, do, due, line, mismatch, quality, run, runs, signals, unit
+from flows.pages import budget, discrepancy, do, due, line, quality, run, runs, signals, unit
 from flows.pages.page import Page
 
 PAGES: tuple[Page, ...] = (
@@ -12,7 +12,7 @@ PAGES: tuple[Page, ...] = (
     unit.PAGE,
     due.PAGE,
     quality.PAGE,
-    mismatch.PAGE,
+    discrepancy.PAGE,
     do.PAGE,
 )
 FIRST = PAGES[0]  # what the bare address shows

@@ -12,7 +12,6 @@ from scipy.stats import norm
 
 from schemas.recording import Recording, Stream
 from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.angle_rates import as_mean_rates
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.search.fitted import FittedSelection
@@ -20,6 +19,7 @@ from tasks.explain.search.refit import fitted
 from tasks.explain.whitening import Noise, equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
+from tasks.motion.angle_rates import as_mean_rates
 from tasks.motion.samples import sample_interval
 
 FINE_HZ, STILL_HZ = 1000.0, 100.0  # of a motion that is planned, and of none

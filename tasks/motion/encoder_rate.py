@@ -144,7 +144,7 @@ def filtered(values: np.ndarray, kernel: np.ndarray) -> np.ndarray:
 
 def rests(angle: np.ndarray, interval: float, variance: np.ndarray) -> Iterator[Rest]:
     """The rests of one angle (n,) rad on an even grid, whose samples have variance (n,) rad²."""
-    from scipy.ndimage import binary_erosion, uniform_filter1d  # late: see encoder_rates
+    from scipy.ndimage import binary_erosion, uniform_filter1d  # late: see encoder_rate
 
     side = max(FEWEST_AHEAD, round(SIDE / interval))
     if len(angle) < 4 * side:

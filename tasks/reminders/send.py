@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
 from schemas.base import Unusable
-from schemas.recall import Recalled, SilentHours
+from schemas.recall import SilentHours
+from schemas.reminders import DueUnit
 from schemas.text import Statement
 from tasks.words import message, say
 
@@ -84,22 +85,22 @@ def _warnings() -> Iterator[list[str]]:
         logger.removeHandler(catcher)
 
 
-def title(recalled: Recalled, days: int, language: str) -> str:
+def title(due_unit: DueUnit, days: int, language: str) -> str:
     """The subject of a message on an occasion, days after the due date."""
     return say(
-        message(f"recall-title.{_side(days)}", unit=recalled.unit, due=recalled.due.isoformat()),
+        message(f"reminder-title.{_side(days)}", unit=due_unit.unit, due=due_unit.due.isoformat()),
         language,
     )
 
 
-def body(recalled: Recalled, days: int, language: str) -> str:
+def body(due_unit: DueUnit, days: int, language: str) -> str:
     """The message: which unit, by which certificate, and how many days from then."""
-    day = recalled.due + timedelta(days=days)
-    english, chinese = recalled.laboratory
+    day = due_unit.due + timedelta(days=days)
+    english, chinese = due_unit.laboratory
     return say(
         message(
-            f"recall-body.{_side(days)}", unit=recalled.unit, certificate=recalled.certificate,
-            issued=recalled.issued_on.isoformat(), due=recalled.due.isoformat(),
+            f"reminder-body.{_side(days)}", unit=due_unit.unit, certificate=due_unit.certificate,
+            issued=due_unit.issued_on.isoformat(), due=due_unit.due.isoformat(),
             days=str(abs(days)), day=day.isoformat(), laboratory=Statement(en=english, zh=chinese),
         ),
         language,
@@ -111,7 +112,7 @@ def _side(days: int) -> str:
 
 
 def calendar(
-    recalled: Iterable[Recalled], language: str, now: datetime, sequence: int = 0
+    due_units: Iterable[DueUnit], language: str, now: datetime, sequence: int = 0
 ) -> bytes:
     """An all-day entry on each due date.
 
@@ -124,25 +125,25 @@ def calendar(
     made.add("version", "2.0")
     made.add("prodid", PRODUCT + language.upper())
     made.add("method", "PUBLISH")
-    for each in recalled:
+    for each in due_units:
         made.add_component(_event(each, language, now, sequence))
     return made.to_ical()
 
 
-def _event(recalled: Recalled, language: str, now: datetime, sequence: int) -> "Event":
+def _event(due_unit: DueUnit, language: str, now: datetime, sequence: int) -> "Event":
     from icalendar import Event
 
     event = Event()
-    event.add("uid", f"recalibration-{recalled.certificate}@mimucal")
+    event.add("uid", f"recalibration-{due_unit.certificate}@mimucal")
     event.add("dtstamp", now)
     event.add("sequence", sequence)
-    event.add("dtstart", recalled.due)
-    event.add("dtend", recalled.due + timedelta(days=1))
+    event.add("dtstart", due_unit.due)
+    event.add("dtend", due_unit.due + timedelta(days=1))
     event.add("transp", "TRANSPARENT")
-    event.add("summary", say(message("recall-entry", unit=recalled.unit), language))
+    event.add("summary", say(message("reminder-entry", unit=due_unit.unit), language))
     event.add(
         "description",
-        say(message("recall-entry-of", certificate=recalled.certificate), language),
+        say(message("reminder-entry-of", certificate=due_unit.certificate), language),
     )
     return event
 

@@ -57,9 +57,7 @@ def draw(
     content: draws into the figure by matplotlib's objects. style: otherwise than STYLE.
     """
     # Late: only who draws needs it, and it takes a quarter of a second.
-    from matplotlib import artist, rc_context
-
-    artist.kwdoc = _undocumented
+    from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
@@ -72,13 +70,6 @@ def draw(
     svg = written.getvalue()
     body = svg[svg.index("<svg") + len("<svg") :].replace('pt"', '"', 2)  # points are px here
     return f'<svg role="img" aria-label="{escape(title)}"{body}'
-
-
-def _undocumented(_: object) -> str:
-    """In the place of matplotlib's lists of properties in its docstrings, which nobody reads here:
-    to make them takes a quarter of its start.
-    """
-    return ""
 
 
 def time_axis(axes: "Axes") -> None:

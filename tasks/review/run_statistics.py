@@ -12,9 +12,7 @@ import numpy as np
 from schemas.recording import Recording
 from schemas.review import Layout, PooledParameter, PooledTerm, RunStatistics
 from tasks.explain.channels import EVERY
-from tasks.explain.explain import LONG, SEARCH_RATE, without_faults
-from tasks.explain.inputs.angle_rates import as_mean_rates
-from tasks.explain.inputs.event_removal import cleaned
+from tasks.explain.inputs.prepared import prepare
 from tasks.explain.search.candidates import columns_of
 from tasks.explain.search.design import (
     BandedDesign,
@@ -23,6 +21,7 @@ from tasks.explain.search.design import (
     banded_design,
     normal_equations,
 )
+from tasks.explain.search.fitted import SEARCH_RATE
 from tasks.explain.search.stepwise import initial_noises
 from tasks.explain.whitening import Noise
 from tasks.model.catalogue import catalogue
@@ -43,11 +42,9 @@ def statistics_of(recording: Recording) -> RunStatistics:
     Events and faults of the logger are removed first, as by `explain`; a delay of the stamps stays
     in the readings, since it may be common to many runs.
     """
-    _, right, full = without_faults(as_mean_rates(recording))
-    clean = cleaned(right, full, delay_sought=False)
-    share = min(1.0, LONG / float(full.motion.t[-1]))
-    blocks = clean.blocks(share * SEARCH_RATE)
-    terms, columns = _terms_and_columns(right, blocks.motion)
+    prepared = prepare(recording, delay_sought=False)
+    blocks = prepared.blocks(SEARCH_RATE)
+    terms, columns = _terms_and_columns(prepared.recording, blocks.motion)
     every = [column for some in columns for column in some]
     design = banded_design(blocks, blocks.readings, every, np.full(len(every), np.inf))
     noises = initial_noises(design)

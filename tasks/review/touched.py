@@ -9,9 +9,9 @@ from schemas.recording import ANGLE, Recording
 from schemas.review import ReviewFinding, Touched
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.channels import CHANNELS
+from tasks.explain.correction.adopt import corrected
 from tasks.explain.correction.consequences import moved, shift
-from tasks.explain.correction.corrected import corrected
-from tasks.explain.explain import without_faults
+from tasks.explain.inputs.prepared import without_faults
 from tasks.explain.report.names import element_title, sentence
 from tasks.explain.report.statements import sentences
 from tasks.explain.search.candidates import columns_of

@@ -133,7 +133,7 @@ def _settings(home: Home) -> Iterator[Examined]:
             settings.laboratory,
             "certificates need one: deploy/guide/certificates.md",
         ),
-        (settings.RECALL, settings.recall, "nobody is reminded without one"),
+        (settings.REMINDERS, settings.reminders, "nobody is reminded without one"),
     )
     for name, look, without in looks:
         try:

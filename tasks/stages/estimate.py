@@ -83,10 +83,10 @@ def _with_terms(
     # Late: a calibration without terms needs none of it.
     from tasks.explain.correction.adopt import adopt
     from tasks.explain.explain import explain
-    from tasks.explain.inputs.angle_rates import gives_angles
     from tasks.explain.inputs.full_rate import full_rate
     from tasks.explain.report.unnamed import refused
     from tasks.model.catalogue import catalogue
+    from tasks.motion.angle_rates import gives_angles
 
     recording_id = recording.manifest.recording_id
     if gives_angles(recording):

@@ -17,7 +17,7 @@ from schemas.orders import ExplainOrder
 from schemas.recording import ACCEL, GYRO, Recording
 from schemas.review import RunStatistics
 from storage import run_statistics, settings
-from storage.catalogue import explanations, runs
+from storage.catalogue import discrepancies, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.whole_files import report_folder
@@ -65,9 +65,9 @@ def explain_run(
     # Late: the other stages need none of it.
     from tasks.explain.correction.consequences import consequences
     from tasks.explain.explain import explain
-    from tasks.explain.inputs.angle_rates import as_mean_rates
     from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
+    from tasks.motion.angle_rates import as_mean_rates
 
     out = report_folder(order.out)
     recording = runs.load(run, home)
@@ -85,7 +85,7 @@ def explain_run(
     if reference is None:
         html = report_html(discrepancy, explanation, pictures_of(discrepancy, explanation))
         with suppress(Unusable):
-            explanations.keep(run, discrepancy, html, datetime.now(UTC), home)
+            discrepancies.keep(run, discrepancy, html, datetime.now(UTC), home)
     keep_statistics(run, recording, home)
     return Explained(discrepancy, files)
 

@@ -5,7 +5,8 @@ from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from schemas.base import Unusable
-from schemas.recall import RecallClient, Recalled, RecallFile
+from schemas.recall import RecallClient, RecallFile
+from schemas.reminders import DueUnit
 from storage import settings
 from storage.catalogue import certificates, reminders
 from storage.catalogue.certificates import Entry
@@ -18,7 +19,7 @@ from tasks.words import Message, message
 Send = Callable[[str, str, str, bytes], str | None]
 
 
-def recalled(home: Home, until: date = date.max) -> list[Recalled]:
+def due_units(home: Home, until: date = date.max) -> list[DueUnit]:
     """The units whose newest issued certificate falls due by a day, and whose order agreed on it.
 
     The longest overdue come first. What an earlier version issued may have a date that no order
@@ -31,7 +32,7 @@ def recalled(home: Home, until: date = date.max) -> list[Recalled]:
         if order and order.agrees_on_recalibration:
             party = laboratory.party if laboratory else None
             found.append(
-                Recalled(
+                DueUnit(
                     unit=due.unit,
                     key=due.key,
                     model=due.model,
@@ -53,7 +54,7 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
     sent, and the next call after them sends it. Without recall.toml nothing is sent. Raises
     Unusable for an invalid channel.
     """
-    asked = settings.recall(home)
+    asked = settings.reminders(home)
     if asked is None:
         return []
     urls = {
@@ -65,7 +66,7 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
         return []
     faults = []
     today = now.astimezone().date()
-    for each in recalled(home, today - timedelta(days=OCCASIONS[0])):
+    for each in due_units(home, today - timedelta(days=OCCASIONS[0])):
         days = occasion(each.due, each.issued_on, today)
         client = _client_of(each, asked)
         if client is None or days is None:
@@ -97,8 +98,8 @@ def feed(home: Home, name: str, now: datetime) -> bytes:
 
     Raises Unusable for a client whom neither recall.toml nor any certificate names.
     """
-    asked = settings.recall(home) or RecallFile()
-    every = recalled(home)
+    asked = settings.reminders(home) or RecallFile()
+    every = due_units(home)
     client = next((client for client in asked.clients if client.name == name), None)
     own = [each for each in every if name in each.client]
     if client is None and not own:
@@ -109,15 +110,15 @@ def feed(home: Home, name: str, now: datetime) -> bytes:
     return calendar(own, client.language if client else "en", now)
 
 
-def _client_of(recalled: Recalled, asked: RecallFile) -> RecallClient | None:
-    return next((client for client in asked.clients if client.name in recalled.client), None)
+def _client_of(due_unit: DueUnit, asked: RecallFile) -> RecallClient | None:
+    return next((client for client in asked.clients if client.name in due_unit.client), None)
 
 
 def _sent(
-    send: Send, url: str, recalled: Recalled, days: int, language: str, now: datetime
+    send: Send, url: str, due_unit: DueUnit, days: int, language: str, now: datetime
 ) -> str | None:
-    entry = calendar([recalled], language, now, OCCASIONS.index(days))
-    return send(url, title(recalled, days, language), body(recalled, days, language), entry)
+    entry = calendar([due_unit], language, now, OCCASIONS.index(days))
+    return send(url, title(due_unit, days, language), body(due_unit, days, language), entry)
 
 
 def _side(days: int) -> str:
@@ -169,7 +170,7 @@ def sentence(unit: str, agreed: int, advice: IntervalAdvice) -> Message:
     """The advice in words."""
     known = advice.days is not None
     return message(
-        f"recall-advice.{advice.advice.replace(' ', '-')}{'' if known else '-unknown'}",
+        f"reminder-advice.{advice.advice.replace(' ', '-')}{'' if known else '-unknown'}",
         unit=unit, agreed=str(agreed), intervals=str(advice.intervals),
         conforming=str(advice.conforming), days=f"{advice.days or 0:.0f}",
         shortest=f"{advice.shortest or 0:.0f}", longest=f"{advice.longest or 0:.0f}",

@@ -14,8 +14,15 @@ import numpy as np
 
 from tasks.explain.confounding.combinations import Combination
 from tasks.explain.confounding.families import FAMILIES, Form, forms_of, group_delays, shape_count
-from tasks.explain.confounding.linear_forms import DISTINGUISHABLE, LinearForms
-from tasks.explain.confounding.marking import group_names, is_by_triad, keys_of, marked, names_of
+from tasks.explain.confounding.linear_forms import (
+    DISTINGUISHABLE,
+    LinearForms,
+    group_names,
+    is_by_triad,
+    keys_of,
+    marked,
+    names_of,
+)
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import INDISTINGUISHABLE

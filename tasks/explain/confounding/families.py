@@ -9,7 +9,6 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.search.candidates import Candidate
 from tasks.model.model import Model
 from tasks.model.term import Term, TermKey
-from tasks.model.terms.electronics import BANDWIDTH
 
 Form = tuple[Candidate, ...]
 
@@ -52,17 +51,6 @@ def delay_of_low_pass(low_pass: Term) -> float:
     """By how much it is late at low frequency, per unit of its time constants."""
     delay = GROUP_DELAYS[low_pass.name, low_pass.parameters[0].name]
     return max(delay.gyro, delay.accel)
-
-
-def searched_by_name(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """With one form of the low-pass only: near nothing the others are delays too, or delays of
-    each triad, that may not be negative, and would only stand in the way of delays. They are
-    compared with what was found.
-    """
-    return [
-        one for one in candidates
-        if one.name != "bandwidth" or one.term.parameters == BANDWIDTH.parameters
-    ]  # fmt: skip
 
 
 def forms_of(

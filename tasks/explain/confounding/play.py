@@ -8,8 +8,8 @@ import numpy as np
 from tasks.explain.confounding.combinations import Combination
 from tasks.explain.confounding.linear_forms import DISTINGUISHABLE, LinearForms
 from tasks.explain.search.candidates import Candidate, columns_of
+from tasks.explain.search.empirical_terms import Tip
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.tilts import Tip
 from tasks.explain.whitening import equations_of
 from tasks.model.regression import inverse
 from tasks.model.term import Column

@@ -1,16 +1,16 @@
 """Calibrates readings corrected for known physics, with the uncertainty of the corrections."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
 
 from schemas.calibration import AdoptedTerm, Calibration, Item
-from schemas.recording import Recording
+from schemas.recording import Recording, Stream
 from schemas.text import Remark
+from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
-from tasks.explain.correction.corrected import corrected
 from tasks.explain.correction.sensitivity import (
     UncertainInput,
     correlation_of,
@@ -214,3 +214,18 @@ def _segments_of_unknown_motion(
         unknown |= ~np.isfinite(finding.contribution[:, list(finding.channels)]).all(axis=1)
     used = ((s.name, recording.imu.rows(s.t_start, s.t_end)) for s in result.segments)
     return tuple(name for name, rows in used if unknown[rows].any())
+
+
+def corrected(recording: Recording, contributions: Sequence[np.ndarray]) -> Recording:
+    """The recording less what each contribution (n, 6), rad/s and m/s², added to its readings.
+
+    Rows where a contribution is not known stay as they were read.
+    """
+    added = np.zeros((len(recording.imu), len(CHANNELS)))
+    for contribution in contributions:
+        added += np.nan_to_num(contribution, nan=0.0)
+    columns = dict(recording.imu.columns)
+    for channel, name in enumerate(CHANNELS):
+        if name in columns and added[:, channel].any():
+            columns[name] = columns[name] - added[:, channel]
+    return replace(recording, imu=Stream(recording.imu.t, columns))

@@ -15,8 +15,7 @@ from schemas.recording import ANGLE, Recording
 from schemas.tolerance import Tolerance
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
-from tasks.explain.correction.adopt import Corrections
-from tasks.explain.correction.corrected import corrected
+from tasks.explain.correction.adopt import Corrections, corrected
 from tasks.explain.explanation import Explanation
 from tasks.specifications.register import specification_for
 from tasks.words import Sayable, message

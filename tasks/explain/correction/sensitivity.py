@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.determined import DeterminedModel, DeterminedParameter
-from tasks.explain.evidence.si_units import unit_of
+from tasks.explain.determined import DeterminedModel, DeterminedParameter, unit_of
 from tasks.explain.explanation import Finding
 from tasks.model.term import Column
 

@@ -68,9 +68,9 @@ class _Follows:
     rates: np.ndarray
 
 
-def find_bias_at_rest(t: np.ndarray, readings: np.ndarray, motion: Motion) -> BiasAtRest | None:
+def find_bias_at_rest(readings: np.ndarray, motion: Motion) -> BiasAtRest | None:
     """The bias estimated at rest of readings (n, 6); None where that does not explain them."""
-    fit = _Whitened.of(t, readings, motion)
+    fit = _Whitened.of(readings, motion)
     if fit is None:
         return None
     best = _best(fit)
@@ -123,7 +123,7 @@ class _Whitened:
     bases: tuple[np.ndarray, ...]
 
     @classmethod
-    def of(cls, t: np.ndarray, readings: np.ndarray, motion: Motion) -> "_Whitened | None":
+    def of(cls, readings: np.ndarray, motion: Motion) -> "_Whitened | None":
         """None where too little is known of gyros or motion."""
         written = readings[:, list(GYROS)]
         known = np.isfinite(written).all(axis=1) & motion.felt[:, list(GYROS)].all(axis=1)
@@ -145,8 +145,10 @@ class _Whitened:
             own = _means(written[used, axis, None])[:, 0] * weight[:, axis]
             left[:, axis] = own - bases[axis] @ (bases[axis].T @ own)
         size = np.where(known, np.abs(np.nan_to_num(written)).max(axis=1), np.inf)
-        interval = float(np.median(np.diff(t)))
-        return cls(t, np.nan_to_num(written), size, interval, used, weight, left, tuple(bases))
+        interval = float(np.median(np.diff(motion.t)))
+        return cls(
+            motion.t, np.nan_to_num(written), size, interval, used, weight, left, tuple(bases)
+        )
 
     def integral(self, quiet: float, wait: float) -> np.ndarray:
         """(n, 3) rad, of what was written while the unit was believed to rest."""

@@ -1,18 +1,23 @@
-"""Bursts: damped oscillations of one frequency and decay that start at irregular times."""
+"""Bursts: damped oscillations of one frequency and decay that start at irregular times.
 
-from dataclasses import replace
+Oscillating transients above the noise: their starting times and frequencies.
+
+Power of exponentially fading windows, at every frequency, over its median in the same motion
+state. A step or a peak has more beside its frequency than an oscillation has.
+"""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.fft import next_fast_len, rfft
 from scipy.signal import correlate
 from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import AddedSignal, channel_names
 from tasks.explain.events.noise import RATE_CHANGE, equalised, median_by_state, motion_states
-from tasks.explain.events.residual import Residual
+from tasks.explain.events.residual import Residual, peak_offset
 from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, damped_wave
-from tasks.explain.events.spectrum import peak_offset
-from tasks.explain.events.transients import MAX_FILLED, Transient, find_transients
 from tasks.motion.samples import in_blocks
 from tasks.words import message
 
@@ -26,6 +31,23 @@ MAX_BURSTS = 60  # more are no odd events
 MAX_ROUNDS = 3
 MAX_DECAY = 8.0  # s
 MAX_TIMES = 8  # that are listed
+DECAYS = (0.3, 0.9, 2.7)  # s, that are tried
+SLOWEST, FASTEST = 0.6, 10.0  # Hz
+WINDOW, PADDED = 3.0, 8.0  # decays that a window lasts, and with the zeros after it
+MAX_FILLED = 12  # decays that an oscillation may fill
+HOPS = 4  # windows that start within a decay
+BESIDE = 4  # bins from a peak
+MAX_BESIDE = 0.5  # of its power: what an oscillation may have there
+
+
+@dataclass(frozen=True)
+class Transient:
+    """start: s. frequency: Hz. decay: s. power: over the noise, gamma distributed without one."""
+
+    start: float
+    frequency: float
+    decay: float
+    power: float
 
 
 def find_bursts(residual: Residual, start: float = 0.0) -> AddedSignal | None:
@@ -37,7 +59,7 @@ def find_bursts(residual: Residual, start: float = 0.0) -> AddedSignal | None:
     if len(channels) == 0:
         return None
     white = blocks.white[:, channels]
-    strong, searched = find_transients(blocks.t, white, blocks.motion, FALSE_ALARM)
+    strong, searched = find_transients(blocks, white)
     if not strong or len(strong) > MAX_BURSTS:
         return None
     state = motion_states(blocks.motion, blocks.t)
@@ -131,3 +153,54 @@ def _correlated(values: np.ndarray, template: np.ndarray) -> np.ndarray:
     """Σ values[k + j]·template[j], (m,), for each start k."""
     padded = np.concatenate([values, np.zeros(len(template) - 1)])
     return np.asarray(correlate(padded, template, mode="valid", method="fft"))
+
+
+def find_transients(blocks: Residual, white: np.ndarray) -> tuple[list[Transient], int]:
+    """Transients in some white channels (m, k) of blocks, strongest first, apart in time.
+
+    With them the number of windows and frequencies that were searched.
+    """
+    spectra = [(decay, *_peak_power(blocks, white, decay)) for decay in DECAYS]
+    searched = sum(power.size for _, _, _, power in spectra)
+    threshold = float(gamma.isf(FALSE_ALARM / max(searched, 1), white.shape[1]))
+    found = [
+        Transient(float(starts[row]), float(frequencies[k]), decay, float(power[row, k]))
+        for decay, starts, frequencies, power in spectra
+        for row, k in zip(*np.nonzero(power > threshold), strict=True)
+    ]
+    apart: list[Transient] = []
+    for new in sorted(found, key=lambda each: -each.power):
+        if all(abs(new.start - each.start) > 2 * max(new.decay, each.decay) for each in apart):
+            apart.append(new)
+    return apart, searched
+
+
+def _peak_power(
+    blocks: Residual, white: np.ndarray, decay: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Starts (w,) s, frequencies (k,) Hz and the power (w, k) of peaks, 0 where there is none."""
+    t, step = blocks.t, blocks.interval
+    length, hop = int(WINDOW * decay / step), max(1, round(decay / step / HOPS))
+    if len(t) < 4 * length:
+        return np.zeros(0), np.zeros(0), np.zeros((0, 0))
+    fading = np.exp(-np.arange(length) * step / decay).astype(np.float32)
+    size = next_fast_len(int(PADDED * decay / step), real=True)
+    frequencies = np.fft.rfftfreq(size, step)
+    reach = int(np.searchsorted(frequencies, min(FASTEST, 0.4 / step)))
+    starts = np.arange(0, len(t) - length, hop)
+    state = motion_states(blocks.motion, t[starts])
+    total = np.zeros((len(starts), reach), np.float32)
+    for channel in white.astype(np.float32).T:  # half the work, and exact enough
+        windows = np.lib.stride_tricks.sliding_window_view(channel, length)[starts]
+        transform = rfft(windows * fading, size)[:, :reach]
+        power = transform.real**2 + transform.imag**2
+        level = median_by_state(power, state) / np.float32(np.log(2))
+        total += np.divide(power, level, out=np.zeros_like(power), where=level > 0)
+    total = equalised(total, state, MAX_FILLED * HOPS)
+    inner = total[:, BESIDE:-BESIDE]
+    beside = np.maximum(total[:, : -2 * BESIDE], total[:, 2 * BESIDE :])
+    slow = frequencies[BESIDE : reach - BESIDE] < SLOWEST
+    # What starts while the rate changes may be left of the motion itself.
+    even = (state != RATE_CHANGE)[:, None]
+    peaks = np.where(even & ~slow & (beside < MAX_BESIDE * inner), inner, 0.0)
+    return t[starts], frequencies[BESIDE : reach - BESIDE], peaks

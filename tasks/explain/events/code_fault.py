@@ -8,15 +8,15 @@ another: that is how a fault differs from a bias that jumps, which does not ask 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from scipy.ndimage import median_filter
 
 from schemas.discrepancy import FoundParameter
+from tasks.explain.events.broken_codes import BYTE, put_back, stuck_bit, torn_codes
 from tasks.explain.events.event import CHANNELS, UNITS, Event
 from tasks.explain.events.quantisation import quantiser_of
-from tasks.explain.events.stuck_bit import put_back, stuck_bit
-from tasks.explain.events.torn_code import BYTE, torn_codes
 from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import message
@@ -70,7 +70,7 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
         return None
     stuck = {c: bit for c, step in steps.items() if (bit := stuck_bit(readings[:, c] / step))}
     off = put_back(readings, motion, {c: bit * steps[c] for c, bit in stuck.items()})
-    found = [_faulty(c, abs(bit), steps[c], off) for c, bit in stuck.items()]
+    found = {c: abs(bit) for c, bit in stuck.items()}
     right = readings - off
     predicted = plain_prediction(right, motion)
     codes = {
@@ -80,22 +80,17 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
     jumps = {c: number * steps[c] for c, number in codes.items()}
     tried = [_put_right(right, predicted, motion, jumps, way) for way in WAYS if jumps]
     for c, jump in jumps.items():
-        for added, left in sorted(((off[:, c], left[c]) for off, left in tried), key=_left):
+        for added, left in sorted(((off[:, c], left[c]) for off, left in tried), key=itemgetter(1)):
             if left < MAX_LEFT * jump and _of_code(right[:, c] - added, added, jump):
-                off[:, c] = added
-                found.append(_faulty(c, codes[c], steps[c], off))
+                off[:, c], found[c] = added, codes[c]
                 break
-    explained = {one.channel for one in found}
     for c, step in steps.items():
-        torn = None if c in explained else torn_codes(right[:, c] / step, predicted[:, c] / step)
+        torn = None if c in found else torn_codes(right[:, c] / step, predicted[:, c] / step)
         if torn is not None:
             off[:, c] += torn * step
-            found.append(_faulty(c, round(BYTE), step, off))
-    return _event(found, off) if found else None
-
-
-def _left(one: tuple[np.ndarray, float]) -> float:
-    return one[1]
+            found[c] = round(BYTE)
+    faulty = [_faulty(c, number, steps[c], off) for c, number in found.items()]
+    return _event(faulty, off) if faulty else None
 
 
 def _faulty(channel: int, codes: int, step: float, off: np.ndarray) -> FaultyChannel:

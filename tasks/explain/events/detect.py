@@ -1,9 +1,15 @@
-"""Detects events: those that would disturb the regression before it, weaker ones after it."""
+"""Detects events: those that would disturb the regression before it, weaker ones after it.
+
+Spikes: single outlying readings without a name in the catalogue.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import binary_dilation, maximum_filter1d
+from scipy.stats import norm
 
+from schemas.discrepancy import FoundParameter
 from tasks.explain.events.bias_at_rest import BiasAtRest, find_bias_at_rest
 from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.dead_zone import find_dead_zone
@@ -17,24 +23,27 @@ from tasks.explain.events.quantisation import Quantiser, find_quantisation, quan
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import find_saturation
-from tasks.explain.events.spikes import find_spikes
 from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
 
+MIN_SPIKES = 3
+THRESHOLD = 7.0  # times the noise, by which a reading stands out from both its neighbours
+CORNER = 10  # rows
+STEADY = 0.02  # rad/s: how far the rate may move where it counts as steady
+MIN_REST = 0.05  # share of the rows at rest, so that spikes may be missing there
 
-def events_in_readings(
-    t: np.ndarray, readings: np.ndarray, motion: Motion, start: float = 0.0
-) -> Events:
+
+def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0) -> Events:
     """Events that disturb a regression: rows repeated or lost, limits, dead zone, steps, spikes.
 
-    t: (n,) s, rising. readings: (n, 6) rad/s and m/s² at the unit's full sample rate, NaN where a
-    triad was not recorded. motion: at the same rows, NaN where it is not known. start: of t = 0
-    on the recording's own clock, s.
+    readings: (n, 6) rad/s and m/s² at the unit's full sample rate, NaN where a triad was not
+    recorded. motion: at the same rows, NaN where it is not known. start: of t = 0 on the
+    recording's own clock, s.
     """
-    flat = constant_channels(readings)
+    t, flat = motion.t, constant_channels(readings)
     quantisers = [quantiser_of(column) for column in readings.T]
-    zone, zeroed = _zone(t, readings, motion, quantisers)
+    zone, zeroed = _zone(readings, motion, quantisers)
     if isinstance(zone, BiasAtRest):  # all other events act before it
         readings = readings - zone.applied(t, np.zeros(readings.shape))
     repeats = find_repeats(readings, motion, quantisers)
@@ -45,8 +54,8 @@ def events_in_readings(
     if masked.any():
         quantisers = [quantiser_of(column) for column in used.T]
     held = masked if repeats is None else masked | repeats.held
-    jitter = find_jitter(t, readings, motion, predicted, held)
-    lost = find_lost_samples(t, readings, motion, predicted, masked, start)
+    jitter = find_jitter(readings, motion, predicted, held)
+    lost = find_lost_samples(readings, motion, predicted, masked, start)
     times = (event for event in (jitter, repeats, lost) if event is not None)
     events: tuple[Event, ...] = (*times, *limits)
     residual = readings - predicted
@@ -83,7 +92,7 @@ def flat_remarks(flat: np.ndarray) -> tuple[Message, ...]:
 
 
 def _zone(
-    t: np.ndarray, readings: np.ndarray, motion: Motion, quantisers: Sequence[Quantiser | None]
+    readings: np.ndarray, motion: Motion, quantisers: Sequence[Quantiser | None]
 ) -> tuple[Event | None, np.ndarray]:
     """What firmware does to small rates, and the readings (n, 6) bool that say nothing for it.
 
@@ -92,28 +101,23 @@ def _zone(
     zone, zeroed = find_dead_zone(readings, motion, quantisers)
     if zone is not None and zone.thresholds:
         return zone, zeroed
-    estimated = find_bias_at_rest(t, readings, motion)
+    estimated = find_bias_at_rest(readings, motion)
     return (zone, zeroed) if estimated is None else (estimated, np.zeros(readings.shape, bool))
 
 
 def events_in_residual(
-    events: Events,
-    t: np.ndarray,
-    residual: np.ndarray,
-    noise: np.ndarray,
-    motion: Motion,
-    start: float = 0.0,
+    events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion, start: float = 0.0
 ) -> Events:
     """The events found before a regression, and lines, impacts and bursts in its residual.
 
-    t: (n,) s. residual: (n, 6) readings minus `events.applied` to the prediction of the fitted
-    model, NaN where that is unknown. noise: (6,) standard deviation of a sample, for channels whose
-    residual does not scatter. motion: at the same rows. start: of t = 0 on the recording's own
-    clock, s. These events add to what the unit senses, so they act before all others. Poses do not
-    show how a body vibrates: fast components of the residual need not be errors, unless they have
-    the mains' frequency throughout.
+    residual: (n, 6) readings minus `events.applied` to the prediction of the fitted model, NaN
+    where that is unknown. noise: (6,) standard deviation of a sample, for channels whose residual
+    does not scatter. motion: at the same rows. start: of t = 0 on the recording's own clock, s.
+    These events add to what the unit senses, so they act before all others. Poses do not show how
+    a body vibrates: fast components of the residual need not be errors, unless they have the mains'
+    frequency throughout.
     """
-    values = np.where(events.masked, np.nan, residual)
+    t, values = motion.t, np.where(events.masked, np.nan, residual)
     level = without_dead(noise_by_rate(values, motion))
     level = np.where(level == 0, noise, level)
     for event in events.events:
@@ -131,3 +135,50 @@ def events_in_residual(
     bursts = find_bursts(left.without(*lines).without_channels(nonlinear), start)
     transients = tuple(event for event in (impacts, bursts) if event is not None)
     return Events((*lines, *transients, *events.events), events.masked, events.remarks)
+
+
+def find_spikes(
+    readings: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion
+) -> tuple[Event | None, np.ndarray]:
+    """Single readings far from both their neighbours, and which (n, 6) bool to mask for them.
+
+    In the readings and in what a plain fit leaves of them (n, 6): the one has the motion's corners,
+    the other those of the reference's noise.
+    """
+    apart = np.minimum(_apart(readings, noise), _apart(residual, noise))
+    far = (apart > THRESHOLD) & _steady(motion.rate)[:, None]
+    masked = np.asarray(binary_dilation(far, np.ones((3, 1))))
+    # A neighbour of a spike stands out as well, by less.
+    size = np.where(far, apart, 0.0)
+    peak = far & (size == maximum_filter1d(size, 3, axis=0, mode="constant"))
+    rows = peak.any(axis=1)
+    count = int(rows.sum())
+    if count < MIN_SPIKES:
+        return None, masked
+    channels = tuple(np.flatnonzero(peak.any(axis=0)).tolist())
+    at_rest = np.linalg.norm(motion.rate, axis=1) < STEADY
+    turning = bool(at_rest.mean() > MIN_REST and not (rows & at_rest).any())
+    description = message(
+        "events-spikes-in-rotation" if turning else "events-spikes",
+        count=count, threshold=f"{THRESHOLD:.0f}", channels=channel_names(channels),
+    )  # fmt: skip
+    parameters = (FoundParameter(name="spikes", value=float(count), unit="1", u=0.0),)
+    expected = far.size * 2 * norm.sf(THRESHOLD)
+    p_value = float(min(1.0, expected**MIN_SPIKES))
+    return Event("unnamed", channels, parameters, p_value, description), masked
+
+
+def _apart(values: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """(n, 6) times the noise by which values are off the middle of their neighbours."""
+    white = np.divide(values, noise, out=np.full(values.shape, np.nan), where=noise > 0)
+    apart = np.zeros(values.shape)
+    apart[1:-1] = np.abs(white[1:-1] - 0.5 * (white[:-2] + white[2:])) / np.sqrt(1.5)
+    return apart
+
+
+def _steady(rate: np.ndarray) -> np.ndarray:
+    """Rows (n,) bool about which the rate does not change: a corner of a ramp is no spike."""
+    moving = np.ones(len(rate), bool)
+    change = np.abs(rate[2 * CORNER :] - rate[: -2 * CORNER]).max(axis=1, initial=0.0)
+    moving[CORNER:-CORNER] = ~(change < STEADY)
+    return ~maximum_filter1d(moving, 2 * CORNER + 1, mode="constant")

@@ -44,12 +44,13 @@ class StampJitter(Event):
 
 
 def find_jitter(
-    t: np.ndarray, readings: np.ndarray, motion: Motion, predicted: np.ndarray, masked: np.ndarray
+    readings: np.ndarray, motion: Motion, predicted: np.ndarray, masked: np.ndarray
 ) -> StampJitter | None:
-    """The jitter of stamps t (n,) s, where readings (n, 6) say that sampling was even.
+    """The jitter of the stamps, where readings (n, 6) say that sampling was even.
 
     predicted: (n, 6) by a plain fit. masked: (n, 6) readings that are not used.
     """
+    t = motion.t
     if len(t) < 3 * SMOOTH or not motion.known.any():
         return None
     late = _uneven(t)

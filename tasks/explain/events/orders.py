@@ -15,8 +15,7 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.stats import chi2
 
-from tasks.explain.events.residual import Residual
-from tasks.explain.events.spectrum import noise_level
+from tasks.explain.events.residual import Residual, noise_level
 
 CELLS_PER_TURN = 512  # of the angle
 MIN_SPEED = 0.3  # rad/s

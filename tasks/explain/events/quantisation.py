@@ -17,7 +17,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.noise import BLOCK
-from tasks.explain.events.spectrum import peak_offset
+from tasks.explain.events.residual import peak_offset
 from tasks.motion.samples import in_blocks
 from tasks.words import Message, message
 

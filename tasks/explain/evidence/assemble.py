@@ -3,20 +3,17 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.special import chdtrc
 
-from schemas.discrepancy import Verdict
-from schemas.recording import Recording
+from schemas.discrepancy import FoundParameter, Verdict
+from tasks.explain.channels import EVERY
 from tasks.explain.events.detect import events_in_residual
-from tasks.explain.events.event import Events
 from tasks.explain.evidence.determination import determined_model
-from tasks.explain.evidence.event_findings import event_findings
+from tasks.explain.evidence.event_findings import event_findings, with_faults
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
-from tasks.explain.evidence.increments import without_switching
-from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.reference_deviation import reference_deviation
-from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
-from tasks.explain.evidence.remainder import remainder
+from tasks.explain.evidence.left_over import LeftOver, remainder
+from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
     small_remainder,
@@ -24,36 +21,37 @@ from tasks.explain.evidence.shares import (
     without_form_errors,
     without_shadows,
     without_slivers,
+    without_switching,
 )
-from tasks.explain.evidence.smoothing_error import with_smoothing_error
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.inputs.reference import ReferencePrediction
+from tasks.explain.inputs.prepared import Prepared
+from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted, model_of
 from tasks.explain.search.stepwise import FALSE_ALARMS
+from tasks.explain.whitening import equations_of
+from tasks.model.model import Model
+from tasks.model.term import places
+from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.words import message
 
 MOSTLY = 0.5  # explained share up to which what is left is told as a finding of its own
 COMPLETE = 0.9  # share of the mismatch above noise from which on it counts as explained
+CLEAR = 3.0  # standard uncertainties from which on a parameter is listed
+OTHER = message("explain-other-parameters")
 
 
-def explanation_of(
-    recording: Recording,
-    full: FullRate,
-    events: Events,
-    evidence: Evidence,
-    reference: ReferencePrediction | None = None,
-    ordered: bool = False,
-) -> Explanation:
-    """The explanation given by a fitted selection and the events.
+def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False) -> Explanation:
+    """The explanation given by a fitted selection, the events and the faults of the logger.
 
-    reference: the prediction by which the readings were reduced to those of an ideal unit. ordered:
-    exactly these terms were requested, and each is reported whatever the evidence.
+    ordered: exactly these terms were requested, and each is reported whatever the evidence.
     """
-    evidence = with_smoothing_error(evidence, recording, full, events.masked)
+    evidence = with_smoothing_error(evidence, prepared)
+    full, events, reference = prepared.full, prepared.events, prepared.reference
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)
-    to_noise = fitted_to_reference_noise(recording, full, standard, evidence, events.masked)
+    to_noise = fitted_to_reference_noise(prepared, standard, evidence)
     scrutinies = scrutinised(evidence)
     determined = determined_model(evidence, scrutinies, full)
     terms = findings_of(evidence, scrutinies, full, determined, to_noise, ordered)
@@ -64,7 +62,7 @@ def explanation_of(
         nominal = reference.readings
         predicted = predicted + reference.beyond_ideal(full.motion)
     residual = full.readings - events.applied(t, predicted)
-    events = events_in_residual(events, t, residual, noise, full.motion, full.start)
+    events = events_in_residual(events, residual, noise, full.motion, full.start)
     artefacts = event_findings(events, full, nominal, predicted)
     left, total = artefacts.left, max(sum(gains), 1e-300)
     by_terms = max(left.removed - sum(artefacts.removed), 0.0)
@@ -82,8 +80,8 @@ def explanation_of(
     if mostly and (rest := remainder(full, artefacts.found, left)):
         reported.append(rest)
     p_value = min([fit.selection.p_value, *(event.p_value for event in artefacts.events.events)])
-    return Explanation(
-        recording=recording,
+    explanation = Explanation(
+        recording=prepared.recording,
         nominal=nominal,
         found=artefacts.found,
         noise=noise,
@@ -98,6 +96,7 @@ def explanation_of(
         small=tuple(small),
         determined=determined,
     )
+    return with_faults(explanation, prepared)
 
 
 def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Verdict:
@@ -110,3 +109,53 @@ def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Ver
         return "unexplained"
     complete = quiet or left.explained_share > COMPLETE
     return "explained" if len(named) == len(findings) and complete else "partly_explained"
+
+
+def reference_deviation(
+    standard: Model, predicted: np.ndarray, full: FullRate, fit: FittedSelection
+) -> list[Finding]:
+    """The finding that the standard's parameters are not those of the prediction; none: they are.
+
+    standard: the standard's model fitted to the readings less what the prediction has beyond an
+    ideal unit. predicted: (n, 6) by it at full rate.
+    """
+    ideal = Model.of(STANDARD_TERMS)
+    count = int(standard.free.sum())
+    gain = _chi2(ideal, fit) - _chi2(standard, fit)
+    if chdtrc(count, max(gain, 0.0)) > FALSE_ALARMS:
+        return []
+    return [
+        Finding(
+            effect=UNNAMED,
+            family=UNNAMED,
+            title=OTHER,
+            equation="models (1) and (2)",
+            source="JJF 2003-2022, 5.1 and 5.2",
+            channels=EVERY,
+            parameters=_clear_deviations(standard, ideal.values),
+            contribution=predicted - ideal.prediction(full.motion),
+            gain=gain,
+            delta_bic=gain - count * float(np.log(fit.blocks.used)),
+            held_out_gain=0.5 * gain - count,
+        )
+    ]
+
+
+def _chi2(model: Model, fit: FittedSelection) -> float:
+    """Of a model on the blocks that the selection is fitted to."""
+    blocks = fit.blocks
+    misfit = blocks.readings - model.prediction(blocks.motion)
+    return equations_of([], misfit, blocks, fit.noises).normal()[2]
+
+
+def _clear_deviations(standard: Model, ideal: np.ndarray) -> tuple[FoundParameter, ...]:
+    """The parameters that clearly deviate, as differences from the prediction's, SI."""
+    found = []
+    for term, place in zip(STANDARD_TERMS, places(STANDARD_TERMS), strict=True):
+        for p, parameter in enumerate(term.parameters, place.start):
+            name, u = f"{term.name}_{parameter.name}", float(standard.u[p])
+            change = float(standard.values[p] - ideal[p])
+            if u > 0 and abs(change) > CLEAR * u:
+                unit = "1" if parameter.factor == 1.0 and parameter.unit == "1" else "SI"
+                found.append(FoundParameter(name=name, value=change, unit=unit, u=u))
+    return tuple(found)

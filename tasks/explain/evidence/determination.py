@@ -7,7 +7,8 @@ import numpy as np
 
 from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.scrutiny import COVERAGE, Scrutiny
+from tasks.explain.evidence.lookalikes import COVERAGE
+from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.refit import fitted
 from tasks.explain.whitening import equations_of
@@ -27,7 +28,11 @@ def determined_model(
     """
     fit, model = evidence.fit, evidence.fit.model
     wider = widening(evidence, scrutinies)
-    loose = _undetermined(evidence, scrutinies, wider)
+    free, groups = np.flatnonzero(model.free), evidence.groups
+    own = [evidence.own[number][0] for number in scrutinies if not groups[number].random]
+    loose = undetermined(
+        model, [{int(free[q]) for q in one if q < len(free)} for one in own], wider
+    )
     if loose.any():
         without = fitted(model.held_at_zero(loose), fit.blocks, fit.noises)
         model = replace(without, free=without.free | loose)
@@ -52,20 +57,6 @@ def widening(evidence: Evidence, scrutinies: Mapping[int, Scrutiny]) -> np.ndarr
             if q < len(free) and model.u[free[q]] > 0.0:
                 wider[free[q]] = u / model.u[free[q]]
     return wider
-
-
-def _own(evidence: Evidence, number: int) -> list[int]:
-    """The places of a finding's fitted parameters in the model."""
-    free = np.flatnonzero(evidence.fit.model.free)
-    return [int(free[q]) for q in evidence.own[number][0] if q < len(free)]
-
-
-def _undetermined(
-    evidence: Evidence, scrutinies: Mapping[int, Scrutiny], wider: np.ndarray
-) -> np.ndarray:
-    """(p,) bool: parameters of the findings that the recording does not determine."""
-    owned = [set(_own(evidence, n)) for n in scrutinies if not evidence.groups[n].random]
-    return undetermined(evidence.fit.model, owned, wider)
 
 
 def undetermined(model: Model, owned: Sequence[set[int]], wider: np.ndarray) -> np.ndarray:

@@ -1,15 +1,27 @@
-"""Turns events into findings: what each changes, and whether the readings support it."""
+"""Turns events into findings: what each changes, and whether the readings support it.
 
+States the explanation of repaired readings for the readings as they were recorded.
+
+A fault that is there from the first row to the last is undone before anything else is looked for:
+what is found then has the units, axes and codes that it ought to have. Here it is put back.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from schemas.discrepancy import Verdict
+from tasks.explain.channels import CHANNELS, EVERY
+from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.event import Event, Events
+from tasks.explain.events.faults import Fault
 from tasks.explain.events.saturation import EFFECTS as LIMITS
 from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.shares import WEAK
-from tasks.explain.explanation import UNNAMED, Finding
+from tasks.explain.evidence.shares import WEAK, without_form_errors
+from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.inputs.prepared import Prepared
 from tasks.model.effect import EVENTS
 
 LEAST_P = 1e-300
@@ -62,7 +74,8 @@ def event_findings(
         if len(kept) < len(events.events)
         else every
     )
-    removed = _removed_by(borne_out, full, predicted, left)
+    without = (_without(event, borne_out, full, predicted) for event in kept)
+    removed = [max(0.0, float(np.nansum(left.squares(one) - left.after))) for one in without]
     return EventFindings(findings, borne_out, found, left, removed)
 
 
@@ -97,13 +110,6 @@ def event_finding(
     )
 
 
-def _removed_by(
-    events: Events, full: FullRate, predicted: np.ndarray, left: LeftOver
-) -> list[float]:
-    residuals = (_without(event, events, full, predicted) for event in events.events)
-    return [max(0.0, float(np.nansum(left.squares(one) - left.after))) for one in residuals]
-
-
 def _without(event: Event, events: Events, full: FullRate, predicted: np.ndarray) -> np.ndarray:
     """(n, 6) readings less what is predicted with all other events."""
     others = replace(events, events=tuple(one for one in events.events if one is not event))
@@ -136,3 +142,72 @@ def _left_in(event: Event, left: LeftOver) -> float:
     after = left.chi2_per_degree[list(event.channels)]
     known = after[np.isfinite(after)]
     return max(1.0, float(known.mean())) if len(known) else 1.0
+
+
+def with_faults(explanation: Explanation, prepared: Prepared) -> Explanation:
+    """The explanation of a recording that was put right, with the faults as its first findings.
+
+    The standard's scale factors take a setting up whole: against the fitted model it leaves no
+    mismatch, and its evidence is that no working unit has such scale factors.
+    """
+    recording, faults = prepared.recorded, prepared.faults
+    if not faults:
+        return explanation
+    t, found, own = recording.imu.t, explanation.found, list[Finding]()
+    matrix = _matrix(faults, t)
+    place = np.abs(matrix).argmax(axis=0)  # the channel in which each one is read
+    noise = np.abs(matrix) @ explanation.noise
+    for fault in faults:
+        read = fault.applied(t, found)
+        own.append(_finding(fault, read - found, noise))
+        found = read
+    names = {CHANNELS[c]: CHANNELS[place[c]] for c in EVERY}
+    ratio = {names[name]: value for name, value in explanation.held_out.rms_ratio.items()}
+    moved = [_moved(one, matrix, place) for one in explanation.findings]
+    return replace(
+        explanation,
+        recording=recording,
+        nominal=explanation.nominal @ matrix.T,
+        found=found,
+        noise=noise,
+        p_value=min([explanation.p_value, *(fault.p_value for fault in faults)]),
+        verdict=_verdict(explanation),
+        held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
+        left_over=explanation.left_over[place.argsort()],
+        explained_share=explanation.explained_share if explanation.findings else 1.0,
+        findings=(*own, *without_form_errors(moved, own)),
+        small=tuple(_moved(one, matrix, place) for one in explanation.small),
+        determined=explanation.determined and replace(explanation.determined, axes=matrix),
+    )
+
+
+def _verdict(explanation: Explanation) -> Verdict:
+    """What becomes of a verdict when a fault is explained besides."""
+    if explanation.verdict == "no_mismatch":
+        return "explained"
+    return "partly_explained" if explanation.verdict == "unexplained" else explanation.verdict
+
+
+def _matrix(faults: Sequence[Fault], t: np.ndarray) -> np.ndarray:
+    """(6, 6) effect of the settings on the readings of each channel."""
+    read = np.eye(len(CHANNELS))  # a row for each channel that reads one
+    for fault in faults:
+        if not isinstance(fault, CodeFault):
+            read = fault.applied(t, read)
+    return read.T
+
+
+def _moved(finding: Finding, matrix: np.ndarray, place: np.ndarray) -> Finding:
+    return replace(
+        finding,
+        channels=tuple(sorted(int(place[c]) for c in finding.channels)),
+        contribution=finding.contribution @ matrix.T,
+    )
+
+
+def _finding(fault: Fault, contribution: np.ndarray, noise: np.ndarray) -> Finding:
+    """The finding of a fault; the offset of wrong codes is compared with the noise (6,)."""
+    gain = float(-2.0 * np.log(fault.p_value))
+    if isinstance(fault, CodeFault):
+        gain = float(np.nansum((contribution / np.where(noise > 0, noise, np.inf)) ** 2))
+    return replace(event_finding(fault, contribution, gain), share=1.0)

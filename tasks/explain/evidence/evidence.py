@@ -12,10 +12,14 @@ from scipy.stats import f as fisher
 
 from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS
-from tasks.explain.evidence.cells import cell_equations, fold_cells, scatter_cells
-from tasks.explain.evidence.columns import fitted_columns
-from tasks.explain.evidence.groups import FindingGroup, finding_groups
-from tasks.explain.evidence.held_out import CrossValidation, cross_validation
+from tasks.explain.evidence.cells import (
+    CrossValidation,
+    cell_equations,
+    cross_validation,
+    fold_cells,
+    scatter_cells,
+)
+from tasks.explain.evidence.groups import FindingGroup, finding_groups, fitted_columns
 from tasks.explain.evidence.scatter import Scatter
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.whitening import equations_of

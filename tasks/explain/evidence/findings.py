@@ -7,15 +7,13 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.confounding.families import common_part
-from tasks.explain.determined import DeterminedModel
-from tasks.explain.evidence.bent_end import possibly_clipped_in_noise
+from tasks.explain.determined import DeterminedModel, unit_of
+from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, leakage
-from tasks.explain.evidence.one_rate import possibly_clipped
 from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
-from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection

@@ -4,9 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
+
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.stepwise import Selected, Selection
-from tasks.model.term import COUNTS, Term
+from tasks.model.model import Model
+from tasks.model.term import COUNTS, Column, Term
+from tasks.motion.whole import Motion
 
 LEAKAGE = 0.15  # of the chi-squared that something without a name gains
 PER_TURN = "per_turn"  # the shape of what comes so many times a turn
@@ -143,3 +147,17 @@ def _at_bound(term: Term) -> bool:
         if searched and (value >= 0.99 * high or value <= 1.01 * low):
             return True
     return False
+
+
+def fitted_columns(
+    model: Model, groups: Sequence[FindingGroup], motion: Motion
+) -> tuple[list[Column], np.ndarray]:
+    """Of a model's free parameters, then of known physics in the order of the groups; and what
+    the model predicts, (n, 6).
+    """
+    design = model.linearised(motion, model.free)
+    columns = [design.columns[p] for p in np.flatnonzero(model.free).tolist()]
+    for term in (term for group in groups for term in group.terms if not term.parameters):
+        effect = model.effect_of({term.key}, motion, design.prediction)
+        columns.append(dict(enumerate(effect.T)))
+    return columns, design.prediction

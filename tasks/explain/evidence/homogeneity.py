@@ -5,18 +5,23 @@ by a covariance that holds in a wrong model: the model's correlations, and the v
 cells of each part show by their scatter where that is larger.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.stats import f as fisher
 
+from tasks.explain.channels import TRIADS
 from tasks.explain.evidence.cells import CellEquations
-from tasks.explain.evidence.dispersion import cell_influence
+from tasks.explain.evidence.scatter import cell_influence
 from tasks.explain.explanation import Partition
+from tasks.explain.inputs.blocks import Blocks
 from tasks.model.regression import inverse
 
 DETERMINED = 0.05  # of the whole recording's information on a parameter: less determines nothing
 MIN_DEGREES = 2.0  # of the scatter of the cells
+CHANNEL_COUNT = 6
 
 
 @dataclass(frozen=True)
@@ -117,3 +122,44 @@ def _beyond_noise(
     left = float((weight * (off - noise)).sum())
     amplitude = float((total * mean**2)[known.any(axis=0)].sum())
     return spread, float(np.sqrt(max(left, 0.0) / max(amplitude, 1e-300)))
+
+
+def partitions(
+    blocks: Blocks, cells: np.ndarray, information: np.ndarray
+) -> Iterator[tuple[Partition, np.ndarray]]:
+    """What divides the recording, and its parts (parts, cells, 6) bool.
+
+    cells: (n,) number of each row's cell. information: (cells,) that each has on the parameters,
+    by which time and rate are halved.
+    """
+    count = len(information)
+    edges = np.searchsorted(cells, np.arange(count + 1))
+    rate = np.linalg.norm(np.nan_to_num(blocks.motion.rate), axis=1)
+    used = np.asarray((blocks.weight > 0).any(axis=1))
+    speed, upward = np.zeros(count), np.zeros((count, 3))
+    for n, (start, stop) in enumerate(pairwise(edges)):
+        rows = slice(start, stop)
+        turns = rate[rows] ** 2 * used[rows]
+        speed[n] = np.sqrt(turns.sum() / max(1, int(used[rows].sum())))
+        upward[n] = np.abs(np.nan_to_num(blocks.motion.up[rows])).sum(axis=0)
+    first = _first_half(np.arange(count), information)
+    yield "time", _of_cells(first, ~first)
+    slow = _first_half(np.argsort(speed, kind="stable"), information)
+    yield "rate", _of_cells(slow, ~slow)
+    known = upward.any(axis=1)
+    yield "up", _of_cells(*(known & (upward.argmax(axis=1) == axis) for axis in range(3)))
+    channels = np.arange(CHANNEL_COUNT)
+    every = np.ones((count, 1), bool)
+    yield "triad", np.stack([every & np.isin(channels, triad) for triad in TRIADS])
+    yield "axis", np.stack([every & (channels % 3 == axis) for axis in range(3)])
+
+
+def _first_half(order: np.ndarray, information: np.ndarray) -> np.ndarray:
+    """(cells,) bool: those that come first in an order and have half of the information."""
+    share = np.empty(len(order))
+    share[order] = np.cumsum(information[order]) - 0.5 * information[order]
+    return np.asarray(share <= 0.5 * information.sum())
+
+
+def _of_cells(*parts: np.ndarray) -> np.ndarray:
+    return np.stack([np.repeat(part[:, None], CHANNEL_COUNT, axis=1) for part in parts])

@@ -8,10 +8,14 @@ own account of itself; beyond the band in which poses tell the motion nothing is
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.signal import welch
 
+from tasks.explain.explanation import UNNAMED, Finding
 from tasks.explain.inputs.blocks import VIBRATING
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.motion.samples import in_blocks, noise_by_differences
+from tasks.words import message
+from tasks.words.quantities import percent, plain
 
 WINDOW = 2.0  # s: noise is what scatters within, slower changes are counted as mismatch
 STILL = 0.02  # rad/s
@@ -20,6 +24,10 @@ MIN_ROWS = 8  # of a window
 LEAST = 0.1  # of the noise that is usual in a triad
 ORDER = 4  # of the differences in which motion leaves next to nothing
 KNOWN_WITHIN = 0.1  # share of its power within which the noise at rest is known
+CLEAR = 2.0  # chi-squared per degree of freedom from which a channel is told of
+REFERENCE_KNOWN = 10.0  # times its own account: the power that a reference's noise may have
+BAND = (0.1, 0.9)  # quantiles of the power above noise between which a band is told
+SPECTRUM = 20.0  # s of one spectrum
 
 
 @dataclass(frozen=True)
@@ -166,3 +174,49 @@ def _usual_variance(windows: np.ndarray) -> float:
 def _white(readings: np.ndarray) -> float:
     variance = noise_by_differences(readings[np.isfinite(readings)], ORDER, 0.5) ** 2
     return variance if variance > 0.0 else np.nan
+
+
+def remainder(full: FullRate, found: np.ndarray, left: LeftOver) -> Finding | None:
+    """The residual above the noise as one finding; None if it may be the reference's errors.
+
+    found: (n, 6) predicted readings. It removes nothing and adds nothing to the readings.
+    """
+    clear = left.beyond_reference(REFERENCE_KNOWN) >= CLEAR
+    channels = tuple(np.flatnonzero(clear).tolist())
+    if not channels:
+        return None
+    low, high = band_of(full, found, left, channels)
+    return Finding(
+        effect=UNNAMED,
+        family=UNNAMED,
+        title=message("explain-remainder", share=percent(1.0 - left.explained_share),
+                      low=plain(low, 2), high=plain(high, 2)),
+        equation="",
+        source="",
+        channels=channels,
+        parameters=(),
+        contribution=np.zeros_like(found),
+        gain=0.0,
+        delta_bic=0.0,
+        held_out_gain=0.0,
+        remainder=True,
+    )  # fmt: skip
+
+
+def band_of(
+    full: FullRate, found: np.ndarray, left: LeftOver, channels: tuple[int, ...]
+) -> tuple[float, float]:
+    """The frequencies (Hz) between which four fifths of the power above noise lie."""
+    residual = np.where(left.masked, np.nan, full.readings - found) / np.sqrt(
+        left.noise * left.rows
+    )
+    means = block_means_at_rows(residual, left.rows)[:: left.rows, list(channels)]
+    interval = full.motion.interval * left.rows
+    frequency, power = welch(
+        np.nan_to_num(means), 1.0 / interval, nperseg=min(len(means), round(SPECTRUM / interval)),
+        axis=0,
+    )  # fmt: skip
+    noise = 2.0 * interval / left.rows
+    above = np.maximum.accumulate(np.cumsum(power[1:].sum(axis=1) - noise * len(channels)))
+    low, high = np.searchsorted(above, above[-1] * np.array(BAND))
+    return float(frequency[1:][low]), float(frequency[1:][high])

@@ -11,30 +11,30 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tasks.explain.determined import unit_of
 from tasks.explain.evidence.cells import scatter_cells
-from tasks.explain.evidence.dead_band import unseen_turning
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
-from tasks.explain.evidence.loops import loops_both_ways
-from tasks.explain.evidence.one_end import jump_at_one_end
-from tasks.explain.evidence.partitions import partitions
-from tasks.explain.evidence.placements import made_by_placing
+from tasks.explain.evidence.homogeneity import PartwiseEstimate, partitions, partwise
+from tasks.explain.evidence.lookalikes import (
+    COVERAGE,
+    SIZE,
+    Examined,
+    jump_at_one_end,
+    loops_both_ways,
+    made_by_placing,
+    swings,
+    unseen_turning,
+)
 from tasks.explain.evidence.shares import WEAK
-from tasks.explain.evidence.si_units import unit_of
-from tasks.explain.evidence.swinging import swings
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.model.regression import inverse
-from tasks.model.term import Parameter
 
-COVERAGE = 2.0  # standard uncertainties in U
 UNLIKE = 1e-3  # p value, corrected, from which on the parts of a recording are not alike
 MATERIAL = 0.25  # of a finding's amplitude: parts that differ by less are one law, and u covers it
 TOUCHED = 25.0  # chi-squared that a finding adds to a channel it materially touches
 MIN_TOUCHED = 0.02  # of what it adds to all channels
 TOLERATED = 4.5  # nats that a channel may lose by chance: 3·√a − a/2 at its largest, a added
 SCATTERED = 3.0  # φ from which on what is weak may be part of what scatters
-KNOWN_SIZE = 0.3  # by which physics that is known beforehand may differ from what is known
-SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
 
 
 @dataclass(frozen=True)
@@ -64,17 +64,18 @@ class Scrutiny:
         u = np.hypot(u, spread)
         if group.name == UNNAMED:
             return cls(p, u, None)
+        one = Examined(evidence, number, values, u)
         refusal = (
-            _implausible(evidence, number, values, u)
-            or _inhomogeneous(evidence, number, unlike)
-            or _channel_worse(evidence, number)
-            or _undetermined(evidence, number, values, u)
-            or _scattered(evidence, number)
-            or unseen_turning(evidence, number)
-            or made_by_placing(evidence, number)
-            or jump_at_one_end(evidence, number)
-            or loops_both_ways(group.name, _parameters(evidence, number), values, u)
-            or swings(evidence, number, _parameters(evidence, number), values, u)
+            _implausible(one)
+            or _inhomogeneous(one, unlike)
+            or _channel_worse(one)
+            or _undetermined(one)
+            or _scattered(one)
+            or unseen_turning(one)
+            or made_by_placing(one)
+            or jump_at_one_end(one)
+            or loops_both_ways(one)
+            or swings(one)
         )
         return cls(p, u, refusal)
 
@@ -92,85 +93,68 @@ def _estimated_apart(evidence: Evidence, number: int) -> Iterator[PartwiseEstima
             yield one.among(places, len(own))
 
 
-def _implausible(
-    evidence: Evidence, number: int, values: np.ndarray, u: np.ndarray
-) -> Refusal | None:
+def _implausible(one: Examined) -> Refusal | None:
     """Where a parameter lies beyond its plausible range by more than its U, the furthest."""
     furthest: tuple[float, Refusal] | None = None
-    for parameter, value, own_u in zip(_parameters(evidence, number), values, u, strict=True):
+    for k, (parameter, value, u) in enumerate(zip(one.parameters, one.values, one.u, strict=True)):
         value = float(value)
         if parameter is SIZE:
-            value += float(evidence.scatter.change(number)[0])
+            value += float(one.evidence.scatter.change(one.number)[0])
         low, high = parameter.plausible
         limit = high if value > high else low
-        if low - COVERAGE * own_u <= value <= high + COVERAGE * own_u:
+        if low - COVERAGE * u <= value <= high + COVERAGE * u:
             continue
         off = abs(value - limit) / (high - low)
         if furthest is None or off > furthest[0]:
-            refusal = Refusal("implausible", evidence.groups[number].name, parameter.name,
-                              unit_of(parameter), value, limit)  # fmt: skip
-            furthest = off, refusal
+            furthest = off, one.refused("implausible", k, value, limit)
     return furthest and furthest[1]
 
 
-def _inhomogeneous(
-    evidence: Evidence, number: int, unlike: list[PartwiseEstimate]
-) -> Refusal | None:
+def _inhomogeneous(one: Examined, unlike: list[PartwiseEstimate]) -> Refusal | None:
     """Where parts of the recording differ materially, those that differ the most."""
-    material = [one for one in unlike if one.differing > MATERIAL]
+    material = [each for each in unlike if each.differing > MATERIAL]
     if not material:
         return None
-    worst = max(material, key=lambda one: one.differing)
-    k = int(np.argmax(worst.spread / np.maximum(evidence.u(number), 1e-300)))
-    parameter, sizes = _parameters(evidence, number)[k], worst.values[:, k]
+    worst = max(material, key=lambda each: each.differing)
+    k = int(np.argmax(worst.spread / np.maximum(one.evidence.u(one.number), 1e-300)))
+    parameter, sizes = one.parameters[k], worst.values[:, k]
     return Refusal(
-        "inhomogeneous", evidence.groups[number].name, parameter.name, unit_of(parameter),
+        "inhomogeneous", one.group.name, parameter.name, unit_of(parameter),
         smallest=float(np.nanmin(sizes)), largest=float(np.nanmax(sizes)), parts=worst.partition,
     )  # fmt: skip
 
 
-def _channel_worse(evidence: Evidence, number: int) -> Refusal | None:
+def _channel_worse(one: Examined) -> Refusal | None:
     """Where a channel that it touches does not gain, or any channel loses."""
-    gains, added = evidence.channel_gains(number), evidence.added_power(number)
+    gains, added = one.evidence.channel_gains(one.number), one.evidence.added_power(one.number)
     tolerated = max(TOLERATED, MIN_TOUCHED * float(gains.max()))
     touched = (added > TOUCHED) & (added > MIN_TOUCHED * added.sum())
     worse = np.flatnonzero((touched & (gains <= 0.0)) | (gains < -tolerated))
     if not len(worse):
         return None
     channel = int(worse[gains[worse].argmin()])
-    name = evidence.groups[number].name
-    return Refusal("channel_worse", name, value=float(gains[channel]), unit="nat", channel=channel)
+    value = float(gains[channel])
+    return Refusal("channel_worse", one.group.name, value=value, unit="nat", channel=channel)
 
 
-def _undetermined(
-    evidence: Evidence, number: int, values: np.ndarray, u: np.ndarray
-) -> Refusal | None:
+def _undetermined(one: Examined) -> Refusal | None:
     """The clearest parameter, if none exceeds its U, nor, for a finding that is not weak, all
     mutually compensating ones together.
     """
-    parameters = _parameters(evidence, number)
-    off = values - np.array([0.0 if one is SIZE else one.nominal for one in parameters])
-    joint = float(off @ inverse(evidence.correlation(number) * u[:, None] * u) @ off)
+    evidence, u = one.evidence, one.u
+    off = one.values - np.array([0.0 if p is SIZE else p.nominal for p in one.parameters])
+    joint = float(off @ inverse(evidence.correlation(one.number) * u[:, None] * u) @ off)
     clear = np.abs(off) / np.maximum(COVERAGE * u, 1e-300)
     k = int(clear.argmax())
-    together = joint > COVERAGE**2 * len(u) and evidence.delta_bic(number) > WEAK
+    together = joint > COVERAGE**2 * len(u) and evidence.delta_bic(one.number) > WEAK
     if clear[k] > 1.0 or together:
         return None
-    parameter = parameters[k]
-    return Refusal(
-        "undetermined", evidence.groups[number].name, parameter.name, unit_of(parameter),
-        float(values[k]), COVERAGE * float(u[k]),
-    )  # fmt: skip
+    return one.refused("undetermined", k, float(one.values[k]), COVERAGE * float(u[k]))
 
 
-def _scattered(evidence: Evidence, number: int) -> Refusal | None:
+def _scattered(one: Examined) -> Refusal | None:
     """Where it is weak beside a residual that varies more between stretches than noise does."""
-    times = evidence.scatter.dispersion(number)
-    if times < SCATTERED or evidence.delta_bic(number) > WEAK:
+    times = one.evidence.scatter.dispersion(one.number)
+    if times < SCATTERED or one.evidence.delta_bic(one.number) > WEAK:
         return None
-    return Refusal("scatter", evidence.groups[number].name, value=times)
-
-
-def _parameters(evidence: Evidence, number: int) -> list[Parameter]:
-    """Of each own column; known physics has a size, which is one."""
-    return [parameter or SIZE for parameter in evidence.parameters(number)]
+    return Refusal("scatter", one.group.name, value=times)

@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from schemas.base import Unusable
 from schemas.recording import Segment
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.motion.samples import bridged, longest_step, sample_interval
+from tasks.motion.samples import bridged, longest_step
 from tasks.motion.whole import Motion
 
 MIN_BLOCKS = 200
@@ -71,7 +71,7 @@ def block_means(
     the band's, unless given. Raises Unusable if there are fewer, or if none is known.
     """
     t = full.motion.t
-    own = 1.0 / max(sample_interval(t), 1e-9)
+    own = 1.0 / max(full.motion.interval, 1e-9)
     # A block between two batches of stamps would have no row, and its neighbours none beside them.
     step = max(1, round(own / rate), int(np.ceil(own * longest_step(t) - UNEVEN)))
     band, needed = np.inf, MIN_BLOCKS

@@ -7,13 +7,11 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import Recording, Segment
 from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.clock_remarks import clock_remarks
 from tasks.explain.inputs.gyro_acceleration import with_gyro_acceleration
 from tasks.explain.inputs.labels import with_usable_labels
 from tasks.explain.inputs.recorded_signals import recorded_signals
-from tasks.explain.inputs.reference_remarks import reference_remarks
-from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps
-from tasks.explain.inputs.vibration import vibration
+from tasks.explain.inputs.remarks import clock_remarks, reference_remarks
+from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps, vibration
 from tasks.motion.reference_noise import EXACT, ReferenceNoise, reference_noise
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import find_segments
@@ -80,10 +78,10 @@ def full_rate(recording: Recording) -> FullRate:
     for k, each in enumerate(segments):
         segment[recording.imu.rows(each.t_start, each.t_end)] = k
     variance = noise_by_segment(readings, motion, segment, len(segments))
+    remarks = (*on_labels, *reference_remarks(recording, motion), *clock_remarks(recording))
     speed = np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
     recorded = recorded_signals(recording, motion.t, segments)
     recorded["vibration"] = vibration(variance, segment, speed)
-    remarks = (*on_labels, *reference_remarks(recording, motion), *clock_remarks(recording))
     start = float(motion.t[0])
     noise = reference_noise(recording, motion).since(start)
     motion = replace(motion, t=motion.t - start, recorded=recorded)

@@ -4,13 +4,12 @@ Where most labels of a kind are contradicted it is not the labels that are wrong
 a range set wrong. Then they are used, and what is wrong is looked for.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from schemas.recording import Recording
 from tasks.segments.find import up_of
 from tasks.segments.rates import OFF_LINE, OFF_LINE_LEAST, TurningPoint, turning_points
-from tasks.segments.summarise import ACCEL_COLUMNS, MIN_ROWS, SegmentMean, rows_of, summarise_all
+from tasks.segments.summarise import ACCEL_COLUMNS, MIN_ROWS, summarise_all
 from tasks.words import Sayable, message
 
 MOST = 0.5  # of the labels that can be checked: more contradictions are not theirs
@@ -19,22 +18,28 @@ MOST = 0.5  # of the labels that can be checked: more contradictions are not the
 def with_usable_labels(recording: Recording) -> tuple[Recording, tuple[Sayable, ...]]:
     """The recording without contradicted labels, and remarks that name them."""
     labels = recording.manifest.segments or ()
-    long_enough = tuple(label for label in labels if rows_of(recording, label) >= MIN_ROWS)
-    means = summarise_all(recording, long_enough, "label")
+    summaries = summarise_all(recording, labels, "label")
+    means = tuple(one for one in summaries if one.rows >= MIN_ROWS)
+    points = turning_points(recording, means)
     by_gravity = _if_few({
         mean.segment.name: up_of(mean.mean[ACCEL_COLUMNS]) != mean.segment.up
         for mean in means
         if mean.segment.kind == "static" and mean.segment.up is not None and mean.has_accel
     })  # fmt: skip
-    points = turning_points(recording, means)
     by_rate = _if_few({means[k].segment.name: _another_rate(point) for k, point in points.items()})
     if not by_gravity and not by_rate:
         return recording, ()
     kept = tuple(label for label in labels if label.name not in {*by_gravity, *by_rate})
     manifest = recording.manifest.model_copy(update={"segments": kept})
-    return replace(recording, manifest=manifest), tuple(
-        _remarks(by_gravity, by_rate, points, means)
-    )
+    remarks: list[Sayable] = []
+    if by_gravity:
+        listed = ", ".join(by_gravity)
+        remarks.append(message("reference-labels-against-gravity", segments=listed))
+    if by_rate:
+        listed = ", ".join(by_rate)
+        table = "yes" if any(point.by_table for point in points.values()) else "no"
+        remarks.append(message("reference-labels-against-rate", segments=listed, table=table))
+    return replace(recording, manifest=manifest), tuple(remarks)
 
 
 def _another_rate(point: TurningPoint) -> bool:
@@ -48,24 +53,3 @@ def _if_few(contradicted: dict[str, bool]) -> tuple[str, ...]:
     """The names of contradicted labels; none where they are most of those that were checked."""
     names = tuple(name for name, wrong in contradicted.items() if wrong)
     return names if len(names) <= MOST * len(contradicted) else ()
-
-
-def _remarks(
-    by_gravity: Sequence[str],
-    by_rate: Sequence[str],
-    points: dict[int, TurningPoint],
-    means: Sequence[SegmentMean],
-) -> list[Sayable]:
-    remarks: list[Sayable] = []
-    if by_gravity:
-        listed = ", ".join(by_gravity)
-        remarks.append(message("reference-labels-against-gravity", segments=listed))
-    if by_rate:
-        table = any(point.by_table for point in points.values())
-        remarks.append(
-            message(
-                "reference-labels-against-rate",
-                segments=", ".join(by_rate), table="yes" if table else "no",
-            )
-        )  # fmt: skip
-    return remarks

@@ -13,10 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.discrepancy import Dimension
-from tasks.explain.locate.excess import MIN_VISIBLE, ChannelExcess
 from tasks.explain.locate.partitions import Partition
-from tasks.explain.locate.rotation import MAX_HARMONIC, Rotation
-from tasks.explain.locate.run_blocks import BlockedRun, Moments
+from tasks.explain.locate.run_blocks import (
+    MAX_HARMONIC,
+    MIN_VISIBLE,
+    BlockedRun,
+    ChannelExcess,
+    Moments,
+    Rotation,
+)
 from tasks.words import Message, message
 from tasks.words.quantities import moment, percent
 

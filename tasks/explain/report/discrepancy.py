@@ -16,14 +16,22 @@ from schemas.discrepancy import (
 from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import Consequences
-from tasks.explain.explanation import UNNAMED, Explanation, Finding
-from tasks.explain.report.next_step import next_of
+from tasks.explain.explanation import UNNAMED, Explanation, Finding, Refusal
+from tasks.explain.report.names import channel_title
 from tasks.explain.report.statements import finding_statement, small_statement
-from tasks.explain.report.unnamed import pattern_of, refused, setting_suspected, title_of
+from tasks.explain.report.unnamed import (
+    far_beyond,
+    pattern_of,
+    refused,
+    setting_suspected,
+    title_of,
+    usual_cause,
+)
 from tasks.explain.report.verdict import verdict_statement
 from tasks.explain.search.stepwise import FALSE_ALARMS
+from tasks.model.effect import next_step, separating_recording
 from tasks.version import code_version
-from tasks.words import statement
+from tasks.words import Sayable, message, statement
 
 FIGURES = ("where.svg", "before_after.svg", "shares.svg")
 NOT_WRITTEN = Statement(en="", zh="")
@@ -32,7 +40,7 @@ NOT_WRITTEN = Statement(en="", zh="")
 def discrepancy_of(
     explanation: Explanation, wheres: Sequence[tuple[Where, ...]], effects: Consequences
 ) -> Discrepancy:
-    """The whole answer of an explanation, in every language.
+    """The whole discrepancy of an explanation, in every language.
 
     wheres: one entry for each finding, in the order of the findings, as `effects` has them.
     Raises ValueError where their number differs from that of the findings.
@@ -103,3 +111,47 @@ def _published(
     )
     text = finding_statement(draft, left_over, together)
     return draft.model_copy(update={"statement": text})
+
+
+def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayable:
+    """What an engineer does next: checks a setting, the fixture, the logger, or records something.
+
+    places: by falling share. setting: a wrong setting is suspected.
+    """
+    if finding.effect != UNNAMED:
+        return next_step(finding.effect) or finding.separated_by or _by_place(places)
+    if finding.refusal is None:
+        return _by_place(places)
+    return _after_refusal(finding.refusal, setting) or _by_place(places)
+
+
+ALIKE_FOR_ALL = {
+    "overshadowed": "report-next-overshadowed",
+    "incomplete": "report-next-incomplete",
+    "scatter": "report-next-incomplete",
+    "reference_noise": "report-next-reference-noise",
+    "placed": "report-next-placed",
+    "one_end": "report-next-one-end",
+    "both_ways": "report-next-mode",
+    "swings": "report-next-mode",
+    "switching": "report-next-switching",
+}  # what is next, whatever name was refused
+
+
+def _after_refusal(refusal: Refusal, setting: bool) -> Sayable | None:
+    if refusal.kind == "implausible":
+        if setting:
+            return message("report-next-implausible", usual=usual_cause(refusal))
+        return message("report-next-alike") if far_beyond(refusal) else None
+    if refusal.kind == "inhomogeneous":
+        return message("report-next-inhomogeneous", parts=refusal.parts or "time")
+    if refusal.kind == "channel_worse" and refusal.channel is not None:
+        return message("report-next-channel", channel=channel_title(CHANNELS[refusal.channel]))
+    if refusal.kind in ALIKE_FOR_ALL:
+        return message(ALIKE_FOR_ALL[refusal.kind])
+    recording = separating_recording(refusal.name)
+    return message("report-next-undetermined", recording=recording) if recording else None
+
+
+def _by_place(places: tuple[Where, ...]) -> Sayable:
+    return message("report-next", dimension=places[0].dimension if places else "level")

@@ -20,9 +20,9 @@ REST = "#b8b8b8"
 BAR = 0.62  # of a row
 
 
-def shares_svg(answer: Discrepancy) -> str:
+def shares_svg(discrepancy: Discrepancy) -> str:
     """The picture; its words are English with the field's symbols."""
-    bars = share_bars(answer)
+    bars = share_bars(discrepancy)
     rows = max(len(bars), len(CHANNELS))
     height = HEAD + ROW * rows + FOOT
 
@@ -34,12 +34,12 @@ def shares_svg(answer: Discrepancy) -> str:
             for start, end in (SHARE_BARS, CHANNEL_BARS)
         )
         _draw_shares(left, bars, rows)
-        _draw_left_over(right, answer, rows)
+        _draw_left_over(right, discrepancy, rows)
 
     return draw("Share of each finding and what is left", WIDTH, height, content)
 
 
-def share_bars(answer: Discrepancy) -> list[tuple[str, float, str]]:
+def share_bars(discrepancy: Discrepancy) -> list[tuple[str, float, str]]:
     """(title, share of the mismatch, colour) of each finding, and of what none explains."""
     bars = [
         (
@@ -47,9 +47,9 @@ def share_bars(answer: Discrepancy) -> list[tuple[str, float, str]]:
             finding.share,
             FINDINGS[k] if k < len(FINDINGS) else GREY,
         )
-        for k, finding in enumerate(answer.findings)
+        for k, finding in enumerate(discrepancy.findings)
     ]
-    return [*bars, ("Not explained", 1.0 - answer.explained_share, REST)]
+    return [*bars, ("Not explained", 1.0 - discrepancy.explained_share, REST)]
 
 
 def _draw_shares(axes: Any, bars: list[tuple[str, float, str]], rows: int) -> None:
@@ -64,8 +64,8 @@ def _draw_shares(axes: Any, bars: list[tuple[str, float, str]], rows: int) -> No
     axes.set_axis_off()
 
 
-def _draw_left_over(axes: Any, answer: Discrepancy, rows: int) -> None:
-    values = [answer.left_over.get(channel) for channel in CHANNELS]
+def _draw_left_over(axes: Any, discrepancy: Discrepancy, rows: int) -> None:
+    values = [discrepancy.left_over.get(channel) for channel in CHANNELS]
     largest = max([2.0, *(value for value in values if value is not None)])
     smallest = min([0.5, *(value for value in values if value)])
     axes.set(xlim=(smallest, 1.3 * largest), ylim=(rows, 0), xscale="log")

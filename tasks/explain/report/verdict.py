@@ -25,45 +25,47 @@ from tasks.words.quantities import chi2, percent, plain, probability, quantities
 CLEAR_GAIN = 0.95  # what a residual falls to where it is worth stating
 
 
-def verdict_statement(answer: Discrepancy, recording: Recording) -> Statement:
-    """The answer as one paragraph; its first sentence says how much of the mismatch is explained.
+def verdict_statement(discrepancy: Discrepancy, recording: Recording) -> Statement:
+    """A discrepancy as one paragraph; its first sentence says how much of it is explained.
 
-    answer: all but this statement. recording: what it is of.
+    discrepancy: all but this statement. recording: what it is of.
     """
-    if answer.verdict == "no_mismatch":
-        left = chi2(answer.held_out.chi2_per_dof_before)
+    if discrepancy.verdict == "no_mismatch":
+        left = chi2(discrepancy.held_out.chi2_per_dof_before)
         nothing = message("report-nothing-found", chi2=left)
-        return statement(sentences([nothing, tested(recording), detected(answer.detection)]))
-    named = [finding for finding in answer.findings if finding.effect != UNNAMED]
+        return statement(sentences([nothing, tested(recording), detected(discrepancy.detection)]))
+    named = [finding for finding in discrepancy.findings if finding.effect != UNNAMED]
     parts = [
-        _summary(answer) if answer.findings or answer.left_over else "",
+        _summary(discrepancy) if discrepancy.findings or discrepancy.left_over else "",
         _left_out(named) if named else "",
-        "" if answer.verdict == "explained" else _unnamed(answer),
-        _left_over(answer), small_remainders(answer), _gained(answer.held_out), _moved(answer),
-        detected(answer.detection),
+        "" if discrepancy.verdict == "explained" else _unnamed(discrepancy),
+        _left_over(discrepancy), small_remainders(discrepancy), _gained(discrepancy.held_out),
+        _moved(discrepancy), detected(discrepancy.detection),
     ]  # fmt: skip
     return statement(sentences(parts))
 
 
-def _summary(answer: Discrepancy) -> Message:
+def _summary(discrepancy: Discrepancy) -> Message:
     """How much of the mismatch is explained, how much is not, and what to look at first."""
-    explained = min(max(answer.explained_share, 0.0), 1.0)
-    unnamed = [finding.share for finding in answer.findings if finding.effect == UNNAMED]
+    explained = min(max(discrepancy.explained_share, 0.0), 1.0)
+    unnamed = [finding.share for finding in discrepancy.findings if finding.effect == UNNAMED]
     without_name = (
-        min(sum(unnamed), explained) if len(unnamed) < len(answer.findings) else explained
+        min(sum(unnamed), explained) if len(unnamed) < len(discrepancy.findings) else explained
     )
-    kinds = "all" if not unnamed else "none" if len(unnamed) == len(answer.findings) else "some"
+    kinds = (
+        "all" if not unnamed else "none" if len(unnamed) == len(discrepancy.findings) else "some"
+    )
     return message(
         "report-summary", all=percent(explained), named=percent(explained - without_name),
         unnamed=percent(without_name), left=percent(1.0 - explained), kinds=kinds,
-        first=_first(answer, 1.0 - explained),
+        first=_first(discrepancy, 1.0 - explained),
     )  # fmt: skip
 
 
-def _first(answer: Discrepancy, left: float) -> Sayable:
+def _first(discrepancy: Discrepancy, left: float) -> Sayable:
     """What to look at first: the largest finding, or the residual if that is larger."""
-    largest = max(answer.findings, key=lambda finding: finding.share, default=None)
-    channels = answer.left_over
+    largest = max(discrepancy.findings, key=lambda finding: finding.share, default=None)
+    channels = discrepancy.left_over
     if largest is not None and (largest.share >= left or not channels):
         return largest.follows or largest.title
     channel = max(channels, key=lambda each: channels[each])
@@ -71,19 +73,19 @@ def _first(answer: Discrepancy, left: float) -> Sayable:
     return message("report-first-left", channel=left_in, chi2=chi2(channels[channel]))
 
 
-def _left_over(answer: Discrepancy) -> Sayable:
+def _left_over(discrepancy: Discrepancy) -> Sayable:
     """The channels whose residual exceeds noise, with its size; empty if none does."""
     high = tuple(
         message("report-left-in", channel=channel_title(channel), chi2=chi2(value))
-        for channel, value in sorted(answer.left_over.items(), key=lambda item: -item[1])
+        for channel, value in sorted(discrepancy.left_over.items(), key=lambda item: -item[1])
         if value >= MOSTLY_NOISE
     )
     return message("report-left", channels=high) if high else ""
 
 
-def small_remainders(answer: Discrepancy) -> Sayable:
+def small_remainders(discrepancy: Discrepancy) -> Sayable:
     """What removes little of the mismatch, in one line; empty where nothing does."""
-    small = answer.small_remainders
+    small = discrepancy.small_remainders
     return message("report-small", remainders=clauses(small)) if small else ""
 
 
@@ -121,10 +123,13 @@ def _left_out(findings: Sequence[ReportedFinding]) -> Message:
     return message("report-left-out", findings=clauses(titles))
 
 
-def _unnamed(answer: Discrepancy) -> Message:
-    follows = [finding.follows for finding in answer.findings if finding.follows]
+def _unnamed(discrepancy: Discrepancy) -> Message:
+    follows = [finding.follows for finding in discrepancy.findings if finding.follows]
     return message(
-        "report-unnamed", verdict=answer.verdict, described=len(follows), follows=clauses(follows)
+        "report-unnamed",
+        verdict=discrepancy.verdict,
+        described=len(follows),
+        follows=clauses(follows),
     )
 
 
@@ -140,16 +145,16 @@ def _gained(held_out: HeldOut) -> Message:
     )  # fmt: skip
 
 
-def _moved(answer: Discrepancy) -> Sayable:
+def _moved(discrepancy: Discrepancy) -> Sayable:
     """What all findings together do to the certificate, for some take back what others move."""
-    verdicts = sum(change.item != OVERALL for change in answer.verdict_changes)
-    values = sum(moved_by(moved) > 1.0 for moved in answer.consequences)
-    most = max(answer.consequences, key=moved_by, default=None)
+    verdicts = sum(change.item != OVERALL for change in discrepancy.verdict_changes)
+    values = sum(moved_by(moved) > 1.0 for moved in discrepancy.consequences)
+    most = max(discrepancy.consequences, key=moved_by, default=None)
     if most is None or not values + verdicts:
         return ""
     made = quantities([most.before, most.after], most.U, most.unit)
     return message(
-        "report-moved", findings=len(answer.findings), values=values, verdicts=verdicts,
+        "report-moved", findings=len(discrepancy.findings), values=values, verdicts=verdicts,
         element=lower(element_title(most.item, most.element)), before=made.text(0),
         after=made.text(1), times=shift_text(most),
     )  # fmt: skip

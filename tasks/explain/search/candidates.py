@@ -8,6 +8,7 @@ import numpy as np
 from tasks.explain.channels import EVERY, TRIADS
 from tasks.explain.search.empirical_terms import scale_factor_drift, slow_drift
 from tasks.model.term import Column, Inputs, Term
+from tasks.model.terms.electronics import BANDWIDTH
 from tasks.motion.whole import Motion
 
 LINEAR_STEP = 1e-3  # of the plausible range: small enough to be linear
@@ -156,6 +157,17 @@ def with_nuisances(candidates: Sequence[Candidate], names: Sequence[str]) -> lis
         if one.name in names:
             first.setdefault(one.name, one)
     return [replace(one, nuisance=first.get(one.name) is one) for one in candidates]
+
+
+def searched_by_name(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """With one form of the low-pass only: near nothing the others are delays too, or delays of
+    each triad, that may not be negative, and would only stand in the way of delays. They are
+    compared with what was found.
+    """
+    return [
+        one for one in candidates
+        if one.name != "bandwidth" or one.term.parameters == BANDWIDTH.parameters
+    ]  # fmt: skip
 
 
 def plausible_half_ranges(candidates: Sequence[Candidate], count: int) -> np.ndarray:

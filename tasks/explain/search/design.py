@@ -11,8 +11,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tasks.explain.channels import TRIADS
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.whitening import Bands, Noise, compared_bands, in_band, weighted
+from tasks.explain.whitening import (
+    Bands,
+    ChannelResidual,
+    Noise,
+    compared_bands,
+    in_band,
+    triad_noises,
+    weighted,
+)
 from tasks.model.regression import inverse, of_channel
 from tasks.model.term import Column
 from tasks.model.terms.standard import regressors
@@ -20,6 +29,7 @@ from tasks.model.terms.standard import regressors
 ROUNDING = 1e-13  # of a column's power
 TOGETHER = 64  # columns that are projected and transformed at once
 ABSORBED = 1e-6  # of a column's power: less than this is left of it by the standard's model
+UNIT_NOISE = Noise(1.0, 0.0)  # by which every coefficient counts the same
 
 
 @dataclass(frozen=True)
@@ -95,8 +105,8 @@ def _channel_design(
     blocks: Blocks, readings: np.ndarray, columns: Sequence[Column], bands: Bands, channel: int
 ) -> ChannelDesign:
     which, signals = of_channel(columns, readings, channel)
-    weight = blocks.weight[:, channel]
-    stack = weighted(regressors(blocks.motion, channel).T, weight)
+    standard, weight = regressors(blocks.motion, channel).T, blocks.weight[:, channel]
+    stack = weighted(standard, weight)
     basis = np.linalg.qr(stack.T)[0].T
     parts = [_at_unit_size(stack, blocks)]
     for first in range(0, len(signals), TOGETHER):
@@ -204,3 +214,47 @@ def normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEqu
     scale = np.where(observable, 1.0 / np.sqrt(np.where(observable, power, 1.0)), 0.0)
     whole = normal * scale[:, None] * scale + np.diag((scale / design.half) ** 2)
     return NormalEquations(whole, right * scale, scale, misfit)
+
+
+def residuals(
+    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise]
+) -> list[ChannelResidual]:
+    """For each channel what the standard's model and some parameters leave.
+
+    members: numbers of the parameters. noises: by which they are fitted.
+    """
+    return [_residual(design, number, members, noise) for number, noise in enumerate(noises)]
+
+
+def residual_noises(
+    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise]
+) -> tuple[Noise, ...]:
+    """The noise of what the standard's model and some parameters leave, triad by triad."""
+    found = [UNIT_NOISE] * len(design.channels)
+    left = residuals(design, members, noises)
+    for triad in TRIADS:
+        recorded = [c for c in triad if design.channels[c] is not None]
+        floors = [design.blocks.floor[c] for c in recorded]
+        estimates = triad_noises([left[c] for c in recorded], design.bands, floors)
+        for c, noise in zip(recorded, estimates, strict=True):
+            found[c] = noise
+    return tuple(found)
+
+
+def _residual(
+    design: BandedDesign, number: int, members: Sequence[int], noise: Noise
+) -> ChannelResidual:
+    channel = design.channels[number]
+    if channel is None:
+        return ChannelResidual(np.zeros(0), np.ones(0))
+    signals = [design.columns[p][number] for p in members if number in design.columns[p]]
+    columns = channel.base
+    if signals:
+        more = in_band(weighted(signals, design.blocks.weight[:, number]), design.blocks)
+        columns = np.vstack([columns, more])
+    level = 1.0 / noise.of_coefficients(design.bands)
+    solved = inverse((columns * level) @ columns.T)
+    values = solved @ ((columns * level) @ channel.reading)
+    taken = ((solved @ columns) * columns).sum(axis=0) * level
+    by_band = np.add.reduceat(taken, design.bands.edges[:-1]) / design.bands.sizes
+    return ChannelResidual(channel.reading - values @ columns, 1.0 - by_band)

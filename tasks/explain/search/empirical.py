@@ -12,18 +12,14 @@ import numpy as np
 from tasks.explain.channels import ACCELS, EVERY, GYROS
 from tasks.explain.search.empirical_terms import (
     Regressors,
+    leans,
+    lost_motion,
     regression_term,
     sinusoid,
+    tips,
 )
-from tasks.explain.search.motion_signals import (
-    gravity_turns,
-    lagged,
-    repositioning,
-    time_since,
-    turning,
-)
-from tasks.explain.search.tilts import leans, lost_motion, tips
 from tasks.model.term import Inputs, Term
+from tasks.motion.lag import first_order_lag
 from tasks.motion.whole import Motion
 from tasks.words import message
 
@@ -33,13 +29,56 @@ LAGS = (3.0, 7.0, 18.0, 45.0, 120.0)  # s
 HARMONICS = range(1, 7)
 SINUSOIDS = 2  # periods that are tried for each set of channels
 RECORDED = ("humidity", "pressure", "air_temperature")
+Signal = Callable[[Motion, Inputs, int], np.ndarray]
+TURNING_UP = 0.02  # of a unit vector in a second: gravity's direction changes
+AT_REST = 1e-3  # rad/s: slower is not a motion
+MAX_MOVE = 20.0  # s; what turns longer is a run
+
+
+def time_since(motion: Motion, events: np.ndarray) -> np.ndarray:
+    """(n,) s since the last event (n,) bool was over; infinite before the first."""
+    rows = np.flatnonzero(np.diff(events.astype(int)) == -1) + 1
+    if not len(rows):
+        return np.full(len(motion.t), np.inf)
+    last = np.searchsorted(rows, np.arange(len(motion.t)), "right") - 1
+    elapsed = motion.t - motion.t[rows[np.maximum(last, 0)]]
+    return np.where(last >= 0, elapsed, np.inf)
+
+
+def gravity_turns(motion: Motion) -> np.ndarray:
+    """(n,) bool: gravity's direction in the unit changes. A turn about a level axis is one move."""
+    up = np.nan_to_num(motion.up)
+    speed = np.linalg.norm(np.gradient(up, motion.interval, axis=0), axis=1)
+    return np.asarray(speed > TURNING_UP)
+
+
+def turning(motion: Motion) -> np.ndarray:
+    """(n,) bool: the unit turns, in whatever way."""
+    return np.asarray(np.linalg.norm(np.nan_to_num(motion.rate), axis=1) > AT_REST)
+
+
+def repositioning(motion: Motion) -> np.ndarray:
+    """(n,) bool: the unit turns from one rest to another, without a steady turn between."""
+    moving = turning(motion)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], moving.astype(int), [0]])))
+    steady = motion.recorded.get("steady_turn", np.zeros(len(moving)))
+    found = moving.copy()
+    for start, stop in edges.reshape(-1, 2):
+        if steady[start:stop].any() or motion.t[stop - 1] - motion.t[start] > MAX_MOVE:
+            found[start:stop] = False
+    return found
+
+
+def lagged(signal: np.ndarray, t: np.ndarray, tau: float) -> np.ndarray:
+    """First-order lag of a signal (n,), from rest."""
+    return first_order_lag(np.nan_to_num(signal), float(np.median(np.diff(t))), tau)
+
+
 EVENTS = {
     "each move to another position": ("reposition", repositioning),
     "each turn of gravity's direction": ("gravity-turn", gravity_turns),
     "each stop": ("stop", turning),
 }
-
-Signal = Callable[[Motion, Inputs, int], np.ndarray]
 
 
 def empirical(motion: Motion) -> tuple[Term, ...]:

@@ -2,31 +2,41 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.search.candidates import Candidate
-from tasks.explain.search.design import BandedDesign, with_columns
-from tasks.explain.search.proposals import with_proposed_shapes
-from tasks.explain.search.refit import (
-    fitted,
-    linearised,
-    model_of,
-    with_later_clock,
+from tasks.explain.inputs.prepared import Prepared
+from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.search.candidates import (
+    Candidate,
+    candidates_of,
+    plausible_half_ranges,
+    searched_by_name,
+    with_nuisances,
 )
+from tasks.explain.search.design import BandedDesign, banded_design, with_columns
+from tasks.explain.search.empirical import empirical
+from tasks.explain.search.proposals import with_proposed_shapes
+from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
 from tasks.explain.search.stepwise import (
+    SEARCH_BUDGET,
     Selected,
     Selection,
+    TimeBudget,
     initial_noises,
     noises_beside,
     search,
 )
-from tasks.explain.search.time_budget import UNLIMITED, TimeBudget
 from tasks.explain.whitening import Noise
+from tasks.model.catalogue import catalogue
 from tasks.model.model import Model
+from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.timing import TIME_OFFSET
 
+OF_TRACKING = (TIME_OFFSET.name, REFERENCE_FRAME.name)  # nuisances of poses
+SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
 MAX_SEARCHES = 3  # each after a fit of all that was selected in its real form
 
 
@@ -72,12 +82,90 @@ class FittedSelection:
         return self.reselected(replace(self.selection, selected=kept))
 
 
+@dataclass(frozen=True)
+class Searched:
+    """What a search of a recording selected, or was asked for, fitted to it.
+
+    candidates: all that were tried. blocks: those of the search.
+    """
+
+    prepared: Prepared
+    candidates: tuple[Candidate, ...]
+    blocks: Blocks
+    fit: FittedSelection
+
+    def as_stamped(self, fit: FittedSelection) -> FittedSelection:
+        """What was selected with the stamps taken back, for the stamps as they are."""
+        if not self.prepared.delay:
+            return fit
+        if TIME_OFFSET.name not in [one.name for one in fit.selection.candidates]:
+            offset = next(one for one in self.candidates if one.name == TIME_OFFSET.name)
+            selected = (Selected(offset, 0.0, 0.0, ()), *fit.selection.selected)
+            fit = fit.reselected(replace(fit.selection, selected=selected))
+        # What fits the little that was left as well does not fit the whole, which no other absorbs.
+        selected = tuple(
+            replace(one, gain=np.inf, alternatives=())
+            if one.candidate.name == TIME_OFFSET.name
+            else one
+            for one in fit.selection.selected
+        )
+        selection = replace(fit.selection, selected=selected)
+        model = with_later_clock(fit.model, self.prepared.delay)
+        late = self.prepared.blocks_as_stamped(REFIT_RATE)
+        return replace(fit, selection=selection, model=model, blocks=late)
+
+
 def searched(
+    prepared: Prepared,
+    only: Sequence[str] | None = None,
+    progress: Progress = silent,
+    seconds: float = SEARCH_BUDGET,
+) -> Searched:
+    """The effects that a search selects of the catalogue and of empirical terms.
+
+    only: names of the catalogue that are fitted instead, without a search. seconds: of processor
+    time after which a search keeps what it has.
+    """
+    tell(progress, "candidates")
+    coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
+    listed = catalogue(prepared.recording, coarse.motion)
+    if only is None:
+        terms = [*listed, *empirical(coarse.motion)]
+    else:
+        terms = [term for term in listed if term.name in only]
+    candidates, columns = candidates_of(terms, coarse.motion)
+    if coarse.motion.tracking is not None and only is None:
+        candidates = tuple(with_nuisances(candidates, OF_TRACKING))
+    half = plausible_half_ranges(candidates, len(columns))
+    tell(progress, "search")
+    if only is not None:
+        fit = all_fitted(banded_design(coarse, coarse.readings, columns, half), candidates, fine)
+        return Searched(prepared, candidates, coarse, fit)
+    # The design, half a gigabyte of an hour's columns, ends with the search that refines it.
+    fit = alternated(
+        banded_design(coarse, coarse.readings, columns, half), searched_by_name(candidates), fine,
+        TimeBudget.of(seconds), partial(tell, progress, "search"),
+    )  # fmt: skip
+    return Searched(prepared, candidates, coarse, fit)
+
+
+def all_fitted(
+    design: BandedDesign, candidates: Sequence[Candidate], blocks: Blocks
+) -> FittedSelection:
+    """Of each name the first term with all its parameters, fitted without a search."""
+    first: dict[str, Candidate] = {}
+    for one in candidates:
+        first.setdefault(one.name, one)
+    start = list(first.values())
+    return FittedSelection.of(search(design, start, start), blocks, design.blocks.rate)
+
+
+def alternated(
     design: BandedDesign,
     candidates: Sequence[Candidate],
     blocks: Blocks,
-    budget: TimeBudget = UNLIMITED,
-    done: Callable[[float], None] = lambda share: None,
+    budget: TimeBudget,
+    done: Callable[[float], None],
 ) -> FittedSelection:
     """Alternates search and fit: after each fit, the residual is searched again about its values.
 
@@ -104,40 +192,6 @@ def searched(
         if {one.key for one in again.candidates} == {one.key for one in before}:
             break
     return fit
-
-
-def all_fitted(
-    design: BandedDesign, candidates: Sequence[Candidate], blocks: Blocks
-) -> FittedSelection:
-    """Of each name the first term with all its parameters, fitted without a search."""
-    first: dict[str, Candidate] = {}
-    for one in candidates:
-        first.setdefault(one.name, one)
-    start = list(first.values())
-    return FittedSelection.of(search(design, start, start), blocks, design.blocks.rate)
-
-
-def with_delay(
-    fit: FittedSelection, candidates: Sequence[Candidate], delay: float, blocks: Blocks
-) -> FittedSelection:
-    """What was selected with the stamps taken back, for the stamps as they are.
-
-    delay: s by which they were taken back. blocks: with the stamps as they are.
-    """
-    if TIME_OFFSET.name not in [one.name for one in fit.selection.candidates]:
-        offset = next(one for one in candidates if one.name == TIME_OFFSET.name)
-        selected = (Selected(offset, 0.0, 0.0, ()), *fit.selection.selected)
-        fit = fit.reselected(replace(fit.selection, selected=selected))
-    # What fits the little that was left as well does not fit the whole, which no other absorbs.
-    selected = tuple(
-        replace(one, gain=np.inf, alternatives=())
-        if one.candidate.name == TIME_OFFSET.name
-        else one
-        for one in fit.selection.selected
-    )
-    selection = replace(fit.selection, selected=selected)
-    model = with_later_clock(fit.model, delay)
-    return replace(fit, selection=selection, model=model, blocks=blocks)
 
 
 def _at_rate(noises: Sequence[Noise], factor: float) -> tuple[Noise, ...]:

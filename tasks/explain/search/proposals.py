@@ -12,9 +12,8 @@ import numpy as np
 from scipy.fft import rfft, rfftfreq
 
 from tasks.explain.search.candidates import STEP_TIMES, Candidate, columns_of, members_of
-from tasks.explain.search.design import BandedDesign, ChannelDesign, with_columns
+from tasks.explain.search.design import BandedDesign, ChannelDesign, residuals, with_columns
 from tasks.explain.search.empirical import SINUSOIDS
-from tasks.explain.search.residuals import residuals
 from tasks.explain.whitening import ChannelResidual, Noise, in_band, in_time, padded_length
 from tasks.model.regression import inverse
 from tasks.model.term import Term

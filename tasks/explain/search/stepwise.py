@@ -1,21 +1,49 @@
 """Stepwise selection: effects are added one by one until only noise is left, then pruned."""
 
-from collections.abc import Sequence
+import math
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tasks.explain.search.candidates import Candidate, members_of
-from tasks.explain.search.design import BandedDesign, NormalEquations, normal_equations
-from tasks.explain.search.residuals import UNIT_NOISE, residual_noises
+from tasks.explain.search.design import (
+    UNIT_NOISE,
+    BandedDesign,
+    NormalEquations,
+    normal_equations,
+    residual_noises,
+)
 from tasks.explain.search.scores import ScoredCandidate, prior_precision, rank
-from tasks.explain.search.time_budget import UNLIMITED, TimeBudget
 from tasks.explain.whitening import Noise
 
 FALSE_ALARMS = 0.005  # of clean recordings, at most
 MAX_SELECTED = 8
 MAX_EXCHANGES = 3
 MAX_ALTERNATIVES = 6
+# s: ten minutes at 200 Hz may take 30 s in all; motion, events, evidence and consequences need ten.
+SEARCH_BUDGET = 20.0
+
+
+@dataclass(frozen=True)
+class TimeBudget:
+    """The processor time until which a search continues. clock: s of processor time."""
+
+    until: float
+    clock: Callable[[], float] = time.process_time
+
+    @classmethod
+    def of(cls, seconds: float, clock: Callable[[], float] = time.process_time) -> "TimeBudget":
+        """So many seconds from now on."""
+        return cls(clock() + seconds, clock)
+
+    @property
+    def spent(self) -> bool:
+        return self.clock() >= self.until
+
+
+UNLIMITED = TimeBudget(math.inf)
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from datetime import UTC, datetime
 from typing import Any
 
 import pytest
+from tests.flows.pages.test_mismatch import discrepancy, review
 
 from schemas.review import KeptReview
 from storage import last_review
-from storage.catalogue import explanations, run_index
+from storage.catalogue import discrepancies, run_index
 from storage.dataframes import runs
 from storage.home import Home
-from tests.flows.pages.test_mismatch import discrepancy, review
 from tests.pages_server import served
 from tests.proof.line.draw import Line
 from tests.watched_page import watched_page
@@ -26,7 +26,7 @@ def kept(line_store: tuple[Home, Line]) -> tuple[Home, str]:
     table = runs(home).sort_values("recorded_on")
     run = str(table[table["station"] == "ST-01"]["id"].iloc[-1])
     at = datetime(2026, 11, 1, tzinfo=UTC)
-    explanations.keep(run_index.find(run, home), discrepancy("axis_tilt"), "<p>told</p>", at, home)
+    discrepancies.keep(run_index.find(run, home), discrepancy("axis_tilt"), "<p>told</p>", at, home)
     found: KeptReview = review("station", "ST-01", "2025-01-05T08:00", "2024-11-01T08:00")
     last_review.keep(found, home)
     return home, run

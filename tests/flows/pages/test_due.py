@@ -16,7 +16,7 @@ from schemas.pages.due import DueQuestion, DueShown
 from storage.catalogue import certificates, equipment, reminders
 from storage.home import Home
 from tasks.reminders.send import pause
-from tasks.stages.remind import recalled
+from tasks.stages.remind import due_units
 from tests.proof.line.draw import Line
 
 NOW = datetime(2026, 1, 10, tzinfo=UTC)
@@ -28,7 +28,7 @@ def home(line_store: tuple[Home, Line], tmp_path_factory: pytest.TempPathFactory
     copy = Home(tmp_path_factory.mktemp("due") / "home")
     shutil.copytree(line_store[0].path, copy.path)
     for number, fault in enumerate((None, "no such mailbox")):
-        key = (recalled(copy)[number].certificate, -30, f"client {number} mail")
+        key = (due_units(copy)[number].certificate, -30, f"client {number} mail")
         assert reminders.claim(copy, key, NOW, pause)
         reminders.note(copy, key, NOW, fault)
     return copy
@@ -37,7 +37,7 @@ def home(line_store: tuple[Home, Line], tmp_path_factory: pytest.TempPathFactory
 @pytest.fixture(autouse=True)
 def at_a_day_between_the_two(home: Home, monkeypatch: pytest.MonkeyPatch) -> date:
     """One unit is overdue by a day and the other is due later."""
-    day = recalled(home)[0].due + timedelta(days=1)
+    day = due_units(home)[0].due + timedelta(days=1)
     monkeypatch.setattr(due_data, "today", lambda: day)
     return day
 
@@ -49,7 +49,7 @@ def asked(home: Home, **fields: object) -> DueShown:
 def test_units_are_those_that_the_reminders_name(home: Home) -> None:
     every = asked(home, within=36_500)
     assert [(u.name, u.certificate, u.due, u.client) for u in every.units] == [
-        (r.unit, r.certificate, r.due, r.client) for r in recalled(home)
+        (r.unit, r.certificate, r.due, r.client) for r in due_units(home)
     ]
     first, second = every.units
     assert (first.days, first.messages, second.messages) == (-1, 1, 0)
@@ -112,7 +112,7 @@ def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: 
 def test_a_certificate_that_was_damaged_is_named(home: Home, tmp_path: Path) -> None:
     broken = Home(tmp_path / "home")
     shutil.copytree(home.path, broken.path)
-    number = recalled(broken)[0].certificate
+    number = due_units(broken)[0].certificate
     (broken.certificates / f"{number}.json").write_text("{", encoding="utf-8")
     with pytest.raises(Unusable, match=f"{number}.json"):
         asked(broken)

@@ -20,7 +20,7 @@ from scipy.optimize import minimize
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel
 
-from tasks.explain.evidence.held_out import FOLDS
+from tasks.explain.evidence.cells import FOLDS
 from tests.proof.peers.observation import CHANNELS, Observation
 from tests.proof.peers.peer import UNNAMED, Answer, HeldOut, Located
 from tests.proof.peers.points import Points, inputs_of, points_of

@@ -10,8 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording
-from tasks.explain.evidence.cells import fold_cells
-from tasks.explain.evidence.held_out import FOLDS
+from tasks.explain.evidence.cells import FOLDS, fold_cells
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.model.term import Inputs

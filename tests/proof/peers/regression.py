@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tasks.explain.evidence.held_out import DIFFUSE, FOLDS
+from tasks.explain.evidence.cells import DIFFUSE, FOLDS
 from tests.proof.peers.observation import SAME, Equations, Observation
 from tests.proof.peers.peer import HeldOut
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from pysindy import STLSQ
 
-from tasks.explain.evidence.held_out import FOLDS
+from tasks.explain.evidence.cells import FOLDS
 from tests.proof.peers.naming import dimension_of, reading_of
 from tests.proof.peers.observation import CHANNELS, Equations, Observation
 from tests.proof.peers.peer import UNNAMED, Answer, Located, in_order

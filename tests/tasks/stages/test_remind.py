@@ -197,7 +197,7 @@ def test_a_draft_one_without_an_agreed_interval_and_one_withdrawn_are_not_due(ho
     issued(home, "3", order(months=None))
     withdraw(issued(home, "4"), home, "Zhao", "wrong unit")
     number = issued(home, "5")
-    assert [each.certificate for each in remind.recalled(home)] == [number]
+    assert [each.certificate for each in remind.due_units(home)] == [number]
 
 
 def test_a_client_whom_nobody_named_is_not_reminded(home: Home) -> None:

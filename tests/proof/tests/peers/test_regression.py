@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.explain.evidence.held_out import FOLDS
+from tasks.explain.evidence.cells import FOLDS
 from tests.proof.peers.observation import Equations
 from tests.proof.peers.regression import fit, partialled_out, surprise
 

@@ -9,9 +9,9 @@ from engine_run import NOISY, RATE, motion, noise, observed, read
 from tasks.explain.confounding.play import TILTING, with_play
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
+from tasks.explain.search.empirical_terms import Tip, tips
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import search
-from tasks.explain.search.tilts import Tip, tips
 from tasks.model.term import Column
 from tasks.model.terms.geometry import SAG
 

@@ -14,9 +14,8 @@ from schemas.recording import Recording
 from schemas.text import Statement
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction import sensitivity
-from tasks.explain.correction.adopt import adopt
+from tasks.explain.correction.adopt import adopt, corrected
 from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
-from tasks.explain.correction.corrected import corrected
 from tasks.explain.correction.sensitivity import correlation_of, uncertain_inputs
 from tasks.explain.determined import DeterminedModel
 from tasks.explain.explanation import Finding

@@ -10,8 +10,8 @@ from explained import explanation, finding, nothing_added
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
+from tasks.explain.correction.adopt import corrected
 from tasks.explain.correction.consequences import consequences
-from tasks.explain.correction.corrected import corrected
 from tasks.explain.determined import DeterminedModel
 from tasks.model.model import Model
 from tasks.model.term import nominal_values

@@ -29,7 +29,7 @@ def test_a_bias_followed_at_rest_is_found_and_put_back(
 ) -> None:
     readings = noisy(mean_readings(MADE), 1)
     written = followed(readings, quiet, wait, tau)
-    event = find_bias_at_rest(MADE.t, written, MADE)
+    event = find_bias_at_rest(written, MADE)
     assert event is not None
     assert {one.name: one.value for one in event.parameters}["tau"] == pytest.approx(tau, rel=0.2)
     put_back = written - event.applied(MADE.t, np.zeros(written.shape))
@@ -38,9 +38,7 @@ def test_a_bias_followed_at_rest_is_found_and_put_back(
 
 
 def test_its_description_says_what_the_firmware_does() -> None:
-    events = events_in_readings(
-        MADE.t, followed(noisy(mean_readings(MADE), 2), 0.05, 1.0, 0.8), MADE
-    )
+    events = events_in_readings(followed(noisy(mean_readings(MADE), 2), 0.05, 1.0, 0.8), MADE)
     (event,) = events.events
     assert event.effect == "dead_zone"
     assert all(texts(event.description).values())
@@ -50,8 +48,8 @@ def test_its_description_says_what_the_firmware_does() -> None:
 def test_a_bias_that_warms_up_is_not_one_followed_at_rest(tau: float) -> None:
     readings = noisy(mean_readings(MADE), 3)
     readings[:, :3] += np.array([6e-3, -4e-3, 2e-3]) * np.exp(-MADE.t / tau)[:, None]
-    assert find_bias_at_rest(MADE.t, readings, MADE) is None
+    assert find_bias_at_rest(readings, MADE) is None
 
 
 def test_a_slow_turn_of_the_unit_is_no_bias() -> None:
-    assert find_bias_at_rest(MADE.t, noisy(mean_readings(MADE), 4), MADE) is None
+    assert find_bias_at_rest(noisy(mean_readings(MADE), 4), MADE) is None

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from made_up import SIGMA, mean_readings, motion, noisy
 
+from tasks.explain.events.broken_codes import torn_codes
 from tasks.explain.events.code_fault import CodeFault, find_code_fault
-from tasks.explain.events.torn_code import torn_codes
 from tasks.words import texts
 
 STEP = np.repeat([1.0 / 131.0 * np.pi / 180.0, 9.8 / 16384.0], 3)

@@ -16,7 +16,7 @@ REST = np.linalg.norm(MADE.rate, axis=1) == 0.0
 
 
 def found(readings: np.ndarray) -> Events:
-    events = events_in_readings(MADE.t, readings, MADE)
+    events = events_in_readings(readings, MADE)
     assert all(all(texts(event.description).values()) for event in events.events)
     return events
 
@@ -137,7 +137,7 @@ def test_zeros_are_told_by_a_reference_that_errs_slowly() -> None:
     gyros = readings[:, :3]
     gyros[np.abs(gyros) < threshold] = 0.0
     off = 0.008 * np.sin(2.0 * np.pi * 0.3 * MADE.t)[:, None] * np.ones(3)
-    events = events_in_readings(MADE.t, readings, replace(MADE, rate=MADE.rate + off))
+    events = events_in_readings(readings, replace(MADE, rate=MADE.rate + off))
     assert "dead_zone" in [event.effect for event in events.events]
 
 

@@ -27,7 +27,7 @@ def _found(events: Events, name: str) -> float:
 @pytest.mark.parametrize("seed", range(6))
 def test_clean_run_has_no_events(seed: int) -> None:
     made = motion()
-    events = events_in_readings(made.t, counted(noisy(mean_readings(made), seed)), made)
+    events = events_in_readings(counted(noisy(mean_readings(made), seed)), made)
     assert events.events == ()
     assert not events.masked.any()
 
@@ -38,7 +38,7 @@ def test_gyro_limit_is_found_and_its_mean_predicted(limit: float) -> None:
     mean = mean_readings(made)
     readings = noisy(mean, 1)
     readings[:, :3] = np.clip(readings[:, :3], -limit, limit)
-    events = events_in_readings(made.t, counted(readings), made)
+    events = events_in_readings(counted(readings), made)
     assert _effects(events) == ["gyro_saturation"]
     assert _found(events, "limit") == pytest.approx(limit, abs=1e-4)
     beyond = np.abs(mean[:, 2]) > limit
@@ -52,7 +52,7 @@ def test_limit_on_one_side_leaves_the_other_side_alone() -> None:
     mean = mean_readings(made)
     readings = noisy(mean, 2)
     readings[:, :3] = np.minimum(readings[:, :3], 4.5)
-    events = events_in_readings(made.t, counted(readings), made)
+    events = events_in_readings(counted(readings), made)
     assert _effects(events) == ["gyro_saturation"]
     low = mean[:, 2] < -4.6
     assert low.any()
@@ -63,13 +63,13 @@ def test_coarse_rest_and_dead_channel_are_no_limit() -> None:
     made = motion()
     readings = counted(noisy(mean_readings(made), 3), (4e-3, 2e-3))
     readings[:, 5] = 9.8
-    assert _effects(events_in_readings(made.t, readings, made)) == ["coarse_quantisation"]
+    assert _effects(events_in_readings(readings, made)) == ["coarse_quantisation"]
 
 
 def test_visible_steps_are_found_with_the_noise_below_them() -> None:
     made = motion()
     readings = counted(noisy(mean_readings(made), 4), (3e-3, 2e-3))
-    events = events_in_readings(made.t, readings, made)
+    events = events_in_readings(readings, made)
     assert _effects(events) == ["coarse_quantisation"]
     (event,) = events.events
     assert isinstance(event, Quantisation)
@@ -100,7 +100,7 @@ def test_lost_samples_are_counted_and_placed() -> None:
     arrived = np.delete(counted(noisy(mean, 7)), gone, axis=0)
     t = made.t[: len(arrived)]
     observed = made.taken(np.arange(len(arrived)))
-    events = events_in_readings(t, arrived, observed)
+    events = events_in_readings(arrived, observed)
     assert _effects(events) == ["dropped_samples"]
     assert [_found(events, name) for name in ("lost_1", "lost_2")] == [1, 2]
     assert _found(events, "time_1") == pytest.approx(127.1, abs=0.1)
@@ -114,14 +114,14 @@ def test_delays_that_do_not_jump_are_left_to_the_regression(late: float) -> None
     made = motion()
     taken_at = made.t + (late if late > 1e-3 else late * made.t)  # an offset, or a fast clock
     mean = np.column_stack([np.interp(taken_at, made.t, each) for each in mean_readings(made).T])
-    assert events_in_readings(made.t, counted(noisy(mean, 8)), made).events == ()
+    assert events_in_readings(counted(noisy(mean, 8)), made).events == ()
 
 
 def test_gaps_in_the_stamps_are_a_remark() -> None:
     made = motion()
     kept = np.delete(np.arange(len(made.t)), np.r_[900:905, 20_000])
     readings = counted(noisy(mean_readings(made), 9))[kept]
-    events = events_in_readings(made.t[kept], readings, made.taken(kept))
+    events = events_in_readings(readings, made.taken(kept))
     assert events.events == ()
     assert "2 gaps, 6" in say(events.remarks[0], "en")
 
@@ -131,7 +131,7 @@ def test_spikes_are_counted_and_masked() -> None:
     readings = noisy(mean_readings(made), 12)
     at = np.array([300, 5_100, 12_345, 30_300])
     readings[at, 4] += 0.1
-    events = events_in_readings(made.t, counted(readings), made)
+    events = events_in_readings(counted(readings), made)
     assert _effects(events) == ["unnamed"]
     assert _found(events, "spikes") == len(at)
     assert events.masked[at, 4].all()
@@ -151,6 +151,6 @@ def test_unknown_motion_and_absent_triad_are_no_events() -> None:
     made = motion()
     readings = counted(noisy(mean_readings(made), 15))
     readings[:, 3:] = np.nan
-    assert events_in_readings(made.t, readings, made).events == ()
+    assert events_in_readings(readings, made).events == ()
     nowhere = replace(made, up=made.up * np.nan, rate=made.rate * np.nan)
-    assert events_in_readings(made.t, readings, nowhere).events == ()
+    assert events_in_readings(readings, nowhere).events == ()

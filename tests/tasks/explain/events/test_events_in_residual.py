@@ -19,7 +19,7 @@ from tasks.words import say, texts
 
 def _detected(made: Motion, left: np.ndarray) -> Events:
     none = Events((), np.zeros(left.shape, bool))
-    events = events_in_residual(none, made.t, left, SIGMA, made)
+    events = events_in_residual(none, left, SIGMA, made)
     assert all(all(texts(event.description).values()) for event in events.events)
     return events
 
@@ -95,7 +95,7 @@ def test_a_channel_that_reads_one_value_throughout_is_not_used_and_it_is_said() 
     made = motion()
     readings = noisy(np.hstack([made.rate, made.force]), 5)
     readings[:, 1] = 0.0
-    events = events_in_readings(made.t, readings, made)
+    events = events_in_readings(readings, made)
     assert events.masked.all(axis=0).tolist() == [False, True, False, False, False, False]
     (constant,) = [each for each in events.remarks if each.id == "events-constant"]
     assert "gyro y read one value throughout" in say(constant, "en")
@@ -154,9 +154,9 @@ def test_line_before_lost_samples_goes_on_after_them() -> None:
     readings[:, 4] += wave
     t = made.t[: len(taken)]
     observed = made.taken(np.arange(len(taken)))
-    events = events_in_readings(t, readings[taken], observed)
+    events = events_in_readings(readings[taken], observed)
     left = readings[taken] - events.applied(t, mean[: len(t)])
-    found = events_in_residual(events, t, left, SIGMA, observed)
+    found = events_in_residual(events, left, SIGMA, observed)
     assert [event.effect for event in found.events] == ["unnamed", "dropped_samples"]
     added = found.applied(t, mean[: len(t)]) - mean[taken]
     assert added[:-1, 4] == pytest.approx(wave[taken][:-1], abs=2e-4)
@@ -200,7 +200,7 @@ def test_bursts_are_told_on_the_clock_of_the_recording() -> None:
         made, np.array([53.0, 112.2, 193.4, 213.9, 373.3, 454.6]), wave, 2.3, 1.1
     )
     none = Events((), np.zeros(left.shape, bool))
-    (event,) = events_in_residual(none, made.t, left, SIGMA, made, start=1.6e9).events
+    (event,) = events_in_residual(none, left, SIGMA, made, start=1.6e9).events
     assert "at 1600000053, 1600000112, " in say(event.description, "en")
 
 

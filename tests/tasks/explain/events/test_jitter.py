@@ -27,7 +27,7 @@ def jitter(size: float, seed: int) -> np.ndarray:
 
 def found(t: np.ndarray, readings: np.ndarray) -> Events:
     """What is found in readings stamped t, beside the motion at these stamps."""
-    events = events_in_readings(t, readings, replace(moved(t), t=t))
+    events = events_in_readings(readings, replace(moved(t), t=t))
     assert all(all(texts(event.description).values()) for event in events.events)
     return events
 
@@ -90,5 +90,5 @@ def test_a_noisy_reference_does_not_hide_stamps_that_scatter() -> None:
     readings = counted(noisy(mean_readings(MADE), 7))
     observed = replace(moved(t), t=t)
     rough = observed.rate + 0.03 * np.random.default_rng(8).standard_normal(observed.rate.shape)
-    events = events_in_readings(t, readings, replace(observed, rate=rough))
+    events = events_in_readings(readings, replace(observed, rate=rough))
     assert "timestamp_jitter" in [event.effect for event in events.events]

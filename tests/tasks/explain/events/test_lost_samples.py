@@ -39,7 +39,7 @@ def read(lost: float, at: float) -> np.ndarray:
 def losses(readings: np.ndarray, start: float = 0.0) -> LostSamples | None:
     motion, masked = shaft(), np.zeros((len(T), 6), bool)
     predicted = plain_prediction(readings, motion, masked)
-    return find_lost_samples(T, readings, motion, predicted, masked, start)
+    return find_lost_samples(readings, motion, predicted, masked, start)
 
 
 @pytest.mark.parametrize("lost", [3, 8, 9, 20])

@@ -16,7 +16,7 @@ MADE = motion(minutes=4.0)
 
 def found(readings: np.ndarray) -> Events:
     made = MADE
-    events = events_in_readings(made.t, readings, made)
+    events = events_in_readings(readings, made)
     assert all(all(texts(event.description).values()) for event in events.events)
     return events
 
@@ -84,7 +84,7 @@ def test_a_limit_just_below_gravity_is_told_by_one_position_alone() -> None:
     still, readings = read_in_six_positions(11)
     limit = 9.72 + 4e-3 * np.random.default_rng(12).standard_normal(len(still.t))
     readings[:, 4] = np.minimum(readings[:, 4], limit)
-    (event,) = events_in_readings(still.t, readings, still).events
+    (event,) = events_in_readings(readings, still).events
     assert event.effect == "accel_saturation"
     assert {p.name: p.value for p in event.parameters} == pytest.approx(
         {"upper_limit_y": 9.72}, abs=0.01
@@ -95,7 +95,7 @@ def test_a_limit_just_below_gravity_is_told_by_one_position_alone() -> None:
 def test_accelerometers_that_bend_towards_gravity_have_no_plateau(order: int) -> None:
     still, readings = read_in_six_positions(13)
     readings[:, 4] -= 0.1 * np.maximum(still.up[:, 1], 0.0) ** order
-    assert events_in_readings(still.t, readings, still).events == ()
+    assert events_in_readings(readings, still).events == ()
 
 
 def test_a_limit_on_one_side_does_not_count_what_lies_at_the_other() -> None:
@@ -121,7 +121,7 @@ def test_rests_in_gravity_are_no_plateau() -> None:
     up[np.arange(len(up)), (np.arange(len(up)) // 2000) % 3] = 1.0
     still = replace(made, up=up, rate=np.zeros_like(made.rate))
     mean = np.hstack([still.rate, GRAVITY * still.up * 0.99 + 0.05])
-    assert events_in_readings(still.t, noisy(mean, 8), still).events == ()
+    assert events_in_readings(noisy(mean, 8), still).events == ()
 
 
 def test_a_motion_that_dwells_at_its_highest_rate_before_a_noisy_encoder_is_no_plateau() -> None:
@@ -129,7 +129,7 @@ def test_a_motion_that_dwells_at_its_highest_rate_before_a_noisy_encoder_is_no_p
     readings = noisy(mean_readings(made), 9)
     error = np.random.default_rng(10).normal(0.0, 0.05, len(made.t))
     dwelling = np.where(np.abs(made.rate[:, 2]) > 4.4, error, 0.1 * error)
-    assert events_in_readings(made.t, readings, with_rate_error(made, dwelling)).events == ()
+    assert events_in_readings(readings, with_rate_error(made, dwelling)).events == ()
 
 
 def with_rate_error(made: Motion, error: np.ndarray) -> Motion:

@@ -18,7 +18,7 @@ EVERY = len(MADE.t)
 
 
 def found(readings: np.ndarray, made: Motion = MADE) -> Events:
-    events = events_in_readings(made.t, readings, made)
+    events = events_in_readings(readings, made)
     assert all(all(texts(event.description).values()) for event in events.events)
     return events
 

@@ -8,13 +8,14 @@ from engine_run import GRAVITY, NOISY, RATE, WHITE, motion, noise, observed, rea
 
 from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.channels import ACCELS, CHANNELS
+from tasks.explain.determined import si_unit
 from tasks.explain.events.event import Events
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import JUMPS
-from tasks.explain.evidence.si_units import si_unit
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import full_rate
+from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import NormalEquations
 from tasks.explain.search.empirical_terms import sinusoid
@@ -65,7 +66,9 @@ def explained(made: np.ndarray, *chosen: Selected) -> Explanation:
     nothing = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
     selection = Selection(chosen, NOISY, 1e-9 if chosen else 0.5, nothing)
     evidence = Evidence.of(FittedSelection.of(selection, blocks, RATE))
-    return explanation_of(recording, full, Events((), np.zeros(made.shape, bool)), evidence)
+    masked = np.zeros(made.shape, bool)
+    prepared = Prepared(recording, (), recording, full, full, 0.0, Events((), masked), masked)
+    return explanation_of(prepared, evidence)
 
 
 @pytest.fixture(scope="module")

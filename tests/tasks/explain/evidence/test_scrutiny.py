@@ -9,6 +9,7 @@ import pytest
 from engine_run import MOVE, NOISY, RATE, REST, motion, noise, observed, read
 
 from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.lookalikes import Examined
 from tasks.explain.evidence.pruning import pruned
 from tasks.explain.evidence.scrutiny import Scrutiny, _scattered, _undetermined
 from tasks.explain.search.candidates import Candidate
@@ -136,7 +137,7 @@ def test_what_only_all_parameters_together_determine_has_a_name_unless_it_is_wea
         correlation=lambda _: np.array([[1.0, -0.99], [-0.99, 1.0]]),
         delta_bic=lambda _: delta_bic,
     )
-    refusal = _undetermined(cast(Evidence, evidence), 0, values, u)
+    refusal = _undetermined(Examined(cast(Evidence, evidence), 0, values, u))
     assert (refusal is not None and refusal.kind == "undetermined") == refused
 
 
@@ -152,7 +153,7 @@ def test_what_is_weak_beside_stretches_that_scatter_has_no_name(
         scatter=SimpleNamespace(dispersion=lambda _: dispersion),
         delta_bic=lambda _: delta_bic,
     )
-    refusal = _scattered(cast(Evidence, evidence), 0)
+    refusal = _scattered(Examined(cast(Evidence, evidence), 0, np.zeros(0), np.zeros(0)))
     assert (refusal is not None and refusal.kind == "scatter") == refused
 
 

@@ -5,7 +5,7 @@ import pytest
 from short_run import short_run
 
 from schemas.recording import Recording
-from tasks.explain.evidence.reference_deviation import OTHER
+from tasks.explain.evidence.assemble import OTHER
 from tasks.explain.explain import explain
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.model.simulate import predict

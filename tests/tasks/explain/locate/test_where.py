@@ -8,8 +8,7 @@ import pytest
 from schemas.discrepancy import HeldOut, Where
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from tasks.explain.explanation import Explanation, Finding
-from tasks.explain.locate.place import settling_time
-from tasks.explain.locate.where import locate
+from tasks.explain.locate.where import locate, settling_time
 from tasks.motion.whole import Motion, whole_motion
 
 RATE_HZ = 20.0

@@ -10,7 +10,7 @@ from made_report import explanation, finding, located, unnamed, where
 from schemas.discrepancy import Dimension, ReportedFinding
 from schemas.text import Statement
 from tasks.explain.explanation import Partition, Refusal
-from tasks.explain.report.next_step import next_of
+from tasks.explain.report.discrepancy import next_of
 from tasks.model.effect import effect_name
 from tasks.words import texts
 

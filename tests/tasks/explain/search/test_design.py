@@ -25,9 +25,10 @@ from tasks.explain.search.design import (
     BandedDesign,
     banded_design,
     normal_equations,
+    residual_noises,
+    residuals,
     with_columns,
 )
-from tasks.explain.search.residuals import residual_noises, residuals
 from tasks.explain.whitening import Noise
 from tasks.model.regression import inverse
 from tasks.model.term import Column

@@ -9,15 +9,15 @@ from engine_run import MOVE, REST, SPANS, motion
 
 from tasks.explain.channels import GYROS
 from tasks.explain.explanation import UNNAMED
-from tasks.explain.search.empirical import empirical
-from tasks.explain.search.empirical_terms import scale_factor_drift, sinusoid, slow_drift
-from tasks.explain.search.motion_signals import (
+from tasks.explain.search.empirical import (
+    empirical,
     gravity_turns,
     lagged,
     repositioning,
     time_since,
     turning,
 )
+from tasks.explain.search.empirical_terms import scale_factor_drift, sinusoid, slow_drift
 from tasks.model.term import Inputs, Term
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.table import TableAxes

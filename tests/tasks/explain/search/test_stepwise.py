@@ -22,8 +22,7 @@ from tasks.explain.search.candidates import (
 )
 from tasks.explain.search.design import BandedDesign, banded_design, normal_equations
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER, rank
-from tasks.explain.search.stepwise import FALSE_ALARMS, search
-from tasks.explain.search.time_budget import TimeBudget
+from tasks.explain.search.stepwise import FALSE_ALARMS, TimeBudget, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient

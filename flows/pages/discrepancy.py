@@ -1,0 +1,264 @@
+"""The Mismatch page: which physics is missing, on which station, unit and model, and since when."""
+
+from collections.abc import Sequence
+
+import dash_mantine_components as dmc
+from dash import html
+from dash.development.base_component import Component
+
+from flows.pages.asked import asks
+from flows.pages.discrepancy_data import data
+from flows.pages.page import Page, View
+from flows.pages.parts import Cell, facts, link, table
+from flows.pages.states import StepState, badge
+from schemas.discrepancy import FoundParameter, Moved, Verdict
+from schemas.pages.discrepancy import (
+    Carried,
+    DiscrepancyQuestion,
+    DiscrepancyShown,
+    EffectSeen,
+    ExplainedRun,
+    PaperMoved,
+    Papers,
+    ReviewShown,
+    Shown,
+    UncertainTime,
+)
+from schemas.review import Moment
+from tasks.explain.report.names import parameter_text
+from tasks.specifications.items import symbol
+from tasks.words import message
+from tasks.words.quantities import multiple
+
+ASKED = ("effect", "station", "model", "serial")
+FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
+
+
+def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
+    """The last review, then what the explained runs show one by one."""
+    none = message("pages-mismatch-no-review")
+    review = _review(shown.review, view) if shown.review else [dmc.Text(view.say(none))]
+    counted = message("pages-mismatch-explained", explained=shown.explained, runs=shown.runs)
+    return dmc.Stack(
+        [
+            _heading("review", view),
+            *review,
+            _heading("own", view),
+            _choices(shown, view, question),
+            dmc.Text(view.say(counted), size="sm", c="dimmed"),
+            *(_effect(each, view) for each in shown.effects),
+            _heading("runs", view),
+            _runs(shown.newest, view),
+        ],
+        gap="sm",
+    )
+
+
+def _heading(name: str, view: View) -> Component:
+    return dmc.Title(view.say(message(f"pages-mismatch-{name}")), order=3, mt="sm")
+
+
+def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
+    values = {"effect": shown.known, "station": shown.stations, "model": shown.models,
+              "serial": shown.serials}  # fmt: skip
+    asked = question.model_dump()
+    controls = [
+        dmc.Select(
+            id=asks(name, asked[name]), label=view.say(message(f"pages-mismatch-asked.{name}")),
+            data=list(values[name]), value=asked[name], searchable=True, clearable=True,
+            placeholder=view.say(message("pages-mismatch-all")),
+        )
+        for name in ASKED
+    ]  # fmt: skip
+    return dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
+
+
+def _review(review: ReviewShown, view: View) -> list[Component]:
+    asked = ", ".join(_asked(name, value, view) for name, value in review.asked.items())
+    days = f"{review.days[0]} … {review.days[1]}" if review.days else None
+    everything = view.say(message("pages-mismatch-all"))
+    about = facts(
+        [
+            (message("pages-mismatch-fact.at"), f"{review.at:%F %T} UTC"),
+            (
+                message("pages-mismatch-fact.asked"),
+                asked or everything,
+            ),
+            (message("pages-mismatch-fact.runs"), f"{review.runs} (+ {review.skipped})"),
+            (message("pages-mismatch-fact.days"), days),
+        ],
+        view,
+    )
+    state = _state(review.verdict)
+    summary = dmc.Group([badge(state, view), dmc.Text(view.say(review.statement))])
+    return [about, summary, *(_carried(each, view) for each in review.findings)]
+
+
+def _asked(name: str, value: str, view: View) -> str:
+    """A part of what a review was asked of, in words."""
+    if name == "paths":
+        return view.say(message("pages-mismatch-recordings", count=int(value)))
+    kind = "fact" if name in ("since", "until") else "asked"
+    return f"{view.say(message(f'pages-mismatch-{kind}.{name}'))} {value}"
+
+
+def _state(verdict: Verdict) -> StepState:
+    """A mismatch is never good, explained or not: a name is a reason to act."""
+    words = message(f"pages-mismatch-verdict.{verdict.replace('_', '-')}")
+    return StepState(words, "good" if verdict == "no_mismatch" else "bad")
+
+
+def _carried(carried: Carried, view: View) -> Component:
+    finding = carried.finding
+    evidence = finding.evidence
+    carrier = view.say(message(f"pages-mismatch-level.{finding.level}")) + f" {finding.carrier}"
+    sizes = dmc.Stack([dmc.Text(_parameter(p, view)) for p in finding.parameters], gap=0)
+    shown = facts(
+        [
+            (message("pages-mismatch-fact.since"), _moment(finding.since, view)),
+            (message("pages-mismatch-fact.until"), _moment(finding.until, view)),
+            (
+                message("pages-mismatch-fact.shown"),
+                f"{evidence.runs_that_show_it} / {evidence.runs}",
+            ),
+            (message("pages-mismatch-fact.sizes"), sizes),
+        ],
+        view,
+    )
+    head = dmc.Group([
+        dmc.Title(carrier, order=4), dmc.Text(view.say(carried.title), fw="bold"),
+    ])  # fmt: skip
+    text = dmc.Text(view.say(finding.statement), size="sm", c="dimmed")
+    parts = [head, shown, text, *_touched(carried.papers, carried.query, view)]
+    parts += [_uncertain(each, view) for each in carried.uncertain]
+    parts += _moved(carried.moved, view)
+    return dmc.Card(dmc.Stack(parts, gap="xs"), withBorder=True, className="carried")
+
+
+def _moment(moment: Moment | None, view: View) -> str | None:
+    """The day, and the days between which the change lies with 95 %."""
+    if moment is None:
+        return None
+    at, earliest, latest, without = (
+        day[:10] for day in (moment.at, moment.earliest, moment.latest, moment.without)
+    )
+    if not without:
+        return f"{at} (95 %: {earliest} … {latest})"
+    low, high = (without, latest) if without < earliest else (earliest, without)
+    return view.say(message("pages-mismatch-between", at=at, low=low, high=high))
+
+
+def _uncertain(time: UncertainTime, view: View) -> Component:
+    counted = message(
+        "pages-mismatch-uncertain", issued=time.papers.issued, since=time.query["since"],
+        until=time.query["until"],
+    )  # fmt: skip
+    return dmc.Group([dmc.Text(view.say(counted), size="sm"), _runs_link(time.query, view)])
+
+
+def _moved(papers: Sequence[PaperMoved], view: View) -> list[Component]:
+    """What it changes in the certificates of reviewed runs, element by element."""
+    if not papers:
+        return []
+    rows = [
+        (
+            html.Span(link(paper.number, "/runs", certificate=paper.number), className="whole"),
+            html.Span(link(paper.run, "/run", id=paper.run), className="whole"),
+            ", ".join(_in_U(each) for each in paper.moved),
+        )
+        for paper in papers[:MOST_PAPERS]
+    ]
+    headings = [message(f"pages-mismatch-moved.{name}") for name in ("paper", "run", "elements")]
+    about = message("pages-mismatch-moved", count=len(papers), listed=len(rows))
+    return [dmc.Text(view.say(about), size="sm", fw="bold"), table(headings, rows, view)]
+
+
+def _in_U(moved: Moved) -> str:
+    """“B_ax −1.5 U”; a no-break space keeps them together."""
+    return f"{symbol(moved.item, moved.element)} {multiple(moved.in_U)} U".replace(" ", "\u00a0")
+
+
+def _parameter(parameter: FoundParameter, view: View) -> str:
+    return view.say(parameter_text(parameter))
+
+
+def _touched(papers: Papers | None, query: dict[str, str] | None, view: View) -> list[Component]:
+    """The certificates that may be wrong, with the way to their runs."""
+    if papers is None:
+        return []
+    counted = message("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
+    parts: list[Component] = [dmc.Text(view.say(counted), size="sm", fw="bold")]
+    parts += [_runs_link(query, view)] if query else []
+    listed = [link(number, "/runs", certificate=number) for number in papers.numbers]
+    listed += [dmc.Text("…")] if papers.issued > len(papers.numbers) else []
+    return [dmc.Group(parts), dmc.Group(listed, gap="xs", className="small")]
+
+
+def _runs_link(query: dict[str, str], view: View) -> Component:
+    return link(view.say(message("pages-mismatch-their-runs")), "/runs", **query)
+
+
+def _effect(seen: EffectSeen, view: View) -> Component:
+    carriers = [
+        (
+            message(f"pages-mismatch-level.{level}"),
+            _shares(getattr(seen, f"by_{level}"), seen, field),
+        )
+        for level, field in (("station", "station"), ("model", "model"), ("unit", "serial"))
+    ]
+    days = f"{seen.since} … {seen.until}" if seen.since else None
+    moved = ", ".join(map(_in_U, seen.moved))
+    counted = view.say(message("pages-mismatch-in-runs", count=seen.runs))
+    head = dmc.Group([
+        dmc.Title(view.say(seen.title), order=4), dmc.Code(seen.effect),
+        link(counted, "/mismatch", effect=seen.effect),
+    ])  # fmt: skip
+    shown = facts(
+        [(message("pages-mismatch-fact.days"), days), *carriers,
+         (message("pages-mismatch-fact.moved"), dmc.Text(moved, size="sm") if moved else None)],
+        view,
+    )  # fmt: skip
+    touched = _touched(seen.papers, None, view)
+    return dmc.Card(dmc.Stack([head, shown, *touched], gap="xs"), withBorder=True)
+
+
+def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
+    """Each carrier leads to its runs with the effect."""
+    lines = [
+        link(f"{each.name}: {each.shown} / {each.of}", "/mismatch", effect=seen.effect,
+             **{field: each.name})
+        for each in shares[:FEW]
+    ]  # fmt: skip
+    lines += [dmc.Text("…")] if len(shares) > FEW else []
+    return dmc.Stack(lines, gap=0, className="small")
+
+
+def _runs(runs: Sequence[ExplainedRun], view: View) -> Component:
+    names = ("run", "day", "station", "unit", "verdict", "findings", "report")
+    headings = [message(f"pages-mismatch-column.{name}") for name in names]
+    return table(headings, [_run(run, view) for run in runs], view)
+
+
+def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
+    found = [
+        dmc.Text(f"{view.say(f.title)} ({100 * f.share:.0f} %): " + ", ".join(
+            _parameter(p, view) for p in f.parameters[:3]), size="sm")
+        for f in run.findings
+    ]  # fmt: skip
+    report = html.A(
+        view.say(message("pages-mismatch-report")), href=f"/explained/{run.run}.html",
+        className="whole",
+        target="_blank",
+    )  # fmt: skip
+    return (
+        html.Span(link(run.run, "/run", id=run.run), className="whole"),
+        str(run.day) if run.day else None,
+        html.Span(run.station, className="whole"),
+        f"{run.model} {run.serial}",
+        badge(_state(run.verdict), view),
+        dmc.Stack(found, gap=2) if found else None,
+        report,
+    )
+
+
+PAGE = Page("mismatch", DiscrepancyQuestion, DiscrepancyShown, data, layout)

@@ -1,0 +1,221 @@
+"""Reads which effects appear on which station, unit and model, since when, and what they touch."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from datetime import date, timedelta
+from typing import Any
+
+import sqlalchemy as sql
+
+from schemas.certificate import LIVE
+from schemas.discrepancy import Moved
+from schemas.pages.discrepancy import (
+    Carried,
+    DiscrepancyQuestion,
+    DiscrepancyShown,
+    EffectSeen,
+    ExplainedRun,
+    FoundShown,
+    PaperMoved,
+    Papers,
+    ReviewShown,
+    Shown,
+    UncertainTime,
+)
+from schemas.review import ReviewFinding, Touched
+from storage import last_review
+from storage.catalogue import database, tables
+from storage.catalogue.completion import complete_runs
+from storage.catalogue.discrepancies import explained_runs
+from storage.home import Home
+from tasks.model.effect import effect_name
+from tasks.words import statement
+
+NEWEST, LISTED, MOST_MOVED = 100, 12, 4
+RUN, UNIT, PAPER = tables.runs.c, tables.units.c, tables.certificates.c
+CARRIED_BY = {"station": "station", "unit": "serial", "model": "model"}  # fields of the run list
+DAY = timedelta(days=1)
+Explained = dict[str, Any]
+
+
+def data(question: DiscrepancyQuestion, home: Home) -> DiscrepancyShown:
+    """The last review, and the findings of the explained runs that are asked for."""
+    complete_runs(home)
+    every = explained_runs(home)
+    chosen = [run for run in every if _is_asked(run, question)]
+    counted = database.rows(home, sql.select(sql.func.count()).select_from(tables.runs))
+    return DiscrepancyShown(
+        review=_review(home), runs=counted[0][0] if counted else 0, explained=len(chosen),
+        effects=tuple(_effects(chosen, question, home)),
+        newest=tuple(_run(run) for run in reversed(chosen[-NEWEST:])),
+        stations=_names(every, "station"), models=_names(every, "model"),
+        serials=_names(every, "serial"),
+        known=tuple(sorted({found["effect"] for run in every for found in run["findings"]})),
+    )  # fmt: skip
+
+
+def _is_asked(run: Explained, question: DiscrepancyQuestion) -> bool:
+    asked = ((name, getattr(question, name)) for name in ("station", "model", "serial"))
+    shown = {found["effect"] for found in run["findings"]}
+    of_effect = question.effect is None or question.effect in shown
+    return of_effect and all(wanted in (None, run[name]) for name, wanted in asked)
+
+
+def _names(runs: Iterable[Explained], field: str) -> tuple[str, ...]:
+    return tuple(sorted({run[field] for run in runs if run[field]}))
+
+
+def _review(home: Home) -> ReviewShown | None:
+    kept = last_review.last(home)
+    if kept is None:
+        return None
+    review = kept.review
+    return ReviewShown(
+        at=kept.at, asked=kept.asked, days=kept.days, runs=review.runs,
+        skipped=len(review.skipped), verdict=review.verdict, statement=review.statement,
+        findings=tuple(_carried(finding, home) for finding in review.findings),
+    )  # fmt: skip
+
+
+def _carried(finding: ReviewFinding, home: Home) -> Carried:
+    title, moved = statement(effect_name(finding.effect)), _moved(finding.touched, home)
+    field = CARRIED_BY.get(finding.level)
+    if field is None:
+        return Carried(
+            title=title, finding=finding, query=None, papers=None, uncertain=(), moved=moved
+        )
+    model, _, serial = finding.carrier.rpartition(" ") if field == "serial" else ("", "", "")
+    own = {field: serial or finding.carrier} | ({"model": model} if model else {})
+    since, until = (_day(each.at) if each else None for each in (finding.since, finding.until))
+    return Carried(
+        title=title, finding=finding, query=own | _asked_days(since, until),
+        papers=_papers(_papers_of(_which(own, since, until), home)),
+        uncertain=tuple(_uncertain(own, finding, home)), moved=moved,
+    )  # fmt: skip
+
+
+def _moved(touched: Sequence[Touched], home: Home) -> tuple[PaperMoved, ...]:
+    """By certificate, under the number that it has by now."""
+    by_name: dict[str, list[Moved]] = {}
+    for each in touched:
+        moved = Moved(item=each.item, element=each.element, in_U=each.in_U)
+        by_name.setdefault(each.certificate, []).append(moved)
+    is_named = sql.or_(PAPER.number.in_(by_name), PAPER.draft.in_(by_name))
+    rows = database.rows(home, sql.select(PAPER.number, PAPER.draft, PAPER.run).where(is_named))
+    found = [
+        PaperMoved(number=row.number, run=row.run, moved=tuple(moved))
+        for row in rows
+        for name, moved in by_name.items()
+        if name in (row.number, row.draft)
+    ]
+    return tuple(sorted(found, key=lambda paper: -max(abs(m.in_U) for m in paper.moved)))
+
+
+def _uncertain(own: dict[str, str], finding: ReviewFinding, home: Home) -> Iterable[UncertainTime]:
+    """The days between the last run that is surely without the effect and the first that shows it,
+    and those between the last that shows it and the next without.
+    """
+    ends = [(moment.without, moment.at) for moment in [finding.since] if moment]
+    ends += [(moment.at, moment.without) for moment in [finding.until] if moment]
+    for before, after in ends:
+        first, last = _day(before), _day(after)
+        if first is not None and last is not None and last - first > DAY:
+            days = first + DAY, last - DAY
+            papers = _papers(_papers_of(_which(own, *days), home))
+            yield UncertainTime(query=own | _asked_days(*days), papers=papers)
+
+
+def _day(at: str | None) -> date | None:
+    """The day of a moment; None for one that is the name of a recording."""
+    try:
+        return date.fromisoformat(at[:10]) if at else None
+    except ValueError:
+        return None
+
+
+def _asked_days(since: date | None, until: date | None) -> dict[str, str]:
+    return {name: str(day) for name, day in (("since", since), ("until", until)) if day}
+
+
+def _which(own: dict[str, str], since: date | None, until: date | None) -> sql.ColumnElement[bool]:
+    columns = {"station": RUN.station, "serial": UNIT.serial, "model": UNIT.model}
+    which = [columns[name] == value for name, value in own.items()]
+    which += [RUN.recorded_on >= since] if since else []
+    which += [RUN.recorded_on <= until] if until else []
+    return sql.and_(*which)
+
+
+def _papers_of(which: sql.ColumnElement[bool], home: Home) -> Sequence[sql.Row[Any]]:
+    """run, number and state of the certificates that count on such runs, the newest first."""
+    asked = (
+        sql.select(PAPER.run, PAPER.number, PAPER.state)
+        .select_from(tables.certificates.join(tables.runs, RUN.id == PAPER.run))
+        .join(tables.units, UNIT.id == RUN.unit)
+        .where(which, PAPER.state.in_(LIVE))
+        .order_by(PAPER.kept_at.desc(), PAPER.number)
+    )
+    return database.rows(home, asked)
+
+
+def _papers(rows: Sequence[sql.Row[Any]]) -> Papers:
+    issued = [row.number for row in rows if row.state == "issued"]
+    return Papers(
+        issued=len(issued), drafts=len(rows) - len(issued), numbers=tuple(issued[:LISTED])
+    )
+
+
+def _effects(
+    runs: Sequence[Explained], question: DiscrepancyQuestion, home: Home
+) -> Iterable[EffectSeen]:
+    """Each effect that the runs show, that of the most runs first."""
+    with_effect: dict[str, list[Explained]] = {}
+    for run in runs:
+        for effect in dict.fromkeys(found["effect"] for found in run["findings"]):
+            with_effect.setdefault(effect, []).append(run)
+    of_explained = RUN.id.in_(sql.select(tables.explained.c.run))
+    papers = _papers_of(of_explained, home) if with_effect else []
+    for effect, own in sorted(with_effect.items(), key=lambda each: (-len(each[1]), each[0])):
+        if question.effect in (None, effect):
+            yield _effect(effect, own, runs, papers)
+
+
+def _effect(
+    effect: str, own: Sequence[Explained], runs: Sequence[Explained],
+    papers: Sequence[sql.Row[Any]],
+) -> EffectSeen:  # fmt: skip
+    briefs = [f["brief"] for run in own for f in run["findings"] if f["effect"] == effect]
+    most = max(briefs, key=lambda brief: max((abs(m.in_U) for m in brief.moved), default=0.0))
+    days = [run["recorded_on"] for run in own if run["recorded_on"]]
+    ids = {run["run"] for run in own}
+    return EffectSeen(
+        effect=effect, title=briefs[-1].title, runs=len(own), since=min(days, default=None),
+        until=max(days, default=None), by_station=_by("station", own, runs),
+        by_model=_by("model", own, runs), by_unit=_by("serial", own, runs),
+        moved=most.moved[:MOST_MOVED], papers=_papers([row for row in papers if row.run in ids]),
+    )  # fmt: skip
+
+
+def _by(field: str, own: Sequence[Explained], runs: Sequence[Explained]) -> tuple[Shown, ...]:
+    """Those that show it, the largest share first."""
+    of, shown = (Counter(run[field] or "" for run in each) for each in (runs, own))
+    first: dict[str, date] = {}
+    for run in own:
+        if run["recorded_on"]:
+            first.setdefault(run[field] or "", run["recorded_on"])
+    found = [
+        Shown(name=name, shown=count, of=of[name], since=first.get(name))
+        for name, count in shown.items()
+    ]
+    return tuple(sorted(found, key=lambda each: (-each.shown / each.of, -each.shown, each.name)))
+
+
+def _run(run: Explained) -> ExplainedRun:
+    return ExplainedRun(
+        run=run["run"], day=run["recorded_on"], station=run["station"] or "", model=run["model"],
+        serial=run["serial"], verdict=run["verdict"],
+        findings=tuple(
+            FoundShown(effect=f["effect"], title=f["brief"].title, share=f["share"],
+                       parameters=f["brief"].parameters, others=f["brief"].others)
+            for f in run["findings"]
+        ),
+    )  # fmt: skip

@@ -1,0 +1,124 @@
+"""Prints a discrepancy, and a review."""
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from flows.printing import stdout
+from schemas.discrepancy import Discrepancy, ReportedFinding, Verdict
+from schemas.review import Review, ReviewFinding
+from tasks.explain.correction.consequences import moved_by
+from tasks.explain.report import names
+from tasks.stages.explain import Explained
+from tasks.stages.review import Reviewed
+from tasks.words import say
+from tasks.words.quantities import chi2, percent, quantities
+from tasks.words.rounding import USUAL_K
+
+COLOURS: dict[Verdict, str] = {
+    "no_mismatch": "green", "explained": "green", "partly_explained": "yellow",
+    "unexplained": "red",
+}  # fmt: skip
+COLUMNS = ("missing", "share", "channels", "parameter", "value", "U (k = 2)", "unit")
+REVIEW_COLUMNS = ("effect", "carrier", "since", "parameter", "value", "U (k = 2)", "unit", "runs")
+NUMERIC = ("share", "value", "U (k = 2)", "runs")
+MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
+
+
+def print_discrepancy(explained: Explained) -> None:
+    """Print the verdict, the findings with their parameters, their consequences, and the files."""
+    discrepancy, console = explained.discrepancy, stdout()
+    verdict = discrepancy.verdict.replace("_", " ")
+    console.print(f"[bold {COLOURS[discrepancy.verdict]}]{verdict}[/] ", end="")
+    console.print(f"({discrepancy.recording_id})", markup=False)
+    console.print(discrepancy.statement.en, markup=False)
+    if discrepancy.findings:
+        console.print(_table(discrepancy))
+    for number, finding in enumerate(discrepancy.findings, 1):
+        console.print(f"[bold]{number}[/] ", end="")
+        _print_finding(console, finding)
+    if discrepancy.left_over:
+        left = (f"{channel} {chi2(value)}" for channel, value in discrepancy.left_over.items())
+        console.print(f"left over, χ² per degree of freedom: {', '.join(left)}", markup=False)
+    for remark in discrepancy.remarks:
+        console.print("[dim]·[/] ", end="")
+        console.print(remark.en, markup=False)
+    for path in explained.files:
+        print(path)
+
+
+def _headed(columns: Sequence[str]) -> Table:
+    table = Table()
+    for name in columns:
+        table.add_column(name, justify="right" if name in NUMERIC else "left")
+    return table
+
+
+def _table(discrepancy: Discrepancy) -> Table:
+    table = _headed(COLUMNS)
+    for finding in discrepancy.findings:
+        *others, last = _parameters(finding) or [("–", "–", "–", "")]
+        first = (finding.effect, percent(finding.share), ", ".join(finding.channels))
+        for cells in (*others, last):
+            table.add_row(*map(Text, (*first, *cells)), end_section=cells is last)
+            first = ("", "", "")
+    return table
+
+
+def _parameters(finding: ReportedFinding | ReviewFinding) -> Sequence[tuple[str, str, str, str]]:
+    """Name, value, U and unit of each parameter, as in the report."""
+    made = [(p.name, quantities([p.value], USUAL_K * p.u, p.unit)) for p in finding.parameters]
+    return [
+        (name, each.values[0] or "–", each.uncertainties[0] or "–", each.unit)
+        for name, each in made
+    ]
+
+
+def _print_finding(console: Console, finding: ReportedFinding) -> None:
+    """Print the sentence of a finding, and the certificate elements that it changes most."""
+    console.print(finding.statement.en, markup=False)
+    listed = sorted(finding.consequences, key=moved_by, reverse=True)
+    for moved in listed[:MAX_CONSEQUENCES]:
+        made = quantities([moved.before, moved.after], moved.U, moved.unit)
+        before, after = (value or "–" for value in made.values)
+        element = say(names.element_title(moved.item, moved.element), "en")
+        line = f"  {element}: {before} → {after} {made.unit}".rstrip()
+        console.print(f"{line} ({moved_by(moved):.1f} U)" if moved.U else line, markup=False)
+    if len(listed) > MAX_CONSEQUENCES:
+        left = len(listed) - MAX_CONSEQUENCES
+        console.print(f"  and {left} elements more, in the report", style="dim")
+    for change in finding.verdict_changes:
+        item, verdicts = names.element_title(change.item, ""), names.change_title(change)
+        line = f"  verdict of {say(item, 'en')}: {say(verdicts, 'en')}"
+        console.print(line, style="bold", markup=False)
+
+
+def print_review(reviewed: Reviewed) -> None:
+    """Print the verdict, the common effects with their parameters, and the runs left out."""
+    review, console = reviewed.review, stdout()
+    console.print(f"{review.verdict.replace('_', ' ')} ({review.runs} runs)", markup=False)
+    console.print(review.statement.en, markup=False)
+    if review.findings:
+        console.print(_review_table(review))
+    for statement in [one.statement for one in review.findings] + [
+        one.statement for one in review.sites
+    ]:
+        console.print(statement.en, markup=False)
+    for skipped in review.skipped:
+        console.print(f"left out: {skipped.run}: {skipped.why}", markup=False)
+    for path in reviewed.files:
+        print(path)
+
+
+def _review_table(review: Review) -> Table:
+    table = _headed(REVIEW_COLUMNS)
+    for finding in review.findings:
+        since = finding.since.at if finding.since else "–"
+        first = (finding.effect, f"{finding.level} {finding.carrier}", since)
+        runs = str(finding.evidence.runs)
+        for cells in _parameters(finding):
+            table.add_row(*map(Text, (*first, *cells, runs)))
+            first, runs = ("", "", ""), ""
+    return table

@@ -1,0 +1,115 @@
+"""Codes in which a bit sticks, or whose high byte is that of the row before.
+
+Of a stuck bit every other block of 2ᵇ codes never occurs. The readings reach up to both ends of the
+stretches that are read, and none lies beyond: noise that is wider than a code would have carried
+some there.
+
+Where a high byte is late, readings are off by 256 codes when it changes.
+Where noise is not far below a byte no single reading tells it. But the low byte is right, and with
+what is expected it tells the high one; readings that are off by it then have the high byte of the
+row before far more often than of the row after. Noise knows no direction of time, and neither do
+spikes, held rows or a bias that jumps.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from tasks.model.fit import plain_prediction
+from tasks.motion.whole import Motion
+
+BITS = tuple(range(2, 15))
+OFF_CODE = 0.05  # of a step: how far a reading may lie off its code, for the rounding of a file
+MIN_PERIODS = 3  # of 2ᵇ⁺¹ codes, with readings
+MIN_AT_END = 25  # readings within half of the noise of either end
+MIXTURE_ROUNDS = 8  # of expectation and maximisation
+BYTE = 256.0  # codes
+ABOUT = 25  # rows about one, most of which are right
+FIT_ROUNDS = 3
+SLOW = 64.0  # codes from row to row: faster, a delay has the high byte of the row before, too
+MIN_TORN = 15
+Z = 6.0  # by which rows before outnumber rows after: p = 1e-9
+MIN_RATIO = 3.0  # of rows that have it of the row before to those of the row after
+MAX_HELD = 0.2  # of the rows in which a change is expected
+MAX_NOISE = 50.0  # codes, median: of noise that fills a byte it is 64
+
+
+def stuck_bit(codes: np.ndarray) -> int | None:
+    """What a stuck bit adds to a code, by codes (n,): ±2ᵇ; None where none is stuck.
+
+    Codes count from the unit's own zero: bits of a number that was shifted are not known.
+    """
+    known = codes[np.isfinite(codes)]
+    number = np.rint(known).astype(int)
+    if len(number) < 2 or np.abs(known - number).max() > OFF_CODE:
+        return None
+    change = np.abs(np.diff(number))
+    near = max(1, round(0.5 * float(np.median(change)) / 0.954))  # 0.6745·√2 of the noise
+    for bit in BITS:
+        level = number >> bit & 1
+        if level.min() != level.max() or len(np.unique(number >> bit + 1)) < MIN_PERIODS:
+            continue
+        place = number & (1 << bit) - 1
+        width = min(near, 1 << bit - 2)
+        ends = (place < width).sum(), (place >= (1 << bit) - width).sum()
+        if min(ends) >= MIN_AT_END:
+            return int(1 << bit if level[0] else -(1 << bit))
+    return None
+
+
+def put_back(readings: np.ndarray, motion: Motion, weights: Mapping[int, float]) -> np.ndarray:
+    """(n, 6) what stuck bits added to readings (n, 6): nothing or the bit's weight, by channel.
+
+    Where noise is as wide as the bit, the expectation of the two, given the standard's model.
+    """
+    off = np.zeros_like(readings)
+    for _ in range(MIXTURE_ROUNDS if weights else 0):
+        predicted = plain_prediction(readings - off, motion)
+        for c, weight in weights.items():
+            residual = readings[:, c] - predicted[:, c]
+            variance = max(float(np.nanmedian((residual - off[:, c]) ** 2)) / 0.455, 1e-30)
+            odds = (residual**2 - (residual - weight) ** 2) / (2.0 * variance)
+            added = weight / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0)))
+            off[:, c] = np.nan_to_num(added)
+    return off
+
+
+def torn_codes(code: np.ndarray, predicted: np.ndarray) -> np.ndarray | None:
+    """By how many codes (n,) each reading is off; None where they are not torn.
+
+    code, predicted: (n,) as read, and as expected without the fault.
+    """
+    known = np.isfinite(code) & np.isfinite(predicted)
+    read, expected = np.where(known, code, 0.0), np.where(known, predicted, 0.0)
+    low, right, near = np.mod(read, BYTE), read, expected
+    slow = np.flatnonzero(known & (np.abs(np.gradient(expected)) < SLOW))
+    if len(slow) < ABOUT or _held(read, expected):
+        return None
+    for _ in range(FIT_ROUNDS):
+        # On a ramp most rows may be off, and alike: what is expected there is told by rests beside.
+        beyond = median_filter((right - expected)[slow], ABOUT, mode="nearest")
+        near = expected + np.interp(np.arange(len(read)), slow, beyond)
+        right = low + BYTE * np.round((near - low) / BYTE)
+        if np.count_nonzero(read != right) < MIN_TORN:
+            return None
+    off = np.round((read - right) / BYTE)
+    high = np.floor(right / BYTE)
+    before, after = np.zeros_like(off), np.zeros_like(off)
+    before[1:], after[:-1] = high[:-1] - high[1:], high[1:] - high[:-1]
+    from_before, from_after = (off != 0.0) & (off == before), (off != 0.0) & (off == after)
+    count = int((from_before & ~from_after)[slow].sum())
+    chance = int((from_after & ~from_before)[slow].sum())
+    noise = float(np.median(np.abs(right - near)[slow]))
+    clear = count - chance > Z * np.sqrt(count + chance) and count > MIN_RATIO * chance
+    if count < MIN_TORN or not clear or noise > MAX_NOISE:
+        return None
+    return np.asarray(np.where(known & from_before, BYTE * off, 0.0))
+
+
+def _held(read: np.ndarray, expected: np.ndarray) -> bool:
+    """Whether readings (n,) repeat the row before while something else is expected: both bytes are
+    then of an earlier row.
+    """
+    moves = np.abs(np.diff(expected)) > 1.0
+    return bool(np.mean(np.diff(read)[moves] == 0.0) > MAX_HELD) if moves.any() else False

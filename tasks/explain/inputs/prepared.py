@@ -1,0 +1,240 @@
+"""A recording prepared for the search: faults, events and a long delay of the stamps removed.
+
+A long delay is found before the model is linearised without one. A motion that oscillates
+determines a delay by its phase only to within half a period; a fit that begins at nothing ends on
+the wrong turn. So the slow motion is compared first, by means over long windows, and what is faster
+over ever shorter ones: each determines the turn of the next.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+from scipy.linalg import orth
+
+from schemas.recording import Recording
+from tasks.explain.channels import CHANNELS
+from tasks.explain.events.detect import events_in_readings
+from tasks.explain.events.event import Events
+from tasks.explain.events.faults import Fault, find_faults
+from tasks.explain.events.lost_samples import LostSamples
+from tasks.explain.events.quantisation import quantiser_of
+from tasks.explain.events.repeats import find_repeats
+from tasks.explain.inputs.blocks import Blocks, block_means
+from tasks.explain.inputs.full_rate import FullRate, full_rate
+from tasks.explain.inputs.recorded_signals import within_jumps
+from tasks.explain.inputs.reference import ReferencePrediction
+from tasks.explain.progress import Progress, silent, tell
+from tasks.model.fit import plain_prediction
+from tasks.motion.angle_rates import as_mean_rates
+from tasks.motion.samples import bridged, interpolated
+from tasks.motion.whole import Motion
+
+LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
+ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
+WIDTHS = (0.32, 0.16, 0.08, 0.04)  # s: windows of mean rates, from slow to fast
+MAX_DELAY = 0.3  # s
+MIN_DELAY = 0.01  # s: what is shorter a fit finds by itself
+LAGS = 41  # within each span
+CLEAR = 2.0  # times less misfit than without a delay
+MIN_WINDOWS = 30
+RANK = 1e-9
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A recording without faults of its logger, as it is, and without its events and delay.
+
+    recorded: with rates in place of angles. faults: of its logger, undone in all that follows.
+    recording, full: without them, at the unit's rows. clean: without events, and with the stamps
+    `delay` s earlier, by which they were late. masked: (n, 6) bool, readings that say nothing.
+    reference: the prediction by which the readings of `clean` were reduced to those of an ideal
+    unit.
+    """
+
+    recorded: Recording
+    faults: tuple[Fault, ...]
+    recording: Recording
+    full: FullRate
+    clean: FullRate
+    delay: float
+    events: Events
+    masked: np.ndarray
+    reference: ReferencePrediction | None = None
+
+    def blocks(self, rate: float) -> Blocks:
+        """Block means at a rate, Hz; of a long run at a lower one."""
+        return block_means(self.clean, self._share * rate, self.masked)
+
+    def blocks_as_stamped(self, rate: float) -> Blocks:
+        """The same with the stamps as they were recorded."""
+        late = replace(self.clean, motion=self.full.motion)
+        return block_means(late, self._share * rate, self.masked)
+
+    @property
+    def _share(self) -> float:
+        return min(1.0, LONG / float(self.full.motion.t[-1]))
+
+
+def prepare(
+    recording: Recording,
+    reference: ReferencePrediction | None = None,
+    *,
+    delay_sought: bool = True,
+    progress: Progress = silent,
+) -> Prepared:
+    """The inputs of a search. Lost samples hide a delay until they are known, so that it is sought
+    before and after them, and held ones feign one.
+
+    Raises Unusable where the recording tells no motion or is too short.
+    """
+    tell(progress, "motion")
+    recorded = as_mean_rates(recording)
+    faults, right, full = without_faults(recorded, reference)
+    tell(progress, "events")
+    delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
+    rows, events = _with_delay(right, full, delay)
+    losses = [event for event in events.events if isinstance(event, LostSamples)]
+    more = coarse_delay(rows, until=losses[0].times[0]) if losses and delay_sought else 0.0
+    if more:
+        delay += more
+        rows, events = _with_delay(right, full, delay)
+    clean, masked = _without_events(rows, events)
+    if reference is not None:
+        clean = replace(clean, readings=clean.readings - reference.beyond_ideal(full.motion))
+    as_stamped = _as_stamped(full, clean.motion, delay)
+    return Prepared(recorded, faults, right, as_stamped, clean, delay, events, masked, reference)
+
+
+def without_faults(
+    recorded: Recording, reference: ReferencePrediction | None = None
+) -> tuple[tuple[Fault, ...], Recording, FullRate]:
+    """Faults of the logger, and the recording without them, as it is and at the unit's rate."""
+    full = full_rate(recorded)
+    tracked = recorded.table is None and recorded.reference is not None
+    faults = find_faults(full.readings, full.motion, None if reference else tracked)
+    if not faults:
+        return (), recorded, full
+    readings = recorded.imu.stack(CHANNELS)
+    for fault in reversed(faults):
+        readings = fault.undone(readings)
+    own = {c: readings[:, k] for k, c in enumerate(CHANNELS) if c in recorded.imu.columns}
+    imu = replace(recorded.imu, columns={**recorded.imu.columns, **own})
+    right = replace(recorded, imu=imu)
+    return faults, right, full_rate(right)
+
+
+def _as_stamped(full: FullRate, earlier: Motion, delay: float) -> FullRate:
+    """What was recorded, with the acceleration that gyros showed `delay` s later."""
+    if full.motion.tracking is None or not delay:
+        return full
+    t, known = full.motion.t, np.isfinite(earlier.acceleration).all(axis=1)
+    acceleration = interpolated(t, t[known] - delay, earlier.acceleration[known])
+    same = np.where(np.isfinite(full.motion.acceleration), acceleration, np.nan)
+    return replace(full, motion=replace(full.motion, acceleration=same))
+
+
+def _between_fresh(full: FullRate) -> FullRate:
+    """The readings with straight lines between samples where a row holds that of another: what is
+    held is late by itself, and would be taken for a delay of all stamps.
+    """
+    repeats = find_repeats(full.readings, full.motion, [quantiser_of(c) for c in full.readings.T])
+    if repeats is None or repeats.slipped.any():
+        return full
+    lines = bridged(np.where(repeats.held, np.nan, full.readings))
+    return replace(full, readings=np.where(repeats.held, lines, full.readings))
+
+
+def _with_delay(recording: Recording, full: FullRate, delay: float) -> tuple[FullRate, Events]:
+    rows = full_rate(advanced(recording, delay)) if delay else full
+    events = events_in_readings(rows.readings, rows.motion, rows.start)
+    unknown = within_jumps(recording, rows.motion.t + rows.start)
+    return rows, replace(events, masked=events.masked | unknown[:, None])
+
+
+def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarray]:
+    """The readings as they were before the events changed them, and which (n, 6) say nothing."""
+    if not events.events:
+        return full, events.masked
+    corrected = full.readings
+    for _ in range(ROUNDS):
+        predicted = plain_prediction(corrected, full.motion, events.masked, own_squared_rate=True)
+        corrected = events.corrected(full.motion.t, full.readings, predicted)
+    masked = events.masked | (np.isnan(corrected) & np.isfinite(predicted))
+    readings = np.where(np.isfinite(corrected), corrected, full.readings)
+    return replace(full, readings=readings), masked
+
+
+def coarse_delay(full: FullRate, until: float = np.inf) -> float:
+    """Seconds by which all stamps are late, to a few milliseconds; 0 where no long one is clear.
+
+    Of poses any delay, however short: half a frame is usual, and known better than a frame.
+
+    Integrals of the gyros beside those of the motion's rates; each gyro follows a straight line
+    in the three rates, so that scale factors, cross coupling and biases do not matter.
+    until: s, what is later is not used, such as stamps after samples were lost.
+    """
+    t = full.motion.t
+    known = full.motion.felt[:, 0] & np.isfinite(full.readings[:, :3]).all(axis=1) & (t < until)
+    if known.sum() < 2:
+        return 0.0
+    turned, read = (
+        cumulative_trapezoid(np.where(known[:, None], rates, 0.0), t, axis=0, initial=0)
+        for rates in (full.motion.rate, full.readings[:, :3])
+    )
+    gaps = np.cumsum(~known)
+    delay, span = 0.0, MAX_DELAY
+    # Windows shorter than the interval of a slow unit's rows show straight lines between them.
+    widths = [width for width in WIDTHS if width >= full.motion.interval]
+    if not widths:
+        return 0.0
+    for width in widths:
+        edges = np.arange(t[0] + 2.0 * MAX_DELAY, t[-1] - 2.0 * MAX_DELAY, width)
+        if len(edges) <= MIN_WINDOWS:
+            return 0.0
+        before, after = (np.interp(edges + reach, t, gaps) for reach in (-MAX_DELAY, MAX_DELAY))
+        whole = after[1:] == before[:-1]  # windows without a gap within any delay
+        if whole.sum() < MIN_WINDOWS:
+            return 0.0
+        lags = delay + np.linspace(-span, span, LAGS)
+        without, *misfits = _misfits(np.append(0.0, lags), t, turned, read, edges, whole)
+        best = int(np.argmin(misfits))
+        delay = float(lags[best])
+        span = 0.25 * width
+    if full.motion.tracking is not None:
+        return delay + (lags[1] - lags[0]) * _vertex(misfits, best)
+    clear = MIN_DELAY <= abs(delay) <= MAX_DELAY and without > CLEAR * min(misfits)
+    return delay if clear else 0.0
+
+
+def _vertex(misfits: list[float], best: int) -> float:
+    """Where a parabola through the least misfit and its neighbours is least, in steps from it."""
+    if not 0 < best < len(misfits) - 1:
+        return 0.0
+    before, least, after = misfits[best - 1 : best + 2]
+    bend = before - 2.0 * least + after
+    return 0.5 * (before - after) / bend if bend > 0 else 0.0
+
+
+def _misfits(
+    lags: np.ndarray, t: np.ndarray, turned: np.ndarray, read: np.ndarray, edges: np.ndarray,
+    whole: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Sums of squares that straight lines in the motion's rates leave of the gyros', read late.
+
+    turned, read: (n, 3) angles of the motion and of the gyros at t (n,). Rates are means over the
+    windows between edges (k + 1,); whole: (k,) bool, those that count.
+    """
+    width = edges[1] - edges[0]
+    rates = (np.diff(interpolated(edges, t, turned), axis=0) / width)[whole]
+    basis = orth(np.column_stack([rates, np.ones(len(rates))]), rcond=RANK)
+    misfits = []
+    for lag in lags:
+        means = (np.diff(interpolated(edges + lag, t, read), axis=0) / width)[whole]
+        misfits.append((means**2).sum() - ((basis.T @ means) ** 2).sum())
+    return np.array(misfits)
+
+
+def advanced(recording: Recording, delay: float) -> Recording:
+    """The recording with the unit's stamps `delay` seconds earlier."""
+    return replace(recording, imu=replace(recording.imu, t=recording.imu.t - delay))

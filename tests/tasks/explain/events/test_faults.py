@@ -1,0 +1,108 @@
+"""Ranges, units and axes that are set wrong are told, and a working unit's are left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_up import counted, mean_readings, motion, noisy
+
+from tasks.explain.events.faults import AxisMapping, RangeSetting, Setting, find_settings
+from tasks.words import texts
+
+SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def settings(readings: np.ndarray, tracked: bool = False) -> tuple[Setting, ...]:
+    found = find_settings(readings, motion(), tracked)
+    assert all(all(texts(setting.description).values()) for setting in found)
+    return found
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_working_unit_has_no_wrong_setting(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    scale = 1.0 + rng.normal(0.0, 0.02, 6)
+    assert settings(noisy(mean_readings(motion()) * scale, seed)) == ()
+
+
+def test_a_poor_unit_ten_percent_off_on_every_axis_has_no_wrong_setting() -> None:
+    assert settings(noisy(1.1 * mean_readings(motion()), 1)) == ()
+
+
+@pytest.mark.parametrize(
+    ("triad", "factor"),
+    [(0, 2.0), (0, 0.25), (0, 180.0 / np.pi), (0, np.pi / 180.0), (0, 1.43), (1, 1.16),
+     (1, 1.0 / 9.80665), (1, 9.80665), (1, 0.5), (1, 1000.0)],
+)  # fmt: skip
+def test_a_factor_common_to_a_triad_is_a_setting(triad: int, factor: float) -> None:
+    readings = noisy(mean_readings(motion()), 2)
+    right = readings.copy()
+    readings[:, 3 * triad : 3 * triad + 3] *= factor
+    (found,) = settings(readings)
+    assert isinstance(found, RangeSetting)
+    assert found.triad == triad
+    (parameter,) = found.parameters
+    assert abs(parameter.value - factor) <= 2.0 * parameter.u + 1e-12
+    undone = found.undone(readings)
+    np.testing.assert_allclose(undone, right, rtol=0.01, atol=1e-9)
+    np.testing.assert_allclose(found.applied(motion().t, undone), readings, rtol=1e-6, atol=1e-12)
+
+
+def test_one_axis_off_by_a_factor_is_no_setting_of_the_triad() -> None:
+    readings = noisy(mean_readings(motion()), 3)
+    readings[:, 1] *= 2.0
+    assert settings(readings) == ()
+
+
+def test_an_unusual_factor_about_one_axis_alone_may_be_the_tables() -> None:
+    made = motion()
+    rate = made.rate.copy()
+    rate[:, :2] = 0.0
+    about_z = replace(made, rate=rate)
+    readings = noisy(mean_readings(about_z), 4)
+    for factor, expected in ((1.4, []), (0.5, [0.5])):
+        scaled = readings.copy()
+        scaled[:, :3] *= factor
+        found = find_settings(scaled, about_z, False)
+        assert [one.factor for one in found if isinstance(one, RangeSetting)] == expected
+
+
+def test_readings_that_do_not_follow_the_motion_have_no_setting() -> None:
+    readings = noisy(mean_readings(motion()), 5)
+    readings[:, :3] = 0.4 * np.roll(readings[:, :3], 900, axis=0)
+    assert settings(readings) == ()
+
+
+@pytest.mark.parametrize("triad", [0, 1])
+@pytest.mark.parametrize("matrix", [SWAPPED, np.diag([1.0, -1.0, 1.0]), QUARTER])
+def test_axes_of_one_triad_exchanged_or_inverted_are_told(triad: int, matrix: np.ndarray) -> None:
+    right = noisy(mean_readings(motion()), 6)
+    readings = right.copy()
+    own = slice(3 * triad, 3 * triad + 3)
+    readings[:, own] = right[:, own] @ matrix.T
+    (found,) = settings(readings, tracked=True)
+    assert isinstance(found, AxisMapping)
+    assert np.array_equal(found.matrix, matrix)
+    np.testing.assert_allclose(found.undone(readings), right, rtol=1e-6, atol=1e-12)
+    assert found.indistinguishable == ()
+
+
+def test_both_triads_turned_alike_may_be_the_mount_and_of_a_tracked_body_is_its_own() -> None:
+    right = noisy(mean_readings(motion()), 7)
+    readings = np.hstack([right[:, :3] @ QUARTER.T, right[:, 3:] @ QUARTER.T])
+    found = settings(readings)
+    assert [setting.effect for setting in found] == ["axis_mapping", "axis_mapping"]
+    assert all(setting.indistinguishable == ("reference_frame",) for setting in found)
+    assert settings(readings, tracked=True) == ()
+
+
+def test_axes_and_range_are_undone_together() -> None:
+    right = counted(noisy(mean_readings(motion()), 8))
+    readings = right.copy()
+    readings[:, :3] = 4.0 * right[:, :3] @ SWAPPED.T
+    found = settings(readings)
+    assert [setting.effect for setting in found] == ["axis_mapping", "range_setting"]
+    for setting in reversed(found):
+        readings = setting.undone(readings)
+    np.testing.assert_allclose(readings, right, rtol=1e-6, atol=1e-12)
