@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+from scipy.special import comb
+
 from schemas.base import Unusable
 from schemas.recording import Recording
 from tasks.explain.confounding.compare import compared
@@ -42,6 +45,7 @@ from tasks.words import message
 OF_TRACKING = (TIME_OFFSET.name, REFERENCE_FRAME.name)  # nuisances of poses
 SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
+ABRUPT = 0.005  # of the rates' variance that lies near half the blocks' rate: they alias
 
 
 def explain(
@@ -133,7 +137,24 @@ def _evidence(
     trials = len(candidates)
     fit = compared(evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit)
     fit = with_play(fit, candidates)
+    if len(fine.t) <= LONG * REFIT_RATE / 2 and _abrupt(fit.blocks):
+        stamped = clean.with_stamps_of(full) if clean.delay else clean
+        fit = replace(fit, blocks=stamped.blocks(2.0 * fine.rate)).reselected(fit.selection)
     return evidence if fit is evidence.fit else pruned(fit, trials)
+
+
+def _abrupt(blocks: Blocks) -> bool:
+    """Whether much of the rates' variance lies in the fastest changes that blocks show.
+
+    A delay of a turn that reverses within a block is not told by the means of blocks. Poses are
+    compared below their own band alone.
+    """
+    if blocks.motion.tracking is not None:
+        return False
+    rate = blocks.motion.rate[np.isfinite(blocks.motion.rate).all(axis=1)]
+    white = float(comb(4, np.arange(5)) @ comb(4, np.arange(5)))  # of a fourth difference
+    fastest = (np.diff(rate, 4, axis=0) ** 2).sum(axis=1).mean() / white
+    return bool(fastest > ABRUPT * rate.var(axis=0).sum())
 
 
 def _fitted(

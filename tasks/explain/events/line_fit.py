@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 from scipy.stats import gamma
 
 from tasks.explain.events.event import significant_channels
@@ -19,6 +20,7 @@ SIGNIFICANT = 3.0  # standard uncertainties from which a channel has the line
 OFFSETS = np.linspace(-1.0, 1.0, 401)  # frequencies that are tried, over one per span
 CLOSEST = 0.3  # waves per recording, below half the sample rate: there sine and cosine are alike
 ROTATING = 0.05  # rad/s
+STOP = 1.0  # s: what is shorter is a reversal, not a rest
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,8 @@ def is_steady(residual: Residual, line: FittedLine) -> bool:
     others = np.argsort(parts)[:-LOUDEST]
     if parts[others].sum() <= MIN_IN_OTHERS * wholes[others].sum():
         return False
-    rotating = np.linalg.norm(residual.motion.rate, axis=1) > ROTATING
+    speed = np.linalg.norm(residual.motion.rate, axis=1)
+    rotating = maximum_filter1d(speed, 1 + round(STOP / residual.interval)) > ROTATING
     return all(
         part[rows].sum() >= MIN_IN_STATE * expected[rows].sum() - np.sqrt(expected[rows].sum())
         for rows in (rotating, ~rotating)

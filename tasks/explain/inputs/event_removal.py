@@ -34,8 +34,9 @@ class Cleaned:
     masked: np.ndarray
 
     def blocks(self, rate: float) -> Blocks:
-        """Block means at a rate, Hz."""
-        return block_means(self.full, rate, self.masked)
+        """Block means at a rate, Hz, compared but for the lines that were removed."""
+        blocks = block_means(self.full, rate, self.masked)
+        return replace(blocks, lines=self.events.lines)
 
     def less(self, reference: ReferencePrediction | None, full: FullRate) -> "Cleaned":
         """The same less what a reference predicts beyond an ideal unit. full: as recorded."""
