@@ -75,4 +75,5 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
     tell(progress, "combinations")
     fit = compared(evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit)
     fit = with_play(fit, candidates)
+    fit = found.resolved(fit)
     return evidence if fit is evidence.fit else pruned(fit, trials)

@@ -26,6 +26,7 @@ OUTLIER = 1e-4  # chance that one of them is nothing like the others
 MIN_FREE = 0.25  # a band of which less is free says nothing of the noise
 EFFICIENCY = 0.37  # of a median of squares beside their mean
 MEDIAN_OF_SQUARE = 0.4549  # of a squared standard normal
+LINE_WIDTH = 3.0  # waves per recording on each side of a line that are not compared
 
 
 @dataclass(frozen=True)
@@ -78,8 +79,20 @@ def in_time(coefficients: np.ndarray, padded: int) -> np.ndarray:
 
 
 def in_band(columns: np.ndarray, observed: Blocks) -> np.ndarray:
-    """DCT of each row of (k, n) without the coefficients above the band that is compared."""
-    return transformed(columns)[..., : _compared(columns.shape[-1], observed)]
+    """DCT of each row of (k, n) without the coefficients above the band that is compared, and
+    nothing at the lines that are not.
+    """
+    padded = columns.shape[-1]
+    rows = transformed(columns)[..., : _compared(padded, observed)]
+    for line in observed.lines:
+        seen = abs(line - round(line / observed.rate) * observed.rate)  # blocks fold it
+        place, width = 2 * padded * np.array([seen, LINE_WIDTH / _span(observed)]) / observed.rate
+        rows[..., max(0, round(place - width)) : round(place + width) + 1] = 0.0
+    return rows
+
+
+def _span(observed: Blocks) -> float:
+    return len(observed.t) / observed.rate
 
 
 def compared_bands(observed: Blocks) -> Bands:

@@ -4,6 +4,7 @@ Spikes: single outlying readings without a name in the catalogue.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import binary_dilation, maximum_filter1d
@@ -13,7 +14,8 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.events.bias_at_rest import BiasAtRest, find_bias_at_rest
 from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.dead_zone import find_dead_zone
-from tasks.explain.events.event import Event, Events, channel_names
+from tasks.explain.events.dominant_lines import find_dominant_lines
+from tasks.explain.events.event import AddedSignal, Event, Events, channel_names
 from tasks.explain.events.impacts import find_impacts
 from tasks.explain.events.jitter import find_jitter
 from tasks.explain.events.lines import find_lines
@@ -67,9 +69,15 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
     if steps is not None:
         level = steps.noise_floor(level)
     spikes, at_spikes = find_spikes(used, np.where(masked, np.nan, residual), level, motion)
-    # In the order in which they act: when a reading was taken, limit, rounding, threshold.
+    lines: tuple[AddedSignal, ...] = ()
+    if motion.tracking is None:  # poses do not show how a body vibrates
+        unmasked = np.where(masked | at_spikes, np.nan, residual)
+        lines = find_dominant_lines(Residual.of(t, unmasked, level, motion), predicted)
+    # In the order in which they act: what is added, when a reading was taken, limit, rounding,
+    # threshold.
     last = tuple(event for event in (steps, zone, spikes) if event is not None)
-    return Events(events + last, masked | at_spikes, (*gap_remarks(t), *flat_remarks(flat)))
+    remarks = (*gap_remarks(t), *flat_remarks(flat))
+    return Events((*lines, *events, *last), masked | at_spikes, remarks)
 
 
 def constant_channels(readings: np.ndarray) -> np.ndarray:
@@ -117,7 +125,12 @@ def events_in_residual(
     a body vibrates: fast components of the residual need not be errors, unless they have the mains'
     frequency throughout.
     """
-    t, values = motion.t, np.where(events.masked, np.nan, residual)
+    early = [event for event in events.events if isinstance(event, AddedSignal)]
+    events = replace(events, events=tuple(e for e in events.events if e not in early))
+    t = motion.t
+    for line in early:  # found again, beside all that has been fitted since
+        residual = line.applied(t, residual)
+    values = np.where(events.masked, np.nan, residual)
     level = without_dead(noise_by_rate(values, motion))
     level = np.where(level == 0, noise, level)
     for event in events.events:

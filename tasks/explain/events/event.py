@@ -60,9 +60,13 @@ class Event:
 
 @dataclass(frozen=True)
 class AddedSignal(Event):
-    """An event that adds to the readings: each of its signals is (n, 6) at times (n,) s."""
+    """An event that adds to the readings: each of its signals is (n, 6) at times (n,) s.
+
+    frequencies: Hz, of signals that are steady lines.
+    """
 
     signals: tuple[Callable[[np.ndarray], np.ndarray], ...]
+    frequencies: tuple[float, ...] = field(default=(), kw_only=True)
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         return predicted + sum(signal(t) for signal in self.signals)
@@ -79,6 +83,12 @@ class Events:
     events: tuple[Event, ...]
     masked: np.ndarray
     remarks: tuple[Message, ...] = ()
+
+    @property
+    def lines(self) -> tuple[float, ...]:
+        """The frequencies (Hz) of the steady lines among them."""
+        added = (event for event in self.events if isinstance(event, AddedSignal))
+        return tuple(frequency for event in added for frequency in event.frequencies)
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         """The mean readings (n, 6) with all events, given those predicted without any."""

@@ -8,6 +8,7 @@ from itertools import chain, product
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
@@ -39,6 +40,7 @@ SIGNIFICANT = 3.0  # standard uncertainties from which a channel has the line
 OFFSETS = np.linspace(-1.0, 1.0, 401)  # frequencies that are tried, over one per span
 CLOSEST = 0.3  # waves per recording, below half the sample rate: there sine and cosine are alike
 ROTATING = 0.05  # rad/s
+STOP = 1.0  # s: what is shorter is a reversal, not a rest
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ def find_lines(residual: Residual) -> tuple[AddedSignal, ...]:
     while (
         len(lines) < MAX_LINES and len(lines) - len(steady) < MAX_UNSTEADY and cleaned.white.any()
     ):
-        line = _strongest(cleaned, [known.frequency for known in lines])
+        line = strongest_line(cleaned, [known.frequency for known in lines])
         if line is None:
             break
         lines.append(line)
@@ -100,7 +102,7 @@ def find_lines(residual: Residual) -> tuple[AddedSignal, ...]:
     return events_of_lines(steady, 1 / residual.interval)
 
 
-def _strongest(residual: Residual, known: list[float]) -> FittedLine | None:
+def strongest_line(residual: Residual, known: list[float]) -> FittedLine | None:
     """The strongest line, of the mains or of any other frequency, but for those known (Hz)."""
     spectrum = spectrum_of(residual)
     mains = at_mains(spectrum.frequency, 1 / residual.interval)
@@ -202,6 +204,7 @@ def _event(effect: str, harmonics: list[Harmonic]) -> AddedSignal:
     return AddedSignal(
         effect, channels, (frequency, *chain(*amplitudes)), min(line.p_value for line in lines),
         description, tuple(line.signal for line in lines),
+        frequencies=tuple(line.frequency for line in lines),
     )  # fmt: skip
 
 
@@ -251,7 +254,8 @@ def is_steady(residual: Residual, line: FittedLine) -> bool:
     others = np.argsort(parts)[:-LOUDEST]
     if parts[others].sum() <= MIN_IN_OTHERS * wholes[others].sum():
         return False
-    rotating = np.linalg.norm(residual.motion.rate, axis=1) > ROTATING
+    speed = np.linalg.norm(residual.motion.rate, axis=1)
+    rotating = maximum_filter1d(speed, 1 + round(STOP / residual.interval)) > ROTATING
     return all(
         part[rows].sum() >= MIN_IN_STATE * expected[rows].sum() - np.sqrt(expected[rows].sum())
         for rows in (rotating, ~rotating)

@@ -92,6 +92,7 @@ def spectrum_of(residual: Residual) -> Spectrum:
     place = np.round((t - t[0]) / interval).astype(int)
     if place[-1] > MAX_STRETCH * len(t) or (np.diff(place) < 1).any():
         place = np.arange(len(t))
+        interval = float(t[-1] - t[0]) / (len(t) - 1)  # rows count, not the usual step of stamps
     count = int(place[-1]) + 1
     edge = np.minimum(1.0, np.arange(1, count + 1) / max(TAPER * count, 1.0))
     taper = np.sin(0.5 * np.pi * np.minimum(edge, edge[::-1])).astype(np.float32) ** 2

@@ -36,7 +36,8 @@ class Blocks:
     readings are compared; all there is by default.
     segment: (n,) index into `segments`, −1 between them. floor: (6,) variance of a weighted block
     that the output's step and the errors of the reference make by themselves: a model that leaves
-    less has taken the noise of the reference for the unit's.
+    less has taken the noise of the reference for the unit's. lines: Hz, frequencies that are not
+    compared, since a signal of unknown source is there.
     """
 
     t: np.ndarray
@@ -48,6 +49,7 @@ class Blocks:
     segments: tuple[Segment, ...]
     floor: np.ndarray
     band: float = np.inf
+    lines: tuple[float, ...] = ()
 
     @property
     def share(self) -> float:

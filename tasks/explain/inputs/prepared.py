@@ -63,13 +63,17 @@ class Prepared:
     reference: ReferencePrediction | None = None
 
     def blocks(self, rate: float) -> Blocks:
-        """Block means at a rate, Hz; of a long run at a lower one."""
-        return block_means(self.clean, self._share * rate, self.masked)
+        """Block means at a rate, Hz; of a long run at a lower one. Lines that were removed are not
+        compared: what the reference has at their frequencies is as unknown as their source.
+        """
+        blocks = block_means(self.clean, self._share * rate, self.masked)
+        return replace(blocks, lines=self.events.lines)
 
     def blocks_as_stamped(self, rate: float) -> Blocks:
         """The same with the stamps as they were recorded."""
         late = replace(self.clean, motion=self.full.motion)
-        return block_means(late, self._share * rate, self.masked)
+        blocks = block_means(late, self._share * rate, self.masked)
+        return replace(blocks, lines=self.events.lines)
 
     @property
     def _share(self) -> float:

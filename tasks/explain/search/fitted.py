@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from scipy.special import comb
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
@@ -37,6 +38,8 @@ from tasks.model.terms.timing import TIME_OFFSET
 
 OF_TRACKING = (TIME_OFFSET.name, REFERENCE_FRAME.name)  # nuisances of poses
 SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
+MAX_RESOLVED = 40_000  # blocks that may be halved
+ABRUPT = 0.005  # of the rates' variance that lies near half the blocks' rate: they alias
 MAX_SEARCHES = 3  # each after a fit of all that was selected in its real form
 
 
@@ -113,6 +116,28 @@ class Searched:
         model = with_later_clock(fit.model, self.prepared.delay)
         late = self.prepared.blocks_as_stamped(REFIT_RATE)
         return replace(fit, selection=selection, model=model, blocks=late)
+
+    def resolved(self, fit: FittedSelection) -> FittedSelection:
+        """The same fitted to blocks half as long, where the motion reverses within one."""
+        if len(fit.blocks.t) > MAX_RESOLVED or not _abrupt(fit.blocks):
+            return fit
+        prepared = self.prepared
+        blocks_at = prepared.blocks_as_stamped if prepared.delay else prepared.blocks
+        return replace(fit, blocks=blocks_at(2.0 * REFIT_RATE)).reselected(fit.selection)
+
+
+def _abrupt(blocks: Blocks) -> bool:
+    """Whether much of the rates' variance lies in the fastest changes that blocks show.
+
+    A delay of a turn that reverses within a block is not told by the means of blocks. Poses are
+    compared below their own band alone.
+    """
+    if blocks.motion.tracking is not None:
+        return False
+    rate = blocks.motion.rate[np.isfinite(blocks.motion.rate).all(axis=1)]
+    white = float(comb(4, np.arange(5)) @ comb(4, np.arange(5)))  # of a fourth difference
+    fastest = (np.diff(rate, 4, axis=0) ** 2).sum(axis=1).mean() / white
+    return bool(fastest > ABRUPT * rate.var(axis=0).sum())
 
 
 def searched(

@@ -1,17 +1,21 @@
 """What the engine takes for noise: white and flicker, and not the physics it does not know yet."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from engine_run import RATE, flicker
+from engine_run import RATE, flicker, motion, observed
 
 from tasks.explain.whitening import (
     Bands,
     ChannelResidual,
     Noise,
     bands_of,
+    in_band,
     padded_length,
     transformed,
     triad_noises,
+    weighted,
 )
 
 COUNT = padded_length(40_000)  # 27 min at 25 Hz
@@ -126,3 +130,14 @@ def test_what_a_fit_took_from_a_band_is_not_taken_for_less_noise() -> None:
     )
     assert text == pytest.approx(plain, rel=0.1)
     assert blind < 0.9 * plain
+
+
+@pytest.mark.parametrize("line", [3.0, RATE + 3.0])  # Hz; blocks fold what is faster than they are
+def test_at_a_line_nothing_is_compared_and_beside_it_all_is(line: float) -> None:
+    run = motion()
+    blocks = replace(observed(np.zeros((len(run.t), 6)), run), lines=(line,))
+    at, beside = (np.cos(2.0 * np.pi * frequency * run.t) for frequency in (3.0, 3.2))
+    rows = in_band(weighted([at, beside], np.ones(len(run.t))), blocks)
+    kept = (rows**2).sum(axis=1)
+    assert kept[0] < 0.05 * (at**2).sum()
+    assert kept[1] > 0.95 * (beside**2).sum()
