@@ -1,4 +1,4 @@
-"""The result of `explain` as arrays; the report puts it into words."""
+"""The result of `explain` as arrays; its report in words is a discrepancy."""
 
 from dataclasses import dataclass, field
 from typing import Literal

@@ -5,13 +5,13 @@ from datetime import UTC, datetime
 from typing import Any
 
 import pytest
-from tests.flows.pages.test_mismatch import discrepancy, review
 
 from schemas.review import KeptReview
 from storage import last_review
 from storage.catalogue import discrepancies, run_index
 from storage.dataframes import runs
 from storage.home import Home
+from tests.flows.pages.test_discrepancy import discrepancy, review
 from tests.pages_server import served
 from tests.proof.line.draw import Line
 from tests.watched_page import watched_page
@@ -64,7 +64,7 @@ def test_quality_is_filtered_and_a_point_of_its_chart_opens_its_run(page, faults
     assert faults == []
 
 
-def test_mismatch_leads_from_the_station_to_its_runs_and_from_an_effect_to_its(
+def test_discrepancy_leads_from_the_station_to_its_runs_and_from_an_effect_to_its(
     page, kept, faults
 ) -> None:
     page.click("header a:has-text('Mismatch')")
