@@ -1,5 +1,6 @@
 """Quality and Mismatch of a line in a browser: opened, filtered, and down to single runs."""
 
+import shutil
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from typing import Any
@@ -20,9 +21,12 @@ pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 
 
 @pytest.fixture(scope="module")
-def kept(line_store: tuple[Home, Line]) -> tuple[Home, str]:
+def kept(
+    line_store: tuple[Home, Line], tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Home, str]:
     """The line, with a station that a review found tilted and one run that shows it; that run."""
-    home = line_store[0]
+    home = Home(tmp_path_factory.mktemp("browser") / "home")
+    shutil.copytree(line_store[0].path, home.path)
     table = runs(home).sort_values("recorded_on")
     run = str(table[table["station"] == "ST-01"]["id"].iloc[-1])
     at = datetime(2026, 11, 1, tzinfo=UTC)

@@ -1,6 +1,7 @@
 """The mismatch page: what the last review and each run's own findings say, and what they touch."""
 
 import json
+import shutil
 from datetime import UTC, date, datetime
 from pathlib import Path
 
@@ -84,9 +85,10 @@ def review(
 
 
 @pytest.fixture(scope="module")
-def home(line_store: tuple[Home, Line]) -> Home:
+def home(line_store: tuple[Home, Line], tmp_path_factory: pytest.TempPathFactory) -> Home:
     """The line, with two runs of ST-01 and one of ST-02 explained; one of ST-01 shows a tilt."""
-    home = line_store[0]
+    home = Home(tmp_path_factory.mktemp("mismatch") / "home")
+    shutil.copytree(line_store[0].path, home.path)
     table = dataframes.runs(home).sort_values("recorded_on")
     first, second = table[table["station"] == "ST-01"]["id"].iloc[:2]
     other = table[table["station"] == "ST-02"]["id"].iloc[0]
