@@ -11,8 +11,10 @@ from tasks.explain.events.lines import (
     strongest_line,
 )
 from tasks.explain.events.residual import LEVEL_BINS, Residual
+from tasks.model.parameters import ACCEL_FIRST
 
 DOMINANT = 0.05  # of a channel's residual variance that a line must be
+LEVER = 0.3  # m: how far from the axis accelerometers may be
 BEYOND_MOTION = 2.0  # times the motion's own amplitude: more than any delay or filter of it makes
 
 
@@ -46,8 +48,19 @@ def _dominates(residual: Residual, line: FittedLine) -> bool:
 def _beyond_motion(residual: Residual, line: FittedLine, predicted: np.ndarray) -> bool:
     """Whether, in its strongest channel, a line is larger than the motion can have made it."""
     channel = int((np.abs(line.amplitudes) / line.u).argmax())
-    known = np.isfinite(predicted[:, channel])
-    wave = np.exp(-2j * np.pi * line.frequency * residual.t[known])
-    own = np.nan_to_num(predicted[known, channel])
-    amplitude = 2.0 * abs(wave @ (own - own.mean())) / max(len(own), 1)
-    return bool(abs(line.amplitudes[channel]) > BEYOND_MOTION * amplitude)
+    made = _amplitude(residual.t, predicted[:, channel], line.frequency)
+    if channel >= ACCEL_FIRST:
+        motion = residual.motion
+        squares = [motion.rate[:, i] * motion.rate[:, j] for i in range(3) for j in range(i, 3)]
+        felt = [*motion.acceleration.T, *squares]
+        made += LEVER * sum(_amplitude(residual.t, each, line.frequency) for each in felt)
+    return abs(line.amplitudes[channel]) > BEYOND_MOTION * made
+
+
+def _amplitude(t: np.ndarray, signal: np.ndarray, frequency: float) -> float:
+    """The amplitude that a signal (n,), NaN where unknown, has at a frequency (Hz)."""
+    known = np.isfinite(signal)
+    if not known.any():
+        return 0.0
+    wave = np.exp(-2j * np.pi * frequency * t[known])
+    return float(2.0 * abs(wave @ (signal[known] - signal[known].mean())) / known.sum())

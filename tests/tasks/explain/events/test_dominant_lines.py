@@ -51,6 +51,14 @@ def test_what_a_late_clock_leaves_of_a_periodic_motion_is_no_line() -> None:
     assert events_in_readings(_readings(t, 0.0), _motion(t)).lines == ()
 
 
+def test_what_a_lever_arm_makes_of_a_periodic_motion_is_no_line() -> None:
+    t = np.arange(20_000) / RATE
+    motion, readings = _motion(t), _readings(t, 0.0)
+    readings[:, 3] -= 0.08 * motion.rate[:, 2] ** 2
+    readings[:, 4] += 0.08 * motion.acceleration[:, 2]
+    assert events_in_readings(readings, motion).lines == ()
+
+
 def test_poses_do_not_show_how_a_body_hums() -> None:
     t = np.arange(20_000) / RATE
     tracked = replace(_motion(t), tracking=Tracking(8.0, 8.0, 0.01, 1e-8, 1e-8))
