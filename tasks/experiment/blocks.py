@@ -25,6 +25,9 @@ ALONG = 0.999  # cosine from which a body axis counts as up
 SWINGS, EACH_SLOWER = 16, 0.02  # no two rates alike, so that each segment has a name of its own
 SWING_S, RATE_S, REST_S, TUMBLE_S, SOAK_S = 0.2, 6.0, 10.0, 1.0, 180.0
 SHARES = (1.0, 0.5, 0.25, 0.1)  # of the largest rate
+# |ω| and ω² differ most at rest, at the half and at the whole (Chebyshev): there |ω| − ω² − 1/8,
+# with the largest rate as 1, is −1/8, 1/8 and −1/8; the half counts as much as both others.
+HALVES = (1.0, 0.5, 0.02, 0.49)
 HEADINGS = (0.0, 90.0, 180.0, 270.0)
 ROOM = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 85.0))
 HOT_DEGC, ROOM_DEGC = 40.0, 20.0
@@ -156,10 +159,12 @@ def _about(one: Attitude, abilities: Abilities) -> Iterator[Block]:
         name = f"swing_{one.label}_{top:.0f}"
         run = RateRun(name=name, rates_deg_s=_rounded(rates), dwell_s=SWING_S, **spin)
         yield Block(name, (run,))
-    rates = [sign * way * share * most for share in SHARES for way in (1.0, -1.0)]
-    yield Block(f"rates_{one.label}", (
-        RateRun(name=f"rate_{one.label}", rates_deg_s=_rounded(rates), dwell_s=RATE_S, **spin),
-    ))  # fmt: skip
+    for name, shares in (("rates", SHARES), ("halves", HALVES)):
+        rates = [sign * way * share * most for share in shares for way in (1.0, -1.0)]
+        run = RateRun(
+            name=f"{name}_{one.label}", rates_deg_s=_rounded(rates), dwell_s=RATE_S, **spin
+        )
+        yield Block(run.name, (run,))
     yield Block(f"turns_{one.label}", (
         Turns(name=f"turns_{one.label}", turns=2, rate_deg_s=round(0.25 * most, 1), **spin),
     ))  # fmt: skip

@@ -246,7 +246,8 @@ class Experiment:
 
     def _measure(self, block: Block) -> "_Measured":
         """By its second turn: the way to where it begins is gone once, however often it comes. What
-        fades since the unit was switched on by its first.
+        fades since the unit was switched on by its first. The truth reads the motion that encoders
+        tell: what they miss at corners would count as a difference, and the real fits have it.
         """
         turns = 1 if self._drifts else 2
         planned = self.planned(self._procedure(steps_of([block] * turns)))
@@ -255,7 +256,7 @@ class Experiment:
         ends = segments[-1].t_end
         found: dict[Pair, Separation] = {}
         for truth in dict.fromkeys(truth for truth, _ in self.pairs):
-            observed = self.noise.observed(planned, self.models[truth])
+            observed = self._reading(self.noise.observed(planned, self.models[truth]), truth)
             second = observed.weight * (observed.t > begins)[:, None]
             observed, noises = replace(observed, weight=second), self.noise.at(observed)
             for name in (truth, *(other for first, other in self.pairs if first == truth)):

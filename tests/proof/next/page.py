@@ -24,8 +24,9 @@ no code with what explains and proposes. {looked}
 have a chamber that can be set (0 to 50 °C, said to change by 4 K/min; the plant's is 15 % slower to
 10 % faster, and the unit follows by its warm-up's time constant within 25 %). Nothing is proposed
 where no recording of the station decides, and the statement then says what would: a table moves no
-temperature; and its encoders tell a corner of the rate no finer than their samples are apart, so
-that a delay and a low-pass differ in nothing that is known.
+temperature; and a low-pass departs from a delay only near its corner. Of second order it is late
+by √2/(2πf_c), and what is left of it at f beside such a delay is (f/f_c)²/3 of what the delay
+shows: χ² of 54 between the two needs 490·(f_c/f)⁴ of the delay itself.
 
 Per minute of the station the proposed recording shows {per_minute:.1f} times the chi-squared
 between the competing models that repeating the whole sequence would (median).

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from schemas.base import Unusable
@@ -42,9 +43,25 @@ def test_each_axis_is_swung_by_the_vertical_axis_no_faster_than_it_turns() -> No
             assert len(set(step.rates_deg_s)) == len(step.rates_deg_s)
 
 
+def of_magnitude(rates: tuple[float, ...]) -> float:
+    """Sum of squares of |ω| that an offset, a scale factor and a square leave of it."""
+    rate = np.array(rates) / 300.0
+    others = np.vander(rate, 3)
+    left = np.abs(rate) - others @ np.linalg.lstsq(others, np.abs(rate), rcond=None)[0]
+    return float(left @ left)
+
+
+def test_halves_tell_an_asymmetry_from_a_square_better_than_rates_as_long() -> None:
+    blocks = {one.name: one for one in blocks_of(able(VERTICAL, EAST, INNER))}
+    for axis in ("px", "py", "pz"):
+        (rates,), (halves,) = (blocks[f"{name}_{axis}"].steps for name in ("rates", "halves"))
+        assert len(halves.rates_deg_s) == len(rates.rates_deg_s)
+        assert of_magnitude(halves.rates_deg_s) > 2.0 * of_magnitude(rates.rates_deg_s)
+
+
 def test_an_axis_that_does_not_turn_on_and_on_is_not_spun() -> None:
     names = [block.name for block in blocks_of(able(VERTICAL, EAST, INNER, endless=False))]
-    assert not [name for name in names if name.startswith(("swing", "rates", "turns"))]
+    assert not [name for name in names if name.startswith(("swing", "rates", "halves", "turns"))]
     assert "tumble" in names
 
 
