@@ -37,7 +37,7 @@ def test_a_stage_that_a_task_calls_is_part_of_that_task(monkeypatch) -> None:
 def test_stages_are_imported_and_called_without_prefect() -> None:
     code = (
         "import sys\n"
-        "from tasks.stages import acquire, certify, estimate, explain, import_recording, simulate\n"
+        "from tasks.stages import acquire, certify, correct, estimate, explain, import_recording\n"
         "from tasks.stages.stage import stage\n"
         "assert stage('double')(lambda number: 2 * number)(3) == 6\n"
         "print('prefect' in sys.modules)\n"
