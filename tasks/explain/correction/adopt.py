@@ -46,12 +46,16 @@ class Corrections:
         determined: DeterminedModel | None,
     ) -> "Corrections":  # fmt: skip
         contributions = [finding.contribution for finding in findings]
-        rows = [recording.imu.rows(s.t_start, s.t_end) for s in recording.manifest.segments or ()]
+        calibration = calibrate(corrected(recording, contributions))
+        segments = recording.manifest.segments or calibration.segments
+        rows = [recording.imu.rows(one.t_start, one.t_end) for one in segments]
         rows = [one for one in rows if one.stop > one.start]
-        inputs = tuple(tuple(uncertain_inputs([one], determined, rows)) for one in findings)
+        values = chain.from_iterable(item.value.values() for item in calibration.items.values())
+        asked = () if all(value is None for value in values) else findings  # nothing to be moved
+        inputs = tuple(tuple(uncertain_inputs([one], determined, rows)) for one in asked)
         every = list(chain.from_iterable(inputs))
         return cls(
-            calibrate(corrected(recording, contributions)),
+            calibration,
             inputs,
             correlation_of(every, determined),
             tuple(

@@ -4,7 +4,6 @@ Spikes: single outlying readings without a name in the catalogue.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import binary_dilation, maximum_filter1d
@@ -125,12 +124,7 @@ def events_in_residual(
     a body vibrates: fast components of the residual need not be errors, unless they have the mains'
     frequency throughout.
     """
-    early = [event for event in events.events if isinstance(event, AddedSignal)]
-    events = replace(events, events=tuple(e for e in events.events if e not in early))
-    t = motion.t
-    for line in early:  # found again, beside all that has been fitted since
-        residual = line.applied(t, residual)
-    values = np.where(events.masked, np.nan, residual)
+    t, values = motion.t, np.where(events.masked, np.nan, residual)
     level = without_dead(noise_by_rate(values, motion))
     level = np.where(level == 0, noise, level)
     for event in events.events:

@@ -1,7 +1,7 @@
 """An event: an artefact of the readings that is no regressor, and how it changes what is read."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import ClassVar
 
@@ -89,6 +89,11 @@ class Events:
         """The frequencies (Hz) of the steady lines among them."""
         added = (event for event in self.events if isinstance(event, AddedSignal))
         return tuple(frequency for event in added for frequency in event.frequencies)
+
+    def without_added(self) -> "Events":
+        """The others than those that add to the readings: beside a fit these are found again."""
+        kept = tuple(event for event in self.events if not isinstance(event, AddedSignal))
+        return replace(self, events=kept)
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         """The mean readings (n, 6) with all events, given those predicted without any."""

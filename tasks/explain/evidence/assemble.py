@@ -47,7 +47,7 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
     ordered: exactly these terms were requested, and each is reported whatever the evidence.
     """
     evidence = with_smoothing_error(evidence, prepared)
-    full, events, reference = prepared.full, prepared.events, prepared.reference
+    full, events, reference = prepared.full, prepared.events.without_added(), prepared.reference
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)

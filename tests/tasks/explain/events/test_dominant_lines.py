@@ -68,11 +68,11 @@ def test_poses_do_not_show_how_a_body_hums() -> None:
 def test_a_line_removed_before_is_found_again_beside_the_fit() -> None:
     t = np.arange(20_000) / RATE
     motion, readings = _motion(t), _readings(t, 2.3)
-    late = replace(motion, rate=np.column_stack([0 * t, 0 * t, _speed(t - DELAY)]))
-    predicted = np.hstack([late.rate, 9.8 * late.up])
-    before = events_in_readings(readings, motion)
-    left = readings - before.applied(t, predicted)
-    after = events_in_residual(before, left, SIGMA, motion)
-    assert len(after.lines) == len(before.lines) == 1
+    late = np.column_stack([0 * t, 0 * t, _speed(t - DELAY)])
+    predicted = np.hstack([late, 9.8 * motion.up])
+    others = events_in_readings(readings, motion).without_added()
+    after = events_in_residual(others, readings - others.applied(t, predicted), SIGMA, motion)
+    assert others.lines == ()
+    assert len(after.lines) == 1
     rest = readings - after.applied(t, predicted)
     assert rest[:, 2].std() < 1.1 * SIGMA[2]
