@@ -86,13 +86,10 @@ def in_band(columns: np.ndarray, observed: Blocks) -> np.ndarray:
     rows = transformed(columns)[..., : _compared(padded, observed)]
     for line in observed.lines:
         seen = abs(line - round(line / observed.rate) * observed.rate)  # blocks fold it
-        place, width = 2 * padded * np.array([seen, LINE_WIDTH / _span(observed)]) / observed.rate
+        place = 2 * padded * seen / observed.rate
+        width = 2 * padded * LINE_WIDTH / len(observed.t)
         rows[..., max(0, round(place - width)) : round(place + width) + 1] = 0.0
     return rows
-
-
-def _span(observed: Blocks) -> float:
-    return len(observed.t) / observed.rate
 
 
 def compared_bands(observed: Blocks) -> Bands:

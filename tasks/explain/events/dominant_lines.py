@@ -27,7 +27,7 @@ def find_dominant_lines(residual: Residual, predicted: np.ndarray) -> tuple[Adde
     if len(residual.t) < 4 * LEVEL_BINS:
         return ()
     cleaned, passed, lines = residual, list[float](), list[FittedLine]()
-    while len(lines) < MAX_LINES and len(passed) < MAX_LINES and cleaned.white.any():
+    while len(passed) < MAX_LINES and cleaned.white.any():
         line = strongest_line(cleaned, passed)
         if line is None or not _dominates(cleaned, line):
             break

@@ -66,18 +66,16 @@ class Prepared:
         """Block means at a rate, Hz; of a long run at a lower one. Lines that were removed are not
         compared: what the reference has at their frequencies is as unknown as their source.
         """
-        blocks = block_means(self.clean, self._share * rate, self.masked)
-        return replace(blocks, lines=self.events.lines)
+        return self._blocks_of(self.clean, rate)
 
     def blocks_as_stamped(self, rate: float) -> Blocks:
         """The same with the stamps as they were recorded."""
-        late = replace(self.clean, motion=self.full.motion)
-        blocks = block_means(late, self._share * rate, self.masked)
-        return replace(blocks, lines=self.events.lines)
+        return self._blocks_of(replace(self.clean, motion=self.full.motion), rate)
 
-    @property
-    def _share(self) -> float:
-        return min(1.0, LONG / float(self.full.motion.t[-1]))
+    def _blocks_of(self, rows: FullRate, rate: float) -> Blocks:
+        share = min(1.0, LONG / float(self.full.motion.t[-1]))
+        blocks = block_means(rows, share * rate, self.masked)
+        return replace(blocks, lines=self.events.lines)
 
 
 def prepare(
