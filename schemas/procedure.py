@@ -44,17 +44,29 @@ class Sweep(Frozen):
 
 
 class RateRun(Frozen):
-    """Rates about one table axis, with the others held at given angles."""
+    """Rates about one table axis, with the others held at given angles.
+
+    axis, up: of the unit, which turns about it and has it up; both null where it is held aslant.
+    """
 
     kind: Literal["rate_run"] = "rate_run"
     name: str
     item: str
-    axis: Axis
-    up: Up
+    axis: Axis | None = None
+    up: Up | None = None
     spin_axis: int = Field(ge=0)
     angles_deg: tuple[Finite, ...]
     rates_deg_s: tuple[Finite, ...] = Field(min_length=1)
     dwell_s: Finite = Field(gt=0)
+
+    @model_validator(mode="after")
+    def _has_both_or_neither(self) -> Self:
+        if (self.axis is None) != (self.up is None):
+            raise ValueError(
+                f"rate_run {self.name} has {'up' if self.axis is None else 'axis'} alone; "
+                "give axis and up, or neither for a unit that is held aslant"
+            )
+        return self
 
 
 class Turns(Frozen):

@@ -87,7 +87,11 @@ class Station(Received):
 
 
 class Segment(Received):
-    """A labelled part of the recording; times in s on the recording's time base."""
+    """A labelled part of the recording; times in s on the recording's time base.
+
+    axis: of the unit, about which it turns. table_axis: of the table, outermost 0, where the unit
+    is held aslant and turns about none of its own.
+    """
 
     name: str
     kind: Kind
@@ -97,6 +101,7 @@ class Segment(Received):
     up: Up | None = None
     turn_deg: Finite | None = None
     axis: Axis | None = None
+    table_axis: int | None = None
     rate_deg_s: Finite | None = None
     angle_deg: Finite | None = None
     mount: Mount | None = None
@@ -105,7 +110,8 @@ class Segment(Received):
     def _says_what_its_kind_needs(self) -> Self:
         if self.t_end < self.t_start:
             raise ValueError(f"segment {self.name} ends before it starts")
-        if self.kind == "rate" and (self.axis is None or self.rate_deg_s is None):
+        about = self.axis if self.table_axis is None else self.table_axis
+        if self.kind == "rate" and (about is None or self.rate_deg_s is None):
             raise ValueError(f"segment {self.name} of kind rate needs axis and rate_deg_s")
         if self.kind == "rotation" and (self.axis is None or self.angle_deg is None):
             raise ValueError(f"segment {self.name} of kind rotation needs axis and angle_deg")

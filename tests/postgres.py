@@ -70,7 +70,7 @@ def running() -> Iterator[str]:
 def empty_database(server: str) -> str:
     """The URL of a new database on that server, for MIMUCAL_DATABASE; one of before is dropped."""
     with psycopg.connect(server, autocommit=True) as connection:
-        connection.execute("DROP DATABASE IF EXISTS mimucal")
+        connection.execute("DROP DATABASE IF EXISTS mimucal WITH (FORCE)")
         connection.execute("CREATE DATABASE mimucal")
     folder = psycopg.conninfo.conninfo_to_dict(server)["host"]
     return f"postgresql://lab@/mimucal?host={folder}"

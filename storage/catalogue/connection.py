@@ -1,5 +1,6 @@
 """Connections to the catalogue's database, and its errors as sentences."""
 
+import os
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -43,10 +44,13 @@ def name_of(home: Home) -> str:
 def engine_of(url: sql.URL, busy_s: float) -> sql.Engine:
     """The engine of a database; a writer in SQLite waits `busy_s` for another one.
 
-    Connections are opened for each use: cheap, and nothing is shared between processes.
+    A file is opened for each use. A server starts a process for each connection, so that one is
+    kept, tried before it is used again, and left to its parent by a forked process.
     """
     if url.get_backend_name() != "sqlite":
-        return sql.create_engine(url, poolclass=NullPool)
+        kept = sql.create_engine(url, pool_size=1, max_overflow=-1, pool_pre_ping=True)
+        os.register_at_fork(after_in_child=partial(kept.dispose, close=False))
+        return kept
     made = sql.create_engine(url, poolclass=NullPool, connect_args={"timeout": busy_s})
     sql.event.listen(made, "connect", _prepare_sqlite)
     if "mode" not in url.query:

@@ -33,7 +33,10 @@ def engine(home: Home) -> sql.Engine:
     if made.dialect.name == "sqlite":
         _make_folder(home)
     with explained(made), made.connect() as connection:
+        if connection.info.get("revision") == HEAD:  # known of a connection that was used before
+            return made
         if _revision(connection) == HEAD:
+            connection.info["revision"] = HEAD
             return made
     _migrate(made)
     return made

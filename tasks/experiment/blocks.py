@@ -21,9 +21,13 @@ Step = Position | Sweep | RateRun | Turns
 
 ITEM = "decide"
 QUARTERS = (0.0, 90.0, -90.0, 180.0)  # deg
+EIGHTHS = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0)
 ALONG = 0.999  # cosine from which a body axis counts as up
+BISECTOR = 0.7  # and from which two of them do, alike
+ASLANT = (1.0, 0.02)  # of the largest rate: the fast one is compared with the slow one
 SWINGS, EACH_SLOWER = 16, 0.02  # no two rates alike, so that each segment has a name of its own
 SWING_S, RATE_S, REST_S, TUMBLE_S, SOAK_S = 0.2, 6.0, 10.0, 1.0, 180.0
+NOISE_S = 20.0  # at rest: without it `explain` does not know by how much the readings scatter
 SHARES = (1.0, 0.5, 0.25, 0.1)  # of the largest rate
 # |ω| and ω² differ most at rest, at the half and at the whole (Chebyshev): there |ω| − ω² − 1/8,
 # with the largest rate as 1, is −1/8, 1/8 and −1/8; the half counts as much as both others.
@@ -92,7 +96,15 @@ def blocks_of(abilities: Abilities) -> tuple[Block, ...]:
         upright = {one.axis: one for one in reversed(reached)}
         for one in sorted(upright.values(), key=lambda each: each.axis):
             found.extend(_about(one, abilities))
+        found.extend(_aslant(abilities))
     return tuple(found)
+
+
+def noise_rest(abilities: Abilities) -> Position:
+    """A rest in the first attitude that tells the unit's noise."""
+    first = attitudes(abilities)[0]
+    return Position(name="noise", item=ITEM, up=first.up, axis=first.axis,
+                    angles_deg=first.angles_deg, dwell_s=NOISE_S)  # fmt: skip
 
 
 def _heated(rest: Position, chamber: ChamberLimits) -> Iterator[Block]:
@@ -122,16 +134,46 @@ def attitudes(abilities: Abilities) -> list[Attitude]:
     return [found[up] for up in sorted(found, key=lambda up: (up[1], up[0]))]
 
 
+def _aslant(abilities: Abilities) -> Iterator[Block]:
+    """What turns the unit about both bisectors of each two of its axes, by the outermost axis.
+
+    About one of its axes a steady rate shows no more of where each accelerometer is than one lever
+    arm explains. Of two bisectors ωᵢ² is the same and ωᵢωⱼ is not, so that neither this lever arm
+    nor the standard's sensitivities to the rate make up for places that are apart.
+    """
+    if not abilities.endless[0]:
+        return
+    rates = _rounded([share * abilities.rates_deg_s[0] for share in ASLANT])
+    found: dict[str, RateRun] = {}
+    for inner in product(*[EIGHTHS] * (abilities.axis_count - 1)):
+        vertical = upward(abilities, (0.0, *inner))
+        level = int(np.abs(vertical).argmin())
+        others = np.delete(vertical, level)
+        if np.abs(others).min() > BISECTOR:
+            name = f"aslant_{'xyz'[level]}{'+' if others.prod() > 0 else '-'}"
+            found.setdefault(name, RateRun(
+                name=name, item=ITEM, spin_axis=0, angles_deg=(0.0, *inner), rates_deg_s=rates,
+                dwell_s=RATE_S,
+            ))  # fmt: skip
+    if found:
+        yield Block("aslant", tuple(found[name] for name in sorted(found)))
+
+
 def _up(abilities: Abilities, angles_deg: tuple[float, ...]) -> Up | None:
+    vertical = upward(abilities, angles_deg)
+    k = int(np.abs(vertical).argmax())
+    if abs(vertical[k]) < ALONG:
+        return None
+    return cast(Up, ("+" if vertical[k] > 0 else "-") + "xyz"[k])
+
+
+def upward(abilities: Abilities, angles_deg: tuple[float, ...]) -> np.ndarray:
+    """(3,) the direction of the vertical in the unit."""
     from scipy.spatial.transform import Rotation  # late: it takes a third of a start
 
     mount = Rotation.from_quat(abilities.mount.quaternion_wxyz, scalar_first=True).as_matrix()
     attitude = payload_attitude(abilities.station, np.radians(angles_deg)) @ mount
-    upward = attitude.T @ np.array([0.0, 0.0, 1.0])
-    k = int(np.abs(upward).argmax())
-    if abs(upward[k]) < ALONG:
-        return None
-    return cast(Up, ("+" if upward[k] > 0 else "-") + "xyz"[k])
+    return np.asarray(attitude.T @ np.array([0.0, 0.0, 1.0]))
 
 
 def _outermost_is_vertical(abilities: Abilities) -> bool:

@@ -9,18 +9,21 @@ from math import ceil
 
 import numpy as np
 
-from schemas.procedure import Procedure
+from schemas.procedure import Position, Procedure
 from schemas.recording import Manifest, Recording
 from tasks.experiment.abilities import Abilities
 from tasks.experiment.blocks import (
+    NOISE_S,
     ROOM,
     Block,
     Step,
     blocks_of,
+    noise_rest,
     room_of,
     stands_still,
     steps_of,
 )
+from tasks.experiment.choice import Choice
 from tasks.experiment.separation import (
     FINE_HZ,
     STILL_HZ,
@@ -28,12 +31,11 @@ from tasks.experiment.separation import (
     UnitNoise,
     enough,
     left_by_real_fit,
-    probability_right,
 )
 from tasks.experiment.temperature import ThermalResponse
 from tasks.experiment.track import planned_recording
-from tasks.explain.confounding.compare import HOLDS
 from tasks.explain.confounding.linear_forms import DISTINGUISHABLE
+from tasks.explain.confounding.special_case import HOLDS, SHOWN
 from tasks.explain.evidence.shares import WEAK
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.whitening import Noise
@@ -49,38 +51,6 @@ LITTLE = 0.02  # share of what should be shown: by no more than its inverse more
 NOTHING = ""  # the standard's model with none of the competing effects
 
 Pair = tuple[str, str]
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A procedure, its duration in min, and the expected chi-squared between the two models that
-    are hardest to separate. bound: the value that decides if there is no noise.
-    """
-
-    procedure: Procedure
-    minutes: float
-    left: float
-    bound: float
-
-    @property
-    def probability(self) -> float:
-        """Of one name, the right one."""
-        return probability_right(self.left, self.bound)
-
-    @property
-    def needed(self) -> float:
-        """Chi-squared from which it decides."""
-        return enough(self.bound)
-
-    @property
-    def share(self) -> float:
-        """Of what it should show; from one on it decides."""
-        return self.left / self.needed
-
-    @property
-    def is_enough(self) -> bool:
-        """Whether it decides."""
-        return self.share >= 1.0
 
 
 @dataclass(frozen=True)
@@ -124,10 +94,13 @@ class Experiment:
         return planned_recording(procedure, self.like, rate, self.thermal)
 
     def bound(self, pair: Pair) -> float:
-        """Chi-squared that names the true one alone: a pair's difference; beside nothing what makes
-        it no weak one, with the price of its parameters, which may be no clear ones by themselves.
+        """Chi-squared that names the true one alone: a pair's difference; of a special case what a
+        departure from it shows; beside nothing what makes it no weak one, with the price of its
+        parameters, which may be no clear ones by themselves.
         """
         truth, other = pair
+        if HOLDS.get(other) == truth:
+            return SHOWN
         if other != NOTHING:
             return DISTINGUISHABLE
         places = self.models[truth].places
@@ -181,6 +154,8 @@ class Experiment:
         that shows little at first may still show more than all that was taken in its place.
         """
         more = self._one_by_one(chosen, needed, minutes)
+        while len(more) > len(chosen) and self._minutes(more) > minutes:  # the way between them
+            more.pop()
         fitting = [one for one in self._measured if one.seconds <= 60.0 * minutes]
         if chosen or not fitting or self._share(_total(more)) >= needed:
             return more
@@ -218,7 +193,10 @@ class Experiment:
         return max(min(beyond, default=0.0), 0.0)
 
     def _judged(self, chosen: Sequence["_Measured"]) -> Choice:
-        procedure = self._procedure(steps_of([one.block for one in chosen]))
+        return self.judged(self._procedure(steps_of([one.block for one in chosen])))
+
+    def judged(self, procedure: Procedure) -> Choice:
+        """A procedure, by real fits."""
         planned = self.planned(procedure)
         shown: dict[Pair, float] = {}
         for truth in dict.fromkeys(truth for truth, _ in self.pairs):
@@ -229,9 +207,12 @@ class Experiment:
                 if first == truth:
                     left = left_by_real_fit(self.every[other], observed, noises) - own
                     shown[first, other] = max(left, 0.0)
-        seconds = procedure.warm_up_s + sum(each.planned_s for each in plan(procedure))
         worst = min(shown, key=lambda pair: shown[pair] / enough(self.bound(pair)))
-        return Choice(procedure, seconds / 60.0, shown[worst], self.bound(worst))
+        left = shown[worst]
+        return Choice(procedure, minutes_of(procedure), left, self.bound(worst), expected=left)
+
+    def _minutes(self, chosen: Sequence["_Measured"]) -> float:
+        return minutes_of(self._procedure(steps_of([one.block for one in chosen])))
 
     @cached_property
     def _measured(self) -> tuple["_Measured", ...]:
@@ -252,7 +233,7 @@ class Experiment:
         turns = 1 if self._drifts else 2
         planned = self.planned(self._procedure(steps_of([block] * turns)))
         segments = planned.manifest.segments or ()
-        begins = 0.0 if self._drifts else segments[len(segments) // 2 - 1].t_end
+        begins = 0.0 if self._drifts else segments[-1 - len(segments) // 2].t_end
         ends = segments[-1].t_end
         found: dict[Pair, Separation] = {}
         for truth in dict.fromkeys(truth for truth, _ in self.pairs):
@@ -264,8 +245,12 @@ class Experiment:
         return _Measured(block, ends - begins, found)
 
     def _procedure(self, steps: Sequence[Step]) -> Procedure:
-        """On a unit that is warm, unless the base lets it warm up."""
+        """On a unit that is warm, unless the base lets it warm up; with a rest that tells the noise
+        first, where no step is one.
+        """
         base, able, title = self.base, self.abilities, statement(message("next-title"))
+        rests = [step for step in steps if isinstance(step, Position) and step.dwell_s >= NOISE_S]
+        steps = steps if rests else (noise_rest(able), *steps)
         slowest, acceleration = min(able.rates_deg_s), able.acceleration_deg_s2
         return Procedure(
             name=self.name, title=title.en, title_zh=title.zh, standard="other",
@@ -285,6 +270,11 @@ class _Measured:
     block: Block
     seconds: float
     separations: Mapping[Pair, Separation]
+
+
+def minutes_of(procedure: Procedure) -> float:
+    """What a station is expected to take for it."""
+    return (procedure.warm_up_s + sum(each.planned_s for each in plan(procedure))) / 60.0
 
 
 def _total(some: Sequence[_Measured]) -> dict[Pair, Separation]:

@@ -7,8 +7,8 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.experiment.choose import NOTHING
-from tasks.explain.confounding.compare import HOLDS
 from tasks.explain.confounding.families import DELAYING, GYROS_ALONE
+from tasks.explain.confounding.special_case import HOLDS, places_apart
 from tasks.explain.evidence.determination import undetermined
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import UNNAMED, Explanation
@@ -26,10 +26,12 @@ SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "incomplete", "ref
 class OpenQuestion:
     """names: of the competing effects; one alone competes with none. models: of each, fitted to the
     recording with everything else that was named, which the others are. fit: of the first.
+    typical: the models, a suspected one as large as it may be expected to be.
     """
 
     names: tuple[str, ...]
     models: Mapping[str, Model]
+    typical: Mapping[str, Model]
     fit: FittedSelection
     others: tuple[str, ...] = ()
 
@@ -50,12 +52,19 @@ def open_question(
         others.append(GYROS_ALONE)  # triads may be late unlike each other, whatever makes them late
     fits = {name: fitted_effects(recording, [name, *others]) for name in names}
     models = {name: fit.model for name, fit in fits.items()}
+    for special, general in HOLDS.items():
+        if special in models and general in models:
+            models[general] = _apart(models[general], general, models[special], special)
     first = fits[names[0]]
     if len(names) == 1:
         models = {names[0]: _sized(first, names[0])}
-        keys = {key for key in first.model.places if key[0] == names[0]}
-        models[NOTHING] = models[names[0]].without(keys)
-    return OpenQuestion(names, models, first, tuple(others))
+    # What is to be named alone has to show beside nothing, too.
+    own = {key for key in first.model.places if key[0] == names[0]}
+    models[NOTHING] = models[names[0]].without(own)
+    typical = {**models}
+    if len(names) == 1:
+        typical[names[0]] = _typical(first, models[names[0]], names[0])
+    return OpenQuestion(names, models, typical, first, tuple(others))
 
 
 def _open(explanation: Explanation) -> Iterator[tuple[str, ...]]:
@@ -88,6 +97,43 @@ def _sized(fit: FittedSelection, name: str) -> Model:
             least = COVERAGE * sized.u[p]
             values[p] = np.copysign(max(abs(values[p]), least), values[p])
     return replace(sized, values=values, free=model.free)
+
+
+def _typical(fit: FittedSelection, sized: Model, name: str) -> Model:
+    """With the root mean square of each parameter, given the recording.
+
+    Beforehand a parameter is normal about zero, and those of one unit are alike: their variance is
+    what the determined ones have beyond their own, τ² = mean(v² − u²). Given v ± u the mean is κv
+    and the variance κu², κ = τ²/(τ² + u²); of what the recording does not determine, 0 and τ².
+    """
+    values = sized.values.copy()
+    for term in sized.terms:
+        if term.name != name:
+            continue
+        place = sized.places[term.key]
+        v, u = fit.model.values[place], fit.model.u[place]
+        known = sized.values[place] != 0.0
+        units = np.array([parameter.unit for parameter in term.parameters])
+        for unit in dict.fromkeys(units[known]):
+            own = units == unit
+            variance = max(float(np.mean((v**2 - u**2)[own & known])), 0.0)
+            kappa = variance / np.maximum(variance + u**2, np.finfo(float).tiny)
+            power = (kappa * v) ** 2 + kappa * u**2
+            values[place] = np.where(own, np.copysign(np.sqrt(power), v), values[place])
+    return replace(sized, values=values)
+
+
+def _apart(model: Model, general: str, of_special: Model, special: str) -> Model:
+    """The general effect as a typical departure from its special case: what the recording leaves
+    open of it is not what it was fitted to.
+    """
+    r = next(of_special.values[place] for key, place in of_special.places.items()
+             if key[0] == special)  # fmt: skip
+    values = model.values.copy()
+    for key, place in model.places.items():
+        if key[0] == general:
+            values[place] = places_apart(r)
+    return replace(model, values=values)
 
 
 def _range(place: slice) -> range:

@@ -23,6 +23,7 @@ class _Track:
     step_s: float
     angles: np.ndarray
     speed: float = 0.0  # deg/s of the axis that spins
+    spinning: tuple[int, tuple[float, ...]] | None = None  # this axis, at these angles of all
     count: int = 0
     pieces: list[np.ndarray] = field(default_factory=list)
     segments: list[Segment] = field(default_factory=list)
@@ -41,8 +42,23 @@ class _Track:
         self.speed += acceleration * count * self.step_s
         self._append(piece)
 
-    def to_speed(self, axis: int, speed: float, acceleration: float) -> None:
-        """Ramps an axis to a speed, deg/s."""
+    def spins(self, axis: int, angles_deg: tuple[float, ...]) -> bool:
+        """Whether an axis spins while the others are held at these angles."""
+        return self.spinning == (axis, angles_deg)
+
+    def spin(
+        self, axis: int, angles_deg: tuple[float, ...], speed: float, acceleration: float
+    ) -> None:
+        """Ramps an axis to a speed, deg/s, with the others held at these angles."""
+        self._to_speed(axis, speed, acceleration)
+        self.spinning = (axis, angles_deg)
+
+    def stop(self, acceleration: float) -> None:
+        if self.spinning is not None:
+            self._to_speed(self.spinning[0], 0.0, acceleration)
+            self.spinning = None
+
+    def _to_speed(self, axis: int, speed: float, acceleration: float) -> None:
         change = speed - self.speed
         count = max(1, round(abs(change) / acceleration / self.step_s))
         if change:
@@ -116,11 +132,11 @@ def _follow(track: _Track, segment: PlannedSegment, procedure: Procedure) -> Non
     rate, acceleration = procedure.move_rate_deg_s, procedure.acceleration_deg_s2
     goal, settle_s = np.array(segment.angles_deg), SERVO_S + procedure.settle_s
     axis = segment.spin_axis or 0
-    if segment.kind != "rate" or not track.speed:
-        track.to_speed(axis, 0.0, acceleration)
+    if segment.kind != "rate" or not track.spins(axis, segment.angles_deg):
+        track.stop(acceleration)
         track.move(goal, rate, acceleration)
     if segment.kind == "rate":
-        track.to_speed(axis, segment.rate_deg_s, acceleration)
+        track.spin(axis, segment.angles_deg, segment.rate_deg_s, acceleration)
     track.stay(settle_s, axis)
     start = track.now
     if segment.chamber_degc is not None:

@@ -257,6 +257,8 @@ def _by_labels(recording: Recording, at: np.ndarray) -> Motion:
         labels = {"static": 0.0, "rate": segment.rate_deg_s, "rotation": segment.angle_deg}
         if (degrees := labels.get(segment.kind)) is None:
             continue
+        if segment.axis is None and segment.kind != "static":
+            continue  # the unit is held aslant, which no label says in full
         turned = np.radians(degrees)
         rows = slice(*np.searchsorted(at, (segment.t_start, segment.t_end)))
         if segment.kind == "rotation":

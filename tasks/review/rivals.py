@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.review import Level
-from tasks.explain.confounding.compare import HOLDS
+from tasks.explain.confounding.special_case import HOLDS
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
 from tasks.review.carriers import Carried, carried, scored
 from tasks.review.mixed import Spread, spreads

@@ -91,9 +91,12 @@ def _answer(
     experiment: "Experiment", question: "OpenQuestion", recording: Recording, order: NextOrder
 ) -> NextRecording:
     choice = _apart_from_rivals(experiment, question, order.minutes)
-    repeated = experiment.left_by(question.fit.blocks, question.fit.noises)
+    typical = replace(experiment, models=question.typical)
+    repeated = typical.left_by(question.fit.blocks, question.fit.noises)
     minutes = float(recording.imu.t[-1] - recording.imu.t[0]) / 60.0
     path = _written(choice, order, question) if choice.is_enough else None
+    if choice.is_enough:  # of a unit that is neither better nor worse than the recording tells
+        choice = replace(choice, expected=typical.judged(choice.procedure).left)
     return NextRecording(
         decides=question.names,
         procedure=None if path is None else str(path),
@@ -101,7 +104,9 @@ def _answer(
         steps=tuple(step.model_dump(mode="json") for step in choice.procedure.steps)
         if path is not None
         else (),
-        predicted=PredictedEvidence(delta_chi2=choice.left, probability_right=choice.probability),
+        predicted=PredictedEvidence(
+            delta_chi2=choice.expected, probability_right=choice.probability
+        ),
         repeat_of_base=RepeatOfBase(minutes=minutes, delta_chi2=repeated),
         statement=statement(_sentence(question, choice, repeated, minutes, order)),
     )
@@ -166,7 +171,7 @@ def _sentence(
 
     effects = clauses([effect_name(name) for name in question.names], by="report-or")
     figures = {
-        "minutes": f"{choice.minutes:.1f}", "left": f"{choice.left:.0f}",
+        "minutes": f"{choice.minutes:.1f}", "left": f"{choice.expected:.0f}",
         "percent": f"{100.0 * choice.probability:.0f}", "repeated": f"{repeated:.1f}",
         "base": f"{minutes:.1f}", "longest": f"{order.minutes:g}", "needed": f"{choice.needed:.0f}",
     }  # fmt: skip

@@ -63,7 +63,7 @@ class PlannedSegment:
 
     name: str
     item: str
-    up: Up
+    up: Up | None
     angles_deg: tuple[float, ...]
     dwell_s: float
     planned_s: float
@@ -99,6 +99,7 @@ class PlannedSegment:
             up=self.up,
             turn_deg=self.turn_deg,
             axis=self.axis,
+            table_axis=self.spin_axis if self.axis is None else None,
             rate_deg_s=None if self.spin_axis is None else self.rate_deg_s,
             angle_deg=self.turn_by_deg,
         )

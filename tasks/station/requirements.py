@@ -112,7 +112,7 @@ def _check_attitude(
     mount = mount_in(segment.fixture, station.mount) if segment.fixture else station.mount
     body = attitude * Rotation.from_quat(mount.quaternion_wxyz, scalar_first=True)
     up = body.inv().apply([0.0, 0.0, 1.0])
-    if up @ _unit(segment.up) < ALIGNED:
+    if segment.up is not None and up @ _unit(segment.up) < ALIGNED:
         raise Unusable(
             f"step {segment.name} of procedure {procedure.name} says {segment.up} up, and its "
             f"angles_deg bring {_largest(up)} up on station {station.station.id}: correct the "

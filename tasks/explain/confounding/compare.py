@@ -6,7 +6,7 @@ explains is that effect. Compared are linear forms, by the search's normal equat
 filters that come near are fitted in their real form, and so is what is put in another's place.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,6 +23,7 @@ from tasks.explain.confounding.linear_forms import (
     marked,
     names_of,
 )
+from tasks.explain.confounding.special_case import HOLDS, with_general
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import INDISTINGUISHABLE
@@ -31,7 +32,6 @@ SHARE = 0.1  # of an effect: what another could have made of it belongs to the f
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
 Prune = Callable[[FittedSelection, Collection[str]], FittedSelection]
-HOLDS = {"lever_arm": "size_effect"}  # the first is the second with all its places alike
 
 
 def compared(
@@ -87,11 +87,18 @@ class _Family:
             return self._by_real_fits()
         chosen = self._fitted(best)
         if best is not self.present and not self._holds(chosen, found):
-            return marked(self._special_case(found), ())
+            return self._marked(self._special_case(found), ())
         special = self._special_case(chosen)
         if special is not chosen:
-            return marked(special, ())
-        return marked(chosen, group_names(best, map(names_of, near)))
+            return self._marked(special, ())
+        return self._marked(chosen, map(names_of, near))
+
+    def _marked(self, chosen: Combination, near: Iterable[tuple[str, ...]]) -> FittedSelection:
+        others = [one for one in self.fit.selection.candidates if one.name not in self.names]
+        names = with_general(
+            chosen, near, self.forms, self.fit.selection.equations, others, self._linear.dispersion
+        )
+        return marked(chosen, group_names(chosen.members, names))
 
     def with_rivals(self) -> FittedSelection:
         """The given effects, marked with the names that fit no worse in their place.

@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.confounding.families import common_part
+from tasks.explain.confounding.special_case import HOLDS
 from tasks.explain.determined import DeterminedModel, unit_of
 from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
 from tasks.explain.evidence.determination import widening
@@ -146,6 +147,7 @@ def _indistinguishable(
         for one in group.selected
         for other in one.alternatives
         if one.score - other.score < INDISTINGUISHABLE
+        and HOLDS.get(group.name) != other.candidate.name  # which the comparison judged
     ]
     names += possibly_clipped(group.name, channels, full.motion)
     names += possibly_clipped_in_noise(group.name, contribution, full.readings, full.motion)

@@ -35,7 +35,7 @@ def rank(
     equations: NormalEquations, candidates: Sequence[Candidate], selected: Sequence[Candidate]
 ) -> list[ScoredCandidate]:
     """The candidates by score, beside others that are selected."""
-    left = _projected(equations, selected)
+    left = projected(equations, selected)
     own = {candidate.key for candidate in selected}
     # Beside a shape that no fit has adjusted yet, a neighbouring one only makes up for the grid.
     whole = {candidate.name for candidate in selected if candidate.known or candidate.on_grid}
@@ -53,7 +53,7 @@ def rank(
     return sorted(scored, key=lambda entry: -entry.score)
 
 
-def _projected(equations: NormalEquations, selected: Sequence[Candidate]) -> NormalEquations:
+def projected(equations: NormalEquations, selected: Sequence[Candidate]) -> NormalEquations:
     """Normal equations without the selection: fitted members projected out, known ones
     subtracted.
     """
@@ -199,7 +199,7 @@ def joint_gain(
     """Chi-squared that some candidates gain together beside others that are selected, and of how
     many parameters that the readings determine.
     """
-    left, members = _projected(equations, selected), np.array(members_of(together))
+    left, members = projected(equations, selected), np.array(members_of(together))
     block = left.normal[np.ix_(members, members)]
     observable = (left.scale[members] > 0) & (np.diag(block) > OBSERVABLE)
     block = block * observable[:, None] * observable + np.diag(np.where(observable, SINGULAR, 1.0))

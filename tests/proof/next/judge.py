@@ -16,6 +16,7 @@ from storage.home import Home
 from tasks.experiment.abilities import Abilities
 from tasks.experiment.open_question import open_question
 from tasks.experiment.separation import left_by_real_fit
+from tasks.explain.confounding.special_case import HOLDS
 from tasks.explain.explain import explain
 from tasks.stages.next_recording import next_recording
 from tests.proof.next.draw import draw, has_chamber
@@ -156,7 +157,10 @@ def _after(
 
 
 def _achieved(effect: str, recording: Recording, names: Sequence[str]) -> float | None:
-    """Chi-squared by which the nearest other fits worse than the truth; None without the truth."""
+    """Chi-squared by which the nearest other fits worse than the truth; None without the truth.
+
+    An effect of which the truth is a special case fits as well: it is no other.
+    """
     if effect not in names:
         return None
     try:
@@ -169,4 +173,5 @@ def _achieved(effect: str, recording: Recording, names: Sequence[str]) -> float 
     left = {
         name: left_by_real_fit(model, blocks, noises) for name, model in question.models.items()
     }
-    return min(value for name, value in left.items() if name != effect) - left[effect]
+    others = [left[name] for name in left if name not in (effect, HOLDS.get(effect))]
+    return min(others) - left[effect]

@@ -85,6 +85,8 @@ def plan_of_procedure(procedure: Procedure, table: TableShape) -> Plan:
 
 def _label(step: Position | Sweep | RateRun | Turns, **more: Any) -> dict[str, Any]:
     label = {"item": step.item, "up": step.up, "axis": step.axis} | more
+    if step.axis is None and isinstance(step, RateRun):
+        label["table_axis"] = step.spin_axis
     return {name: value for name, value in label.items() if value is not None}
 
 

@@ -10,7 +10,7 @@ from schemas.limits import ChamberLimits
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Mount, Station, TableAxis
 from tasks.experiment.abilities import Abilities
-from tasks.experiment.blocks import attitudes, blocks_of, room_of
+from tasks.experiment.blocks import attitudes, blocks_of, room_of, upward
 
 VERTICAL, EAST = TableAxis(name="a", direction=(0, 0, 1)), TableAxis(name="b", direction=(1, 0, 0))
 LEVEL, INNER = Mount(), TableAxis(name="c", direction=(0, 0, 1))
@@ -59,9 +59,21 @@ def test_halves_tell_an_asymmetry_from_a_square_better_than_rates_as_long() -> N
         assert of_magnitude(halves.rates_deg_s) > 2.0 * of_magnitude(rates.rates_deg_s)
 
 
+def test_both_bisectors_of_each_two_axes_are_turned_about() -> None:
+    station = able(VERTICAL, EAST, INNER)
+    (block,) = (one for one in blocks_of(station) if one.name == "aslant")
+    ways = [upward(station, step.angles_deg) for step in block.steps]
+    products = {tuple(np.round(np.outer(way, way)[np.triu_indices(3, 1)], 3)) for way in ways}
+    assert products == {tuple(0.5 * sign * np.eye(3)[k]) for k in range(3) for sign in (1.0, -1.0)}
+    assert {(step.axis, step.up) for step in block.steps} == {(None, None)}
+    assert "aslant" not in [one.name for one in blocks_of(able(VERTICAL))]
+
+
 def test_an_axis_that_does_not_turn_on_and_on_is_not_spun() -> None:
     names = [block.name for block in blocks_of(able(VERTICAL, EAST, INNER, endless=False))]
-    assert not [name for name in names if name.startswith(("swing", "rates", "halves", "turns"))]
+    assert not [
+        name for name in names if name.startswith(("swing", "rates", "halves", "turns", "aslant"))
+    ]
     assert "tumble" in names
 
 

@@ -78,7 +78,8 @@ class Optimistic(Experiment):
         return 0.6 * len(so_far)
 
     def _judged(self, chosen):  # type: ignore[no-untyped-def]
-        return Choice(None, 100.0 * len(chosen) / 60.0, 0.45 * len(chosen) * enough(30.0), 30.0)  # type: ignore[arg-type]
+        left = 0.45 * len(chosen) * enough(30.0)
+        return Choice(None, 100.0 * len(chosen) / 60.0, left, 30.0, left)  # type: ignore[arg-type]
 
 
 def test_blocks_are_added_until_the_real_form_shows_enough(monkeypatch) -> None:

@@ -66,6 +66,27 @@ def test_rests_are_at_their_angles_and_rates_at_their_rates_for_their_times() ->
         assert t[rows][-1] - t[rows][0] == pytest.approx(1.5, abs=2 / HZ)
 
 
+def test_a_rate_run_at_other_angles_begins_there_from_rest() -> None:
+    aslant = RateRun(
+        name="aslant", item="i", spin_axis=0, angles_deg=(0, 45, 0), rates_deg_s=(200,), dwell_s=1.5
+    )
+    _, found, (_, back, tilted) = angles(SPIN, aslant)
+    assert found[back, 1] == pytest.approx(0.0)
+    assert found[tilted, 1] == pytest.approx(45.0)
+    moving = np.abs(np.diff(found[:, 1])) > 1e-9
+    assert np.abs(np.diff(found[:, 0]))[moving] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_label_of_a_unit_held_aslant_names_the_axis_of_the_table() -> None:
+    aslant = RateRun(
+        name="aslant", item="i", spin_axis=0, angles_deg=(0, 45, 0), rates_deg_s=(200,), dwell_s=1.5
+    )
+    planned = planned_recording(procedure(SPIN, aslant), MANIFEST, HZ)
+    straight, _, tilted = planned.manifest.segments or ()
+    assert (straight.axis, straight.table_axis) == ("z", None)
+    assert (tilted.axis, tilted.table_axis, tilted.up) == (None, 0, None)
+
+
 def test_the_thermometer_follows_the_chamber_from_the_step_that_sets_it() -> None:
     chamber = ChamberLimits(temperature_degc=(0, 50), rate_k_min=600.0)
     heated = REST.model_copy(update={"name": "hot", "chamber_degc": 40.0, "dwell_s": 20.0})

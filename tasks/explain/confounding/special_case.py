@@ -1,0 +1,75 @@
+"""Tells a lever arm from the size effect, of which it is the special case with all places alike.
+
+What fits a recording of the one fits as well with the other; whether it could show that the
+accelerometers are apart decides whether the lever arm stands alone.
+"""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from tasks.explain.confounding.combinations import Combination
+from tasks.explain.confounding.families import Form
+from tasks.explain.confounding.linear_forms import names_of
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.design import NormalEquations
+from tasks.explain.search.scores import projected
+from tasks.model.regression import inverse
+
+HOLDS = {"lever_arm": "size_effect"}  # special case: general effect
+APART = np.array([[1.0, 0.0, -1.0], [-1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])  # accelerometer, component
+# Chi-squared that a typical departure is to show: of six independent components, so that one in
+# twenty shows a quarter of it.
+SHOWN = 60.0
+
+
+def places_apart(r: np.ndarray) -> np.ndarray:
+    """(9,) places (m) of three accelerometers that are as far apart as their mean r (3,) is from
+    the axes.
+    """
+    return np.asarray((r + np.linalg.norm(r) / np.sqrt(3.0) * APART).ravel())
+
+
+def with_general(
+    chosen: Combination,
+    near: Iterable[tuple[str, ...]],
+    forms: Sequence[Form],
+    equations: NormalEquations,
+    others: Sequence[Candidate],
+    dispersion: float,
+) -> list[tuple[str, ...]]:
+    """Names that come near; beside a special case the general effect, unless the data would show
+    a departure from it. forms: of their family. others: what else is selected.
+
+    That the general effect fits no better for its further parameters is no evidence where these
+    are not determined.
+    """
+    own, names = names_of(chosen.members), list(near)
+    for special, general in HOLDS.items():
+        places = next((form[0] for form in forms if form[0].name == general), None)
+        if special not in own or places is None:
+            continue
+        arm = next(one.term for one in chosen.members if one.name == special)
+        r = chosen.fit.model.values[chosen.fit.model.places[arm.key]]
+        names = [each for each in names if general not in each]
+        if departure_shown(equations, places, others, r) <= SHOWN * dispersion:
+            names.append((general,))
+    return names
+
+
+def departure_shown(
+    equations: NormalEquations, general: Candidate, others: Sequence[Candidate], r: np.ndarray
+) -> float:
+    """Expected chi-squared of places that are apart by as much as r (3,) m is long, beside what
+    their mean and other candidates may take of it.
+
+    The nine columns are of unit size: their scale is divided out. S = G − GB(BᵀGB)⁻¹BᵀG with B the
+    places alike; components of σ² = r²/3 show σ²·tr(S).
+    """
+    places = list(general.members)
+    left, size = projected(equations, others), equations.power[places] ** 0.5
+    information = left.normal[np.ix_(places, places)] * np.outer(size, size)
+    alike = information @ np.tile(np.eye(3), (3, 1))
+    common = alike.reshape(3, 3, 3).sum(axis=0)
+    apart = information - alike @ inverse(common) @ alike.T
+    return float(np.trace(apart) * (r @ r) / 3.0)
