@@ -63,13 +63,13 @@ def departure_shown(
     """Expected chi-squared of places that are apart by as much as r (3,) m is long, beside what
     their mean and other candidates may take of it.
 
-    The nine columns are of unit size: their scale is divided out. S = G − GB(BᵀGB)⁻¹BᵀG with B the
-    places alike; components of σ² = r²/3 show σ²·tr(S).
+    The columns of the places that the data move, of nine, are of unit size: their scale is divided
+    out. S = G − GB(BᵀGB)⁻¹BᵀG with B the places alike; components of σ² = r²/3 show σ²·tr(S).
     """
     places = list(general.members)
     left, size = projected(equations, others), equations.power[places] ** 0.5
     information = left.normal[np.ix_(places, places)] * np.outer(size, size)
-    alike = information @ np.tile(np.eye(3), (3, 1))
-    common = alike.reshape(3, 3, 3).sum(axis=0)
-    apart = information - alike @ inverse(common) @ alike.T
+    alike = np.tile(np.eye(3), (3, 1))[list(general.own)]
+    along = information @ alike
+    apart = information - along @ inverse(alike.T @ along) @ along.T
     return float(np.trace(apart) * (r @ r) / 3.0)

@@ -18,13 +18,15 @@ NOISE = noise(len(RUN.t), 3, NOISY)
 ARM = np.array([0.0004, -0.0006, 0.00023])  # small: the noise is told beside it
 
 
-def shown(run: Motion) -> float:
+def shown(run: Motion, own: tuple[int, ...] = tuple(range(9))) -> float:
+    """own: the places that are among the columns, in the order of the term's parameters."""
     made = read(run, (LEVER_ARM, ARM)) + NOISE
     blocks = observed(made, run)
-    columns = [*columns_of(LEVER_ARM, run), *columns_of(SIZE_EFFECT, run)]
+    of_places = columns_of(SIZE_EFFECT, run)
+    columns = [*columns_of(LEVER_ARM, run), *(of_places[k] for k in own)]
     arm = Candidate(LEVER_ARM, (0, 1, 2), (0, 1, 2), 1)
-    places = Candidate(SIZE_EFFECT, tuple(range(3, 12)), tuple(range(9)), 1)
-    design = banded_design(blocks, made, columns, np.full(12, np.inf))
+    places = Candidate(SIZE_EFFECT, tuple(range(3, 3 + len(own))), own, 1)
+    design = banded_design(blocks, made, columns, np.full(len(columns), np.inf))
     equations = search(design, [arm, places], (), NOISY).equations
     return departure_shown(equations, places, (), ARM)
 
@@ -61,3 +63,8 @@ def test_what_is_expected_is_what_departures_show_on_average() -> None:
 def test_a_unit_that_hardly_turns_shows_nothing() -> None:
     slow = replace(RUN, rate=0.02 * RUN.rate, acceleration=0.02 * RUN.acceleration)
     assert shown(slow) < 0.01 * shown(RUN)
+
+
+def test_places_that_the_motion_does_not_show_add_nothing() -> None:
+    turning = replace(RUN, rate=RUN.rate * (0, 0, 1), acceleration=RUN.acceleration * (0, 0, 1))
+    assert 0.0 < shown(turning, (0, 1, 2, 3, 4)) < shown(RUN)
