@@ -13,7 +13,7 @@ from tests.proof.next.page import page
 
 PAGE = "next.md"
 EVIDENCE = Path(__file__).parents[1] / "evidence"
-BATCH = 4  # cases drawn at a time, until so many as asked stay open
+BATCH = 16  # cases drawn at a time, until so many as asked stay open
 
 
 def run_next(count: int, seed: int, write: bool) -> None:

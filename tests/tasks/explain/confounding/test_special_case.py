@@ -56,8 +56,8 @@ def test_what_is_expected_is_what_departures_show_on_average() -> None:
     rng = np.random.default_rng(5)
     size = np.linalg.norm(ARM) / np.sqrt(3.0)
     none = left_by_a_lever_arm(np.zeros(9))
-    drawn = [left_by_a_lever_arm(size * rng.standard_normal(9)) - none for _ in range(60)]
-    assert np.mean(drawn) == pytest.approx(shown(RUN), rel=0.25)
+    drawn = [left_by_a_lever_arm(size * rng.standard_normal(9)) - none for _ in range(24)]
+    assert np.mean(drawn) == pytest.approx(shown(RUN), rel=0.3)
 
 
 def test_a_unit_that_hardly_turns_shows_nothing() -> None:
