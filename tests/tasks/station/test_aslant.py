@@ -28,10 +28,8 @@ def test_a_unit_is_turned_aslant_and_its_label_names_the_axis_of_the_table(short
     segment = next(s for s in kept.manifests[-1].segments if s.name == "aslant_+60")
     assert (segment.kind, segment.axis, segment.up, segment.table_axis) == ("rate", None, None, 0)
     imu = kept.stream("imu")
-    rates = np.degrees(
-        imu.stack(("gyro_x", "gyro_y", "gyro_z"))[imu.rows(segment.t_start, segment.t_end)]
-    )
-    turned = np.sort(np.abs(rates.mean(axis=0)))
+    rates = imu.stack(GYRO)[imu.rows(segment.t_start, segment.t_end)]
+    turned = np.sort(np.abs(np.degrees(rates.mean(axis=0))))
     assert turned == pytest.approx([0.0, RATE / 2**0.5, RATE / 2**0.5], abs=0.5)
 
 
