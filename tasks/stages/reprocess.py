@@ -30,7 +30,7 @@ DIED = (
 def plan(order: ReprocessOrder, home: Home) -> Plan:
     """What the order would do; nothing is read but the catalogue, and nothing is written."""
     now = circumstances(settings.laboratory(home), home)
-    runs = select(order, home)
+    runs = _selected(order, now, home)
     to_make = reprocessing.to_make(runs, now, home)
     waiting = {each.run.id: each.run.rows for each in to_make}
     return Plan(
@@ -56,7 +56,7 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
     out = report_folder(order.out)
     laboratory = settings.laboratory(home)
     now = circumstances(laboratory, home)
-    runs = select(order, home)
+    runs = _selected(order, now, home)
     earlier = _done(runs, now, home)
     limits = cache(lambda manufacturer, model: settings.tolerance_for(manufacturer, model, home))
     store = store_of(home)
@@ -79,6 +79,19 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
     if out is not None:
         write_report(report, out)
     return report
+
+
+def _selected(order: ReprocessOrder, now: str, home: Home) -> list[Run]:
+    """The runs of the order, those that it made again before included.
+
+    Their newest results are no longer of the version that the order names.
+    """
+    chosen = select(order, home)
+    if order.code_version is None:
+        return chosen
+    ids = {run.id for run in chosen} | reprocessing.made_from(order.code_version, now, home)
+    others = select(order.model_copy(update={"code_version": None}), home)
+    return [run for run in others if run.id in ids]
 
 
 def _carried_out(jobs: Sequence[Job], order: ReprocessOrder) -> Iterator[Outcome]:

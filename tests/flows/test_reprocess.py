@@ -18,6 +18,7 @@ from schemas.recording import Recording
 from storage.catalogue import results, run_index, runs
 from storage.home import Home
 from tasks.stages import make_again
+from tasks.stages.reprocess import plan as planned_by
 from tests.earlier_results import EARLIER, newest, plant, two_calibrated
 from tests.keep import keep, take_number
 
@@ -106,6 +107,21 @@ def test_the_same_command_again_makes_nothing_and_reports_the_same(store: Home) 
     assert (again.done, again.done_before) == (2, 2)
     assert again.changed == first.changed
     assert again.unchanged == first.unchanged == 1
+
+
+def test_an_order_by_version_goes_on_and_reports_all_of_it(store: Home) -> None:
+    """What it made is of today's version, and still what it was ordered to report."""
+    first, second = newest(store)
+    plant(first, store, "gyro_scale_factor", "x", 3.0)
+    of_first = reprocess(code_version=EARLIER)
+    assert len(of_first.changed) == 1
+    plant(second, store, "gyro_scale_factor", "y", 2.0)  # as if it had not yet come to this one
+    of_both = reprocess(code_version=EARLIER)
+    assert {each.run for each in of_both.changed} == {first.run, second.run}
+    assert reprocess(code_version=EARLIER).changed == of_both.changed
+    planned = planned_by(ReprocessOrder(code_version=EARLIER), store)
+    assert (planned.results, planned.done_before) == (0, 2)
+    assert reprocess(code_version="0.0.8").runs == 0
 
 
 def test_a_failed_recording_is_a_row_and_is_tried_again(
