@@ -3,8 +3,9 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
+from pathlib import Path
 
-from schemas.history import Difference, Failure, Plan, Reprocessing, Touched
+from schemas.history import Change, Difference, Failure, Plan, Reprocessing, Touched
 from schemas.orders import ReprocessOrder
 from schemas.tolerance import Tolerance
 from storage import settings
@@ -13,8 +14,8 @@ from storage.catalogue.reprocessing import Made
 from storage.catalogue.run_index import Run
 from storage.catalogue.selection import select
 from storage.home import Home
-from storage.whole_files import report_folder
-from tasks.history import difference, write_report
+from storage.whole_files import report_folder, written_out
+from tasks.history import came_or_went, difference, report_texts
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.make_again import Job, Outcome, circumstances, make_again, store_of, with_fault
 from tasks.stages.stage import stage
@@ -77,7 +78,7 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
         }
     )
     if out is not None:
-        write_report(report, out)
+        _write(report, out)
     return report
 
 
@@ -143,12 +144,23 @@ def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Rep
         done_before=0,
         failed=len(outcomes) - len(done),
         unchanged=len(same),
-        changed=tuple(sorted(changed, key=lambda c: (-(c.in_U or 0.0), c.run, c.item, c.element))),
+        changed=tuple(sorted(changed, key=_most_first)),
         flips=tuple(flip for each in done for flip in each.difference.flips),
         certificates=tuple(_touched(done, home)),
         failures=tuple(Failure(run=run, why=why) for run, why in faults),
         seconds=0.0,
     )
+
+
+def _most_first(change: Change) -> tuple[bool, float, str, str, str]:
+    """What was or is not determined comes before every step, however large."""
+    return not came_or_went(change), -(change.in_U or 0.0), change.run, change.item, change.element
+
+
+def _write(report: Reprocessing, folder: Path) -> None:
+    for name, text in report_texts(report).items():
+        with written_out(folder / name) as draft:
+            draft.write_text(text, encoding="utf-8")
 
 
 def _touched(done: Sequence[Outcome], home: Home) -> Iterator[Touched]:

@@ -17,7 +17,7 @@ from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.catalogue.selection import select
 from storage.home import Home
-from storage.whole_files import report_folder, writing_to
+from storage.whole_files import report_folder, written_out
 from tasks.review.hypotheses import Effect
 from tasks.review.search import Found
 from tasks.review.touched import moved_elements, touched_of, with_touched
@@ -152,7 +152,7 @@ def _too_few(count: int, skipped: list[Skipped]) -> str:
 
 def _write(review: Review, folder: Path) -> Path:
     path = folder / "review.json"
-    with writing_to(path) as draft:
+    with written_out(path) as draft:
         draft.write_text(review.model_dump_json(indent=1), encoding="utf-8")
     return path
 

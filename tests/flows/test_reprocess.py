@@ -1,5 +1,6 @@
 """History made again: new results beside the old, exactly what moved, and nothing twice."""
 
+import errno
 import json
 from collections.abc import Callable
 from datetime import date
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 from flows import run_orders
+from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.decision import Decision
@@ -122,6 +124,36 @@ def test_an_order_by_version_goes_on_and_reports_all_of_it(store: Home) -> None:
     planned = planned_by(ReprocessOrder(code_version=EARLIER), store)
     assert (planned.results, planned.done_before) == (0, 2)
     assert reprocess(code_version="0.0.8").runs == 0
+
+
+def test_a_value_that_is_gone_comes_first(store: Home) -> None:
+    first, _ = newest(store)
+    planted = plant(first, store, "gyro_scale_factor", "x", 3.0)
+    name = "gyro_bias"
+    lost = planted.items[name].model_copy(update={"value": planted.items[name].value | {"z": None}})
+    results.save(planted.model_copy(update={"items": planted.items | {name: lost}}), store)
+    changed = reprocess().changed
+    assert [(each.item, each.in_U is None) for each in changed] == [
+        ("gyro_bias", True), ("gyro_scale_factor", False),
+    ]  # fmt: skip
+
+
+def test_a_report_that_cannot_be_written_leaves_the_earlier_one(
+    store: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    report = tmp_path / "report"
+    reprocess(out=str(report))
+    before = (report / "report.json").read_bytes()
+
+    def full(path: Path, *_: Any, **__: Any) -> int:
+        path.touch()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(Unusable, match=r"report\.json cannot be written .*--out"):
+        reprocess(out=str(report))
+    assert (report / "report.json").read_bytes() == before
+    assert len(list(report.iterdir())) == 3
 
 
 def test_a_failed_recording_is_a_row_and_is_tried_again(

@@ -63,9 +63,7 @@ def test_the_moment_of_the_first_row_gives_the_day_where_no_station_did(
     assert chosen(fresh, since=date(2026, 3, 2), until=date(2026, 3, 2)) == [both]
 
 
-def test_a_run_of_the_earlier_revision_gets_the_day_of_its_first_row(
-    fresh: Home, recorded
-) -> None:
+def test_a_run_of_the_earlier_revision_gets_the_day_of_its_first_row(fresh: Home, recorded) -> None:
     run = recorded(0.0, acquired_at="2026-03-01T08:30:00+00:00")
     with database.changing(fresh) as connection:
         connection.execute(sql.update(tables.runs).values(recorded_on=None))
