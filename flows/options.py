@@ -257,9 +257,9 @@ Minutes = Annotated[
     float, typer.Option(metavar="MIN", help="Maximum duration.", callback=_positive)
 ]
 BaseProcedure = Annotated[
-    Path | None,
+    str | None,
     _option(
-        "FILE",
+        "NAME|FILE",
         "Procedure whose environment limits, warm-up and settling times are adopted.",
         "--procedure",
     ),
