@@ -138,7 +138,10 @@ class AffectedCertificate(Frozen):
 
 
 class Impact(Frozen):
-    """What used a measurement standard or a station in a time (format `mimu-impact/1`)."""
+    """What used a measurement standard or a station in a time (format `mimu-impact/1`).
+
+    undated: runs that used it, of which no day is known and which were imported at another time.
+    """
 
     format: Literal["mimu-impact/1"] = "mimu-impact/1"
     equipment: str
@@ -147,6 +150,7 @@ class Impact(Frozen):
     runs: tuple[AffectedRun, ...]
     results: tuple[AffectedResult, ...]
     certificates: tuple[AffectedCertificate, ...]
+    undated: tuple[str, ...] = ()
 
 
 class Dispensable(Frozen):

@@ -12,7 +12,7 @@ from storage import settings
 from storage.catalogue import certificates, reprocessing, results
 from storage.catalogue.reprocessing import Made
 from storage.catalogue.run_index import Run
-from storage.catalogue.selection import select
+from storage.catalogue.selection import check_known, select
 from storage.home import Home
 from storage.whole_files import report_folder, written_out
 from tasks.history import came_or_went, difference, report_texts
@@ -85,9 +85,12 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
 def _selected(order: ReprocessOrder, now: str, home: Home) -> list[Run]:
     """The runs of the order, those that it made again before included.
 
-    Their newest results are no longer of the version that the order names.
+    Their newest results are no longer of the version that the order names. Raises Unusable for a
+    station, model, serial number, procedure or equipment that no run has.
     """
     chosen = select(order, home)
+    if not chosen:
+        check_known(order, home)
     if order.code_version is None:
         return chosen
     ids = {run.id for run in chosen} | reprocessing.made_from(order.code_version, now, home)

@@ -179,12 +179,24 @@ def test_a_failed_recording_is_a_row_and_is_tried_again(
 
 def test_a_dry_run_says_what_would_be_done_and_does_nothing(store: Home, mimucal) -> None:
     before = {path: path.stat().st_mtime_ns for path in store.raw.iterdir()}
-    planned = mimucal("reprocess", "--dry-run", "--json", "--serial", "nobody").json
+    planned = mimucal("reprocess", "--dry-run", "--json", "--until", "2000-01-01").json
     assert planned["runs"] == []
     planned = mimucal("reprocess", "--dry-run", "--json").json
     assert (len(planned["runs"]), planned["results"], planned["done_before"]) == (2, 2, 0)
     assert {path: path.stat().st_mtime_ns for path in store.raw.iterdir()} == before
     assert all(len(results.of_run(run, store)) == 1 for run in run_index.all_runs(store))
+
+
+@pytest.mark.parametrize("option", ["station", "model", "serial", "procedure", "equipment"])
+def test_a_name_that_no_run_has_is_refused_with_those_that_are_known(
+    store: Home, mimucal, option: str
+) -> None:
+    for more in ((), ("--dry-run",)):
+        refused = mimucal("reprocess", f"--{option}", "nobody", *more)
+        assert refused.code == 2
+        assert f"--{option} nobody" in refused.err
+        known = run_index.all_runs(store)[0].model_dump().get(option)
+        assert known is None or str(known) in refused.err
 
 
 def test_certificates_on_values_that_moved_are_touched(store: Home, mimucal, shared: Path) -> None:
