@@ -73,8 +73,8 @@ def print_impact(impact: Impact) -> None:
     if impact.undated:
         more = ", …; --json names all" if len(impact.undated) > SHOWN else ""
         print(
-            f"{len(impact.undated)} more used it on a day that no manifest tells, which may be one of "
-            f"these: {', '.join(impact.undated[:SHOWN])}{more}"
+            f"{len(impact.undated)} more runs used it on an unknown day, possibly in this time: "
+            f"{', '.join(impact.undated[:SHOWN])}{more}"
         )
 
 
