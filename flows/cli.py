@@ -68,8 +68,8 @@ def main() -> None:
         _check_text(sys.argv[1:])
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:
-        said = fault.format_message().replace("Value error, ", "").rstrip(".")
-        _say_and_leave(f"{said}. See `mimucal --help`.", 2)
+        text = fault.format_message().replace("Value error, ", "").rstrip(".")
+        _say_and_leave(f"{text}. See `mimucal --help`.", 2)
     except Unusable as fault:
         _say_and_leave(str(fault), 2)
     except BrokenOff as end:
