@@ -47,7 +47,7 @@ def print_report(report: Reprocessing, out: str | None) -> None:
     print(
         f"{report.done} results of {report.runs} runs made with {report.code_version} "
         f"({report.done_before} of them before this command): {report.unchanged} as they were, "
-        f"{report.failed} failed"
+        f"{report.first} the first of their runs, {report.failed} failed"
     )
     if out is not None:
         stdout(markup=False).print(f"report {out}")

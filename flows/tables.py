@@ -48,6 +48,7 @@ def _to_folder(table: "pd.DataFrame", folder: Path) -> None:
     month = table["recorded_on"].map(lambda day: f"{day:%Y-%m}" if day else "unknown")
     try:
         with drafted(folder) as draft:
+            draft.mkdir(parents=True)  # of no rows no file is written
             table.assign(month=month).to_parquet(draft, index=False, partition_cols=PARTITIONS)
     except FileExistsError as error:
         raise Unusable(f"{folder} is already there; name a new folder with --out.") from error

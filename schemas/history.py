@@ -73,7 +73,8 @@ class Reprocessing(Frozen):
     """What re-processing a selection did and changed (format `mimu-reprocess/1`).
 
     done: results made again now or before under the same circumstances, which are the code and the
-    laboratory. unchanged: of them, results without any change. seconds: of this command.
+    laboratory. unchanged: of them, results without any change; first: those of runs that had none
+    before. seconds: of this command.
     """
 
     format: Literal["mimu-reprocess/1"] = "mimu-reprocess/1"
@@ -84,6 +85,7 @@ class Reprocessing(Frozen):
     done_before: int
     failed: int
     unchanged: int
+    first: int = 0
     changed: tuple[Change, ...] = ()
     flips: tuple[Flip, ...] = ()
     certificates: tuple[Touched, ...] = ()

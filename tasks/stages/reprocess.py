@@ -137,7 +137,8 @@ def _again(
 def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Reprocessing:
     done = [each for each in outcomes if not each.made.fault]
     changed = [change for each in done for change in each.difference.changed]
-    same = [each for each in done if not each.difference.changed and not each.difference.flips]
+    again = [each for each in done if each.made.before is not None]
+    same = [each for each in again if not each.difference.changed and not each.difference.flips]
     faults = ((each.made.run, each.made.fault) for each in outcomes if each.made.fault)
     return Reprocessing(
         code_version=code_version(),
@@ -147,6 +148,7 @@ def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Rep
         done_before=0,
         failed=len(outcomes) - len(done),
         unchanged=len(same),
+        first=len(done) - len(again),
         changed=tuple(sorted(changed, key=_most_first)),
         flips=tuple(flip for each in done for flip in each.difference.flips),
         certificates=tuple(_touched(done, home)),

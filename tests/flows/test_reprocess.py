@@ -126,6 +126,16 @@ def test_an_order_by_version_goes_on_and_reports_all_of_it(store: Home) -> None:
     assert reprocess(code_version="0.0.8").runs == 0
 
 
+def test_a_first_result_is_not_said_to_be_as_it_was(
+    store: Home, ideal_run: Callable[..., Recording], mimucal
+) -> None:
+    runs.add(ideal_run(dwell=2.0, gravity=9.79), store)
+    report = reprocess()
+    assert (report.done, report.unchanged, report.first) == (3, 2, 1)
+    again = reprocess()
+    assert (again.done_before, again.unchanged, again.first) == (3, 2, 1)
+
+
 def test_a_value_that_is_gone_comes_first(store: Home) -> None:
     first, _ = newest(store)
     planted = plant(first, store, "gyro_scale_factor", "x", 3.0)
