@@ -1,6 +1,7 @@
 """The command `mimucal`. Each command imports what it needs only when it runs, to start quickly."""
 
 import atexit
+import errno
 import gc
 import os
 import sys
@@ -26,6 +27,7 @@ CONTAINERS = 300_000  # new ones, for which the collector looks through the youn
 INTERRUPTED = 130  # what typer gives for Ctrl-C
 LONGEST = 1200  # characters of a sentence; of a longer one its middle is left out
 ENDS = 300
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 INVALID = 3  # a run that was acquired and kept, but is invalid
 
 app = typer.Typer(
@@ -66,22 +68,33 @@ def main() -> None:
         _check_text(sys.argv[1:])
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:
-        _say_and_leave(f"{fault.format_message()} See `mimucal --help`.", 2)
+        text = fault.format_message().replace("Value error, ", "").rstrip(".")
+        _say_and_leave(f"{text}. See `mimucal --help`.", 2)
     except Unusable as fault:
         _say_and_leave(str(fault), 2)
     except BrokenOff as end:
         _say_and_leave(str(end), 1)
-    except Exception as failure:
-        if os.environ.get("MIMUCAL_DEBUG"):
-            raise
+    except OSError as fault:
+        if fault.errno not in NO_ROOM:
+            _fail(fault)
+        where = fault.filename or "the output"
         _say_and_leave(
-            f"mimucal itself failed ({type(failure).__name__}: {failure}); MIMUCAL_DEBUG=1 shows "
-            "where",
-            1,
+            f"{where} cannot be written ({fault.strerror}); make room or give rights.", 2
         )
+    except Exception as failure:
+        _fail(failure)
     if code == INTERRUPTED:
         _say_and_leave("stopped by the operator", 1)
     raise SystemExit(code)
+
+
+def _fail(failure: Exception) -> None:
+    if os.environ.get("MIMUCAL_DEBUG"):
+        raise failure
+    _say_and_leave(
+        f"mimucal itself failed ({type(failure).__name__}: {failure}); MIMUCAL_DEBUG=1 shows where",
+        1,
+    )
 
 
 def _check_text(arguments: list[str]) -> None:

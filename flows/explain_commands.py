@@ -55,13 +55,17 @@ def next_recording(
     Writes a procedure for `acquire --procedure`.
     """
     from flows.carry_out import carry_out
+    from schemas.base import Unusable
     from schemas.orders import NextOrder
 
+    names = tuple(name.strip() for name in (effects or "").split(",") if name.strip())
+    if effects is not None and not names:
+        raise Unusable("--for is empty: name effects, or leave it out for what explain left open.")
     order = NextOrder(
         runs=tuple(runs),
-        effects=tuple(name.strip() for name in (effects or "").split(",") if name.strip()),
+        effects=names,
         minutes=minutes,
-        base=str(procedure) if procedure else None,
+        base=procedure or None,
         out=str(out) if out else None,
         station=str(station) if station else None,
     )

@@ -21,6 +21,13 @@ def _positive(value: float | None) -> float | None:
     return value
 
 
+def _day(text: str | datetime) -> datetime:
+    try:
+        return text if isinstance(text, datetime) else datetime.strptime(text, "%Y-%m-%d")
+    except ValueError as error:
+        raise typer.BadParameter(f"{text!r} is not a date; write it as 2026-03-31.") from error
+
+
 def _whole_days(value: datetime | None) -> datetime | None:
     """A day that is not in the future."""
     if value is not None and value.date() > datetime.now().date():
@@ -92,7 +99,7 @@ Laboratory = Annotated[str | None, _option("FILE", "The laboratory (TOML or JSON
 Order = Annotated[str | None, _option("FILE", "The client's order (TOML or JSON).")]
 CalibratedOn = Annotated[
     datetime | None,
-    _option("YYYY-MM-DD", CALIBRATED_ON, formats=["%Y-%m-%d"], callback=_whole_days),
+    _option("YYYY-MM-DD", CALIBRATED_ON, parser=_day, callback=_whole_days),
 ]
 
 RESULT = "Result id or mimu-calibration/1 file; default: the model is fitted to the run."
@@ -170,12 +177,8 @@ CODE_VERSION = "Version, or its beginning, that produced the latest result."
 SCHEDULER = "Scheduler of the dask cluster (with --engine dask)."
 WORKERS = "Number of processes; default: one per processor."
 CHANGES = "Folder for report.json, changed.csv and changed.svg."
-Since = Annotated[
-    datetime | None, _option("YYYY-MM-DD", "First day of recording.", formats=["%Y-%m-%d"])
-]
-Until = Annotated[
-    datetime | None, _option("YYYY-MM-DD", "Last day of recording.", formats=["%Y-%m-%d"])
-]
+Since = Annotated[datetime | None, _option("YYYY-MM-DD", "First day of recording.", parser=_day)]
+Until = Annotated[datetime | None, _option("YYYY-MM-DD", "Last day of recording.", parser=_day)]
 Model = Annotated[str | None, _option("NAME", "Model of the unit.")]
 Serial = Annotated[str | None, _option("NUMBER", "Serial number of the unit.")]
 StationId = Annotated[str | None, _option("ID", "Station on which it was recorded.", "--station")]
@@ -189,7 +192,7 @@ Workers = Annotated[int | None, _option("NUMBER", WORKERS, min=1)]
 ChangesFolder = Annotated[str | None, _option("DIR", CHANGES, "--out")]
 Before = Annotated[
     datetime,
-    _option("YYYY-MM-DD", "Imported before this day (UTC).", formats=["%Y-%m-%d"]),
+    _option("YYYY-MM-DD", "Imported before this day (UTC).", parser=_day),
 ]
 Delete = Annotated[
     bool,
@@ -257,9 +260,9 @@ Minutes = Annotated[
     float, typer.Option(metavar="MIN", help="Maximum duration.", callback=_positive)
 ]
 BaseProcedure = Annotated[
-    Path | None,
+    str | None,
     _option(
-        "FILE",
+        "NAME|FILE",
         "Procedure whose environment limits, warm-up and settling times are adopted.",
         "--procedure",
     ),

@@ -74,19 +74,21 @@ def _start(folder: Path) -> None:
     """Start a server whose database is in the folder, and wait until it answers."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        log = (folder / LOG).open("ab")
     except OSError as error:
         raise Unusable(
-            f"{folder} cannot be made ({error.strerror}); name another folder in MIMUCAL_HOME"
+            f"{folder} cannot be written ({error.strerror}), which Prefect's server needs; give "
+            "rights there, name another folder in MIMUCAL_HOME, or set PREFECT_API_URL to a server "
+            "that runs"
         ) from error
     os.environ.setdefault("PREFECT_HOME", str(folder))
-    with socket.create_server(("127.0.0.1", 0)) as listener:
+    with log, socket.create_server(("127.0.0.1", 0)) as listener:
         url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
-        with (folder / LOG).open("ab") as log:
-            server = subprocess.Popen(
-                [sys.executable, "-P", "-m", __name__, str(listener.fileno())],
-                pass_fds=[listener.fileno()], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-                start_new_session=True, preexec_fn=_DIE_WITH_PARENT,
-            )  # fmt: skip
+        server = subprocess.Popen(
+            [sys.executable, "-P", "-m", __name__, str(listener.fileno())],
+            pass_fds=[listener.fileno()], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+            start_new_session=True, preexec_fn=_DIE_WITH_PARENT,
+        )  # fmt: skip
     atexit.register(_end, server)
     os.environ["PREFECT_API_URL"] = url
     import httpx
@@ -96,8 +98,8 @@ def _start(folder: Path) -> None:
         httpx.get(f"{url}/health", timeout=START_UP_S, trust_env=False).raise_for_status()
     except httpx.HTTPError as error:
         raise Unusable(
-            f"Prefect's server did not start (see {folder / LOG}); close other programs, or set "
-            "PREFECT_API_URL to a server that runs"
+            f"Prefect's server did not start (see {folder / LOG}); close other programs, make room "
+            "on its disk, or set PREFECT_API_URL to a server that runs"
         ) from error
 
 

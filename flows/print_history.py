@@ -47,7 +47,7 @@ def print_report(report: Reprocessing, out: str | None) -> None:
     print(
         f"{report.done} results of {report.runs} runs made with {report.code_version} "
         f"({report.done_before} of them before this command): {report.unchanged} as they were, "
-        f"{report.failed} failed"
+        f"{report.first} the first of their runs, {report.failed} failed"
     )
     if out is not None:
         stdout(markup=False).print(f"report {out}")
@@ -70,6 +70,12 @@ def print_impact(impact: Impact) -> None:
     ]
     of_paper = ("certificate", "run", "state", "verdict", "issued", "due")
     print_rows("Certificates", of_paper, papers)
+    if impact.undated:
+        more = ", …; --json names all" if len(impact.undated) > SHOWN else ""
+        print(
+            f"{len(impact.undated)} more runs used it on an unknown day, possibly in this time: "
+            f"{', '.join(impact.undated[:SHOWN])}{more}"
+        )
 
 
 def print_pruned(pruned: Pruned) -> None:
@@ -91,7 +97,7 @@ def print_pruned(pruned: Pruned) -> None:
         print_rows("Not deleted", ("run", "what", "why"), left)
     total = sum(each.size for each in pruned.found) / 1e6
     done = "deleted" if pruned.deleted else "can go; nothing was deleted, --delete does it"
-    print(f"{len(rows)} of before {pruned.before}, {total:.1f} MB: {done}")
+    print(f"{len(rows)} from before {pruned.before}, {total:.1f} MB: {done}")
 
 
 def _shown(total: int) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from schemas.base import Unusable
 from storage.home import home
-from storage.whole_files import drafted, writing_in_home
+from storage.whole_files import drafted, written_out
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,11 +27,7 @@ def write_table(what: str, form: str, out: Path | None) -> None:
     if form == "csv" and out is None:
         written(what, home(), sys.stdout)
     elif form == "csv" and out is not None:
-        with (
-            writing_in_home(out),
-            drafted(out) as draft,
-            draft.open("w", encoding="utf-8", newline="") as file,
-        ):
+        with written_out(out) as draft, draft.open("w", encoding="utf-8", newline="") as file:
             written(what, home(), file)
     else:
         _to_parquet(TABLES[what](home()), out)
@@ -43,7 +39,7 @@ def _to_parquet(table: "pd.DataFrame", out: Path | None) -> None:
     elif not out.suffix:
         _to_folder(table, out)
     else:
-        with writing_in_home(out), drafted(out) as draft:
+        with written_out(out) as draft:
             table.to_parquet(draft, index=False)
 
 
@@ -52,6 +48,7 @@ def _to_folder(table: "pd.DataFrame", folder: Path) -> None:
     month = table["recorded_on"].map(lambda day: f"{day:%Y-%m}" if day else "unknown")
     try:
         with drafted(folder) as draft:
+            draft.mkdir(parents=True)  # of no rows no file is written
             table.assign(month=month).to_parquet(draft, index=False, partition_cols=PARTITIONS)
     except FileExistsError as error:
         raise Unusable(f"{folder} is already there; name a new folder with --out.") from error

@@ -73,7 +73,8 @@ class Reprocessing(Frozen):
     """What re-processing a selection did and changed (format `mimu-reprocess/1`).
 
     done: results made again now or before under the same circumstances, which are the code and the
-    laboratory. unchanged: of them, results without any change. seconds: of this command.
+    laboratory. unchanged: of them, results without any change; first: those of runs that had none
+    before. seconds: of this command.
     """
 
     format: Literal["mimu-reprocess/1"] = "mimu-reprocess/1"
@@ -84,6 +85,7 @@ class Reprocessing(Frozen):
     done_before: int
     failed: int
     unchanged: int
+    first: int = 0
     changed: tuple[Change, ...] = ()
     flips: tuple[Flip, ...] = ()
     certificates: tuple[Touched, ...] = ()
@@ -138,7 +140,10 @@ class AffectedCertificate(Frozen):
 
 
 class Impact(Frozen):
-    """What used a measurement standard or a station in a time (format `mimu-impact/1`)."""
+    """What used a measurement standard or a station in a time (format `mimu-impact/1`).
+
+    undated: runs that used it, of which no day is known and which were imported at another time.
+    """
 
     format: Literal["mimu-impact/1"] = "mimu-impact/1"
     equipment: str
@@ -147,6 +152,7 @@ class Impact(Frozen):
     runs: tuple[AffectedRun, ...]
     results: tuple[AffectedResult, ...]
     certificates: tuple[AffectedCertificate, ...]
+    undated: tuple[str, ...] = ()
 
 
 class Dispensable(Frozen):

@@ -113,8 +113,9 @@ class NextOrder(OrderModel):
     """The recording that decides what `explain` left open of some runs of a unit.
 
     effects: to be told apart, in place of what is open; one alone is told from none. minutes: that
-    the station may take. base: a procedure file whose room, warm-up and settling are kept. out:
-    the new procedure file. station: a station file; what the run's own table did unless given.
+    the station may take. base: a procedure, or its file, whose room, warm-up and settling are
+    kept. out: the new procedure file. station: a station file; what the run's own table did unless
+    given.
     """
 
     runs: tuple[str, ...] = Field(min_length=1)

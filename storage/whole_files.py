@@ -59,6 +59,23 @@ def writing_to(path: Path) -> Iterator[Path]:
         _to_disk(path.parent)
 
 
+@contextmanager
+def written_out(path: Path) -> Iterator[Path]:
+    """Gives a draft of a file that was asked for outside the home; it appears whole or not at all.
+
+    Makes its folder first. A disk that refuses raises Unusable, and what was there before stays.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with drafted(path) as draft:
+            yield draft
+    except OSError as error:
+        raise Unusable(
+            f"{path} cannot be written ({error.strerror or error}); make room or give rights "
+            "there, or name another place with --out."
+        ) from error
+
+
 def report_folder(name: str | None) -> Path | None:
     """The folder that --out names, made; Unusable for what cannot become one. None: no report."""
     if name is None:

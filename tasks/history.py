@@ -1,9 +1,8 @@
 """Differences between an earlier result and today's, and the report of a re-processing."""
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from io import StringIO
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from schemas.base import Unusable
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 WIDTH, FRAME, ROW = 900, 110, 30  # px
 LEAST, MOST = 1e-6, 100.0  # U: what is beyond stands at the edge
 SPREAD = 0.6  # of a row, over which the runs of an item lie
+GOLDEN = 0.618034  # of the spread, from one mark to the next: no two are near
 
 
 def difference(
@@ -91,16 +91,13 @@ def _flips(before: Calibration, after: Calibration, tolerance: Tolerance | None)
             yield Flip(about="element", before=earlier, after=limit.verdict, **place, **of)
 
 
-def write_report(report: Reprocessing, folder: Path) -> list[Path]:
-    """Writes report.json, changed.csv and changed.svg into a folder that is there."""
-    texts = {
+def report_texts(report: Reprocessing) -> dict[str, str]:
+    """The files of the report, by name: report.json, changed.csv and changed.svg."""
+    return {
         "report.json": report.model_dump_json(indent=1) + "\n",
         "changed.csv": _table(report.changed),
         "changed.svg": changed_svg(report),
     }
-    for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    return [folder / name for name in texts]
 
 
 def _table(changed: tuple[Change, ...]) -> str:
@@ -125,15 +122,34 @@ def changed_svg(report: Reprocessing) -> str:
         axes.axvline(1.0, color=BEFORE, linewidth=1.0)
         for row, item in enumerate(items):
             axes.axhline(row + 0.5, color=PALE, linewidth=1.0, zorder=0)
-            moved = [c.in_U for c in report.changed if c.item == item]
-            x = [min(max(step or LEAST, LEAST), MOST) for step in moved]
-            y = [row + 0.5 + SPREAD * ((k + 0.5) / len(x) - 0.5) for k in range(len(x))]
-            beyond = [BEFORE if step > 1.0 else AFTER for step in x]
-            axes.scatter(x, y, s=9.0, c=beyond, linewidths=0.0)
+            _row(axes, row + 0.5, [c for c in report.changed if c.item == item])
+        if any(map(came_or_went, report.changed)):
+            axes.set_xlabel(
+                "change of the value / U; ×: determined before or now only", loc="right"
+            )
         if not items:
             axes.text(0.5, 0.5, "nothing moved", transform=axes.transAxes, ha="center", color=GREY)
 
     return draw(title, WIDTH, FRAME + ROW * max(len(items), 2), content)
+
+
+def came_or_went(change: Change) -> bool:
+    """Whether an element was determined before and is not now, or the other way round."""
+    return (change.before is None) != (change.after is None)
+
+
+def _row(axes: Any, y: float, changes: Sequence[Change]) -> None:
+    """The marks of an item, spread about y so that equal steps lie beside each other."""
+    heights = [y + SPREAD * (GOLDEN * k % 1.0 - 0.5) for k in range(len(changes))]
+    x = [min(max(c.in_U or LEAST, LEAST), MOST) for c in changes]
+    for one in (True, False):  # what came or went has no step
+        shown = [k for k, c in enumerate(changes) if came_or_went(c) is one]
+        at = [MOST if one else x[k] for k in shown]
+        colours = [BEFORE if step > 1.0 else AFTER for step in at]
+        form = (
+            {"marker": "x", "s": 25.0, "clip_on": False} if one else {"s": 9.0, "linewidths": 0.0}
+        )
+        axes.scatter(at, [heights[k] for k in shown], c=colours, **form)
 
 
 def _title(item: str) -> str:

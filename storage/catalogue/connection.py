@@ -98,7 +98,8 @@ def explained(made: sql.Engine) -> Iterator[None]:
         reason = str(error.orig).splitlines()[0].rstrip(".")
         raise (Busy if _may_pass(error) else Unusable)(
             f"The catalogue {made.url!r} cannot be used ({reason}); see that it can be reached and "
-            "written, or let MIMUCAL_HOME or MIMUCAL_DATABASE name another."
+            "written and that its disk has room, or let MIMUCAL_HOME or MIMUCAL_DATABASE name "
+            "another."
         ) from error
 
 

@@ -28,13 +28,17 @@ class Used(Frozen):
 
 
 def provenance(manifest: "Manifest") -> dict[str, Any]:
-    """station, procedure and recorded_on of a manifest; None where it states none."""
+    """station, procedure and recorded_on of a manifest; None where it states none.
+
+    The day is that of the station's own clock (`recorded_at`), else of the first row
+    (`acquired_at` of mimu-recording/1).
+    """
     free = manifest.model_extra or {}
     procedure = free.get("procedure")
     return {
         "station": manifest.station.id,
         "procedure": procedure if isinstance(procedure, str) else None,
-        "recorded_on": _day(free.get("recorded_at")),
+        "recorded_on": _day(free.get("recorded_at")) or _day(free.get("acquired_at")),
     }
 
 
@@ -64,7 +68,7 @@ def named_by(name: str) -> sql.ColumnElement[bool]:
 
 
 def _day(moment: object) -> date | None:
-    """The day at the beginning of an ISO 8601 text, as the station's own clock had it."""
+    """The day at the beginning of an ISO 8601 text, in the time zone of that text."""
     try:
         return date.fromisoformat(str(moment)[:10])
     except ValueError:

@@ -65,6 +65,15 @@ def made_under(circumstances: str, home: Home) -> list[Made]:
     return [Made.model_validate(row, from_attributes=True) for row in found]
 
 
+def made_from(code_version: str, circumstances: str, home: Home) -> set[str]:
+    """Ids of the runs of which a result by a version, or its beginning, was re-processed."""
+    made, result = tables.reprocessed, tables.results
+    asked = sql.select(made.c.run).join_from(made, result, made.c.before == result.c.id)
+    begins = result.c.code_version.startswith(code_version, autoescape=True)
+    mine = made.c.after.is_not(None) & (made.c.circumstances == circumstances)
+    return {row.run for row in database.rows(home, asked.where(mine, begins))}
+
+
 def keep(
     made: ToMake, calibration: Calibration, circumstances: str, seconds: float, home: Home
 ) -> str:

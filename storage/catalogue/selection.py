@@ -1,5 +1,6 @@
 """Selects runs by what the catalogue knows about them."""
 
+from collections.abc import Sequence
 from datetime import UTC, datetime, time, timedelta
 
 import sqlalchemy as sql
@@ -13,11 +14,43 @@ from storage.catalogue.lineage import named_by
 from storage.catalogue.run_index import Run, runs_where
 from storage.home import Home
 
+MOST_SHOWN = 8  # of what could have been meant
+
 
 def select(selection: Selection, home: Home) -> list[Run]:
     """The runs of a selection in the order of import; all of them for an empty one."""
     complete_runs(home)
     return runs_where(home, sql.and_(sql.true(), *_conditions(selection)))
+
+
+def check_known(selection: Selection, home: Home) -> None:
+    """Raises Unusable for a name of the selection that no run in the store has: it is misspelt."""
+    runs, units = tables.runs.c, tables.units.c
+    columns = {
+        "station": (runs.station,), "model": (units.model,), "serial": (units.serial,),
+        "procedure": (runs.procedure, runs.standard),
+    }  # fmt: skip
+    for name in (*columns, "equipment"):
+        value = getattr(selection, name)
+        if value is None or select(Selection.model_validate({name: value}), home):
+            continue
+        known = _known(home) if name == "equipment" else _values(columns[name], home)
+        raise Unusable(f"--{name} {value}: no run in {home.path} has it; {known}")
+
+
+def _values(columns: Sequence[sql.ColumnElement[str | None]], home: Home) -> str:
+    """What the columns hold, as what could have been meant."""
+    joined = tables.runs.join(tables.units)
+    found = {
+        value
+        for column in columns
+        for (value,) in database.rows(home, sql.select(column).select_from(joined).distinct())
+        if value
+    }
+    shown = sorted(found)[:MOST_SHOWN]
+    if not shown:
+        return "`mimucal runs` lists what is there"
+    return "known are " + ", ".join(shown) + (", …" if len(found) > len(shown) else "")
 
 
 def _conditions(selection: Selection) -> list[sql.ColumnElement[bool]]:
@@ -72,6 +105,7 @@ def impact_of(selection: Selection, home: Home) -> Impact:
     runs = select(selection, home)
     if not runs and not select(Selection(equipment=equipment), home):
         raise Unusable(f"no run in {home.path} used {equipment!r}; {_known(home)}")
+    undated = _of_unknown_day(selection, runs, home)
     ids, documents = {run.id for run in runs}, _documents(equipment, home)
     return Impact(
         equipment=equipment,
@@ -80,7 +114,16 @@ def impact_of(selection: Selection, home: Home) -> Impact:
         runs=tuple(_run(run, documents.get(run.id, ())) for run in runs),
         results=tuple(each for each in _results(home) if each.run in ids),
         certificates=tuple(_certificates(runs, home)),
+        undated=tuple(run.id for run in undated),
     )
+
+
+def _of_unknown_day(selection: Selection, chosen: list[Run], home: Home) -> list[Run]:
+    """Runs that the days left out by the day of their import: they may have been recorded then."""
+    whenever = selection.model_copy(update={"since": None, "until": None})
+    ids = {run.id for run in chosen}
+    every = select(whenever, home) if selection.since or selection.until else []
+    return [run for run in every if run.recorded_on is None and run.id not in ids]
 
 
 def _run(run: Run, documents: tuple[str, ...]) -> AffectedRun:
@@ -127,7 +170,7 @@ def _results(home: Home) -> list[AffectedResult]:
 def _known(home: Home) -> str:
     """What could have been meant."""
     used = tables.equipment.c
-    rows = database.rows(home, sql.select(used.name, used.serial).distinct().limit(8))
+    rows = database.rows(home, sql.select(used.name, used.serial).distinct().limit(MOST_SHOWN))
     if not rows:
         return "no run or certificate there names a measurement standard"
     return "known are " + ", ".join(f"{row.name} ({row.serial})" for row in rows)

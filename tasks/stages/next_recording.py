@@ -1,7 +1,9 @@
 """Stage: the shortest recording that would settle what `explain` left open."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,13 +18,16 @@ from storage import settings
 from storage.catalogue import runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
+from storage.whole_files import written_out
 from tasks.explain.progress import Progress, silent, tell
 from tasks.stages.stage import stage
-from tasks.words import Message, clauses, message, statement
+from tasks.station import procedures
+from tasks.words import Message, clauses, identifiers, message, statement
 
 REHEARSALS = 2  # of a procedure: each may show what else fits it
 NOTHING_SHOWN = 1.0  # chi-squared, which noise alone shows
 LONGER_BY = 1.1  # than what is in proportion: the first blocks are those that show most
+NO_NAME = {"unnamed"}  # stands where no effect of the catalogue is named
 LONGEST_MIN = 120.0  # that a longer recording is worth proposing
 
 if TYPE_CHECKING:
@@ -38,7 +43,8 @@ def next_recording(
     """The shortest procedure that separates what a run's explanation could not.
 
     of: runs of one unit; the first one with an open question is used. Writes the procedure. Raises
-    Unusable for runs of several units, if nothing is open, or if the station's table is unknown.
+    Unusable for runs of several units, names that are no effects, if nothing is open, or if the
+    station's table is unknown; for a procedure file that is already there before the long work.
     """
     from tasks.experiment.choose import Experiment
     from tasks.experiment.open_question import open_question
@@ -46,6 +52,11 @@ def next_recording(
     from tasks.experiment.temperature import ThermalResponse
 
     _refuse_several_units(of)
+    _refuse_unknown(order.effects)
+    if order.out or order.effects:
+        _refuse_taken(_file(order, order.effects))
+    station = settings.read(Path(order.station), StationFile) if order.station else None
+    base = _base(order.base) if order.base else None
     question = None
     for run in of:
         recording = runs.load(run, home)
@@ -57,9 +68,8 @@ def next_recording(
             f"explain names every effect of {', '.join(run.recording_id for run in of)} by itself, "
             "so nothing is open: name with --for EFFECT,EFFECT what is to be told apart."
         )
+    _refuse_taken(_file(order, question.names))
     tell(progress, "search")
-    station = settings.read(Path(order.station), StationFile) if order.station else None
-    base = settings.read(Path(order.base), Procedure) if order.base else None
     abilities = _abilities(recording, station)
     like = recording.manifest
     if station is not None:
@@ -79,6 +89,26 @@ def _refuse_several_units(of: Sequence[Run]) -> None:
             f"{', '.join(run.recording_id for run in of)} are recordings of different units "
             f"({', '.join(units)}): name those of one unit."
         )
+
+
+def _refuse_unknown(effects: Sequence[str]) -> None:
+    prefix = "effect-"
+    known = {each.removeprefix(prefix).replace("-", "_") for each in identifiers(prefix)} - NO_NAME
+    for name in effects:
+        if name not in known:
+            near = get_close_matches(name.lower().replace(" ", "_"), sorted(known)) or sorted(known)
+            raise Unusable(
+                f"--for {name}: the catalogue has no such effect; meant may be {', '.join(near)}."
+            )
+    if len(set(effects)) < len(effects):
+        raise Unusable(f"--for {','.join(effects)} names an effect twice; name each once.")
+
+
+def _base(named: str) -> Procedure:
+    """A procedure file, or the procedure of that name, as `acquire` takes them."""
+    if Path(named).suffix or os.sep in named:
+        return settings.read(Path(named), Procedure)
+    return procedures.load(named)
 
 
 def _abilities(recording: Recording, station: StationFile | None) -> "Abilities":
@@ -152,15 +182,22 @@ def _left_by_silence(question: "OpenQuestion") -> str | None:
     return next((name for name in names if name in question.names), None)
 
 
+def _file(order: NextOrder, names: Sequence[str]) -> Path:
+    return Path(order.out or f"next-{'-'.join(names)}.json").absolute()
+
+
+def _refuse_taken(path: Path) -> None:
+    if os.path.lexists(path):
+        raise Unusable(f"{path} is already there; name a new file with --out.")
+    if not path.parent.is_dir():
+        raise Unusable(f"{path} cannot be written: there is no folder {path.parent}; make it.")
+
+
 def _written(choice: "Choice", order: NextOrder, question: "OpenQuestion") -> Path:
-    path = Path(order.out or f"next-{'-'.join(question.names)}.json").absolute()
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(choice.procedure.model_dump_json(indent=1) + "\n")
-    except OSError as error:  # FileExistsError is one
-        raise Unusable(
-            f"{path} cannot be written ({error.strerror}); name a new file with --out."
-        ) from error
+    path = _file(order, question.names)
+    _refuse_taken(path)
+    with written_out(path) as draft:
+        draft.write_text(choice.procedure.model_dump_json(indent=1) + "\n", encoding="utf-8")
     return path
 
 

@@ -52,7 +52,11 @@ def _while_connected(
     from distributed import Client, Future, wait
     from distributed.scheduler import KilledWorker
 
-    with Client(scheduler, timeout=ANSWER_S) as client:
+    try:
+        connected = Client(scheduler, timeout=ANSWER_S)
+    except ValueError as fault:
+        raise Unusable(f"--scheduler {scheduler}: {fault}; give tcp://HOST:PORT") from fault
+    with connected as client:
         waiting, running = iter(list(left)), dict[Future, int]()
         while True:
             most = WAITING * _threads(client)

@@ -3,18 +3,19 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
+from pathlib import Path
 
-from schemas.history import Difference, Failure, Plan, Reprocessing, Touched
+from schemas.history import Change, Difference, Failure, Plan, Reprocessing, Touched
 from schemas.orders import ReprocessOrder
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue import certificates, reprocessing, results
 from storage.catalogue.reprocessing import Made
 from storage.catalogue.run_index import Run
-from storage.catalogue.selection import select
+from storage.catalogue.selection import check_known, select
 from storage.home import Home
-from storage.whole_files import report_folder
-from tasks.history import difference, write_report
+from storage.whole_files import report_folder, written_out
+from tasks.history import came_or_went, difference, report_texts
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.make_again import Job, Outcome, circumstances, make_again, store_of, with_fault
 from tasks.stages.stage import stage
@@ -30,7 +31,7 @@ DIED = (
 def plan(order: ReprocessOrder, home: Home) -> Plan:
     """What the order would do; nothing is read but the catalogue, and nothing is written."""
     now = circumstances(settings.laboratory(home), home)
-    runs = select(order, home)
+    runs = _selected(order, now, home)
     to_make = reprocessing.to_make(runs, now, home)
     waiting = {each.run.id: each.run.rows for each in to_make}
     return Plan(
@@ -56,7 +57,7 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
     out = report_folder(order.out)
     laboratory = settings.laboratory(home)
     now = circumstances(laboratory, home)
-    runs = select(order, home)
+    runs = _selected(order, now, home)
     earlier = _done(runs, now, home)
     limits = cache(lambda manufacturer, model: settings.tolerance_for(manufacturer, model, home))
     store = store_of(home)
@@ -77,8 +78,24 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
         }
     )
     if out is not None:
-        write_report(report, out)
+        _write(report, out)
     return report
+
+
+def _selected(order: ReprocessOrder, now: str, home: Home) -> list[Run]:
+    """The runs of the order, those that it made again before included.
+
+    Their newest results are no longer of the version that the order names. Raises Unusable for a
+    station, model, serial number, procedure or equipment that no run has.
+    """
+    chosen = select(order, home)
+    if not chosen:
+        check_known(order, home)
+    if order.code_version is None:
+        return chosen
+    ids = {run.id for run in chosen} | reprocessing.made_from(order.code_version, now, home)
+    others = select(order.model_copy(update={"code_version": None}), home)
+    return [run for run in others if run.id in ids]
 
 
 def _carried_out(jobs: Sequence[Job], order: ReprocessOrder) -> Iterator[Outcome]:
@@ -120,7 +137,8 @@ def _again(
 def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Reprocessing:
     done = [each for each in outcomes if not each.made.fault]
     changed = [change for each in done for change in each.difference.changed]
-    same = [each for each in done if not each.difference.changed and not each.difference.flips]
+    again = [each for each in done if each.made.before is not None]
+    same = [each for each in again if not each.difference.changed and not each.difference.flips]
     faults = ((each.made.run, each.made.fault) for each in outcomes if each.made.fault)
     return Reprocessing(
         code_version=code_version(),
@@ -130,12 +148,24 @@ def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Rep
         done_before=0,
         failed=len(outcomes) - len(done),
         unchanged=len(same),
-        changed=tuple(sorted(changed, key=lambda c: (-(c.in_U or 0.0), c.run, c.item, c.element))),
+        first=len(done) - len(again),
+        changed=tuple(sorted(changed, key=_most_first)),
         flips=tuple(flip for each in done for flip in each.difference.flips),
         certificates=tuple(_touched(done, home)),
         failures=tuple(Failure(run=run, why=why) for run, why in faults),
         seconds=0.0,
     )
+
+
+def _most_first(change: Change) -> tuple[bool, float, str, str, str]:
+    """What was or is not determined comes before every step, however large."""
+    return not came_or_went(change), -(change.in_U or 0.0), change.run, change.item, change.element
+
+
+def _write(report: Reprocessing, folder: Path) -> None:
+    for name, text in report_texts(report).items():
+        with written_out(folder / name) as draft:
+            draft.write_text(text, encoding="utf-8")
 
 
 def _touched(done: Sequence[Outcome], home: Home) -> Iterator[Touched]:

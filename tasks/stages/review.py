@@ -15,9 +15,9 @@ from schemas.review import KeptReview, Review, Skipped, Touched
 from storage import last_review
 from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
-from storage.catalogue.selection import select
+from storage.catalogue.selection import check_known, select
 from storage.home import Home
-from storage.whole_files import report_folder, writing_to
+from storage.whole_files import report_folder, written_out
 from tasks.review.hypotheses import Effect
 from tasks.review.search import Found
 from tasks.review.touched import moved_elements, touched_of, with_touched
@@ -108,7 +108,11 @@ def _chosen(order: ReviewOrder, home: Home) -> tuple[list[Run], list[Skipped]]:
     """The runs of the order's paths, each once, else of its selection; and what is no recording."""
     if not order.paths:
         asked = {name: getattr(order, name) for name in SELECTED}
-        return select(order_of(Selection, **asked), home), []
+        selection = order_of(Selection, **asked)
+        chosen = select(selection, home)
+        if not chosen:
+            check_known(selection, home)
+        return chosen, []
     found, skipped = dict[str, Run](), []
     for path in (path for named in order.paths for path in _recordings(named)):
         try:
@@ -116,11 +120,19 @@ def _chosen(order: ReviewOrder, home: Home) -> tuple[list[Run], list[Skipped]]:
             found[run.id] = run
         except Unusable as fault:
             skipped.append(Skipped(run=path, why=str(fault)))
-    return [run for run in found.values() if _selected(run, order)], skipped
+    selected = [run for run in found.values() if _selected(run, order)]
+    if found and not selected:
+        raise Unusable(
+            f"none of the {len(found)} recordings of PATH is of the station, model, serial number "
+            "or days that the options name; correct them or leave them out."
+        )
+    return selected, skipped
 
 
 def _recordings(named: str) -> list[str]:
     """The recording at a path; for another folder, the recordings in it."""
+    if not named:
+        raise Unusable("PATH is empty; give a recording or a folder of recordings.")
     folder = Path(named)
     if not folder.is_dir() or (folder / MANIFEST).exists():
         return [named]
@@ -152,7 +164,7 @@ def _too_few(count: int, skipped: list[Skipped]) -> str:
 
 def _write(review: Review, folder: Path) -> Path:
     path = folder / "review.json"
-    with writing_to(path) as draft:
+    with written_out(path) as draft:
         draft.write_text(review.model_dump_json(indent=1), encoding="utf-8")
     return path
 

@@ -313,6 +313,8 @@ def test_a_cut_off_mcap_is_refused_and_what_is_whole_is_offered(
         (("certify", "x", "--calibrated-on", "yesterday"), "--calibrated-on"),
         (("certify", "x", "--calibrated-on", "2999-01-01"), "in the future"),
         (("acquire", "missing.json"), "missing.json"),
+        (("reprocess", "--since", "2026-13-01"), "'2026-13-01' is not a date"),
+        (("reprocess", "--workers", "0"), "1. See"),
         (("remind", "--within", "-1"), "--within"),
         (("remind", "--within", "36501"), "--within"),
         (("station", "serve", "--port", "65535"), "--port"),
@@ -351,6 +353,15 @@ def test_demo_that_cannot_write_says_where(mimucal, home) -> None:
     done = mimucal("demo")
     assert done.code == 2
     assert str(home / "demo") in done.err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
+def test_an_output_without_room_is_one_sentence() -> None:
+    command = [sys.executable, "-m", "flows.cli", "runs", "--json"]
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("the output cannot be written (No space left on device)")
 
 
 def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:

@@ -70,6 +70,17 @@ def test_runs_results_and_certificates_of_the_time_are_named_and_no_others(
     assert len(mimucal("impact", "test", "--json").json["runs"]) == 4  # by the station
 
 
+def test_runs_of_an_unknown_day_are_named_apart(add, mimucal) -> None:
+    dated = add("2026-03-01", 9.79, equipment=[TABLE])
+    undated = add("some day", 9.80, equipment=[TABLE])
+    asked = ("--since", "2026-03-01", "--until", "2026-05-31")
+    found = mimucal("impact", "T-7", *asked, "--json").json
+    assert [r["run"] for r in found["runs"]] == [dated]
+    assert found["undated"] == [undated]
+    assert undated in mimucal("impact", "T-7", *asked).out
+    assert mimucal("impact", "T-7", "--json").json["undated"] == []
+
+
 def test_a_name_that_no_run_used_is_refused_with_those_that_are_known(add, mimucal) -> None:
     add("2026-02-28", 9.78, equipment=[TABLE])
     refused = mimucal("impact", "T-77")

@@ -1,5 +1,6 @@
 """`mimucal next`: the procedure that it writes is one that `acquire` takes; refusals are said."""
 
+import errno
 import json
 import re
 from collections.abc import Callable
@@ -100,6 +101,67 @@ def test_unusable_options_are_one_sentence_each(run: str, mimucal, tmp_path: Pat
         assert refused.code == 2, arguments
         assert len(refused.err.strip().splitlines()) == 1
         assert json.dumps(refused.err)
+
+
+@pytest.mark.parametrize(
+    ("effects", "says"),
+    [
+        ("time_ofset", "time_offset"), ("Lever Arm", "lever_arm"), ("unnamed", "no such effect"),
+        ("time_offset,time_offset", "twice"), ("", "--for is empty"), (" , ", "--for is empty"),
+    ],
+)  # fmt: skip
+def test_what_is_no_effect_is_refused_before_any_work(
+    run: str, mimucal, monkeypatch: pytest.MonkeyPatch, effects: str, says: str
+) -> None:
+    monkeypatch.setattr(open_question, "open_question", _is_long)
+    refused = mimucal("next", run, "--for", effects)
+    assert refused.code == 2
+    assert says in refused.err
+
+
+def _is_long(*_: object) -> None:
+    raise AssertionError("a sentence that could come at once comes after minutes of work")
+
+
+def test_a_file_that_is_there_is_refused_before_any_work_and_stays(
+    run: str, mimucal, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(open_question, "open_question", _is_long)
+    out = tmp_path / "next.json"
+    out.write_text("kept", encoding="utf-8")
+    for taken in (out, tmp_path, tmp_path / "none" / "next.json"):
+        refused = mimucal("next", run, "--out", str(taken))
+        assert (refused.code, "AssertionError" in refused.err) == (2, False)
+        assert str(taken) in refused.err
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "next-lever_arm.json").write_text("kept", encoding="utf-8")
+    assert "already there" in mimucal("next", run, "--for", "lever_arm").err
+    assert out.read_text(encoding="utf-8") == "kept"
+
+
+def test_a_full_disk_leaves_no_half_procedure(
+    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    answered(80.0)
+
+    def full(path: Path, *_: object, **__: object) -> int:
+        path.touch()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    refused = mimucal("next", run, "--out", str(tmp_path / "next.json"))
+    assert (refused.code, list(tmp_path.glob("*next*"))) == (2, [])
+
+
+def test_the_base_is_a_procedure_by_its_name_or_a_file(
+    run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
+) -> None:
+    answered(80.0)
+    out = str(tmp_path / "next.json")
+    assert mimucal("next", run, "--procedure", "jjf2003", "--out", out).code == 0
+    refused = mimucal("next", run, "--procedure", "jjf2004", "--out", out + "2")
+    assert (refused.code, "jjf2003" in refused.err) == (2, True)
 
 
 def test_two_runs_of_a_pair_are_asked_in_turn(

@@ -25,6 +25,12 @@ def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(
         prefect_server._start(tmp_path)
 
 
+def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / prefect_server.LOG).mkdir()  # no file can be opened there, as on a read-only disk
+    with pytest.raises(Unusable, match=r"cannot be written .*MIMUCAL_HOME"):
+        prefect_server._start(tmp_path)
+
+
 def answering(statuses: Iterator[int], clock: Iterator[float]):
     """A server whose answers have these statuses, and whose clock reads these times."""
 

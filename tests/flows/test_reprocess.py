@@ -1,5 +1,6 @@
 """History made again: new results beside the old, exactly what moved, and nothing twice."""
 
+import errno
 import json
 from collections.abc import Callable
 from datetime import date
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 from flows import run_orders
+from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.decision import Decision
@@ -18,6 +20,7 @@ from schemas.recording import Recording
 from storage.catalogue import results, run_index, runs
 from storage.home import Home
 from tasks.stages import make_again
+from tasks.stages.reprocess import plan as planned_by
 from tests.earlier_results import EARLIER, newest, plant, two_calibrated
 from tests.keep import keep, take_number
 
@@ -108,6 +111,61 @@ def test_the_same_command_again_makes_nothing_and_reports_the_same(store: Home) 
     assert again.unchanged == first.unchanged == 1
 
 
+def test_an_order_by_version_goes_on_and_reports_all_of_it(store: Home) -> None:
+    """What it made is of today's version, and still what it was ordered to report."""
+    first, second = newest(store)
+    plant(first, store, "gyro_scale_factor", "x", 3.0)
+    of_first = reprocess(code_version=EARLIER)
+    assert len(of_first.changed) == 1
+    plant(second, store, "gyro_scale_factor", "y", 2.0)  # as if it had not yet come to this one
+    of_both = reprocess(code_version=EARLIER)
+    assert {each.run for each in of_both.changed} == {first.run, second.run}
+    assert reprocess(code_version=EARLIER).changed == of_both.changed
+    planned = planned_by(ReprocessOrder(code_version=EARLIER), store)
+    assert (planned.results, planned.done_before) == (0, 2)
+    assert reprocess(code_version="0.0.8").runs == 0
+
+
+def test_a_first_result_is_not_said_to_be_as_it_was(
+    store: Home, ideal_run: Callable[..., Recording], mimucal
+) -> None:
+    runs.add(ideal_run(dwell=2.0, gravity=9.79), store)
+    report = reprocess()
+    assert (report.done, report.unchanged, report.first) == (3, 2, 1)
+    again = reprocess()
+    assert (again.done_before, again.unchanged, again.first) == (3, 2, 1)
+
+
+def test_a_value_that_is_gone_comes_first(store: Home) -> None:
+    first, _ = newest(store)
+    planted = plant(first, store, "gyro_scale_factor", "x", 3.0)
+    name = "gyro_bias"
+    lost = planted.items[name].model_copy(update={"value": planted.items[name].value | {"z": None}})
+    results.save(planted.model_copy(update={"items": planted.items | {name: lost}}), store)
+    changed = reprocess().changed
+    assert [(each.item, each.in_U is None) for each in changed] == [
+        ("gyro_bias", True), ("gyro_scale_factor", False),
+    ]  # fmt: skip
+
+
+def test_a_report_that_cannot_be_written_leaves_the_earlier_one(
+    store: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    report = tmp_path / "report"
+    reprocess(out=str(report))
+    before = (report / "report.json").read_bytes()
+
+    def full(path: Path, *_: Any, **__: Any) -> int:
+        path.touch()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(Unusable, match=r"report\.json cannot be written .*--out"):
+        reprocess(out=str(report))
+    assert (report / "report.json").read_bytes() == before
+    assert len(list(report.iterdir())) == 3
+
+
 def test_a_failed_recording_is_a_row_and_is_tried_again(
     store: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -131,12 +189,24 @@ def test_a_failed_recording_is_a_row_and_is_tried_again(
 
 def test_a_dry_run_says_what_would_be_done_and_does_nothing(store: Home, mimucal) -> None:
     before = {path: path.stat().st_mtime_ns for path in store.raw.iterdir()}
-    planned = mimucal("reprocess", "--dry-run", "--json", "--serial", "nobody").json
+    planned = mimucal("reprocess", "--dry-run", "--json", "--until", "2000-01-01").json
     assert planned["runs"] == []
     planned = mimucal("reprocess", "--dry-run", "--json").json
     assert (len(planned["runs"]), planned["results"], planned["done_before"]) == (2, 2, 0)
     assert {path: path.stat().st_mtime_ns for path in store.raw.iterdir()} == before
     assert all(len(results.of_run(run, store)) == 1 for run in run_index.all_runs(store))
+
+
+@pytest.mark.parametrize("option", ["station", "model", "serial", "procedure", "equipment"])
+def test_a_name_that_no_run_has_is_refused_with_those_that_are_known(
+    store: Home, mimucal, option: str
+) -> None:
+    for more in ((), ("--dry-run",)):
+        refused = mimucal("reprocess", f"--{option}", "nobody", *more)
+        assert refused.code == 2
+        assert f"--{option} nobody" in refused.err
+        known = run_index.all_runs(store)[0].model_dump().get(option)
+        assert known is None or str(known) in refused.err
 
 
 def test_certificates_on_values_that_moved_are_touched(store: Home, mimucal, shared: Path) -> None:

@@ -48,6 +48,12 @@ def test_a_folder_is_partitioned_by_station_and_month(store: Home, mimucal, tmp_
     assert mimucal("table", "segments", "--as", "parquet", "--out", folder).code == 2
 
 
+def test_a_folder_of_no_rows_is_an_empty_one(home: Path, mimucal, tmp_path: Path) -> None:
+    folder = tmp_path / "segments"
+    assert mimucal("table", "segments", "--as", "parquet", "--out", folder).code == 0
+    assert list(folder.iterdir()) == []
+
+
 def test_no_certificates_is_a_header_alone(store: Home, mimucal) -> None:
     (header,) = mimucal("table", "certificates").out.splitlines()
     assert header.startswith("number,")

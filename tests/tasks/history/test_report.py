@@ -1,11 +1,11 @@
 """The report of a re-processing as files."""
 
 import csv
-from pathlib import Path
+from io import StringIO
 from xml.etree import ElementTree
 
 from schemas.history import Change, Reprocessing
-from tasks.history import write_report
+from tasks.history import report_texts
 
 CHANGE = Change(
     run="r1", method="jjf2003", item="gyro_bias", element="x", unit="deg/s", before=0.25,
@@ -20,23 +20,25 @@ def reprocessing(*changed: Change) -> Reprocessing:
     )  # fmt: skip
 
 
-def test_json_table_and_picture_hold_the_same_changes(tmp_path: Path) -> None:
+def test_json_table_and_picture_hold_the_same_changes() -> None:
     moved = CHANGE.model_copy(update={"after": 0.5, "in_U": 12.5, "element": "y"})
     report = reprocessing(CHANGE, moved)
-    write_report(report, tmp_path)
-    text = (tmp_path / "report.json").read_text(encoding="utf-8")
-    assert Reprocessing.model_validate_json(text) == report
-    with (tmp_path / "changed.csv").open(encoding="utf-8", newline="") as table:
-        rows = list(csv.DictReader(table))
+    texts = report_texts(report)
+    assert Reprocessing.model_validate_json(texts["report.json"]) == report
+    rows = list(csv.DictReader(StringIO(texts["changed.csv"])))
     assert [(row["element"], row["after"], row["in_U"]) for row in rows] == [
         ("x", "", ""),
         ("y", "0.5", "12.5"),
     ]
-    picture = (tmp_path / "changed.svg").read_text(encoding="utf-8")
-    ElementTree.fromstring(picture)
-    assert "bias" in picture
+    ElementTree.fromstring(texts["changed.svg"])
+    assert "bias" in texts["changed.svg"]
 
 
-def test_a_report_without_changes_has_a_picture_that_says_so(tmp_path: Path) -> None:
-    write_report(reprocessing(), tmp_path)
-    assert "nothing moved" in (tmp_path / "changed.svg").read_text(encoding="utf-8")
+def test_what_is_no_longer_determined_stands_apart_from_the_smallest_steps() -> None:
+    kept = CHANGE.model_copy(update={"after": 0.25, "in_U": 0.0})
+    assert "determined before or now only" in report_texts(reprocessing(CHANGE))["changed.svg"]
+    assert "determined" not in report_texts(reprocessing(kept))["changed.svg"]
+
+
+def test_a_report_without_changes_has_a_picture_that_says_so() -> None:
+    assert "nothing moved" in report_texts(reprocessing())["changed.svg"]

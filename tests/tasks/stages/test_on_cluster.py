@@ -82,6 +82,11 @@ def test_a_killed_worker_and_a_restarted_scheduler_cost_no_result(
     assert sorted(done) == sorted(things)
 
 
+def test_what_is_no_address_is_a_sentence_at_once() -> None:
+    with pytest.raises(Unusable, match=r"--scheduler nonsense: .*tcp://HOST:PORT"):
+        list(on_cluster(squared, [1], "nonsense", squared))
+
+
 def test_no_scheduler_is_a_sentence(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "ANSWER_S", 0.5)
     monkeypatch.setattr(cluster, "PATIENCE_S", 0.0)

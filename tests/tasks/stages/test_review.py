@@ -42,6 +42,19 @@ def test_a_folder_is_reviewed_and_its_statistics_are_kept(tmp_path: Path) -> Non
     assert [path.stat().st_mtime_ns for path in kept] == made
 
 
+def test_what_the_selection_leaves_nothing_of_is_said(tmp_path: Path) -> None:
+    home, folder = Home(tmp_path / "home"), tmp_path / "recordings"
+    case = Case(seed=1, procedure="rests", rate_hz=20, dwell_s=5.0)
+    write(simulate(case).recording, folder / "1")
+    of_folder = ReviewOrder(paths=(str(folder),), station="nowhere")
+    with pytest.raises(Unusable, match="none of the 1 recordings of PATH"):
+        review_runs(of_folder, home, nothing)
+    with pytest.raises(Unusable, match="--station nowhere: no run"):
+        review_runs(ReviewOrder(station="nowhere"), home, nothing)
+    with pytest.raises(Unusable, match="PATH is empty"):  # a script's variable that is not set
+        review_runs(ReviewOrder(paths=("",)), home, nothing)
+
+
 def test_a_store_without_runs_has_nothing_to_review(tmp_path: Path) -> None:
     with pytest.raises(Unusable, match="2 runs or more, and 0"):
         review_runs(ReviewOrder(), Home(tmp_path), nothing)
