@@ -37,6 +37,19 @@ class Carried:
     score: float
     p_value: float
 
+    @property
+    def price(self) -> float:
+        return self.gain - self.score
+
+    @property
+    def total(self) -> float:
+        """Twice the nats of the common value and its spread against neither, less the price.
+
+        Of one effect's windows, each beside a spread of its own, the likeliest has the greatest;
+        `gain` depends on how much the spread has taken before.
+        """
+        return 2.0 * self.spread.likelihood + self.score
+
     def values(self, pool: Pool) -> tuple[np.ndarray, np.ndarray]:
         """(m,) values and (m, m) covariance, SI."""
         right, information = self.spread.common(rows_of(pool, self.window))

@@ -23,12 +23,12 @@ from tasks.review.hypotheses import Effect
 from tasks.review.mixed import spreads
 from tasks.review.pool import Pool
 from tasks.review.rivals import (
-    CONCLUSIVE,
     at_window_of,
     is_of_a_spread,
     other_carriers,
     other_names,
     simplest,
+    spreads_most,
     with_the_same_runs,
 )
 from tasks.review.screening import screened, worth_a_look
@@ -150,34 +150,34 @@ def _next(
         each
         for each in leading
         if own.stands_out(each, tried, FALSE_ALARMS)
-        and not is_of_a_spread(pool, each, worth, tried)
+        and not is_of_a_spread(pool, each, worth, tried, FALSE_ALARMS)
     ]
     if not leading:
         return None, FALSE_ALARMS
     near = [each for each in leading if each.score > leading[0].score - 4.0 * INDISTINGUISHABLE]
-    finer = sorted(
-        (with_both_ends(pool, refined(pool, each, tried), tried) for each in near),
-        key=lambda each: -each.score,
-    )
-    best = _smallest(pool, finer)
-    elsewhere = [
-        each for each in (*finer, *with_the_same_runs(pool, every, best)) if _plausible(pool, each)
-    ]
+    first = max((_finer(pool, each, tried) for each in near), key=lambda each: each.score)
     # Whether an effect is believed by itself says nothing of whether it is what was found.
-    around = [at_window_of(best, pool, one, tried) for one in worth]
-    around = [best, *(each for each in around if _plausible(pool, each))]
-    form = FORM**2 * best.gain
-    best, alike = simplest(around, form), max(CONCLUSIVE, form)
-    names = other_names((*around, *elsewhere), best, alike, rows_of(pool, best.window))
+    around = [at_window_of(first, pool, one, tried) for one in worth]
+    around = [first, *(each for each in around if _plausible(pool, each))]
+    name, beside = simplest(pool, around, FORM**2), spreads_most(around)
+    alike = with_the_same_runs(pool, every, first)
+    own = [_finer(pool, each, tried) for each in (name, *alike) if each.effect == name.effect]
+    best = _smallest(pool, sorted(own, key=lambda each: -each.total))
+    others = [each for each in (*around, *alike) if _plausible(pool, each)]
+    names = other_names(pool, others, best, beside, FORM**2)
     values, covariance = best.values(pool)
     since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
     return (
         Found(
             best, values, covariance, since, until, pool,
-            other_carriers(elsewhere, best, names), names,
+            other_carriers([*own, *others], best, names), names,
         ),
-        best.p_value,
+        first.p_value,
     )  # fmt: skip
+
+
+def _finer(pool: Pool, one: Carried, tried: int) -> Carried:
+    return with_both_ends(pool, refined(pool, one, tried), tried)
 
 
 def _smallest(pool: Pool, finer: Sequence[Carried]) -> Carried:
