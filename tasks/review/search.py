@@ -31,7 +31,7 @@ from tasks.review.rivals import (
     spreads_most,
     with_the_same_runs,
 )
-from tasks.review.screening import screened, worth_a_look
+from tasks.review.screening import Worth, screened, worth_a_look
 from tasks.review.sums import WindowSums, window_sums
 from tasks.review.windows import LevelWindows, all_windows, rows_of
 
@@ -144,18 +144,9 @@ def _next(
     believed = [each for each in every if each.p_value < FALSE_ALARMS and _plausible(pool, each)]
     if not believed:
         return None, max(min(each.p_value for each in every), FALSE_ALARMS)
-    leading = sorted(believed, key=lambda each: -each.score)
-    own = OwnValues(pool)
-    leading = [
-        each
-        for each in leading
-        if own.stands_out(each, tried, FALSE_ALARMS)
-        and not is_of_a_spread(pool, each, worth, tried, FALSE_ALARMS)
-    ]
-    if not leading:
+    first = _first(pool, believed, worth, tried)
+    if first is None:
         return None, FALSE_ALARMS
-    near = [each for each in leading if each.score > leading[0].score - 4.0 * INDISTINGUISHABLE]
-    first = max((_finer(pool, each, tried) for each in near), key=lambda each: each.score)
     # Whether an effect is believed by itself says nothing of whether it is what was found.
     around = [at_window_of(first, pool, one, tried) for one in worth]
     around = [first, *(each for each in around if _plausible(pool, each))]
@@ -174,6 +165,23 @@ def _next(
         ),
         first.p_value,
     )  # fmt: skip
+
+
+def _first(
+    pool: Pool, believed: Sequence[Carried], worth: Sequence[Worth], tried: int
+) -> Carried | None:
+    """The best of what is believed that is not of the usual spread between units."""
+    own, rest = OwnValues(pool), sorted(believed, key=lambda each: -each.score)
+    while rest:
+        near = [each for each in rest if each.score > rest[0].score - 4.0 * INDISTINGUISHABLE]
+        finer = [_finer(pool, each, tried) for each in near]
+        for each in sorted(finer, key=lambda each: -each.score):
+            if own.stands_out(each, tried, FALSE_ALARMS) and not is_of_a_spread(
+                pool, each, worth, tried, FALSE_ALARMS
+            ):
+                return each
+        rest = rest[len(near) :]
+    return None
 
 
 def _finer(pool: Pool, one: Carried, tried: int) -> Carried:
