@@ -75,11 +75,14 @@ def other_names(
 ) -> tuple[Carried, ...]:
     """Other names that are as likely in the runs of both, the best of each; form: as `simplest`."""
     own, found = rows_of(pool, best.window), dict[str, tuple[float, Carried]]()
+    values = dict[bytes, float]()  # of the best, in the runs of both
     for each in some:
         if each.effect.name == best.effect.name:
             continue
         rows = own | rows_of(pool, each.window)
-        value = explains(pool, best, rows, beside)
+        if rows.tobytes() not in values:
+            values[rows.tobytes()] = explains(pool, best, rows, beside)
+        value = values[rows.tobytes()]
         far = value - explains(pool, each, rows, beside)
         far += price_of_more(best, each, int(own.sum()))
         alike = max(CONCLUSIVE, form * (value + best.price))

@@ -23,6 +23,7 @@ from tasks.review.hypotheses import Effect
 from tasks.review.mixed import spreads
 from tasks.review.pool import Pool
 from tasks.review.rivals import (
+    CONCLUSIVE,
     at_window_of,
     is_of_a_spread,
     other_carriers,
@@ -69,7 +70,7 @@ class OwnValues:
         rows = rows_of(self.pool, one.window)[None]
         spread, _ = next(iter(spreads(one.evidence, (one.spread.sigma,), (tau,), rows)))
         gain = 2.0 * float(spread.gains(rows)[0])
-        return chance(one.evidence, spread, gain) * tried < limit
+        return chance(one.evidence, spread, gain, rows[0]) * tried < limit
 
     def _other_forms(self, one: Carried) -> Iterator[Effect]:
         """Whole terms of the same name in another form."""
@@ -141,7 +142,7 @@ def _next(
     if not worth:
         return None, looked[0].p_value if looked else 1.0
     every = [each for one in worth for each in carried(pool, one, tried)]
-    believed = [each for each in every if each.p_value < FALSE_ALARMS and _plausible(pool, each)]
+    believed = [each for each in every if _believed(each) and _plausible(pool, each)]
     if not believed:
         return None, max(min(each.p_value for each in every), FALSE_ALARMS)
     first = _first(pool, believed, worth, tried)
@@ -165,6 +166,13 @@ def _next(
         ),
         first.p_value,
     )  # fmt: skip
+
+
+def _believed(one: Carried) -> bool:
+    """Not by chance, of all that was tried; and against no effect as conclusive as one name is to
+    be against another: a name costs its parameters and its rarity, which no p value counts.
+    """
+    return one.p_value < FALSE_ALARMS and one.score > CONCLUSIVE
 
 
 def _first(
