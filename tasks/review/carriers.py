@@ -92,7 +92,7 @@ def scored(
     """With the price: of its parameters, of how many of its name and level there are, and of each
     change the number of runs at which it may be."""
     price = PER_PARAMETER * (evidence.size + len(effect.term.at))  # a shape is searched for, too
-    price += 2.0 * np.log(effect.trials) + effect.term.rarity
+    price += effect.unlikely
     price += 2.0 * np.log(max(1, len(pool.names[window.level])))
     price += window.changes * (PER_CHANGE + 2.0 * np.log(window.count))
     # What is known to be there needs no other that imitates it.

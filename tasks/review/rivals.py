@@ -17,7 +17,8 @@ from tasks.review.windows import rows_of
 
 WRONG_NAMES = 0.01
 # Of score. Data of one model favour another by a likelihood ratio k with a probability of 1/k at
-# most (Royall, Statistical Evidence, 1997, section 1.4): by so much to name one alone.
+# most (Royall, Statistical Evidence, 1997, section 1.4): by so much to name one alone. What a name
+# costs beforehand is no evidence against it: it helps to choose between names, not to exclude one.
 CONCLUSIVE = 2.0 * float(np.log(1.0 / WRONG_NAMES))
 COMMON = 0.5  # of the runs of a finding: another that has them explains the same readings
 INTERVALS = 50  # of a run that show an effect
@@ -73,7 +74,10 @@ def with_the_same_runs(pool: Pool, every: Sequence[Carried], best: Carried) -> l
 def other_names(
     pool: Pool, some: Sequence[Carried], best: Carried, beside: Carried, form: float
 ) -> tuple[Carried, ...]:
-    """Other names that are as likely in the runs of both, the best of each; form: as `simplest`."""
+    """Other names that are as likely in the runs of both, the best of each.
+
+    beside: as in `explains`; form: as in `simplest`.
+    """
     own, found = rows_of(pool, best.window), dict[str, tuple[float, Carried]]()
     values = dict[bytes, float]()  # of the best, in the runs of both
     for each in some:
@@ -84,7 +88,7 @@ def other_names(
             values[rows.tobytes()] = explains(pool, best, rows, beside)
         value = values[rows.tobytes()]
         far = value - explains(pool, each, rows, beside)
-        far += price_of_more(best, each, int(own.sum()))
+        far += price_of_more(best, each, int(own.sum())) - each.effect.unlikely
         alike = max(CONCLUSIVE, form * (value + best.price))
         if far < min(alike, found.get(each.effect.name, (np.inf, best))[0]):
             found[each.effect.name] = far, each
