@@ -7,7 +7,7 @@ import numpy as np
 from scipy.special import chdtrc, fdtrc
 
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
-from tasks.review.evidence import Evidence, solved
+from tasks.review.evidence import Evidence, ridged, solved
 from tasks.review.hypotheses import Effect
 from tasks.review.mixed import Spread, spreads
 from tasks.review.pool import Pool
@@ -17,6 +17,7 @@ from tasks.review.windows import Window, rows_of, runs_of
 BETWEEN_RUNS = (0.0, 0.7, 1.5, 4.0)  # σ that are tried, in units of what one run determines
 BETWEEN_UNITS = (0.0, 0.5, 1.0, 2.0, 5.0)  # τ
 PER_CHANGE = 4.0
+RARE = 1e-3  # chance that nothing is believed of, however well a spread is known
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,19 @@ class Carried:
     beyond: float
     score: float
     p_value: float
+
+    @property
+    def price(self) -> float:
+        return self.gain - self.score
+
+    @property
+    def total(self) -> float:
+        """Twice the nats of the common value and its spread against neither, less the price.
+
+        Of one effect's windows, each beside a spread of its own, the likeliest has the greatest;
+        `gain` depends on how much the spread has taken before.
+        """
+        return 2.0 * self.spread.likelihood + self.score
 
     def values(self, pool: Pool) -> tuple[np.ndarray, np.ndarray]:
         """(m,) values and (m, m) covariance, SI."""
@@ -78,23 +92,35 @@ def scored(
     """With the price: of its parameters, of how many of its name and level there are, and of each
     change the number of runs at which it may be."""
     price = PER_PARAMETER * (evidence.size + len(effect.term.at))  # a shape is searched for, too
-    price += 2.0 * np.log(effect.trials) + effect.term.rarity
+    price += effect.unlikely
     price += 2.0 * np.log(max(1, len(pool.names[window.level])))
     price += window.changes * (PER_CHANGE + 2.0 * np.log(window.count))
     # What is known to be there needs no other that imitates it.
     price -= INDISTINGUISHABLE if effect.term.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
-    p_value = min(1.0, chance(evidence, spread, beyond) * tried)
+    p_value = min(1.0, chance(evidence, spread, beyond, rows_of(pool, window)) * tried)
     return Carried(effect, evidence, window, spread, gain, beyond, gain - price, p_value)
 
 
-def chance(evidence: Evidence, spread: Spread, beyond: float) -> float:
-    """That chance shows as much: beside a spread between units as few of them let it be known."""
+def chance(evidence: Evidence, spread: Spread, beyond: float, rows: np.ndarray) -> float:
+    """That chance shows as much in some runs (runs,) bool."""
     if beyond <= 0.0:
         return 1.0
-    units = len(evidence.starts)
-    if spread.tau and units > 1:
-        return float(fdtrc(evidence.size, units - 1.0, beyond / evidence.size))
-    return float(chdtrc(evidence.size, beyond))
+    known = float(chdtrc(evidence.size, beyond))
+    if not spread.tau or len(evidence.starts) < 2 or known > RARE:
+        return known
+    freedom = _freedom(evidence, spread, rows)
+    return float(fdtrc(evidence.size, freedom, beyond / evidence.size))
+
+
+def _freedom(evidence: Evidence, spread: Spread, rows: np.ndarray) -> float:
+    """Degrees of freedom of the variance of a common value: that between units is known as few of
+    them let it be known, that within runs is (Satterthwaite, Biometrics Bulletin 2, 1946).
+    """
+    ((alone, _),) = spreads(evidence, (spread.sigma,), (0.0,), np.zeros((0, len(rows)), bool))
+    within, both = (each.common(rows)[1] for each in (alone, spread))
+    left = float(np.trace(np.linalg.solve(ridged(within), both))) / evidence.size
+    share = min(1.0, max(1.0 - left, 1e-3))  # of the variance, between units
+    return (len(evidence.starts) - 1.0) / share**2
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,11 @@ class Evidence:
     def size(self) -> int:
         return int(self.score.shape[1])
 
+    def of(self, rows: np.ndarray) -> "Evidence":
+        """Of some runs (runs,) bool alone, in the same coordinates."""
+        information = self.information * rows[:, None, None]
+        return Evidence(self.score * rows[:, None], information, self.back, self.unit)
+
     @cached_property
     def by_unit(self) -> np.ndarray:
         """(runs,) the runs in the order of their units."""

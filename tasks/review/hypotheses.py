@@ -1,5 +1,6 @@
 """Effects that runs may have in common: terms of the catalogue, whole and in parts."""
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -29,6 +30,11 @@ class Effect:
     @property
     def parameters(self) -> tuple[PooledParameter, ...]:
         return tuple(self.term.parameters[q] for q in self.own)
+
+    @property
+    def unlikely(self) -> float:
+        """Twice the nats that it costs to be one of many of its name, or rare."""
+        return 2.0 * math.log(self.trials) + self.term.rarity
 
     @property
     def one_sided(self) -> bool:

@@ -108,6 +108,22 @@ class Pool:
                 score[group.rows], information[group.rows] = group.evidence(effect)
         return score, information
 
+    def shared(self, effect: Effect, other: Effect, rows: np.ndarray) -> np.ndarray:
+        """(k, m, n) information that two effects share in some runs (k,), SI; zero where none."""
+        found = np.zeros((len(self.runs), len(effect.own), len(other.own)))
+        wanted = set(rows.tolist())
+        for group in self.groups:
+            own, others = (members_of(each, group.starts) for each in (effect, other))
+            if own is None or others is None:
+                continue
+            places = _places(np.array(own), np.array(others), group.score.shape[1])
+            for k, row in enumerate(group.rows.tolist()):
+                if row in wanted:
+                    inverse = group.inverse[k]
+                    found[row] = group.correlation[k][places] / STEP
+                    found[row] *= inverse[own][:, None] * inverse[others]
+        return found[rows]
+
     def less(self, effect: Effect, values: np.ndarray, rows: np.ndarray) -> "Pool":
         """The same without an effect of values (m,) SI in some of the runs (runs,) bool."""
         groups = []

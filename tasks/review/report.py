@@ -100,10 +100,11 @@ def _name(pool: Pool, window: Window) -> str:
 
 
 def _alternative(pool: Pool, best: Carried, other: Carried) -> Carrier:
+    same = best.effect == other.effect  # each window beside a spread of its own
+    less = best.total - other.total if same else best.score - other.score
     return Carrier(
-        level=other.window.level, carrier=_name(pool, other.window),
-        delta_bic=max(0.0, best.score - other.score),
-    )  # fmt: skip
+        level=other.window.level, carrier=_name(pool, other.window), delta_bic=max(0.0, less)
+    )
 
 
 def _moment(pool: Pool, change: Change | None) -> Moment | None:

@@ -4,90 +4,95 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import chdtrc
 
 from schemas.review import Level
 from tasks.explain.confounding.special_case import HOLDS
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
-from tasks.review.carriers import Carried, carried, scored
-from tasks.review.mixed import Spread, spreads
+from tasks.review.carriers import Carried, carried
+from tasks.review.comparison import explains, gain_beside, usual
 from tasks.review.pool import Pool
 from tasks.review.screening import Worth
-from tasks.review.windows import Window, rows_of
+from tasks.review.windows import rows_of
 
 WRONG_NAMES = 0.01
 # Of score. Data of one model favour another by a likelihood ratio k with a probability of 1/k at
-# most (Royall, Statistical Evidence, 1997, section 1.4): by so much to name one alone.
+# most (Royall, Statistical Evidence, 1997, section 1.4): by so much to name one alone. What a name
+# costs beforehand is no evidence against it: it helps to choose between names, not to exclude one.
 CONCLUSIVE = 2.0 * float(np.log(1.0 / WRONG_NAMES))
 COMMON = 0.5  # of the runs of a finding: another that has them explains the same readings
 INTERVALS = 50  # of a run that show an effect
 
 
 def at_window_of(best: Carried, pool: Pool, one: Worth, tried: int) -> Carried:
-    """Another effect in the window of the best: beside the same spread, or beside its own where it
-    gains less there. Its own may make its score larger than its name deserves, and without its own
-    it takes a spread between units for a value of one.
-    """
-    alike = _beside(best.spread, pool, one, best.window, tried)
+    """Another effect in the window of the best."""
     (own,) = carried(pool, replace(one, windows=(best.window,)), tried)
-    return min(alike, own, key=lambda each: each.score)
+    return own
 
 
-def _beside(beside: Spread, pool: Pool, one: Worth, window: Window, tried: int) -> Carried:
-    """An effect in a window beside a spread between runs and units like that of another."""
-    rows = rows_of(pool, window)[None]
-    spread, _ = next(iter(spreads(one.evidence, (beside.sigma,), (beside.tau,), rows)))
-    gain = 2.0 * float(spread.gains(rows)[0])
-    return scored(pool, one.effect, one.evidence, window, spread, gain, gain, tried)
+def spreads_most(around: Sequence[Carried]) -> Carried:
+    """Of effects in one window the likeliest, with what it explains in other runs."""
+    return max(around, key=lambda each: each.total)
 
 
-def simplest(around: Sequence[Carried], alike: float) -> Carried:
-    """Of strong effects whose scores differ by less than their linear forms are known, that of
-    fewest parameters.
+def simplest(pool: Pool, around: Sequence[Carried], form: float) -> Carried:
+    """Of effects in one window the likeliest; of those that explain it as well as linear forms are
+    known, that of fewest parameters. form: relative, of chi-squared.
     """
-    top = max(each.score for each in around)
-    close = sorted((e for e in around if e.score > top - alike), key=lambda each: -each.score)
+    rows, beside = rows_of(pool, around[0].window), spreads_most(around)
+    explained = [(explains(pool, each, rows, beside), each) for each in around]
+    top, likeliest = max(explained, key=lambda pair: pair[0])
+    alike = form * (top + likeliest.price)
+    close = [each for value, each in sorted(explained, key=lambda p: -p[0]) if value > top - alike]
     return min(close, key=lambda each: each.evidence.size + len(each.effect.term.at))
 
 
-def is_of_a_spread(pool: Pool, one: Carried, worth: Sequence[Worth], tried: int) -> bool:
-    """Whether what a unit seems to have is explained as well by another effect of which all units
-    have some of their own, as units do.
+def is_of_a_spread(
+    pool: Pool, one: Carried, worth: Sequence[Worth], tried: int, limit: float
+) -> bool:
+    """Whether chance makes what is left of a finding beside the spread between units of another
+    effect, as the other runs show it: what all units have some of is no mismatch.
+
+    tried, limit: how much was tried, and the corrected p value that is believed.
     """
-    if one.window.level != "unit":
-        return False
+    rows = rows_of(pool, one.window)
     for other in worth:
-        if other.effect.name == one.effect.name:
-            continue
-        (own,) = carried(pool, replace(other, windows=(one.window,)), tried)
-        if own.spread.tau > one.spread.tau:
-            alone = _beside(one.spread, pool, other, one.window, tried)
-            if alone.score > one.score - CONCLUSIVE:
+        spread = None if other.effect.name == one.effect.name else usual(other.evidence, rows)
+        if spread is not None:
+            gain = gain_beside(pool, one, other.effect, spread)
+            if float(chdtrc(one.evidence.size, gain)) * tried > limit:
                 return True
     return False
 
 
 def with_the_same_runs(pool: Pool, every: Sequence[Carried], best: Carried) -> list[Carried]:
-    """Other effects in windows that have most of the best's runs, believed or not."""
+    """Effects in windows that have most of the best's runs, believed or not."""
     own = rows_of(pool, best.window)
-    some = [
-        each
-        for each in every
-        if each.effect.name != best.effect.name
-        and (rows_of(pool, each.window) & own).sum() > COMMON * own.sum()
-    ]
-    return sorted(some, key=lambda each: -each.score)
+    return [each for each in every if (rows_of(pool, each.window) & own).sum() > COMMON * own.sum()]
 
 
 def other_names(
-    some: Sequence[Carried], best: Carried, alike: float, rows: np.ndarray
+    pool: Pool, some: Sequence[Carried], best: Carried, beside: Carried, form: float
 ) -> tuple[Carried, ...]:
-    """Other names that are as likely, the best of each; rows: (runs,) bool, of the best."""
-    found: dict[str, Carried] = {}
+    """Other names that are as likely in the runs of both, the best of each.
+
+    beside: as in `explains`; form: as in `simplest`.
+    """
+    own, found = rows_of(pool, best.window), dict[str, tuple[float, Carried]]()
+    values = dict[bytes, float]()  # of the best, in the runs of both
     for each in some:
-        far = best.score - each.score + price_of_more(best, each, int(rows.sum()))
-        if each.effect.name != best.effect.name and far < alike:
-            found.setdefault(each.effect.name, each)
-    return tuple(found.values())
+        if each.effect.name == best.effect.name:
+            continue
+        rows = own | rows_of(pool, each.window)
+        if rows.tobytes() not in values:
+            values[rows.tobytes()] = explains(pool, best, rows, beside)
+        value = values[rows.tobytes()]
+        far = value - explains(pool, each, rows, beside)
+        far += price_of_more(best, each, int(own.sum())) - each.effect.unlikely
+        alike = max(CONCLUSIVE, form * (value + best.price))
+        if far < min(alike, found.get(each.effect.name, (np.inf, best))[0]):
+            found[each.effect.name] = far, each
+    return tuple(each for _, each in sorted(found.values(), key=lambda pair: pair[0]))
 
 
 def other_carriers(
@@ -96,7 +101,7 @@ def other_carriers(
     """Where the effect, or one of the other names, is as likely: the first of each carrier."""
     found: dict[tuple[Level, int], Carried] = {}
     for each in some:
-        same = each.effect == best.effect and each.score > best.score - INDISTINGUISHABLE
+        same = each.effect == best.effect and each.total > best.total - INDISTINGUISHABLE
         if same or any(each is one for one in names):
             found.setdefault((each.window.level, each.window.carrier), each)
     found.pop((best.window.level, best.window.carrier), None)

@@ -29,9 +29,10 @@ from tasks.review.rivals import (
     other_carriers,
     other_names,
     simplest,
+    spreads_most,
     with_the_same_runs,
 )
-from tasks.review.screening import screened, worth_a_look
+from tasks.review.screening import Worth, screened, worth_a_look
 from tasks.review.sums import WindowSums, window_sums
 from tasks.review.windows import LevelWindows, all_windows, rows_of
 
@@ -69,7 +70,7 @@ class OwnValues:
         rows = rows_of(self.pool, one.window)[None]
         spread, _ = next(iter(spreads(one.evidence, (one.spread.sigma,), (tau,), rows)))
         gain = 2.0 * float(spread.gains(rows)[0])
-        return chance(one.evidence, spread, gain) * tried < limit
+        return chance(one.evidence, spread, gain, rows[0]) * tried < limit
 
     def _other_forms(self, one: Carried) -> Iterator[Effect]:
         """Whole terms of the same name in another form."""
@@ -141,43 +142,58 @@ def _next(
     if not worth:
         return None, looked[0].p_value if looked else 1.0
     every = [each for one in worth for each in carried(pool, one, tried)]
-    believed = [each for each in every if each.p_value < FALSE_ALARMS and _plausible(pool, each)]
+    believed = [each for each in every if _believed(each) and _plausible(pool, each)]
     if not believed:
         return None, max(min(each.p_value for each in every), FALSE_ALARMS)
-    leading = sorted(believed, key=lambda each: -each.score)
-    own = OwnValues(pool)
-    leading = [
-        each
-        for each in leading
-        if own.stands_out(each, tried, FALSE_ALARMS)
-        and not is_of_a_spread(pool, each, worth, tried)
-    ]
-    if not leading:
+    first = _first(pool, believed, worth, tried)
+    if first is None:
         return None, FALSE_ALARMS
-    near = [each for each in leading if each.score > leading[0].score - 4.0 * INDISTINGUISHABLE]
-    finer = sorted(
-        (with_both_ends(pool, refined(pool, each, tried), tried) for each in near),
-        key=lambda each: -each.score,
-    )
-    best = _smallest(pool, finer)
-    elsewhere = [
-        each for each in (*finer, *with_the_same_runs(pool, every, best)) if _plausible(pool, each)
-    ]
     # Whether an effect is believed by itself says nothing of whether it is what was found.
-    around = [at_window_of(best, pool, one, tried) for one in worth]
-    around = [best, *(each for each in around if _plausible(pool, each))]
-    form = FORM**2 * best.gain
-    best, alike = simplest(around, form), max(CONCLUSIVE, form)
-    names = other_names((*around, *elsewhere), best, alike, rows_of(pool, best.window))
+    around = [at_window_of(first, pool, one, tried) for one in worth]
+    around = [first, *(each for each in around if _plausible(pool, each))]
+    name, beside = simplest(pool, around, FORM**2), spreads_most(around)
+    alike = with_the_same_runs(pool, every, first)
+    own = [_finer(pool, each, tried) for each in (name, *alike) if each.effect == name.effect]
+    best = _smallest(pool, sorted(own, key=lambda each: -each.total))
+    others = [each for each in (*around, *alike) if _plausible(pool, each)]
+    names = other_names(pool, others, best, beside, FORM**2)
     values, covariance = best.values(pool)
     since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
     return (
         Found(
             best, values, covariance, since, until, pool,
-            other_carriers(elsewhere, best, names), names,
+            other_carriers([*own, *others], best, names), names,
         ),
-        best.p_value,
+        first.p_value,
     )  # fmt: skip
+
+
+def _believed(one: Carried) -> bool:
+    """Not by chance, of all that was tried; and against no effect as conclusive as one name is to
+    be against another: a name costs its parameters and its rarity, which no p value counts.
+    """
+    return one.p_value < FALSE_ALARMS and one.score > CONCLUSIVE
+
+
+def _first(
+    pool: Pool, believed: Sequence[Carried], worth: Sequence[Worth], tried: int
+) -> Carried | None:
+    """The best of what is believed that is not of the usual spread between units."""
+    own, rest = OwnValues(pool), sorted(believed, key=lambda each: -each.score)
+    while rest:
+        near = [each for each in rest if each.score > rest[0].score - 4.0 * INDISTINGUISHABLE]
+        finer = [_finer(pool, each, tried) for each in near]
+        for each in sorted(finer, key=lambda each: -each.score):
+            if own.stands_out(each, tried, FALSE_ALARMS) and not is_of_a_spread(
+                pool, each, worth, tried, FALSE_ALARMS
+            ):
+                return each
+        rest = rest[len(near) :]
+    return None
+
+
+def _finer(pool: Pool, one: Carried, tried: int) -> Carried:
+    return with_both_ends(pool, refined(pool, one, tried), tried)
 
 
 def _smallest(pool: Pool, finer: Sequence[Carried]) -> Carried:

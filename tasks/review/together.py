@@ -14,7 +14,6 @@ from scipy.special import chdtrc
 from schemas.recording import Manifest, Station
 from schemas.review import Level
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
-from tasks.review.carriers import chance
 from tasks.review.evidence import at_unit_information, solved
 from tasks.review.hypotheses import Effect
 from tasks.review.mixed import spreads
@@ -94,7 +93,7 @@ def _scored(pool: Pool, effect: Effect) -> FoundTogether | None:
     price = PER_PARAMETER * (count + len(effect.term.at))
     price += 2.0 * np.log(effect.trials) + effect.term.rarity
     price -= INDISTINGUISHABLE if effect.term.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
-    chances = chance(evidence, spread, gain) if len(rows) == 1 else float(chdtrc(count, gain))
+    chances = float(chdtrc(count, gain))
     total, own = rows @ evidence.score, np.tensordot(rows * 1.0, evidence.information, axes=1)
     values = solved(own, total)
     back = evidence.back

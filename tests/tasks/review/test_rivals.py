@@ -1,19 +1,22 @@
 """What else explains the runs of a finding."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from tasks.review.carriers import Carried, scored
+from tasks.review.carriers import Carried, carried, scored
 from tasks.review.evidence import at_unit_information
 from tasks.review.hypotheses import Effect
 from tasks.review.mixed import spreads
 from tasks.review.pool import Pool
-from tasks.review.rivals import is_of_a_spread
+from tasks.review.rivals import CONCLUSIVE, is_of_a_spread, other_names
 from tasks.review.screening import Worth
 from tasks.review.windows import Window, rows_of
 from tests.tasks.review.fleet import NOTHING, SIZES, fleet, of, place
 
 UNIT = 4
+TRIED = 10_000
 ALIKE = ("size_effect", "gyro_g2_sensitivity")
 OWN = 2.0 * np.random.default_rng(13).standard_normal((12, SIZES[3]))
 
@@ -53,4 +56,22 @@ def test_a_unit_is_no_mismatch_by_what_all_have_of_an_effect_that_explains_it_as
     pool = with_spread(spread)
     one = at_the_unit(pool, worth(pool, ALIKE[0]))
     assert one.score > 20.0
-    assert is_of_a_spread(pool, one, [worth(pool, ALIKE[1])], 1) == is_usual
+    assert is_of_a_spread(pool, one, [worth(pool, ALIKE[1])], TRIED, 0.01) == is_usual
+
+
+def test_a_name_is_not_excluded_for_what_it_costs_beforehand() -> None:
+    pool = fleet(
+        12, lambda unit, station, day: of(ALIKE[0], 2.0 * (station == 2)), runs=80, alike=ALIKE
+    )
+    count = int((pool.carrier["station"] == 2).sum())
+    windows = (Window("station", 2, 0, count, count),)
+    best, alike = (replace(worth(pool, name), windows=windows) for name in ALIKE)
+    many = replace(alike, effect=replace(alike.effect, trials=1000))
+    (one,), others = (
+        carried(pool, best, TRIED),
+        [carried(pool, each, TRIED)[0] for each in (alike, many)],
+    )
+    assert others[0].score - others[1].score > CONCLUSIVE
+    for other in others:
+        (named,) = other_names(pool, [other], one, one, 0.0)
+        assert named is other
