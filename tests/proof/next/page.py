@@ -35,7 +35,7 @@ between the competing models that repeating the whole sequence would (median).
 |--:|---|---|---|--:|--:|--:|--:|--:|---|
 {cases}
 """
-LOOKED = "The cases of seed 1 were looked at while `next` was made; those of others are unseen."
+LOOKED = "Cases of seeds 1 and 3 were looked at while `next` was made; those of others are unseen."
 
 
 def page(seed: int, answers: Sequence[Answer]) -> str:
