@@ -177,10 +177,9 @@ def _posterior(
     its PRIOR_MEDIAN strength is uniform between 0 and 1 (uniform shrinkage prior: Daniels, Canad.
     J. Statist. 27, 1999).
     """
-    strengths = np.moveaxis(np.array(np.meshgrid(*grids, indexing="ij")), 0, -1)
-    likelihood = np.array(
-        [_likelihood(strengths, level, contrasts, allan) for level in range(len(LEVELS))]
-    )
+    strengths = np.array(np.meshgrid(*grids, indexing="ij"))
+    likelihood = _likelihood(strengths.reshape(len(grids), -1), contrasts, allan)
+    likelihood = likelihood.reshape(-1, *strengths.shape[1:])
     posterior = np.exp(likelihood - likelihood.max())
     for shape, (grid, scale) in enumerate(zip(grids, scales, strict=True)):
         prior = _prior(grid, PRIOR_MEDIAN[shape] * scale)
@@ -188,19 +187,20 @@ def _posterior(
     return posterior / posterior.sum()
 
 
-def _likelihood(
-    strengths: np.ndarray, level: int, contrasts: Contrasts, allan: PooledAllan
-) -> np.ndarray:
-    """Logarithm of the likelihood (…) of strengths (…, 1 or 3) with flicker to one level."""
-    shown = strengths.shape[-1]
-    slow = strengths @ allan.drifting[[level, WALK, TREND]][:shown]
-    white = np.maximum(white_of(allan.variance - slow, allan.tau), 1e-3 * allan.white)
-    expected = white[..., None] / allan.tau + slow
-    likelihood = -0.5 * (np.log(expected) + allan.variance / expected) @ allan.degrees
+def _likelihood(strengths: np.ndarray, contrasts: Contrasts, allan: PooledAllan) -> np.ndarray:
+    """Logarithm of the likelihood (LEVELS, n) of strengths (1 or 3, n), flicker to each level."""
+    drifts = [[level, WALK, TREND][: len(strengths)] for level in range(len(LEVELS))]
+    slow = allan.drifting[drifts].swapaxes(1, 2) @ strengths  # (LEVELS, levels, n)
+    variance, tau = allan.variance[:, None], allan.tau[:, None]
+    white = white_of((variance - slow).swapaxes(1, 2), allan.tau)
+    white = np.maximum(white, 1e-3 * allan.white)[:, None]
+    expected = white / tau + slow
+    likelihood = -0.5 * allan.degrees @ (np.log(expected) + variance / expected)
     if contrasts.value.size:
-        spread = strengths @ contrasts.gain[level] + (white / allan.white)[..., None]
-        likelihood -= 0.5 * (np.log(spread) + contrasts.value[level] ** 2 / spread).sum(axis=-1)
-    return likelihood
+        spread = contrasts.gain.swapaxes(1, 2) @ strengths + white / allan.white
+        square = contrasts.value[:, None] ** 2
+        likelihood -= 0.5 * (np.log(spread).sum(axis=1) + (square @ (1.0 / spread))[:, 0])
+    return np.asarray(likelihood)
 
 
 def _prior(grid: np.ndarray, median: float) -> np.ndarray:
