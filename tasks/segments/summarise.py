@@ -182,7 +182,8 @@ def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.n
     """
     variances, lengths = [], []
     while means.shape[1] >= 2:
-        variances.append(0.5 * ((means[:, 1:] - means[:, :-1]) ** 2).mean(axis=1))
+        apart = means[:, 1:] - means[:, :-1]
+        variances.append(0.5 * np.vecdot(apart, apart) / apart.shape[1])
         lengths.append(seconds / means.shape[1])
         means = 0.5 * (means[:, ::2] + means[:, 1::2])
     return np.array(variances).reshape(-1, len(means)), np.array(lengths)
