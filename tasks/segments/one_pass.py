@@ -49,7 +49,7 @@ def one_pass(
         low = np.minimum(low, [part.min() for part in parts])
         high = np.maximum(high, [part.max() for part in parts])
         if angle is not None:
-            shapes = _cosine_and_sine(angle(rows))
+            shapes = cosine_and_sine(angle(rows))
             parts += list(shapes)
             products += [shapes @ part for part in parts]
         whole = min(rows.stop, blocks * size) - rows.start
@@ -85,8 +85,8 @@ def _sums(parts: Iterable[np.ndarray], within: slice) -> np.ndarray:
     return np.array([part.reshape(blocks, -1).sum(axis=1) for part in parts])
 
 
-def _cosine_and_sine(angle: np.ndarray) -> np.ndarray:
-    """(2, n) of (n,) rad.
+def cosine_and_sine(angle: np.ndarray) -> np.ndarray:
+    """Both (2, …) of an angle (…), rad.
 
     By the tangent of half the angle, which numpy has nine times as fast as cosine and sine.
     """
