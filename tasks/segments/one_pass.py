@@ -107,7 +107,12 @@ def pieces(count: int) -> Iterator[slice]:
 
 
 def extreme_steps(t: np.ndarray) -> tuple[float, float]:
-    """Smallest and largest difference of neighbours among (n ≥ 2,) values; both NaN if one is."""
-    steps = (np.diff(t[piece.start : piece.stop + 1]) for piece in pieces(len(t) - 1))
-    extremes = np.array([(step.min(), step.max()) for step in steps])
-    return float(extremes[:, 0].min()), float(extremes[:, 1].max())
+    """Smallest and largest difference of neighbours among (n,) values; both NaN if one is, or if
+    there are none.
+    """
+    extremes = []
+    for piece in pieces(len(t) - 1):
+        steps = t[piece.start + 1 : piece.stop + 1] - t[piece]
+        extremes.append((steps.min(), steps.max()))
+    low, high = np.array(extremes or [(np.nan, np.nan)]).T
+    return float(low.min()), float(high.max())

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
-from tasks.segments.one_pass import Pass, one_pass
+from tasks.segments.one_pass import Pass, extreme_steps, one_pass
 
 FEW = 100  # numbers that are sorted faster than partitioned
 Origin = Literal["label", "found"]
@@ -43,6 +43,7 @@ class SegmentMean:
     longest_burst: the longest run of them.
     step: (6,) smallest difference between two readings of the channel in the whole recording.
     deviation: (6,) standard deviation of the rows.
+    intervals: shortest and longest time from one row to the next, s; NaN for a single row.
     """
 
     segment: Segment
@@ -59,6 +60,7 @@ class SegmentMean:
     longest_burst: int
     step: np.ndarray
     deviation: np.ndarray
+    intervals: tuple[float, float]
 
     @property
     def seconds(self) -> float:
@@ -232,6 +234,7 @@ def summarise(
         longest_burst=longest_burst,
         step=step,
         deviation=samples.std(axis=1),
+        intervals=extreme_steps(t),
     )
 
 
