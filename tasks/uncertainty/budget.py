@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -126,7 +126,7 @@ class Contribution:
 
     def scaled(self, factor: float) -> "Contribution":
         """The same contribution to a result in another unit, or multiplied by a factor."""
-        return replace(self, sensitivity=self.sensitivity * factor)
+        return Contribution(self.quantity, self.sensitivity * factor)
 
 
 def combine(

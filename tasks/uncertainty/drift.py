@@ -100,11 +100,9 @@ def _drift_shapes(starts: tuple[float, ...], stops: tuple[float, ...]) -> np.nda
 
 def drift_allan(tau: np.ndarray) -> np.ndarray:
     """Allan variance (DRIFTS, …) per unit of each drift's strength (IEEE Std 952, C)."""
-    flickers = []
-    for level in LEVELS:
-        x = tau / level
-        flickers.append((4.0 * flicker_integral(x) - flicker_integral(2.0 * x)) / x**2)
-    return np.array([*flickers, tau / 3.0, tau**2 / 2.0])
+    x = tau / np.reshape(LEVELS, (-1, *[1] * np.ndim(tau)))
+    once, twice = flicker_integral(np.array([x, 2.0 * x]))
+    return np.array([*(4.0 * once - twice) / x**2, tau / 3.0, tau**2 / 2.0])
 
 
 def drift_strengths(contrasts: Contrasts, allan: PooledAllan) -> np.ndarray:
@@ -152,15 +150,20 @@ def _wide_grid(contrasts: Contrasts, allan: PooledAllan, shape: int, scale: floa
     if contrasts.value.size:
         gain = contrasts.gain[:, shape].sum(axis=1).min()
         largest = max(largest, 10.0 * float((contrasts.value[0] ** 2).sum() / gain))
-    return np.append(0.0, np.geomspace(FAINTEST_SHARE * scale, largest, GRID_POINTS))
+    return _grid(FAINTEST_SHARE * scale, largest)
 
 
 def _fine_grid(grid: np.ndarray, posterior: np.ndarray) -> np.ndarray:
     """As many strengths where the posterior is."""
     supported = np.flatnonzero(posterior[1:] > 1e-3 * posterior.max()) + 1
     low, high = (supported[0], supported[-1]) if len(supported) else (1, 1)
-    fine = np.geomspace(grid[max(low - 1, 1)], grid[min(high + 1, len(grid) - 1)], GRID_POINTS)
-    return np.append(0.0, fine)
+    return _grid(grid[max(low - 1, 1)], grid[min(high + 1, len(grid) - 1)])
+
+
+def _grid(lowest: float, largest: float) -> np.ndarray:
+    """0, and GRID_POINTS strengths that grow by one factor."""
+    share = np.arange(GRID_POINTS) / (GRID_POINTS - 1)
+    return np.append(0.0, lowest * (largest / lowest) ** share)
 
 
 def _marginal(posterior: np.ndarray, shape: int) -> np.ndarray:

@@ -80,12 +80,12 @@ def _squares(
     sums: (…, n) over `of` rows each; only rows before `starts` begin a pair. Also returns the sums
     over the last size.
     """
-    squares = []
+    squares, begun = [], _stride(of)
     for size in sizes:
         stride = _stride(size)
-        sums = _sums_of(sums, size // of, of // _stride(of), stride // _stride(of))
-        of, next_to_it = size, size // stride
-        apart = (sums[..., next_to_it:] - sums[..., :-next_to_it])[..., : starts // stride]
+        sums = _sums_of(sums, size // of, of // begun, stride // begun)
+        of, begun, neighbour = size, stride, size // stride
+        apart = (sums[..., neighbour:] - sums[..., :-neighbour])[..., : starts // stride]
         squares.append(np.vecdot(apart, apart))
     return np.array(squares).reshape(len(sizes), *sums.shape[:-1]), sums
 
