@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
@@ -72,6 +73,7 @@ def of_units(
     return asked.join_from(table, units).where(which)
 
 
+@cache  # the same condition for every query
 def newest_results() -> sql.ColumnElement[bool]:
     """The condition on `results` that no other result supersedes it."""
     newer = results.alias("newer")

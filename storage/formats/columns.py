@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 # In the metadata of each Parquet file: of the content, and of what was written.
 DIGEST, CHECK_SUM = b"mimucal.digest", b"mimucal.check_sum"
+BUFFER = 1 << 18  # bytes read at once: they are copied while they are in the processor's cache
 
 
 def write_columns(recording: Recording, folder: Path) -> None:
@@ -89,7 +90,8 @@ def _read(path: Path) -> tuple[Stream, tuple[str, str]]:
     import pyarrow.parquet as pq
 
     # By one thread: what bounds it is the memory, and workers share the processors.
-    table: pa.Table = pq.ParquetFile(path, memory_map=True).read(use_threads=False)
+    with pq.ParquetFile(path, buffer_size=BUFFER, pre_buffer=False) as file:
+        table: pa.Table = file.read(use_threads=False)
     columns = {name: to_numpy(table.column(name)) for name in table.column_names}
     metadata = table.schema.metadata or {}
     marks = metadata.get(DIGEST, b"").decode(), metadata.get(CHECK_SUM, b"").decode()

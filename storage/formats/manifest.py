@@ -46,7 +46,8 @@ def check_values(fields: object, where: str) -> None:
                 f"{where}: {_plain(place)} is {value} (NaN, Infinity, or beyond 1.8e308); "
                 "give a finite number there, or null where it is unknown."
             )
-        if isinstance(value, str) and any(category(sign) == "Cs" for sign in value):
+        beyond_ascii = isinstance(value, str) and not value.isascii()
+        if beyond_ascii and any(category(sign) == "Cs" for sign in value):
             raise Unusable(
                 f"{where}: {_plain(place)} is {value[:40]!a}, with half of a surrogate pair, "
                 "which is no character; write the whole character."

@@ -53,10 +53,8 @@ def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     """Samples missing between two time stamps."""
     rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
     t = recording.imu.t[rows]
-    if len(t) < 3:
-        return
-    shortest, longest = extreme_steps(t)
-    if longest <= GAP * shortest:  # whatever the usual one is
+    shortest, longest = segment.intervals
+    if len(t) < 3 or longest <= GAP * shortest:  # whatever the usual one is
         return
     steps = np.diff(t)
     interval = float(np.median(steps))

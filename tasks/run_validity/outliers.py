@@ -86,22 +86,26 @@ def _few_at_a_glance(recording: Recording, held: list[SegmentMean]) -> np.ndarra
     Drawn at random, so that what comes back every so many rows is not missed; of a channel with
     LARGEST_SHARE off fifty are drawn, where twenty let it through.
     """
-    off, count = np.zeros(len(CHANNELS)), GLANCE_ROWS // len(held)
+    count = GLANCE_ROWS // len(held)
+    drawn = []
     for segment in held:
         rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-        drawn = _drawn(rows.stop - rows.start, count)
-        here = np.array([values[drawn] for values in recording.imu.views(CHANNELS, rows)])
-        away = np.abs(here - median(here)[:, None])
-        reach = np.maximum(GLANCE_OFF * 1.4826 * median(away), STEPS * segment.step)
-        off += segment.rows * (away > reach[:, None]).mean(axis=1)
-    return off <= GLANCE_SHARE * sum(segment.rows for segment in held)
+        of_segment = _drawn(rows.stop - rows.start, count)
+        drawn.append([values[of_segment] for values in recording.imu.views(CHANNELS, rows)])
+    here = np.array(drawn)  # (segments, 6, count)
+    away = np.abs(here - median(here)[..., None])
+    step = np.array([segment.step for segment in held])
+    reach = np.maximum(GLANCE_OFF * 1.4826 * median(away), STEPS * step)
+    weights = np.array([segment.rows for segment in held])
+    off = weights @ (away > reach[..., None]).mean(axis=2)
+    return np.asarray(off <= GLANCE_SHARE * weights.sum())
 
 
 @cache
-def _drawn(rows: int, count: int) -> np.ndarray | slice:
-    """`count` rows drawn of so many, the same ones each time; all where there are no more."""
+def _drawn(rows: int, count: int) -> np.ndarray:
+    """`count` rows drawn of so many, the same ones each time; all in turn where there are fewer."""
     if rows <= count:
-        return slice(None)
+        return np.resize(np.arange(rows), count)
     return np.sort(np.random.default_rng(rows).integers(0, rows, count))
 
 

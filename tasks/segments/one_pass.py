@@ -41,33 +41,33 @@ def one_pass(
     blocks = min(BLOCKS, 1 << (count.bit_length() - 1))
     size = count // blocks
     low, high = np.full(channels, np.inf), np.full(channels, -np.inf)
-    sums, after = np.zeros((channels, blocks)), np.zeros(channels)
-    turns, squares, along = np.zeros((2, blocks)), np.zeros((3, 3)), np.zeros((channels, 3))
+    turning = 0 if angle is None else 2  # columns beside the channels: cosine and sine
+    sums = np.zeros((channels + turning, blocks))
+    products = np.zeros((channels + turning, 2))  # with cosine and sine
     for rows, within in _whole_blocks(count, blocks):
         parts = [channel[rows] for channel in values]
         low = np.minimum(low, [part.min() for part in parts])
         high = np.maximum(high, [part.max() for part in parts])
-        if within is None:
-            after += [part.sum() for part in parts]
-        else:
-            sums[:, within] += _sums(parts, within)
         if angle is not None:
-            shapes = _constant_cosine_sine(angle(rows))
-            squares += [shapes @ shape for shape in shapes]
-            along += [shapes @ part for part in parts]
-            if within is not None:
-                turns[:, within] += _sums(shapes[1:], within)
+            shapes = cosine_and_sine(angle(rows))
+            parts += list(shapes)
+            products += [shapes @ part for part in parts]
+        whole = min(rows.stop, blocks * size) - rows.start
+        sums[:, within] += _sums([part[:whole] for part in parts], within)
+    total = sums.sum(axis=1) + [part[whole:].sum() for part in parts]
     periodic = np.zeros((channels, 1))
     if angle is not None:
-        periodic = np.linalg.solve(squares, along.T)[1:].T @ turns / size
-    return Pass(low, high, (sums.sum(axis=1) + after) / count, sums / size, periodic)
+        products -= np.outer(total, total[channels:]) / count  # without the constant
+        turns = np.linalg.solve(products[channels:], products[:channels].T).T
+        periodic = turns @ sums[channels:] / size
+    return Pass(low, high, total[:channels] / count, sums[:channels] / size, periodic)
 
 
-def _whole_blocks(rows: int, blocks: int) -> Iterator[tuple[slice, slice | None]]:
+def _whole_blocks(rows: int, blocks: int) -> Iterator[tuple[slice, slice]]:
     """Pieces of so many rows that stay in the cache, and which blocks each lies in.
 
-    A piece is some whole blocks or, where these are long, a part of one; the last are rows after
-    the last block, in none.
+    A piece is some whole blocks or, where these are long, a part of one; to the last belong the
+    few rows after the last block, which are in none.
     """
     size = rows // blocks
     at_once = max(1, ROWS // size)
@@ -75,9 +75,8 @@ def _whole_blocks(rows: int, blocks: int) -> Iterator[tuple[slice, slice | None]
         within = slice(first, min(first + at_once, blocks))
         start = first * size
         for piece in pieces((within.stop - first) * size):
-            yield slice(start + piece.start, start + piece.stop), within
-    for piece in pieces(rows - blocks * size):
-        yield slice(blocks * size + piece.start, blocks * size + piece.stop), None
+            stop = start + piece.stop
+            yield slice(start + piece.start, stop if stop < blocks * size else rows), within
 
 
 def _sums(parts: Iterable[np.ndarray], within: slice) -> np.ndarray:
@@ -86,14 +85,14 @@ def _sums(parts: Iterable[np.ndarray], within: slice) -> np.ndarray:
     return np.array([part.reshape(blocks, -1).sum(axis=1) for part in parts])
 
 
-def _constant_cosine_sine(angle: np.ndarray) -> np.ndarray:
-    """(3, n) of (n,) rad.
+def cosine_and_sine(angle: np.ndarray) -> np.ndarray:
+    """Both (2, …) of an angle (…), rad.
 
     By the tangent of half the angle, which numpy has nine times as fast as cosine and sine.
     """
     half = np.tan(0.5 * angle)
-    square = half**2
-    return np.array([1.0 + square, 1.0 - square, 2.0 * half]) / (1.0 + square)
+    above_one = 2.0 / (1.0 + half**2)  # 1 + cosine
+    return np.array([above_one - 1.0, half * above_one])
 
 
 # Processes long columns piece by piece, so that each piece is read from memory once.
@@ -108,7 +107,12 @@ def pieces(count: int) -> Iterator[slice]:
 
 
 def extreme_steps(t: np.ndarray) -> tuple[float, float]:
-    """Smallest and largest difference of neighbours among (n ≥ 2,) values; both NaN if one is."""
-    steps = (np.diff(t[piece.start : piece.stop + 1]) for piece in pieces(len(t) - 1))
-    extremes = np.array([(step.min(), step.max()) for step in steps])
-    return float(extremes[:, 0].min()), float(extremes[:, 1].max())
+    """Smallest and largest difference of neighbours among (n,) values; both NaN if one is, or if
+    there are none.
+    """
+    extremes = []
+    for piece in pieces(len(t) - 1):
+        steps = t[piece.start + 1 : piece.stop + 1] - t[piece]
+        extremes.append((steps.min(), steps.max()))
+    low, high = np.array(extremes or [(np.nan, np.nan)]).T
+    return float(low.min()), float(high.max())

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
-from tasks.segments.one_pass import Pass, one_pass
+from tasks.segments.one_pass import Pass, extreme_steps, one_pass
 
 FEW = 100  # numbers that are sorted faster than partitioned
 Origin = Literal["label", "found"]
@@ -43,6 +43,7 @@ class SegmentMean:
     longest_burst: the longest run of them.
     step: (6,) smallest difference between two readings of the channel in the whole recording.
     deviation: (6,) standard deviation of the rows.
+    intervals: shortest and longest time from one row to the next, s; NaN for a single row.
     """
 
     segment: Segment
@@ -59,6 +60,7 @@ class SegmentMean:
     longest_burst: int
     step: np.ndarray
     deviation: np.ndarray
+    intervals: tuple[float, float]
 
     @property
     def seconds(self) -> float:
@@ -182,7 +184,8 @@ def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.n
     """
     variances, lengths = [], []
     while means.shape[1] >= 2:
-        variances.append(0.5 * ((means[:, 1:] - means[:, :-1]) ** 2).mean(axis=1))
+        apart = means[:, 1:] - means[:, :-1]
+        variances.append(0.5 * np.vecdot(apart, apart) / apart.shape[1])
         lengths.append(seconds / means.shape[1])
         means = 0.5 * (means[:, ::2] + means[:, 1::2])
     return np.array(variances).reshape(-1, len(means)), np.array(lengths)
@@ -231,6 +234,7 @@ def summarise(
         longest_burst=longest_burst,
         step=step,
         deviation=samples.std(axis=1),
+        intervals=extreme_steps(t),
     )
 
 

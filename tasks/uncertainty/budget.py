@@ -3,13 +3,14 @@
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
 from schemas.base import Unusable
 from schemas.uncertainty import Budget, BudgetInput, Correlation, Distribution, Kind
+from tasks.segments.one_pass import cosine_and_sine
 from tasks.uncertainty.distributions import NEGLIGIBLE, characteristic_function
 from tasks.uncertainty.propagation import (
     TWO_SIGMA,
@@ -49,12 +50,12 @@ def half_width(
     t, weight = _nodes()
     round_part = math.fsum(size**2 for kind, size, _ in known if kind in ("normal", "t"))
     if round_part > 0.0:
-        near = t < FADED * scale / math.sqrt(round_part)
-        t, weight = t[near], weight[near]
+        near = np.searchsorted(t, FADED * scale / math.sqrt(round_part))
+        t, weight = t[:near], weight[:near]
     phi = np.exp(-0.5 * max(SMOOTHING**2 - round_part / scale**2, 0.0) * t**2)
-    for kind, size, dof in known:
-        if kind != "t":
-            phi = phi * characteristic_function(kind, size / scale * t, dof)
+    for shape in dict.fromkeys(kind for kind, _, _ in known if kind != "t"):
+        sizes = [size / scale for kind, size, _ in known if kind == shape]
+        phi = phi * characteristic_function(shape, np.outer(sizes, t)).prod(axis=0)
     keep = np.flatnonzero(np.abs(phi) > NEGLIGIBLE)  # Student's t takes longest
     t, weight, phi = t[keep], weight[keep], phi[keep]
     for kind, size, dof in known:
@@ -82,9 +83,10 @@ def _solve(t: np.ndarray, cumulative: np.ndarray, density: np.ndarray, probabili
     """The x at which Σ cumulative·sin(tx) is the probability: Newton, kept between bounds."""
     low, high, x = 0.0, math.inf, 1.96
     for _ in range(MAX_STEPS):
-        excess = float(cumulative @ np.sin(t * x)) - probability
+        cosine, sine = cosine_and_sine(t * x)
+        excess = float(cumulative @ sine) - probability
         low, high = (low, x) if excess > 0.0 else (x, high)
-        slope = float(density @ np.cos(t * x))
+        slope = float(density @ cosine)
         step = x - excess / slope if slope > 0.0 else math.nan
         if abs(step - x) < 1e-9 * x:
             return step
@@ -124,7 +126,7 @@ class Contribution:
 
     def scaled(self, factor: float) -> "Contribution":
         """The same contribution to a result in another unit, or multiplied by a factor."""
-        return replace(self, sensitivity=self.sensitivity * factor)
+        return Contribution(self.quantity, self.sensitivity * factor)
 
 
 def combine(
@@ -153,6 +155,7 @@ def combine(
     k, u_c = coverage_factor(dof, probability), math.sqrt(variance)
     shapes = [(q.distribution, abs(x), q.dof) for q, x in zip(quantities, c * u, strict=True)]
     shares = terms / variance if variance > 0.0 else np.zeros(len(terms))
+    correlated = [(i, j) for i, j in np.argwhere(r).tolist() if i < j]
     return Budget(
         result=result,
         unit=unit,
@@ -163,14 +166,14 @@ def combine(
         ),
         correlations=tuple(
             Correlation(first=quantities[i].symbol, second=quantities[j].symbol, r=float(r[i, j]))
-            for i, j in zip(*np.nonzero(np.triu(r, 1)), strict=True)
+            for i, j in correlated
         ),
         u_c=u_c,
         dof=dof,
         k=k,
         coverage_probability=probability,
         U=k * u_c,
-        half_width_95=None if (r != np.eye(len(r))).any() else half_width(shapes),
+        half_width_95=None if correlated else half_width(shapes),
     )
 
 

@@ -34,23 +34,21 @@ def contrasts(
     none = Contrasts(np.zeros((len(LEVELS), 0)), np.zeros((len(LEVELS), 3, 0)))
     if not used:
         return none
-    scale = 1.0 / np.sqrt([variance[i] + _level_residual(segments[i], channel) ** 2 for i in used])
-    design = _design([segments[i] for i in used], channel) * scale[:, None]
+    known = [segments[i] for i in used]
+    scale = 1.0 / np.sqrt(variance[used] + _level_residuals(known, channel) ** 2)
+    design = _design(known, channel) * scale[:, None]
     size = np.linalg.norm(design, axis=0)
     vectors, weight, _ = np.linalg.svd(design[:, size > 0] / size[size > 0])
     null_space = vectors[:, (weight > 1e-9 * weight[0]).sum() :]
     if null_space.shape[1] < MIN_CONTRASTS:
         return none
-    means = np.array([segments[i].mean[channel] for i in used])
+    means = np.array([segment.mean[channel] for segment in known])
     residual = null_space.T @ (means * scale)
     covariance = null_space.T @ (shapes[:, used][:, :, used] * scale[:, None] * scale) @ null_space
-    value, gain = [], []
-    for level in range(len(LEVELS)):
-        modes = np.linalg.eigh(covariance[level])[1]
-        drifts = covariance[[level, WALK, TREND]]
-        value.append(modes.T @ residual)
-        gain.append((modes * (drifts @ modes)).sum(axis=1).clip(min=0.0))
-    return Contrasts(np.array(value), np.array(gain))
+    modes = np.linalg.eigh(covariance[: len(LEVELS)])[1]
+    drifts = covariance[[[level, WALK, TREND] for level in range(len(LEVELS))]]
+    gain = (modes[:, None] * (drifts @ modes[:, None])).sum(axis=2).clip(min=0.0)
+    return Contrasts(residual @ modes, gain)
 
 
 def _has_known_input(label: Segment, channel: int) -> bool:
@@ -66,13 +64,12 @@ def _has_known_input(label: Segment, channel: int) -> bool:
     return label.rate_deg_s is not None and label.axis != dict(enumerate(AXES)).get(channel)
 
 
-def _level_residual(segment: SegmentMean, channel: int) -> float:
-    """What parts of a turn leave of the field across the vertical, as one more noise of a mean."""
-    label = segment.segment
-    if label.kind != "rate" or label.rate_deg_s is None or not _is_level(label, channel):
-        return 0.0
-    share = np.sinc(label.rate_deg_s * segment.seconds / 360.0)
-    return LEVEL_FIELD[channel // len(AXES)] * abs(float(share))
+def _level_residuals(segments: list[SegmentMean], channel: int) -> np.ndarray:
+    """What parts of a turn leave (n,) of the field across the vertical, as one more noise."""
+    labels = [segment.segment for segment in segments]
+    level = [label.kind == "rate" and _is_level(label, channel) for label in labels]
+    turns = np.array([(s.segment.rate_deg_s or 0.0) * s.seconds for s in segments]) / 360.0
+    return LEVEL_FIELD[channel // len(AXES)] * np.abs(level * np.sinc(turns))
 
 
 def _is_level(label: Segment, channel: int) -> bool:

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from schemas.uncertainty import Distribution
+from tasks.segments.one_pass import cosine_and_sine
 
 # Half-width over standard uncertainty; a certificate's expanded uncertainty has k = 2.
 DIVISORS = {
@@ -39,7 +40,9 @@ def draw(
     return DIVISORS[distribution] * values
 
 
-def characteristic_function(distribution: Distribution, s: np.ndarray, dof: float) -> np.ndarray:
+def characteristic_function(
+    distribution: Distribution, s: np.ndarray, dof: float = math.inf
+) -> np.ndarray:
     """φ at s > 0 of a distribution with standard uncertainty 1 (`t`: with scale 1)."""
     if distribution == "normal" or (distribution == "t" and math.isinf(dof)):
         return np.exp(-0.5 * s**2)
@@ -47,7 +50,7 @@ def characteristic_function(distribution: Distribution, s: np.ndarray, dof: floa
         return _student(s, dof)
     half_width = DIVISORS[distribution] * s
     if distribution == "rectangular":
-        return np.sin(half_width) / half_width
+        return np.asarray(cosine_and_sine(half_width)[1] / half_width)
     if distribution == "triangular":
         return (np.sin(0.5 * half_width) / (0.5 * half_width)) ** 2
     from scipy.special import j0

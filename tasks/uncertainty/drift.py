@@ -100,11 +100,9 @@ def _drift_shapes(starts: tuple[float, ...], stops: tuple[float, ...]) -> np.nda
 
 def drift_allan(tau: np.ndarray) -> np.ndarray:
     """Allan variance (DRIFTS, …) per unit of each drift's strength (IEEE Std 952, C)."""
-    flickers = []
-    for level in LEVELS:
-        x = tau / level
-        flickers.append((4.0 * flicker_integral(x) - flicker_integral(2.0 * x)) / x**2)
-    return np.array([*flickers, tau / 3.0, tau**2 / 2.0])
+    x = tau / np.reshape(LEVELS, (-1, *[1] * np.ndim(tau)))
+    once, twice = flicker_integral(np.array([x, 2.0 * x]))
+    return np.array([*(4.0 * once - twice) / x**2, tau / 3.0, tau**2 / 2.0])
 
 
 def drift_strengths(contrasts: Contrasts, allan: PooledAllan) -> np.ndarray:
@@ -152,15 +150,20 @@ def _wide_grid(contrasts: Contrasts, allan: PooledAllan, shape: int, scale: floa
     if contrasts.value.size:
         gain = contrasts.gain[:, shape].sum(axis=1).min()
         largest = max(largest, 10.0 * float((contrasts.value[0] ** 2).sum() / gain))
-    return np.append(0.0, np.geomspace(FAINTEST_SHARE * scale, largest, GRID_POINTS))
+    return _grid(FAINTEST_SHARE * scale, largest)
 
 
 def _fine_grid(grid: np.ndarray, posterior: np.ndarray) -> np.ndarray:
     """As many strengths where the posterior is."""
     supported = np.flatnonzero(posterior[1:] > 1e-3 * posterior.max()) + 1
     low, high = (supported[0], supported[-1]) if len(supported) else (1, 1)
-    fine = np.geomspace(grid[max(low - 1, 1)], grid[min(high + 1, len(grid) - 1)], GRID_POINTS)
-    return np.append(0.0, fine)
+    return _grid(grid[max(low - 1, 1)], grid[min(high + 1, len(grid) - 1)])
+
+
+def _grid(lowest: float, largest: float) -> np.ndarray:
+    """0, and GRID_POINTS strengths that grow by one factor."""
+    share = np.arange(GRID_POINTS) / (GRID_POINTS - 1)
+    return np.append(0.0, lowest * (largest / lowest) ** share)
 
 
 def _marginal(posterior: np.ndarray, shape: int) -> np.ndarray:
@@ -177,10 +180,9 @@ def _posterior(
     its PRIOR_MEDIAN strength is uniform between 0 and 1 (uniform shrinkage prior: Daniels, Canad.
     J. Statist. 27, 1999).
     """
-    strengths = np.moveaxis(np.array(np.meshgrid(*grids, indexing="ij")), 0, -1)
-    likelihood = np.array(
-        [_likelihood(strengths, level, contrasts, allan) for level in range(len(LEVELS))]
-    )
+    strengths = np.array(np.meshgrid(*grids, indexing="ij"))
+    likelihood = _likelihood(strengths.reshape(len(grids), -1), contrasts, allan)
+    likelihood = likelihood.reshape(-1, *strengths.shape[1:])
     posterior = np.exp(likelihood - likelihood.max())
     for shape, (grid, scale) in enumerate(zip(grids, scales, strict=True)):
         prior = _prior(grid, PRIOR_MEDIAN[shape] * scale)
@@ -188,19 +190,20 @@ def _posterior(
     return posterior / posterior.sum()
 
 
-def _likelihood(
-    strengths: np.ndarray, level: int, contrasts: Contrasts, allan: PooledAllan
-) -> np.ndarray:
-    """Logarithm of the likelihood (…) of strengths (…, 1 or 3) with flicker to one level."""
-    shown = strengths.shape[-1]
-    slow = strengths @ allan.drifting[[level, WALK, TREND]][:shown]
-    white = np.maximum(white_of(allan.variance - slow, allan.tau), 1e-3 * allan.white)
-    expected = white[..., None] / allan.tau + slow
-    likelihood = -0.5 * (np.log(expected) + allan.variance / expected) @ allan.degrees
+def _likelihood(strengths: np.ndarray, contrasts: Contrasts, allan: PooledAllan) -> np.ndarray:
+    """Logarithm of the likelihood (LEVELS, n) of strengths (1 or 3, n), flicker to each level."""
+    drifts = [[level, WALK, TREND][: len(strengths)] for level in range(len(LEVELS))]
+    slow = allan.drifting[drifts].swapaxes(1, 2) @ strengths  # (LEVELS, levels, n)
+    variance, tau = allan.variance[:, None], allan.tau[:, None]
+    white = white_of((variance - slow).swapaxes(1, 2), allan.tau)
+    white = np.maximum(white, 1e-3 * allan.white)[:, None]
+    expected = white / tau + slow
+    likelihood = -0.5 * allan.degrees @ (np.log(expected) + variance / expected)
     if contrasts.value.size:
-        spread = strengths @ contrasts.gain[level] + (white / allan.white)[..., None]
-        likelihood -= 0.5 * (np.log(spread) + contrasts.value[level] ** 2 / spread).sum(axis=-1)
-    return likelihood
+        spread = contrasts.gain.swapaxes(1, 2) @ strengths + white / allan.white
+        square = contrasts.value[:, None] ** 2
+        likelihood -= 0.5 * (np.log(spread).sum(axis=1) + (square @ (1.0 / spread))[:, 0])
+    return np.asarray(likelihood)
 
 
 def _prior(grid: np.ndarray, median: float) -> np.ndarray:

@@ -7,6 +7,7 @@ The defaults are the tables' own recommendations; a laboratory's own limits go b
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import get_args
 
 from schemas.equipment import EquipmentLimit, ErrorBound, LimitName, LimitShape, MeasurementStandard
@@ -38,6 +39,7 @@ class ErrorLimit:
         """Standard uncertainty, half-width over the divisor of the distribution."""
         return self.half_width / DIVISORS[self.distribution]
 
+    @cached_property  # one limit is in the budgets of many elements
     def quantity(self) -> InputQuantity:
         """The limit as an input quantity of type B, with infinitely many degrees of freedom."""
         return InputQuantity(

@@ -104,9 +104,9 @@ def checked_correlation(correlation: np.ndarray | None, count: int) -> np.ndarra
 def _refuse_what_has_no_dof(
     correlation: np.ndarray, dof: np.ndarray, samples: Sequence[str | None]
 ) -> None:
-    for i, j in zip(*np.nonzero(np.triu(correlation, 1)), strict=True):
+    for i, j in np.argwhere(correlation).tolist():
         together = samples[i] is not None and samples[i] == samples[j]
-        if not together and not (math.isinf(dof[i]) and math.isinf(dof[j])):
+        if i < j and not together and not (math.isinf(dof[i]) and math.isinf(dof[j])):
             raise Unusable(
                 f"inputs {i + 1} and {j + 1} are correlated with {dof[i]:g} and {dof[j]:g} degrees "
                 "of freedom but not of one sample, for which no effective degrees of freedom are "

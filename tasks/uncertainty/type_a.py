@@ -76,13 +76,13 @@ def fit_noise(
         segments = tuple(map(_corrected, segments, up, rate))
     white_only = _white(segments, np.zeros((DRIFTS, 6)))
     shapes = drift_shapes(segments)
+    white_variance = white_only / seconds_of(segments)[:, None]
     drift, count = np.zeros((DRIFTS, 6)), np.zeros(6)
+    known = np.array([np.isfinite(segment.allan).all(axis=0) for segment in segments])
     for channel in range(6):
-        pooled = _pooled_allan(segments, channel)
+        pooled = _pooled_allan([segments[i] for i in np.flatnonzero(known[:, channel])], channel)
         if pooled is not None:
-            errors = contrasts(
-                segments, shapes, white_only[:, channel] / seconds_of(segments), channel
-            )
+            errors = contrasts(segments, shapes, white_variance[:, channel], channel)
             drift[:, channel] = drift_strengths(errors, pooled)
             count[channel] = errors.value.shape[1]
     return ChannelNoise(_white(segments, drift), drift, shapes, count)
@@ -146,17 +146,13 @@ def _corrected(segment: SegmentMean, up: Up | None, rate: float) -> SegmentMean:
     return replace(segment, segment=segment.segment.model_copy(update=known))
 
 
-def _pooled_allan(segments: tuple[SegmentMean, ...], channel: int) -> PooledAllan | None:
+def _pooled_allan(segments: list[SegmentMean], channel: int) -> PooledAllan | None:
     """Allan variances of the quiet ones among the longest segments, if they are not all zero.
 
     Of rests, where there are any: a turning axis that lies flat feels Earth's rotation and the
     table's tilt come and go, which would count as flicker.
     """
-    measured = [
-        s
-        for s in segments
-        if s.segment.kind != "rotation" and len(s.tau) and np.isfinite(s.allan[:, channel]).all()
-    ]
+    measured = [s for s in segments if s.segment.kind != "rotation" and len(s.tau)]
     measured = [s for s in measured if s.segment.kind == "static"] or measured
     levels = max((len(s.tau) for s in measured), default=0)
     longest = max((s.seconds for s in measured), default=0.0)

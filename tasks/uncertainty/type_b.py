@@ -212,6 +212,4 @@ def tilt_of_a_face(equipment: Equipment, mounted_once: bool) -> float:
 
 def _lines(sensitivity: float, *limits: ErrorLimit | None) -> tuple[Contribution, ...]:
     """A line for each limit that is known."""
-    return tuple(
-        Contribution(limit.quantity(), sensitivity) for limit in limits if limit is not None
-    )
+    return tuple(Contribution(limit.quantity, sensitivity) for limit in limits if limit is not None)

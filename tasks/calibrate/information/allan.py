@@ -13,6 +13,7 @@ import numpy as np
 FLICKER = 2.0 * np.log(2.0)  # Allan variance of S(f) = 1/f
 SHARPEST = 0.02  # of a variance: no noise follows the textbook's shapes more closely
 STARTS = 8  # averages begun within one averaging time
+PIECE, FINE = 1 << 16, 64  # rows taken at once, of averages over at most so many rows
 MIN_LEVELS = 5  # averaging times that separate the noise terms
 ROUNDS = 4  # of weighting by the model fitted before
 MISFIT = 1.5  # mean squared deviation, in what is known of each level, above which a fit is refused
@@ -49,24 +50,54 @@ def overlapping_variances(readings: Sequence[np.ndarray], sizes: Sequence[int]) 
     begin an average at every (size/STARTS)-th row only: what those between would add is nearly
     nothing.
     """
-    variances = np.empty((len(sizes), len(readings)))
-    for channel, values in enumerate(readings):  # one at a time stays in the processor's cache
-        sums, of, stride = values - values.mean(), 1, 1  # of so many rows, from every stride-th on
-        for level, size in enumerate(sizes):
-            sums = _sums_of(sums, size // of, of // stride)
-            wider = 1 if size % STARTS else size // STARTS
-            sums, of, stride = np.ascontiguousarray(sums[:: wider // stride]), size, wider
-            apart = sums[size // stride :] - sums[: -size // stride]
-            variances[level, channel] = apart @ apart / (2.0 * size**2 * len(apart))
-    return variances
+    count, fine = len(readings[0]), [size for size in sizes if size <= FINE]
+    last = fine[-1] if fine else 1
+    piece = PIECE // last * last
+    squares, sums = np.zeros((len(sizes), len(readings))), []
+    for channel, values in enumerate(readings):
+        parts = []
+        for first in range(0, count, piece):  # which stays in the processor's cache
+            rows = values[first : first + piece + 2 * last] - values[0]
+            of_piece, part = _squares(rows, 1, fine, piece)
+            squares[: len(fine), channel] += of_piece
+            parts.append(part[: piece // _stride(last)])
+        sums.append(np.concatenate(parts))
+    squares[len(fine) :] = _squares(np.array(sums), last, sizes[len(fine) :], count)[0]
+    compared = [(count - 2 * size) // _stride(size) + 1 for size in sizes]
+    return np.asarray(squares / (2.0 * np.array(sizes) ** 2 * compared)[:, None])
 
 
-def _sums_of(values: np.ndarray, count: int, apart: int) -> np.ndarray:
-    """Sums of `count` values that lie `apart` places from each other, from each value (n,) on."""
-    length = len(values) - (count - 1) * apart
-    sums = values[:length]
+def _stride(size: int) -> int:
+    """Rows from the beginning of one average over `size` rows to the next one's."""
+    return 1 if size % STARTS else size // STARTS
+
+
+def _squares(
+    sums: np.ndarray, of: int, sizes: Sequence[int], starts: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Sums (sizes, …) of the squares that neighbouring sums over `size` rows differ by.
+
+    sums: (…, n) over `of` rows each; only rows before `starts` begin a pair. Also returns the sums
+    over the last size.
+    """
+    squares, begun = [], _stride(of)
+    for size in sizes:
+        stride = _stride(size)
+        sums = _sums_of(sums, size // of, of // begun, stride // begun)
+        of, begun, neighbour = size, stride, size // stride
+        apart = (sums[..., neighbour:] - sums[..., :-neighbour])[..., : starts // stride]
+        squares.append(np.vecdot(apart, apart))
+    return np.array(squares).reshape(len(sizes), *sums.shape[:-1]), sums
+
+
+def _sums_of(values: np.ndarray, count: int, apart: int, stride: int) -> np.ndarray:
+    """Sums of `count` values (…, n) that lie `apart` places from each other, from every
+    stride-th one on.
+    """
+    length = values.shape[-1] - (count - 1) * apart
+    sums = values[..., :length:stride]
     for first in range(apart, count * apart, apart):
-        sums = sums + values[first : first + length]
+        sums = sums + values[..., first : first + length : stride]
     return sums
 
 

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.calibration import Information
-from schemas.recording import AXES, Recording
+from schemas.recording import AXES
 from tasks.calibrate.information.allan import MIN_LEVELS, AllanCurve, allan_curve, white_noise
 from tasks.calibrate.information.entry import entry, of_axes, student_k, unit_and_table
-from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,
@@ -129,15 +128,10 @@ def _longest(evidence: ClauseEvidence, triad: slice) -> list[SegmentMean]:
         for s in (evidence.segments[i] for i in evidence.of_kind("static"))
         if s.left_out == 0
         and np.isfinite(s.mean[triad]).all()
-        and _without_gap(evidence.recording, s)
+        and (s.rows < 2 or s.intervals[1] < GAP * s.seconds / s.rows)
     ]
     longest = max((s.seconds for s in whole), default=0.0)
     return [s for s in whole if s.seconds >= AS_LONG * longest]
-
-
-def _without_gap(recording: Recording, rest: SegmentMean) -> bool:
-    t = recording.imu.t[recording.imu.rows(rest.segment.t_start, rest.segment.t_end)]
-    return len(t) < 2 or extreme_steps(t)[1] < GAP * rest.seconds / rest.rows
 
 
 def _random_walk(curve: AllanCurve, channel: int) -> tuple[float, float]:

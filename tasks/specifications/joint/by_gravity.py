@@ -105,7 +105,7 @@ def _accelerometers(
     for value, follow, by_gravity in zip(values, fitted.operator, fitted.by_gravity, strict=True):
         variance = sum(float(o @ c @ o) for o, c in zip(follow.T, covariances, strict=True))
         u = fitted.excess.factor * float(np.sqrt(variance))
-        gravity = Contribution(equipment.gravity.quantity(), float(by_gravity))
+        gravity = Contribution(equipment.gravity.quantity, float(by_gravity))
         estimates.append(Estimate(float(value), (observed(u, "", fitted.excess.dof), gravity)))
     upper = {AXES[i] + AXES[j]: estimates[p] for p, (i, j) in enumerate(UPPER)}
     return {

@@ -69,8 +69,8 @@ class EquipmentResponse:
         every = (
             *self._rates(rate),
             *self._angles(weights, rate),
-            Contribution(self.equipment.gravity.quantity(), -float(gravity)),
-            Contribution(self.equipment.latitude.quantity(), -float(latitude)),
+            Contribution(self.equipment.gravity.quantity, -float(gravity)),
+            Contribution(self.equipment.latitude.quantity, -float(latitude)),
         )
         sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
         least = LEAST_SHARE * max(sizes)
@@ -110,20 +110,20 @@ class EquipmentResponse:
     def _rates(self, felt: np.ndarray) -> Iterator[Contribution]:
         for limit in dict.fromkeys(limit for at in self.rate_limits.values() for limit in at):
             common = sum(felt[i] for i, at in self.rate_limits.items() if limit in at)
-            yield Contribution(limit.quantity(), -float(common))
+            yield Contribution(limit.quantity, -float(common))
         if self.equipment.ripple is not None:
             left = float(np.linalg.norm(felt * self.ripple_share))
-            yield Contribution(self.equipment.ripple.quantity(), left)
+            yield Contribution(self.equipment.ripple.quantity, left)
         if self.equipment.encoder_time is not None:
             left = float(np.linalg.norm(felt * self.time_share))
-            yield Contribution(self.equipment.encoder_time.quantity(), left)
+            yield Contribution(self.equipment.encoder_time.quantity, left)
 
     def _angles(self, weights: np.ndarray, rate: np.ndarray) -> Iterator[Contribution]:
         felt = (weights.T * self.tilt).sum(axis=2)
         lean = float(np.linalg.norm((weights.T * self.lean).sum(axis=(1, 2))))
         for limit, groups, leans, share in self._tilts():
             common = np.hypot(_summed(felt, groups), np.linalg.norm(rate * share))
-            yield Contribution(limit.quantity(), float(np.hypot(common, leans * lean)))
+            yield Contribution(limit.quantity, float(np.hypot(common, leans * lean)))
 
 
 def _summed(felt: np.ndarray, numbers: np.ndarray) -> float:

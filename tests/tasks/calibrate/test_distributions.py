@@ -70,7 +70,7 @@ def drawn(item: str, element: str, estimate: Estimate, seed: str) -> Budget:
 
 
 def rate(u: float, sensitivity: float) -> Contribution:
-    quantity = replace(JJF2003.equipment.rates[0][1].quantity(), u=u)
+    quantity = replace(JJF2003.equipment.rates[0][1].quantity, u=u)
     return Contribution(quantity, sensitivity)
 
 

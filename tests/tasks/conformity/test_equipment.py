@@ -20,9 +20,9 @@ OWN = as_table_1()
 def made_with(equipment: Equipment, name: str = "gyro_bias") -> Calibration:
     """A made-up result whose budgets hold the table's rate and the fixture."""
     lines = [observed(1e-4, "deg/s")]
-    lines += [Contribution(limit.quantity(), 1.0) for limit in equipment.rate_at(1.0)]
+    lines += [Contribution(limit.quantity, 1.0) for limit in equipment.rate_at(1.0)]
     assert equipment.fixture is not None
-    lines.append(Contribution(equipment.fixture.quantity(), 1.0))
+    lines.append(Contribution(equipment.fixture.quantity, 1.0))
     budgets = {e: combine(f"{name}.{e}", "deg/s", value, lines) for e, value in BIAS.items()}
     return calibration({name: item(dict(BIAS), budgets=budgets)})
 

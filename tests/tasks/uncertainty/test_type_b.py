@@ -126,7 +126,7 @@ def test_jjf1536_rate_uncertainty_depends_on_the_rate(deg_s: float, u: float) ->
 )
 def test_half_widths_are_divided_as_the_distribution_asks(distribution, divisor) -> None:
     limit = ErrorLimit("a", "a", "1", 6.0, distribution, "clause")
-    assert limit.quantity().u == pytest.approx(6.0 / divisor)
+    assert limit.quantity.u == pytest.approx(6.0 / divisor)
 
 
 def test_a_table_that_turns_too_fast_moves_the_scale_factor_and_not_the_offset() -> None:
