@@ -116,8 +116,10 @@ def _typical(fit: FittedSelection, sized: Model, name: str) -> Model:
         units = np.array([parameter.unit for parameter in term.parameters])
         for unit in dict.fromkeys(units[known]):
             own = units == unit
-            variance = max(float(np.mean((v**2 - u**2)[own & known])), 0.0)
-            kappa = variance / np.maximum(variance + u**2, np.finfo(float).tiny)
+            variance = float(np.mean((v**2 - u**2)[own & known]))
+            if variance <= 0.0:
+                continue  # as small as the recording allows
+            kappa = variance / (variance + u**2)
             power = (kappa * v) ** 2 + kappa * u**2
             values[place] = np.where(own, np.copysign(np.sqrt(power), v), values[place])
     return replace(sized, values=values)

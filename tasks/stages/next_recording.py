@@ -125,8 +125,6 @@ def _answer(
     repeated = typical.left_by(question.fit.blocks, question.fit.noises)
     minutes = float(recording.imu.t[-1] - recording.imu.t[0]) / 60.0
     path = _written(choice, order, question) if choice.is_enough else None
-    if choice.is_enough:  # of a unit that is neither better nor worse than the recording tells
-        choice = replace(choice, expected=typical.judged(choice.procedure).left)
     return NextRecording(
         decides=question.names,
         procedure=None if path is None else str(path),
@@ -145,7 +143,9 @@ def _answer(
 def _apart_from_rivals(
     experiment: "Experiment", question: "OpenQuestion", minutes: float
 ) -> "Choice":
-    """The shortest; for one suspected effect again, where others would fit that recording too."""
+    """The shortest; for one suspected effect again, where others would fit that recording too, and
+    with what is expected of it as large as the effect typically is.
+    """
     from tasks.experiment.rehearsal import rivals_of
 
     choice = _unmoved_by_silence(experiment, question).shortest(minutes)
@@ -158,7 +158,10 @@ def _apart_from_rivals(
             break
         experiment = replace(experiment, rivals={**experiment.rivals, **new})
         choice = experiment.shortest(minutes)
-    return choice
+    if not choice.is_enough:
+        return choice
+    typical = replace(experiment, models=question.typical).judged(choice.procedure)
+    return replace(choice, expected=typical.left)
 
 
 def _unmoved_by_silence(experiment: "Experiment", question: "OpenQuestion") -> "Experiment":

@@ -15,7 +15,7 @@ from schemas.recording import Recording
 from storage import settings
 from storage.catalogue import runs
 from storage.home import Home
-from tasks.experiment import abilities, open_question, separation
+from tasks.experiment import abilities, open_question, rehearsal, separation
 from tasks.experiment.choose import Choice, Experiment
 from tasks.experiment.open_question import OpenQuestion
 
@@ -33,12 +33,14 @@ def run(home: Path, ideal_run: Callable[..., Recording]) -> str:
 
 
 @pytest.fixture
-def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """The engine with a known answer: the chi-squared that its procedure shows."""
 
-    def answer(left: float) -> None:
+    def answer(left: float, *names: str) -> None:
         fit = SimpleNamespace(blocks=None, noises=())
-        question = OpenQuestion(("time_offset", "bandwidth"), {}, {}, fit)  # type: ignore[arg-type]
+        names = names or ("time_offset", "bandwidth")
+        question = OpenQuestion(names, {}, {}, fit)  # type: ignore[arg-type]
+        monkeypatch.setattr(rehearsal, "rivals_of", lambda *_: {})
         monkeypatch.setattr(open_question, "open_question", lambda *_: question)
         monkeypatch.setattr(separation.UnitNoise, "of", lambda *_: None)
         able = SimpleNamespace(chamber=None)
@@ -62,13 +64,22 @@ def test_the_recording_that_decides_is_a_procedure_that_acquire_takes(
     assert done.json["decides"] == ["time_offset", "bandwidth"]
     assert done.json["procedure"] == str(out)
     assert done.json["minutes"] == 1.5
-    assert done.json["predicted"]["delta_chi2"] == 100.0
+    assert done.json["predicted"]["delta_chi2"] == 80.0
     assert done.json["repeat_of_base"]["delta_chi2"] == 2.0
     assert settings.read(out, Procedure) == PROCEDURE
     assert [step["name"] for step in done.json["steps"]] == ["rest"]
     again = mimucal("next", run, "--out", str(out))
     assert again.code == 2
     assert "--out" in again.err
+
+
+def test_of_one_suspected_effect_the_typical_size_is_predicted(
+    run: str, answered: Callable[..., None], mimucal, tmp_path: Path
+) -> None:
+    answered(80.0, "gyro_g2_sensitivity")
+    done = mimucal("next", run, "--out", str(tmp_path / "next.json"), "--json")
+    assert done.json["decides"] == ["gyro_g2_sensitivity"]
+    assert done.json["predicted"]["delta_chi2"] == 100.0
 
 
 def test_what_the_station_cannot_decide_is_said_and_nothing_is_written(
