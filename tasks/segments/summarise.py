@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
+from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import Pass, extreme_steps, one_pass
 
 FEW = 100  # numbers that are sorted faster than partitioned
@@ -175,20 +176,6 @@ def _widened(corrupt: np.ndarray) -> np.ndarray:
     row = np.arange(len(corrupt))
     near = count[np.minimum(row + burst + 1, len(corrupt))] > count[np.maximum(row - burst, 0)]
     return corrupt if near.mean() > MOST_WIDENED else near
-
-
-def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Allan variances of block means (c, blocks) at block lengths seconds/32, /16, /8, /4, /2.
-
-    Returns variances (levels, c) and block lengths (levels,) s.
-    """
-    variances, lengths = [], []
-    while means.shape[1] >= 2:
-        apart = means[:, 1:] - means[:, :-1]
-        variances.append(0.5 * np.vecdot(apart, apart) / apart.shape[1])
-        lengths.append(seconds / means.shape[1])
-        means = 0.5 * (means[:, ::2] + means[:, 1::2])
-    return np.array(variances).reshape(-1, len(means)), np.array(lengths)
 
 
 def summarise(

@@ -141,7 +141,7 @@ def linear_estimate(
     if excess.factor > 1.0:
         u = excess.factor * np.sqrt(max(noise + rounding, 0.0))
         return Estimate(value, (observed(float(u), "", excess.dof),))
-    dof = type_a_dof(weights, evidence.segments, evidence.noise, channel, noise)
+    dof = type_a_dof(weights, evidence.noise, channel, noise)
     lines: tuple[Contribution, ...] = (observed(float(np.sqrt(max(noise, 0.0))), "", dof),)
     if rounding > 0.0:
         lines = (*lines, resolution(float(np.sqrt(3.0 * rounding)), "", 1.0))
