@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -67,11 +68,11 @@ class SegmentMean:
     def seconds(self) -> float:
         return self.t_end - self.t_start
 
-    @property
+    @cached_property
     def has_gyro(self) -> bool:
         return bool(np.isfinite(self.mean[GYRO_COLUMNS]).all())
 
-    @property
+    @cached_property
     def has_accel(self) -> bool:
         return bool(np.isfinite(self.mean[ACCEL_COLUMNS]).all())
 
