@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # In the metadata of each Parquet file: of the content, and of what was written.
 DIGEST, CHECK_SUM = b"mimucal.digest", b"mimucal.check_sum"
-BUFFER = 1 << 18  # bytes read at once: they are copied while they are in the processor's cache
+BUFFER = 1 << 16  # bytes read at once: they are copied while they are in the processor's cache
 
 
 def write_columns(recording: Recording, folder: Path) -> None:

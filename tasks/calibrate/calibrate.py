@@ -1,5 +1,7 @@
 """The calibration of a recording by a specification."""
 
+import math
+
 import numpy as np
 
 from schemas.calibration import Calibration, EnvironmentSeen, SegmentUsed
@@ -84,7 +86,7 @@ def _used(evidence: ClauseEvidence, i: int) -> SegmentUsed:
 def _recorded(of_channels: np.ndarray) -> dict[str, float]:
     """(6,) as numbers by the names of the channels; without those that were not recorded."""
     named = zip(CHANNELS, of_channels.tolist(), strict=True)
-    return {name: value for name, value in named if np.isfinite(value)}
+    return {name: value for name, value in named if math.isfinite(value)}
 
 
 def _extent(environment: Stream | None, name: str) -> tuple[float, float] | None:

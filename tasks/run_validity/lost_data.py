@@ -51,12 +51,11 @@ def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iter
 
 def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     """Samples missing between two time stamps."""
-    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-    t = recording.imu.t[rows]
     shortest, longest = segment.intervals
-    if len(t) < 3 or longest <= GAP * shortest:  # whatever the usual one is
+    if segment.rows < 3 or longest <= GAP * shortest:  # whatever the usual one is
         return
-    steps = np.diff(t)
+    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
+    steps = np.diff(recording.imu.t[rows])
     interval = float(np.median(steps))
     gaps = steps > GAP * interval
     if not gaps.any():

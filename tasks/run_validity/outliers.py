@@ -145,9 +145,13 @@ def _stuck(
     interval = segment.seconds / segment.rows
     shortest = min(max(20, round(STUCK_SECONDS / interval)), segment.rows)
     name = segment.segment.name
-    for channel in np.flatnonzero(np.isfinite(segment.mean)).tolist():
-        values = recording.imu.columns[CHANNELS[channel]][rows]
-        start, length = _longest_repeat(values, shortest)
+    views = recording.imu.views(CHANNELS, rows)
+    # A run of `shortest` rows holds two neighbours of a sample that takes every half of it.
+    sample = np.array([values[:: max(1, shortest // 2)] for values in views])
+    repeats = (sample[:, 1:] == sample[:, :-1]).any(axis=1) | (sample.shape[1] == 1)
+    for channel in np.flatnonzero(repeats & np.isfinite(segment.mean)).tolist():
+        values = views[channel]
+        start, length = _longest_repeat(values)
         if length < shortest:
             continue
         yield run_remark(
@@ -158,14 +162,8 @@ def _stuck(
         )  # fmt: skip
 
 
-def _longest_repeat(values: np.ndarray, shortest: int) -> tuple[int, int]:
-    """First row and length of the longest run of one value; (0, 0) if none is long enough.
-
-    A run of `shortest` rows holds two neighbours of a sample that takes every half of it.
-    """
-    sample = values[:: max(1, shortest // 2)]
-    if len(sample) > 1 and not (sample[1:] == sample[:-1]).any():
-        return 0, 0
+def _longest_repeat(values: np.ndarray) -> tuple[int, int]:
+    """First row and length of the longest run of one value."""
     changes = np.flatnonzero(np.diff(values)) + 1
     edges = np.concatenate(([0], changes, [len(values)]))
     lengths = np.diff(edges)

@@ -12,7 +12,6 @@ from tasks.motion.whole import unit_vector
 from tasks.run_validity.remark import run_remark
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.uncertainty.drift import seconds_of
 
 # Standard deviation of the rows of a rest: noise of no unit that is worth a calibration.
 MOST_DEVIATION = np.array([np.radians(1.0)] * len(AXES) + [0.5] * len(AXES))  # rad/s, m/s²
@@ -76,7 +75,7 @@ def _drift(
     if len(rests) <= faces.shape[1] or not np.isfinite(means).all():
         return None
     white = evidence.noise.white[rests, channel]
-    noise = 2.0 * np.sqrt(white / seconds_of(evidence.segments)[rests])
+    noise = 2.0 * np.sqrt(white / evidence.noise.seconds[rests])
     if channel < len(AXES):
         north = evidence.north[rests]
         known = bool(np.isfinite(north).all())

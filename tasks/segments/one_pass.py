@@ -90,9 +90,11 @@ def cosine_and_sine(angle: np.ndarray) -> np.ndarray:
 
     By the tangent of half the angle, which numpy has nine times as fast as cosine and sine.
     """
-    half = np.tan(0.5 * angle)
-    above_one = 2.0 / (1.0 + half**2)  # 1 + cosine
-    return np.array([above_one - 1.0, half * above_one])
+    half, both = np.tan(0.5 * angle), np.empty((2, *angle.shape))
+    np.divide(2.0, 1.0 + half**2, out=both[0])  # 1 + cosine
+    np.multiply(half, both[0], out=both[1])
+    both[0] -= 1.0
+    return both
 
 
 # Processes long columns piece by piece, so that each piece is read from memory once.

@@ -12,7 +12,7 @@ import numpy as np
 
 from schemas.recording import AXES, Axis, Recording
 from tasks.motion.table import mean_rate
-from tasks.segments.summarise import SegmentMean
+from tasks.segments.summarise import SegmentMean, median
 
 STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
 OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate's
@@ -135,7 +135,7 @@ def _wander(blocks: np.ndarray) -> float:
     """Largest difference of the medians of the thirds of (blocks,) means; 0 for too few to tell."""
     if len(blocks) < FEWEST_BLOCKS:
         return 0.0
-    medians = [float(np.median(part)) for part in np.array_split(blocks, 3)]
+    medians = [float(median(part)) for part in np.array_split(blocks, 3)]
     return max(medians) - min(medians)
 
 
@@ -144,5 +144,5 @@ def _noise_of_thirds(blocks: np.ndarray) -> float:
 
     From what neighbours differ by: a drift through the segment is no noise.
     """
-    spread = 1.4826 * float(np.median(np.abs(np.diff(blocks)))) / np.sqrt(2.0)
+    spread = 1.4826 * float(median(np.abs(np.diff(blocks)))) / np.sqrt(2.0)
     return spread * float(np.sqrt(4.7 / len(blocks)))

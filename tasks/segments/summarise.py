@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
+from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import Pass, extreme_steps, one_pass
 
-FEW = 100  # numbers that are sorted faster than partitioned
+FEW = 500  # numbers that are sorted faster than partitioned
 Origin = Literal["label", "found"]
 CHANNELS: tuple[str, ...] = GYRO + ACCEL
 GYRO_COLUMNS = slice(0, 3)
@@ -66,11 +68,11 @@ class SegmentMean:
     def seconds(self) -> float:
         return self.t_end - self.t_start
 
-    @property
+    @cached_property
     def has_gyro(self) -> bool:
         return bool(np.isfinite(self.mean[GYRO_COLUMNS]).all())
 
-    @property
+    @cached_property
     def has_accel(self) -> bool:
         return bool(np.isfinite(self.mean[ACCEL_COLUMNS]).all())
 
@@ -177,20 +179,6 @@ def _widened(corrupt: np.ndarray) -> np.ndarray:
     return corrupt if near.mean() > MOST_WIDENED else near
 
 
-def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Allan variances of block means (c, blocks) at block lengths seconds/32, /16, /8, /4, /2.
-
-    Returns variances (levels, c) and block lengths (levels,) s.
-    """
-    variances, lengths = [], []
-    while means.shape[1] >= 2:
-        apart = means[:, 1:] - means[:, :-1]
-        variances.append(0.5 * np.vecdot(apart, apart) / apart.shape[1])
-        lengths.append(seconds / means.shape[1])
-        means = 0.5 * (means[:, ::2] + means[:, 1::2])
-    return np.array(variances).reshape(-1, len(means)), np.array(lengths)
-
-
 def summarise(
     imu: Stream,
     segment: Segment,
@@ -281,10 +269,15 @@ def summarise_all(
 def median(values: np.ndarray) -> np.ndarray:
     """Medians (…) along the last axis of (…, n ≥ 1) values, NaN where one of them is.
 
-    What np.median gives, in half to a tenth of its time.
+    What np.median gives, in a tenth of its time: it asks for several places at once.
     """
     count = values.shape[-1]
     low, high = (count - 1) // 2, count // 2
-    ordered = np.sort(values) if count < FEW else np.partition(values, (low, high, count - 1))
-    middle = 0.5 * (ordered[..., low] + ordered[..., high])
-    return np.where(np.isnan(ordered[..., -1]), np.nan, middle)  # NaN is sorted to the end
+    if count < FEW:
+        ordered = np.sort(values)
+        below, last = ordered[..., low], ordered[..., -1]  # NaN is sorted to the end
+    else:
+        ordered = np.partition(values, high)
+        below = ordered[..., : low + 1].max(axis=-1)
+        last = ordered[..., high:].max(axis=-1)
+    return np.where(np.isnan(last), np.nan, 0.5 * (below + ordered[..., high]))

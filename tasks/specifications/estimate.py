@@ -137,11 +137,13 @@ def linear_estimate(
     if not math.isfinite(value):
         return UNDETERMINED
     noise = float(o @ evidence.noise_covariances[channel][block] @ o)
-    rounding = float(o @ evidence.rounding_covariance(channel)[block] @ o)
+    rounding = 0.0
+    if evidence.coarse_channels[channel]:
+        rounding = float(o @ evidence.rounding_covariance(channel)[block] @ o)
     if excess.factor > 1.0:
         u = excess.factor * np.sqrt(max(noise + rounding, 0.0))
         return Estimate(value, (observed(float(u), "", excess.dof),))
-    dof = type_a_dof(weights, evidence.segments, evidence.noise, channel, noise)
+    dof = type_a_dof(weights, evidence.noise, channel, noise)
     lines: tuple[Contribution, ...] = (observed(float(np.sqrt(max(noise, 0.0))), "", dof),)
     if rounding > 0.0:
         lines = (*lines, resolution(float(np.sqrt(3.0 * rounding)), "", 1.0))

@@ -128,7 +128,7 @@ class ClauseEvidence:
     def noise_covariances(self) -> np.ndarray:
         """Covariances (6, n, n) of each channel's means by white noise and drift."""
         channels = range(len(CHANNELS))
-        return np.array([covariance_of_means(self.segments, self.noise, c) for c in channels])
+        return np.array([covariance_of_means(self.noise, c) for c in channels])
 
     def rounding_covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means by the output's step where it hides its noise.

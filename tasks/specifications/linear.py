@@ -56,8 +56,10 @@ def residuals_of(
     """What the fit leaves of the readings."""
     maker = np.eye(len(readings)) - design @ solution.operator
     values, spread = maker @ readings, maker @ covariance @ maker.T
-    inverse = np.linalg.pinv(spread, rcond=1e-6, hermitian=True)
-    return Residuals(values, spread, float(values @ inverse @ values))
+    variances, directions = np.linalg.eigh(spread)
+    known = np.abs(variances) > 1e-6 * np.abs(variances).max(initial=0.0)
+    along = values @ directions[:, known]
+    return Residuals(values, spread, float((along**2 / variances[known]).sum()))
 
 
 @dataclass(frozen=True)

@@ -88,7 +88,7 @@ def _solve(t: np.ndarray, cumulative: np.ndarray, density: np.ndarray, probabili
         low, high = (low, x) if excess > 0.0 else (x, high)
         slope = float(density @ cosine)
         step = x - excess / slope if slope > 0.0 else math.nan
-        if abs(step - x) < 1e-9 * x:
+        if abs(step - x) < 1e-6 * x:  # what is left of it is about its square
             return step
         middle = 0.5 * (low + high) if math.isfinite(high) else 2.0 * x
         x = step if low < step < min(high, 2.0 * low + 2.0) else middle

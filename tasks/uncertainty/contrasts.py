@@ -5,6 +5,7 @@ likelihood of the residuals is that of restricted maximum likelihood (Patterson 
 Biometrika 58, 1971).
 """
 
+import math
 from typing import get_args
 
 import numpy as np
@@ -28,7 +29,7 @@ def contrasts(
         i
         for i, segment in enumerate(segments)
         if variance[i] > 0
-        and np.isfinite(segment.mean[channel])
+        and math.isfinite(segment.mean[channel])
         and _has_known_input(segment.segment, channel)
     ]
     none = Contrasts(np.zeros((len(LEVELS), 0)), np.zeros((len(LEVELS), 3, 0)))

@@ -44,12 +44,15 @@ class ChannelNoise:
         walk, unit²/s; slope², unit²/s².
     shapes: (DRIFTS, segments, segments) covariance of the segment means per unit of each drift.
     contrasts: (6,) how many independent contrasts between segments determine the drift.
+    seconds: (segments,) their lengths. degrees: (segments,) degrees of freedom of the white noise.
     """
 
     white: np.ndarray
     drift: np.ndarray
     shapes: np.ndarray
     contrasts: np.ndarray
+    seconds: np.ndarray
+    degrees: np.ndarray
 
     @cached_property
     def drift_covariances(self) -> np.ndarray:
@@ -70,13 +73,15 @@ def fit_noise(
     with the drift taken away; it is never less than the rounding of each row to one step.
     """
     if not segments:
-        none = np.zeros((DRIFTS, 6))
-        return ChannelNoise(np.zeros((0, 6)), none, np.zeros((DRIFTS, 0, 0)), np.zeros(6))
+        none, no_one = np.zeros((DRIFTS, 6)), np.zeros(0)
+        shapes = np.zeros((DRIFTS, 0, 0))
+        return ChannelNoise(np.zeros((0, 6)), none, shapes, np.zeros(6), no_one, no_one)
     if up is not None and rate is not None:
         segments = tuple(map(_corrected, segments, up, rate))
     white_only = _white(segments, np.zeros((DRIFTS, 6)))
     shapes = drift_shapes(segments)
-    white_variance = white_only / seconds_of(segments)[:, None]
+    seconds = seconds_of(segments)
+    white_variance = white_only / seconds[:, None]
     drift, count = np.zeros((DRIFTS, 6)), np.zeros(6)
     known = np.array([np.isfinite(segment.allan).all(axis=0) for segment in segments])
     for channel in range(6):
@@ -85,28 +90,21 @@ def fit_noise(
             errors = contrasts(segments, shapes, white_variance[:, channel], channel)
             drift[:, channel] = drift_strengths(errors, pooled)
             count[channel] = errors.value.shape[1]
-    return ChannelNoise(_white(segments, drift), drift, shapes, count)
+    white = _white(segments, drift)
+    return ChannelNoise(white, drift, shapes, count, seconds, _white_degrees(segments))
 
 
-def covariance_of_means(
-    segments: tuple[SegmentMean, ...], noise: ChannelNoise, channel: int
-) -> np.ndarray:
+def covariance_of_means(noise: ChannelNoise, channel: int) -> np.ndarray:
     """Covariance (n, n) of one channel's segment means, unit².
 
     What it gives a bias is the uncertainty of its mean over all time where it flickers, over the
     recording itself where it walks or has a trend.
     """
-    white = np.diag(noise.white[:, channel] / seconds_of(segments))
+    white = np.diag(noise.white[:, channel] / noise.seconds)
     return white + noise.drift_covariances[channel]
 
 
-def type_a_dof(
-    weights: np.ndarray,
-    segments: tuple[SegmentMean, ...],
-    noise: ChannelNoise,
-    channel: int,
-    variance: float,
-) -> float:
+def type_a_dof(weights: np.ndarray, noise: ChannelNoise, channel: int, variance: float) -> float:
     """Effective degrees of freedom of the variance of o·U, Welch-Satterthwaite (GUM G.4).
 
     weights: o (n,) of all segment means; variance: of o·U in total. The white noise of a segment
@@ -119,25 +117,22 @@ def type_a_dof(
     if variance <= 0.0:
         return math.inf
     used = np.flatnonzero(weights)
-    seconds = seconds_of([segments[i] for i in used])
-    white = weights[used] ** 2 * noise.white[used, channel] / seconds
+    white = weights[used] ** 2 * noise.white[used, channel] / noise.seconds[used]
     drifting = noise.drift_covariances[channel][np.ix_(used, used)]
     drift = max(float(weights[used] @ drifting @ weights[used]), 0.0)
-    weight = float((white**2 / [_white_degrees(segments[i], segments) for i in used]).sum())
+    weight = float((white**2 / noise.degrees[used]).sum())
     if drift > 0.0:
-        weight += drift**2 / (noise.contrasts[channel] or COARSE * len(segments))
+        weight += drift**2 / (noise.contrasts[channel] or COARSE * len(noise.seconds))
     return max(variance**2 / weight, 1.0) if weight > 0.0 else math.inf
 
 
-def _white_degrees(segment: SegmentMean, segments: tuple[SegmentMean, ...]) -> float:
-    """Those of a segment's own blocks; a turn has the median noise of the segments beside it."""
-    if segment.segment.kind != "rotation":
-        return _degrees(segment)
-    return float(np.median([_degrees(s) for s in segments if s.segment.kind != "rotation"] or [1]))
-
-
-def _degrees(segment: SegmentMean) -> float:
-    return max(PER_DIFFERENCE * (2.0 ** len(segment.tau) - 1.0), 1.0)
+def _white_degrees(segments: tuple[SegmentMean, ...]) -> np.ndarray:
+    """Those (n,) of the segments' own blocks; a turn has the median of the segments beside it."""
+    degrees = np.array([PER_DIFFERENCE * (2.0 ** len(s.tau) - 1.0) for s in segments]).clip(1.0)
+    moving = np.array([segment.segment.kind == "rotation" for segment in segments])
+    if moving.any():
+        degrees[moving] = np.median(degrees[~moving]) if not moving.all() else 1.0
+    return degrees
 
 
 def _corrected(segment: SegmentMean, up: Up | None, rate: float) -> SegmentMean:

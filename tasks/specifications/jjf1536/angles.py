@@ -10,12 +10,12 @@ from itertools import combinations
 import numpy as np
 
 from schemas.recording import ANGLE, GYRO, Recording, Segment, Stream
+from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import one_pass
 from tasks.segments.summarise import (
     GYRO_COLUMNS,
     Origin,
     SegmentMean,
-    allan_variances,
     far_rows,
     longest_run,
     steps,

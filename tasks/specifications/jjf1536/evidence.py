@@ -82,7 +82,7 @@ class AhrsEvidence(ClauseEvidence):
         share a reading share its error, with opposite signs.
         """
         channels = range(len(CHANNELS))
-        rates = [covariance_of_means(self.segments, self.noise, c) for c in channels]
+        rates = [covariance_of_means(self.noise, c) for c in channels]
         angle_noise = np.append(self.angle_noise, np.zeros(3))  # accelerometers read no angle
         return np.array(rates) + angle_noise[:, None, None] * _shared_readings(self.segments)
 

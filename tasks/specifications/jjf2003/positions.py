@@ -12,7 +12,7 @@ from schemas.text import Remark
 from tasks.segments.summarise import SegmentMean
 from tasks.specifications.estimate import Estimate, fit_means, u_of_means
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.linear import Solution, solve
+from tasks.specifications.linear import Solution
 from tasks.uncertainty.type_b import Weights
 from tasks.words import message, remark
 
@@ -163,6 +163,5 @@ def fit_positions(
                 for estimate, c in zip(fit.estimates, counted, strict=True)
             )
         )
-    solution = solve(design)
     ups = tuple(positions)
-    return PositionFit(tuple(rows), factors, solution, average, ups, evidence.mounted_once)
+    return PositionFit(tuple(rows), factors, fit.solution, average, ups, evidence.mounted_once)

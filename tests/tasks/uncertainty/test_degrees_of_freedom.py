@@ -25,7 +25,7 @@ def evidence(ideal_run) -> ClauseEvidence:
 
 def dof_of(evidence: ClauseEvidence, weights: np.ndarray) -> float:
     variance = float(weights @ evidence.noise_covariances[0] @ weights)
-    return type_a_dof(weights, evidence.segments, evidence.noise, 0, variance)
+    return type_a_dof(weights, evidence.noise, 0, variance)
 
 
 def only(evidence: ClauseEvidence, count: int) -> np.ndarray:
@@ -70,4 +70,4 @@ def test_drift_that_no_contrast_told_is_known_by_the_longest_blocks(evidence) ->
 
 
 def test_what_does_not_scatter_is_known(evidence) -> None:
-    assert type_a_dof(only(evidence, 2), evidence.segments, evidence.noise, 0, 0.0) == math.inf
+    assert type_a_dof(only(evidence, 2), evidence.noise, 0, 0.0) == math.inf

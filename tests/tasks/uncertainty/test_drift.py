@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from schemas.recording import Segment
+from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import BLOCKS
-from tasks.segments.summarise import SegmentMean, allan_variances
+from tasks.segments.summarise import SegmentMean
 from tasks.uncertainty.drift import WALK, drift_shapes
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
@@ -102,7 +103,7 @@ def scores(process: Process, runs: int = RUNS) -> tuple[np.ndarray, np.ndarray]:
         segments = segments_of(blocks, held)
         noise, means = fit_noise(segments), np.array([s.mean for s in segments])
         for channel in range(6):
-            covariance = covariance_of_means(segments, noise, channel)
+            covariance = covariance_of_means(noise, channel)
             found.append([
                 w @ means[:, channel] / np.sqrt(w @ covariance @ w) for w in (bias, slope)
             ])  # fmt: skip
@@ -184,6 +185,6 @@ def test_a_segment_of_one_row_spoils_no_other() -> None:
         segments[20], rows=1, t_end=segments[20].t_start, allan=np.zeros((0, 6)), tau=np.zeros(0)
     )
     segments = (*segments[:20], short, *segments[21:])
-    covariance = covariance_of_means(segments, fit_noise(segments), 4)
+    covariance = covariance_of_means(fit_noise(segments), 4)
     others = np.delete(np.delete(covariance, 20, axis=0), 20, axis=1)
     assert np.linalg.eigvalsh(others).min() > 0

@@ -45,7 +45,7 @@ def ratio_of_contrasts(values_of, runs: int, weights_of) -> float:
         means = np.array([s.mean for s in segments])
         weights = weights_of(len(segments))
         for channel in range(6):
-            variance = weights @ covariance_of_means(segments, noise, channel) @ weights
+            variance = weights @ covariance_of_means(noise, channel) @ weights
             squares.append((weights @ means[:, channel]) ** 2 / variance)
     return float(np.sqrt(np.mean(squares)))
 
@@ -78,7 +78,7 @@ def test_correlated_samples_are_not_counted_as_independent() -> None:
     for i in range(1, rows):
         correlated[i] = 0.95 * correlated[i - 1] + rng.normal(0.0, 0.05, 6)
     segments = segments_of(correlated)
-    stated = np.sqrt(covariance_of_means(segments, fit_noise(segments), 0)[0, 0])
+    stated = np.sqrt(covariance_of_means(fit_noise(segments), 0)[0, 0])
     naive = correlated[:, 0].std() / np.sqrt(DWELL * RATE)
     assert stated > 4 * naive  # the truth is sqrt(1.95/0.05) = 6.2 times the naive value
     observed = np.array([s.mean for s in segments])[:, 0].std()
@@ -90,7 +90,7 @@ def test_white_noise_alone_gives_sigma_over_root_n() -> None:
     rows = round(24 * DWELL * RATE)
     segments = segments_of(np.random.default_rng(1).normal(0.0, 0.05, (rows, 6)))
     noise, weights = fit_noise(segments), neighbours(len(segments))
-    covariances = [covariance_of_means(segments, noise, channel) for channel in range(6)]
+    covariances = [covariance_of_means(noise, channel) for channel in range(6)]
     stated = np.sqrt(np.median([weights @ each @ weights for each in covariances]))
     assert stated == pytest.approx(0.05 / np.sqrt(rows), rel=0.25)
 
@@ -99,7 +99,7 @@ def test_a_common_drift_cancels_in_a_difference_of_neighbours() -> None:
     rng = np.random.default_rng(2)
     rows = round(24 * DWELL * RATE)
     segments = segments_of(flicker(rng, rows, 1e-4) + rng.normal(0, 1e-3, (rows, 6)))
-    covariance = covariance_of_means(segments, fit_noise(segments), 0)
+    covariance = covariance_of_means(fit_noise(segments), 0)
     difference = covariance[3, 3] + covariance[4, 4] - 2 * covariance[3, 4]
     far = covariance[0, 0] + covariance[-1, -1] - 2 * covariance[0, -1]
     assert difference < 0.6 * far
@@ -114,5 +114,5 @@ def test_a_channel_rounded_to_one_code_has_an_uncertainty() -> None:
     noise = fit_noise(segments)
     least = 0.1 / np.sqrt(12.0 * DWELL * RATE)
     for channel in range(6):
-        stated = np.sqrt(np.diag(covariance_of_means(segments, noise, channel)))
+        stated = np.sqrt(np.diag(covariance_of_means(noise, channel)))
         assert (stated >= 0.99 * least).all()
