@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.linalg import eigh
 from scipy.special import chdtrc
 
 from schemas.recording import Manifest, Station
 from schemas.review import Level
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
-from tasks.review.evidence import at_unit_information, solved
+from tasks.review.evidence import at_unit_information, ridged, solved
 from tasks.review.hypotheses import Effect
 from tasks.review.mixed import spreads
 from tasks.review.pool import Pool, ReviewedRun
@@ -25,6 +26,8 @@ OF_STATION = (
 )  # fmt: skip
 STATION_FAMILIES = ("table", "site")
 OF_MOUNTING = ("lever_arm", "remount_misalignment")
+FORETELLS = 4.0  # of the others' information: a run with more knows its values twice as well
+LEAST_FORETOLD = 1.0  # nats that others must foretell of the runs, to be a test
 
 
 @dataclass(frozen=True)
@@ -33,8 +36,9 @@ class FoundTogether:
 
     values: (groups, m) SI and covariance: (groups, m, m) of each group of recordings with values of
     their own; group: (runs,) of each. score: chi-squared gained less its price. p_value: corrected
-    for how many were tried. held_out: nats gained in each run by the values of the others.
-    homogeneity_p: that the runs of a group have the same values; None where each has its own.
+    for how many were tried. held_out: nats gained in each run by the values of the others; None
+    where the others say next to nothing of it. homogeneity_p: that the runs of a group have the
+    same values; None where each has its own.
     names: other effects as likely.
     """
 
@@ -44,7 +48,7 @@ class FoundTogether:
     group: np.ndarray
     score: float
     p_value: float
-    held_out: float
+    held_out: float | None
     homogeneity_p: float | None
     names: tuple[str, ...] = ()
 
@@ -56,7 +60,7 @@ def found_together(pool: Pool) -> tuple[tuple[FoundTogether, ...], float]:
         every = [one for effect in pool.effects if (one := _scored(pool, effect)) is not None]
         if not found:
             strongest = min((one.p_value for one in every), default=1.0)
-        believed = [one for one in every if one.p_value < FALSE_ALARMS and _plausible(one)]
+        believed = [one for one in every if one.p_value < FALSE_ALARMS and _is_name(one)]
         if not believed:
             break
         best = max(believed, key=lambda one: one.score)
@@ -100,24 +104,39 @@ def _scored(pool: Pool, effect: Effect) -> FoundTogether | None:
     alone = solved(evidence.information, evidence.score)
     scatter = float((alone * evidence.score).sum() - (values * total).sum())
     free = evidence.size * (len(score) - len(rows))
-    held_out = [
-        _held_out(evidence.score, evidence.information, group == group[r], r)
-        for r in range(len(score))
-    ]
     return FoundTogether(
         effect, values @ back.T, back @ np.linalg.pinv(own, hermitian=True) @ back.T, group,
-        gain - price, min(1.0, chances * len(pool.effects)), float(sum(held_out)),
+        gain - price, min(1.0, chances * len(pool.effects)),
+        _held_out(evidence.score, evidence.information, group),
         float(chdtrc(free, max(scatter, 0.0))) if free else None,
     )  # fmt: skip
 
 
-def _held_out(score: np.ndarray, information: np.ndarray, same: np.ndarray, run: int) -> float:
-    """Nats that the values of the other runs of its group gain in a run."""
-    others = same & (np.arange(len(score)) != run)
-    if not others.any():
-        return 0.0
-    values = solved(information[others].sum(axis=0), score[others].sum(axis=0))
-    return float(score[run] @ values - 0.5 * values @ information[run] @ values)
+def _held_out(score: np.ndarray, information: np.ndarray, group: np.ndarray) -> float | None:
+    """Nats that the values of the other runs of its group gain in each run; None: no test."""
+    gained, expected = 0.0, 0.0
+    for run in range(len(score)):
+        others = (group == group[run]) & (np.arange(len(score)) != run)
+        theirs = information[others].sum(axis=0), score[others].sum(axis=0)
+        values = _foretold(*theirs, information[run])
+        foretold = 0.5 * float(values @ information[run] @ values)
+        gained += float(score[run] @ values) - foretold
+        expected += foretold
+    return gained if expected >= LEAST_FORETOLD else None
+
+
+def _foretold(information: np.ndarray, score: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """(m,) the values by some runs, in the directions that they determine well enough to say
+    something of a run of own information (m, m); zero in the others.
+    """
+    ratios, directions = eigh(own, ridged(information))
+    kept = directions[:, ratios < FORETELLS]
+    return np.asarray(kept @ (score @ kept))
+
+
+def _is_name(one: FoundTogether) -> bool:
+    """Whether the values are plausible, and gain in runs that they were not taken from."""
+    return _plausible(one) and (one.held_out is None or one.held_out > 0.0)
 
 
 def _plausible(one: FoundTogether) -> bool:

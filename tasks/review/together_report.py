@@ -12,6 +12,7 @@ from schemas.discrepancy import (
     FoundParameter,
     HeldOut,
     ReportedFinding,
+    Verdict,
     Where,
 )
 from schemas.text import Statement
@@ -25,6 +26,10 @@ from tasks.words import Sayable, clauses, message, statement
 from tasks.words.quantities import plain, probability
 
 MOST_PARAMETERS = 3  # in a sentence
+ANSWERS: Mapping[Verdict, str] = {
+    "no_mismatch": "together-nothing", "unexplained": "together-unnamed",
+    "partly_explained": "together-found", "explained": "together-found",
+}  # fmt: skip
 
 
 def discrepancy_together(
@@ -40,13 +45,10 @@ def discrepancy_together(
     """
     names = tuple(one.recording_id for one in alone)
     findings = tuple(_finding(one, names, fitted) for one in found)
-    is_open = any(one.names for one in found)
-    every = [effect_name(one.effect.name) for one in found]
-    words = (
-        message("together-found", count=len(names), unit=unit, effects=clauses(every))
-        if found
-        else message("together-nothing", count=len(names), unit=unit, p=probability(p_value))
-    )
+    verdict = _verdict(found, p_value)
+    every = clauses([effect_name(one.effect.name) for one in found])
+    more = {"effects": every} if found else {"p": probability(p_value)}
+    words = message(ANSWERS[verdict], count=len(names), unit=unit, **more)
     own = [
         message("together-alone", recording=one.recording_id, verdict=one.statement)
         for one in alone
@@ -56,7 +58,7 @@ def discrepancy_together(
         digest=hashlib.sha256("\n".join(one.digest for one in alone).encode()).hexdigest(),
         code_version=alone[0].code_version,
         model=alone[0].model,
-        verdict="no_mismatch" if not found else "partly_explained" if is_open else "explained",
+        verdict=verdict,
         detection=Detection(p_value=p_value, false_alarm_rate=FALSE_ALARMS),
         explained_share=_mean([one.explained_share for one in fitted]) if found else 0.0,
         left_over=_means([one.left_over for one in fitted]),
@@ -65,6 +67,25 @@ def discrepancy_together(
         remarks=tuple(statement(each) for each in own),
         statement=sentence(words),
     )
+
+
+def _verdict(found: Sequence[FoundTogether], p_value: float) -> Verdict:
+    if not found:
+        return "no_mismatch" if p_value >= FALSE_ALARMS else "unexplained"
+    return "partly_explained" if any(one.names for one in found) else "explained"
+
+
+def held_out_gain(one: FoundTogether, fitted: Sequence[Discrepancy]) -> float:
+    """Nats that an effect gains where its values were not taken from: other recordings, or, where
+    those say next to nothing of it, the parts of each recording that its own fit did not see.
+    """
+    if one.held_out is not None:
+        return one.held_out
+    return sum(each.evidence.held_out_gain_nats for each in _of_effect(one, fitted))
+
+
+def _of_effect(one: FoundTogether, fitted: Sequence[Discrepancy]) -> list[ReportedFinding]:
+    return [each for of in fitted for each in of.findings if each.effect == one.effect.name]
 
 
 def _finding(
@@ -92,7 +113,9 @@ def _finding(
         channels=tuple(CHANNELS[c] for c in channels),
         where=tuple(_where(of_run, names)),
         parameters=parameters,
-        evidence=EvidenceFor(delta_bic=float(one.score), held_out_gain_nats=one.held_out),
+        evidence=EvidenceFor(
+            delta_bic=float(one.score), held_out_gain_nats=held_out_gain(one, fitted)
+        ),
         share=_mean([some[0].share if some else 0.0 for some in of_run]),
         homogeneity_p=one.homogeneity_p,
         group=None,

@@ -35,7 +35,7 @@ def explain_together(
     from tasks.review.pool import pooled
     from tasks.review.run_statistics import statistics_of
     from tasks.review.together import found_together, reviewed_runs
-    from tasks.review.together_report import discrepancy_together
+    from tasks.review.together_report import discrepancy_together, held_out_gain
 
     recordings = [runs.load(run, home) for run in which]
     _refuse(which, recordings, order)
@@ -51,8 +51,14 @@ def explain_together(
     found, p_value = found_together(pool)
     alone = [_answer(explain(each, progress=progress)) for each in recordings]
     tell(progress, "report")
-    names = list(dict.fromkeys(one.effect.name for one in found))
-    fitted = [_answer(explain(each, only=names)) for each in recordings] if names else alone
+    fitted = alone
+    while found:
+        names = list(dict.fromkeys(one.effect.name for one in found))
+        fitted = [_answer(explain(each, only=names)) for each in recordings]
+        gained = tuple(one for one in found if held_out_gain(one, fitted) > 0.0)
+        if gained == found:
+            break
+        found, fitted = gained, alone
     title = f"{unit.manufacturer} {unit.model} {unit.serial}"
     return Explained(discrepancy_together(title, found, p_value, alone, fitted))
 

@@ -39,5 +39,6 @@ review-site = { $station }: estimated from Earth's rotation in { $runs } runs be
 review-site-unknown = { $station }: no manifest states its latitude and heading, and Earth's rotation is not significant in its { $runs } runs
 together-found = { $count } recordings of { $unit } together show { $effects }
 together-nothing = { $count } recordings of { $unit } together show nothing beyond chance ({ $p }, corrected for the number of tests)
+together-unnamed = { $count } recordings of { $unit } together depart from the standard's model ({ $p }, corrected for the number of tests), but no effect in the catalogue has plausible values that also hold where they were not fitted
 together-evidence = { $effect }: the combined evidence of the recordings is ΔBIC = { $gain }
 together-alone = { $recording } alone: { $verdict }

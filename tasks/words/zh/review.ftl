@@ -27,5 +27,6 @@ review-site = { $station }：各清单均未给出，由 { $runs } 次测量中�
 review-site-unknown = { $station }：各清单均未给出纬度与航向，其 { $runs } 次测量中的地球自转亦不明显
 together-found = { $unit } 的 { $count } 次记录共同表明存在{ $effects }
 together-nothing = { $unit } 的 { $count } 次记录合计未见偶然因素不能造成的差异（{ $p }，已按全部检验次数修正）
+together-unnamed = { $unit } 的 { $count } 次记录合计偏离标准模型（{ $p }，已按全部检验次数修正），但目录中没有一种效应取值合理、且在未参与拟合的数据上同样成立
 together-evidence = { $effect }：各次记录的证据合计 ΔBIC = { $gain }
 together-alone = 单独解释 { $recording }：{ $verdict }

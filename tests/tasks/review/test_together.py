@@ -1,20 +1,21 @@
 """What several recordings of one unit show together, of a plant that shares no code with it."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from schemas.discrepancy import Detection, Discrepancy, HeldOut
+from schemas.discrepancy import Detection, Discrepancy, EvidenceFor, HeldOut, ReportedFinding
 from schemas.review import RunStatistics
 from schemas.text import Statement
 from tasks.review.pool import Pool, ReviewedRun, pooled
 from tasks.review.run_statistics import statistics_of
-from tasks.review.together import found_together
-from tasks.review.together_report import discrepancy_together
+from tasks.review.together import FoundTogether, found_together
+from tasks.review.together_report import discrepancy_together, held_out_gain
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
-from tests.tasks.review.fleet import NOTHING, fleet, of
+from tests.tasks.review.fleet import NOTHING, fleet, of, place
 
 WEAK = EffectCall(  # z = 4 in one recording
     name="gyro_g2_sensitivity",
@@ -69,8 +70,47 @@ def test_a_unit_has_one_value_and_each_mounting_its_own() -> None:
     assert np.sign(own.values.mean(axis=1)).tolist() == [1.0, -1.0, 1.0]
 
 
-def answer(recording: str) -> Discrepancy:
-    """What explain says of a recording in which it found nothing."""
+def test_a_value_that_does_not_hold_in_the_other_recording_is_no_name() -> None:
+    opposite = fleet(
+        1, lambda unit, station, day: of("size_effect", (12.0, -6.0)[day]), runs=2, units=1,
+        stations=1,
+    )  # fmt: skip
+    found, p_value = found_together(opposite)
+    assert "size_effect" not in [one.effect.name for one in found]
+    assert p_value < 1e-6
+    words = discrepancy_together("Maker M 1", (), p_value, [answer("a")] * 2, [answer("a")] * 2)
+    assert words.verdict == "unexplained"
+    assert "depart" in words.statement.en
+
+
+def in_one_recording() -> FoundTogether:
+    """An effect of one mounting each, which no other recording can test."""
+    pool = fleet(2, lambda unit, station, day: of("lever_arm", 6.0), runs=1, units=1, stations=1)
+    (found,), _ = found_together(pool)
+    return found
+
+
+def test_what_no_other_recording_tells_is_tested_on_parts_of_its_own() -> None:
+    found = in_one_recording()
+    assert found.held_out is None
+    assert held_out_gain(found, [answer("a")]) == 0.0
+    assert held_out_gain(found, [answer("a", 12.5), answer("b", 2.5)]) == 15.0
+
+
+def test_recordings_that_see_different_axes_do_not_test_each_other() -> None:
+    pool = fleet(2, lambda unit, station, day: of("size_effect", 9.0), runs=2, units=1, stations=1)
+    (group,) = pool.groups
+    axes = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])
+    score, inverse = group.score.copy(), group.inverse.copy()
+    score[:, place("size_effect")] *= axes
+    inverse[:, place("size_effect")] *= axes
+    apart = replace(pool, groups=(replace(group, score=score, inverse=inverse),))
+    (found, *_), _ = found_together(apart)
+    assert (found.effect.name, found.held_out) == ("size_effect", None)
+
+
+def answer(recording: str, gain: float | None = None) -> Discrepancy:
+    """What explain says of a recording; gain: held-out, of a lever arm that it found."""
     words = Statement(en="Nothing stands out.", zh="未见异常。")
     return Discrepancy(
         recording_id=recording, digest="d", model=words, verdict="no_mismatch", statement=words,
@@ -78,6 +118,16 @@ def answer(recording: str) -> Discrepancy:
         left_over={"gyro_x": 1.1}, held_out=HeldOut(
             rms_ratio={"gyro_x": 1.0}, chi2_per_dof_before=1.2, chi2_per_dof_after=1.0
         ),
+        findings=() if gain is None else (finding(gain),),
+    )  # fmt: skip
+
+
+def finding(gain: float) -> ReportedFinding:
+    words = Statement(en="A lever arm.", zh="杆臂。")
+    return ReportedFinding(
+        effect="lever_arm", family="geometry", title=words, channels=("accel_x",), where=(),
+        parameters=(), evidence=EvidenceFor(delta_bic=30.0, held_out_gain_nats=gain), share=0.5,
+        homogeneity_p=None, group=None, equation="", source="", next=words, statement=words,
     )  # fmt: skip
 
 
