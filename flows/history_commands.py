@@ -70,14 +70,15 @@ def table(
     what: options.What,
     form: options.TableForm = "csv",
     out: options.TableFile = None,
+    as_json: options.Json = False,
 ) -> None:
     """Export the store as tables: runs, results, segments or certificates.
 
     Written to standard output or to a file.
     """
-    from flows.tables import write_table
+    from flows.tables import print_table, write_table
 
-    write_table(what, form, out)
+    (print_table if as_json else write_table)(what, form, out)
 
 
 @app.command(epilog="Example: mimucal impact TT-3000-07 --since 2026-03-01 --until 2026-05-31")

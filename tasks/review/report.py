@@ -73,7 +73,7 @@ def _nothing(pool: Pool, p_value: float) -> Message:
 def _summary(findings: Sequence[ReviewFinding]) -> Message:
     carried = [
         message("review-carried", effect=effect_name(one.effect),
-                carrier=_carrier(one.level, one.carrier))
+                carrier=_carrier(one.level, one.carrier), runs=one.evidence.runs)
         for one in findings
     ]  # fmt: skip
     return message("review-summary", count=len(findings), findings=clauses(carried))
@@ -159,7 +159,7 @@ def _words(
     effect = effect_name(best.effect.name)
     sizes = tuple(parameter_text(each) for each in parameters[:MOST_PARAMETERS])
     parts: list[Sayable] = [
-        message("review-carried", effect=effect, carrier=own),
+        message("review-carried", effect=effect, carrier=own, runs=evidence.runs),
         message("review-evidence", runs=evidence.runs, z=plain(evidence.per_run_z_median, 2),
                 shown=evidence.runs_that_show_it, gain=plain(best.gain)),
         message("review-sizes", sizes=sizes),
