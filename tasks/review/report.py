@@ -25,7 +25,7 @@ from tasks.model.regression import inverse
 from tasks.motion.table import EARTH_RATE
 from tasks.review.carriers import Carried, Change
 from tasks.review.ground import NAME
-from tasks.review.hypotheses import Effect
+from tasks.review.hypotheses import Effect, identity
 from tasks.review.pool import Pool
 from tasks.review.search import FALSE_ALARMS, Found
 from tasks.review.windows import Window, rows_of
@@ -215,7 +215,7 @@ def _carrier(level: str, name: str) -> Message:
 
 def sites_of(pool: Pool) -> tuple[EstimatedSite, ...]:
     """What the runs of each station say of its site, where their manifests do not."""
-    terms = {t.model_dump_json(): t for g in pool.groups for t in g.layout.terms if t.name == NAME}
+    terms = {identity(t): t for g in pool.groups for t in g.layout.terms if t.name == NAME}
     return tuple(site for term in terms.values() for site in _sites(pool, Effect(term, (0, 1))))
 
 

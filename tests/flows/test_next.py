@@ -15,7 +15,7 @@ from schemas.recording import Recording
 from storage import settings
 from storage.catalogue import runs
 from storage.home import Home
-from tasks.experiment import abilities, open_question, separation
+from tasks.experiment import abilities, open_question, rehearsal, separation
 from tasks.experiment.choose import Choice, Experiment
 from tasks.experiment.open_question import OpenQuestion
 
@@ -181,6 +181,31 @@ def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(
     text = mimucal("next", run, "--json").json["statement"]["en"]
     assert "--minutes" not in text
     assert "As far as the encoders of this table resolve its motion" in text
+
+
+def test_where_few_minutes_are_allowed_it_says_what_the_shortest_found_takes(
+    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answered(10.0)
+    found = {False: Choice(PROCEDURE, 1.5, 10.0, 30.0, 10.0),
+             True: Choice(PROCEDURE, 5.2, 80.0, 30.0, 80.0)}  # fmt: skip
+    monkeypatch.setattr(Experiment, "shortest", lambda _, minutes: found[minutes >= 5.2])
+    text = mimucal("next", run, "--minutes", "1e-6", "--json").json["statement"]["en"]
+    assert "A recording of 5.2 min would (--minutes 6)." in text
+
+
+def test_one_effect_is_told_in_the_singular(
+    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    answered(80.0)
+    fit = SimpleNamespace(blocks=None, noises=())
+    question = OpenQuestion(("time_offset",), {}, {}, fit)  # type: ignore[arg-type]
+    monkeypatch.setattr(open_question, "open_question", lambda *_: question)
+    monkeypatch.setattr(rehearsal, "rivals_of", lambda *_: {})
+    done = mimucal("next", run, "--json", "--out", str(tmp_path / "next.json"))
+    assert "it separates it from the nearest alternative" in done.json["statement"]["en"]
+    assert "两者" not in done.json["statement"]["zh"]
 
 
 def test_runs_of_two_units_are_refused_in_one_sentence(
