@@ -94,7 +94,7 @@ def test_where_nothing_is_open_it_asks_what_to_tell_apart(
 
 def test_unusable_options_are_one_sentence_each(run: str, mimucal, tmp_path: Path) -> None:
     for arguments in (
-        ("--minutes", "0"), ("--station", str(tmp_path / "none.toml")),
+        ("--minutes", "0"), ("--minutes", "abc"), ("--station", str(tmp_path / "none.toml")),
         ("--procedure", str(tmp_path / "none.toml")), ("--for", "no_such_effect"),
     ):  # fmt: skip
         refused = mimucal("next", run, *arguments)
@@ -218,3 +218,8 @@ def test_runs_of_two_units_are_refused_in_one_sentence(
     assert refused.code == 2
     assert "ANOTHER" in refused.err
     assert len(refused.err.strip().splitlines()) == 1
+
+
+def test_a_number_that_is_none_is_named(run: str, mimucal) -> None:
+    refused = mimucal("next", run, "--minutes", "abc")
+    assert (refused.code, "'abc'" in refused.err) == (2, True)
