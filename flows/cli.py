@@ -7,6 +7,7 @@ import os
 import sys
 
 import typer
+from pydantic import ValidationError
 from typer.exceptions import TyperException
 
 from flows import (
@@ -68,8 +69,7 @@ def main() -> None:
         _check_text(sys.argv[1:])
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:
-        text = fault.format_message().replace("Value error, ", "").rstrip(".")
-        _say_and_leave(f"{text}. See `mimucal --help`.", 2)
+        _say_and_leave(f"{_fault_of(fault)}. See `mimucal --help`.", 2)
     except Unusable as fault:
         _say_and_leave(str(fault), 2)
     except BrokenOff as end:
@@ -86,6 +86,15 @@ def main() -> None:
     if code == INTERRUPTED:
         _say_and_leave("stopped by the operator", 1)
     raise SystemExit(code)
+
+
+def _fault_of(fault: TyperException) -> str:
+    """What is wrong with the arguments, with the value that was given."""
+    text = fault.format_message().replace("Value error, ", "").rstrip(".")
+    if not isinstance(fault.__cause__, ValidationError):
+        return text
+    given = fault.__cause__.errors()[0]["input"]
+    return text if str(given) in text else f"{text} (found {given!r})"
 
 
 def _fail(failure: Exception) -> None:

@@ -31,6 +31,7 @@ def reprocess(
     from flows import print_history
     from flows.carry_out import as_flow_run
     from flows.run_orders import home_of
+    from schemas.base import BrokenOff
     from schemas.orders import ReprocessOrder, order_of
 
     order = order_of(
@@ -58,7 +59,13 @@ def reprocess(
         else:
             print_history.print_plan(planned)
         return
-    report = as_flow_run("reprocess", order)
+    try:
+        report = as_flow_run("reprocess", order)
+    except KeyboardInterrupt as stop:
+        raise BrokenOff(
+            "stopped by the operator; what is done is kept, and the same command continues with "
+            "the rest"
+        ) from stop
     if as_json:
         print(report.model_dump_json(indent=1))
     else:
@@ -70,14 +77,15 @@ def table(
     what: options.What,
     form: options.TableForm = "csv",
     out: options.TableFile = None,
+    as_json: options.Json = False,
 ) -> None:
     """Export the store as tables: runs, results, segments or certificates.
 
     Written to standard output or to a file.
     """
-    from flows.tables import write_table
+    from flows.tables import print_table, write_table
 
-    write_table(what, form, out)
+    (print_table if as_json else write_table)(what, form, out)
 
 
 @app.command(epilog="Example: mimucal impact TT-3000-07 --since 2026-03-01 --until 2026-05-31")

@@ -162,6 +162,8 @@ def prune(
     if delete:
         with counting("deleting") as report:
             gone, refused = retention.delete(found, str(by).strip(), home(), report)
+        if not gone and len({each.why for each in refused}) == 1:  # all for one reason
+            raise Unusable(refused[0].why)
         pruned = pruned.model_copy(update={"found": tuple(gone), "refused": tuple(refused)})
     if as_json:
         print(pruned.model_dump_json(indent=1))

@@ -1,8 +1,9 @@
 """`mimucal table`: what the store holds, as CSV or Parquet."""
 
+import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from schemas.base import Unusable
 from storage.home import home
@@ -12,6 +13,23 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PARTITIONS = ["station", "month"]
+
+
+def print_table(what: str, form: str, out: Path | None) -> None:
+    """Write a table as `write_table` does, and say so in one JSON document; without a file the
+    document has the rows themselves.
+    """
+    from storage.dataframes import TABLES, records
+
+    if out is None and form != "csv":
+        raise Unusable(f"--json shows no {form}; leave --as out, or give a file with --out")
+    if out is not None or what not in TABLES:
+        write_table(what, form, out)
+        content: dict[str, Any] = {"as": form, "path": str(out)}
+    else:
+        content = {"rows": records(what, home())}
+    document = {"format": "mimu-table/1", "table": what, **content}
+    print(json.dumps(document, ensure_ascii=False, indent=1, default=str))
 
 
 def write_table(what: str, form: str, out: Path | None) -> None:

@@ -101,6 +101,13 @@ def written(what: str, home: Home, file: TextIO) -> None:
     writer.writerows(database.rows(home, asked))
 
 
+def records(what: str, home: Home) -> list[dict[str, Any]]:
+    """The rows of a table of TABLES by the names of its columns; None: not known."""
+    asked = QUESTIONS[what](home)
+    names = [column.name for column in asked.selected_columns]
+    return [dict(zip(names, row, strict=True)) for row in database.rows(home, asked)]
+
+
 def _runs(home: Home) -> sql.Select[Any]:
     complete_runs(home)
     columns = (RUN.id, RUN.digest, *OF_RUN, RUN.standard, RUN.taken_in_at)

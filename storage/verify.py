@@ -17,7 +17,7 @@ from storage.catalogue.results import calibration_of, result_id
 from storage.catalogue.run_index import Run, all_runs
 from storage.catalogue.runs import from_columns
 from storage.formats.content import fingerprint
-from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.reader import CutOff, read_mcap
 from storage.home import Home
 from storage.left_drafts import age_s, is_of_draft
 from storage.whole_files import is_as_kept
@@ -103,8 +103,15 @@ def _raw(run: Run, name: str, blobs: Blobs) -> Iterator[str]:
     try:
         with blobs.local(name) as path:
             digest = read_mcap(path).digest
+    except CutOff as fault:
+        yield (
+            f"it {fault.why}; move the file away and {again}, or, where there is no source any "
+            "more, import what is whole of it with --salvage"
+        )
+        return
     except Unusable as error:
-        yield f"{error} Move the file away and {again}."
+        why = str(error).removeprefix(blobs.where(name)).lstrip(": ")
+        yield f"{why} Move the file away and {again}."
         return
     if digest != run.digest:
         yield (

@@ -12,7 +12,7 @@ from schemas.tolerance import Tolerance
 from tasks.conformity import decide
 from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw
 from tasks.specifications.items import item_title
-from tasks.words import say
+from tasks.words import LANGUAGES, message, say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,11 +92,16 @@ def _flips(before: Calibration, after: Calibration, tolerance: Tolerance | None)
 
 
 def report_texts(report: Reprocessing) -> dict[str, str]:
-    """The files of the report, by name: report.json, changed.csv and changed.svg."""
+    """The files of the report by name: report.json, changed.csv, and changed.svg by language."""
     return {
         "report.json": report.model_dump_json(indent=1) + "\n",
         "changed.csv": _table(report.changed),
-        "changed.svg": changed_svg(report),
+        **{
+            "changed.svg" if language == LANGUAGES[0] else f"changed-{language}.svg": changed_svg(
+                report, language
+            )
+            for language in LANGUAGES
+        },
     }
 
 
@@ -108,27 +113,31 @@ def _table(changed: tuple[Change, ...]) -> str:
     return text.getvalue()
 
 
-def changed_svg(report: Reprocessing) -> str:
+def changed_svg(report: Reprocessing, language: str) -> str:
     """The picture: a row for each item, a mark for each element of each run that moved."""
     items = list(dict.fromkeys(change.item for change in report.changed))
-    title = f"What moved in {report.done} results, of which {report.unchanged} are as they were"
+    title, change, in_part, nothing = (
+        say(message(f"changed-{id_}", done=report.done, unchanged=report.unchanged), language)
+        for id_ in ("title", "in-U", "in-part", "nothing")
+    )
 
     def content(figure: "Figure") -> None:
         axes: Any = figure.add_subplot()
         axes.set_title(title)
         axes.set(xscale="log", xlim=(LEAST, MOST), ylim=(max(len(items), 1), 0))
-        axes.set_xlabel("change of the value / U", loc="right")
-        axes.set_yticks([row + 0.5 for row in range(len(items))], [_title(item) for item in items])
+        axes.set_xlabel(change, loc="right")
+        axes.set_yticks(
+            [row + 0.5 for row in range(len(items))],
+            [say(item_title(item), language) for item in items],
+        )
         axes.axvline(1.0, color=BEFORE, linewidth=1.0)
         for row, item in enumerate(items):
             axes.axhline(row + 0.5, color=PALE, linewidth=1.0, zorder=0)
             _row(axes, row + 0.5, [c for c in report.changed if c.item == item])
         if any(map(came_or_went, report.changed)):
-            axes.set_xlabel(
-                "change of the value / U; ×: determined before or now only", loc="right"
-            )
+            axes.set_xlabel(in_part, loc="right")
         if not items:
-            axes.text(0.5, 0.5, "nothing moved", transform=axes.transAxes, ha="center", color=GREY)
+            axes.text(0.5, 0.5, nothing, transform=axes.transAxes, ha="center", color=GREY)
 
     return draw(title, WIDTH, FRAME + ROW * max(len(items), 2), content)
 
@@ -150,7 +159,3 @@ def _row(axes: Any, y: float, changes: Sequence[Change]) -> None:
             {"marker": "x", "s": 25.0, "clip_on": False} if one else {"s": 9.0, "linewidths": 0.0}
         )
         axes.scatter(at, [heights[k] for k in shown], c=colours, **form)
-
-
-def _title(item: str) -> str:
-    return say(item_title(item), "en")

@@ -1,5 +1,6 @@
 """HTML pages from templates: `templates/base.html` has the style, a folder by each user content."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,16 @@ def inline(svg: str) -> "Markup":
     from markupsafe import Markup
 
     return Markup(svg)
+
+
+def inline_each(by_language: Mapping[str, str]) -> "Markup":
+    """A chart in every language, of which the page shows one."""
+    from markupsafe import Markup
+
+    span = Markup('<span lang="{}">{}</span>')
+    return Markup("").join(
+        span.format(language, Markup(svg)) for language, svg in by_language.items()
+    )
 
 
 def _text(phrase: Sayable) -> "Markup":

@@ -25,7 +25,7 @@ from tasks.model.regression import inverse
 from tasks.motion.table import EARTH_RATE
 from tasks.review.carriers import Carried, Change
 from tasks.review.ground import NAME
-from tasks.review.hypotheses import Effect
+from tasks.review.hypotheses import Effect, identity
 from tasks.review.pool import Pool
 from tasks.review.search import FALSE_ALARMS, Found
 from tasks.review.windows import Window, rows_of
@@ -73,7 +73,7 @@ def _nothing(pool: Pool, p_value: float) -> Message:
 def _summary(findings: Sequence[ReviewFinding]) -> Message:
     carried = [
         message("review-carried", effect=effect_name(one.effect),
-                carrier=_carrier(one.level, one.carrier))
+                carrier=_carrier(one.level, one.carrier), runs=one.evidence.runs)
         for one in findings
     ]  # fmt: skip
     return message("review-summary", count=len(findings), findings=clauses(carried))
@@ -160,7 +160,7 @@ def _words(
     effect = effect_name(best.effect.name)
     sizes = tuple(parameter_text(each) for each in parameters[:MOST_PARAMETERS])
     parts: list[Sayable] = [
-        message("review-carried", effect=effect, carrier=own),
+        message("review-carried", effect=effect, carrier=own, runs=evidence.runs),
         message("review-evidence", runs=evidence.runs, z=plain(evidence.per_run_z_median, 2),
                 shown=evidence.runs_that_show_it, gain=plain(best.gain)),
         message("review-sizes", sizes=sizes),
@@ -216,7 +216,7 @@ def _carrier(level: str, name: str) -> Message:
 
 def sites_of(pool: Pool) -> tuple[EstimatedSite, ...]:
     """What the runs of each station say of its site, where their manifests do not."""
-    terms = {t.model_dump_json(): t for g in pool.groups for t in g.layout.terms if t.name == NAME}
+    terms = {identity(t): t for g in pool.groups for t in g.layout.terms if t.name == NAME}
     return tuple(site for term in terms.values() for site in _sites(pool, Effect(term, (0, 1))))
 
 

@@ -9,12 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from schemas.base import Unusable
 from schemas.discrepancy import Discrepancy
 from schemas.orders import ExplainOrder
-from schemas.recording import ACCEL, GYRO, Recording
+from schemas.recording import Recording
 from schemas.review import RunStatistics
 from storage import run_statistics, settings
 from storage.catalogue import discrepancies, runs
@@ -26,14 +24,12 @@ from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.stages import import_checks
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.stage import stage
-from tasks.words import message
+from tasks.words import Message, message
 
 if TYPE_CHECKING:
     from tasks.explain.inputs.reference import ReferencePrediction
 
 WORTH_A_PROCESS = 4  # runs that take longer than a process takes to begin
-MAX_STEPS = 1.5  # steps of the unit between which another simulator's rows are interpolated
-MIN_SHARE_OF_ROWS = 0.5  # of the unit's rows that a simulation must have
 
 
 @dataclass(frozen=True)
@@ -71,13 +67,13 @@ def explain_run(
 
     out = report_folder(order.out)
     recording = runs.load(run, home)
-    reference = _reference(as_mean_rates(recording), home, order)
+    reference, doubts = _reference(as_mean_rates(recording), home, order)
     explanation = explain(recording, reference=reference, progress=progress)
     tell(progress, "consequences")
     unit = recording.manifest.unit
     tolerance = settings.tolerance_for(unit.manufacturer, unit.model, home)
     effects = consequences(recording, explanation, tolerance)
-    explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
+    explanation = replace(explanation, remarks=(*doubts, *explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
     discrepancy = discrepancy_of(explanation, wheres, effects)
     tell(progress, "report")
@@ -92,15 +88,22 @@ def explain_run(
 
 def _reference(
     recording: Recording, home: Home, order: ExplainOrder
-) -> "ReferencePrediction | None":
-    """What a calibration or another simulator says the unit should have read; None: neither."""
+) -> "tuple[ReferencePrediction | None, tuple[Message, ...]]":
+    """What a calibration or another simulator says the unit should have read, with remarks on it;
+    None: neither.
+    """
     from tasks.explain.inputs.reference import ReferencePrediction
 
     if order.simulated is not None:
+        from tasks.stages.simulation import other_unit, simulated_readings
+
+        path = Path(order.simulated)
+        other = import_checks.read(path)
+        readings = simulated_readings(recording, path, other)
         model = message("explain-model-simulation")
-        return ReferencePrediction(simulated_readings(recording, Path(order.simulated)), model)
+        return ReferencePrediction(readings, model), other_unit(recording, other)
     if order.calibration is None:
-        return None
+        return None, ()
     from tasks.coefficients.parameters import model_values
     from tasks.model.simulate import predict
     from tasks.model.terms.standard import STANDARD_TERMS
@@ -109,40 +112,7 @@ def _reference(
 
     values, _ = model_values(read_calibration(order.calibration, home))
     model = message("explain-model-calibration")
-    return ReferencePrediction(predict(STANDARD_TERMS, whole_motion(recording), values), model)
-
-
-def simulated_readings(recording: Recording, path: Path) -> np.ndarray:
-    """What another simulator says of a recording: (n, 6) rad/s and m/s² at the unit's rows.
-
-    Interpolated linearly where its rows are not the unit's; NaN where it says nothing.
-    Raises Unusable for a simulation of another stretch of time, or without gyro and accelerometer.
-    """
-    t, other = recording.imu.t, import_checks.read(path).imu
-    readings = np.full((len(t), len(GYRO + ACCEL)), np.nan)
-    between = _within(other.t, t)
-    for channel, name in enumerate(GYRO + ACCEL):
-        if name in other.columns:
-            values = np.interp(t, other.t, other.columns[name])
-            readings[between, channel] = values[between]
-    simulated = np.isfinite(readings).any(axis=1)
-    if simulated.mean() < MIN_SHARE_OF_ROWS:
-        percent = f"{100.0 * simulated.mean():.0f} %"
-        raise Unusable(
-            f"{path}: it says what the unit reads in {percent} of the rows of "
-            f"{recording.manifest.recording_id} only, whose {len(t)} rows go from {t[0]:g} s to "
-            f"{t[-1]:g} s; give gyro_* and accel_* at the times of the unit's own stream."
-        )
-    return readings
-
-
-def _within(known: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """(n,) bool: which times t fall on a known one or between two that are near each other."""
-    longest = MAX_STEPS * float(np.median(np.diff(t))) if len(t) > 1 else np.inf
-    after = np.clip(np.searchsorted(known, t), 0, len(known) - 1)
-    before = np.clip(after - 1, 0, None)
-    inside = (t > known[before]) & (t < known[after])
-    return (known[after] == t) | (inside & (known[after] - known[before] <= longest))
+    return ReferencePrediction(predict(STANDARD_TERMS, whole_motion(recording), values), model), ()
 
 
 def kept_statistics(run: Run, home: Home) -> RunStatistics | None:

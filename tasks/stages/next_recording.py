@@ -28,6 +28,7 @@ REHEARSALS = 2  # of a procedure: each may show what else fits it
 NOTHING_SHOWN = 1.0  # chi-squared, which noise alone shows
 LONGER_BY = 1.1  # than what is in proportion: the first blocks are those that show most
 NO_NAME = {"unnamed"}  # stands where no effect of the catalogue is named
+USUAL_MIN = 15.0  # where fewer are allowed, what these would give is tried too
 LONGEST_MIN = 120.0  # that a longer recording is worth proposing
 
 if TYPE_CHECKING:
@@ -121,6 +122,9 @@ def _answer(
     experiment: "Experiment", question: "OpenQuestion", recording: Recording, order: NextOrder
 ) -> NextRecording:
     choice = _apart_from_rivals(experiment, question, order.minutes)
+    longer = None
+    if not choice.is_enough and order.minutes < USUAL_MIN:
+        longer = _apart_from_rivals(experiment, question, USUAL_MIN)
     typical = replace(experiment, models=question.typical)
     repeated = typical.left_by(question.fit.blocks, question.fit.noises)
     minutes = float(recording.imu.t[-1] - recording.imu.t[0]) / 60.0
@@ -136,7 +140,7 @@ def _answer(
             delta_chi2=choice.expected, probability_right=choice.probability
         ),
         repeat_of_base=RepeatOfBase(minutes=minutes, delta_chi2=repeated),
-        statement=statement(_sentence(question, choice, repeated, minutes, order)),
+        statement=statement(_sentence(question, choice, longer, repeated, minutes, order)),
     )
 
 
@@ -205,12 +209,18 @@ def _written(choice: "Choice", order: NextOrder, question: "OpenQuestion") -> Pa
 
 
 def _sentence(
-    question: "OpenQuestion", choice: "Choice", repeated: float, minutes: float, order: NextOrder
+    question: "OpenQuestion",
+    choice: "Choice",
+    longer: "Choice | None",
+    repeated: float,
+    minutes: float,
+    order: NextOrder,
 ) -> Message:
     from tasks.model.effect import effect_name, separating_recording
 
     effects = clauses([effect_name(name) for name in question.names], by="report-or")
-    figures = {
+    figures: dict[str, str | int] = {
+        "count": len(question.names),
         "minutes": f"{choice.minutes:.1f}", "left": f"{choice.expected:.0f}",
         "percent": f"{100.0 * choice.probability:.0f}", "repeated": f"{repeated:.1f}",
         "base": f"{minutes:.1f}", "longest": f"{order.minutes:g}", "needed": f"{choice.needed:.0f}",
@@ -221,7 +231,7 @@ def _sentence(
         return message("next-decides-by-silence", effects=effects, silent=left, **figures)
     if choice.is_enough:
         return message("next-decides", effects=effects, **figures)
-    why = _why(choice, order.minutes)
+    why = _why(choice, longer, order.minutes, len(question.names))
     known = [one for one in map(separating_recording, question.names) if one is not None]
     if not known:
         return message("next-impossible", effects=effects, why=why, **figures)
@@ -229,11 +239,16 @@ def _sentence(
     return message("next-undecided", effects=effects, why=why, other=other, **figures)
 
 
-def _why(choice: "Choice", most_minutes: float) -> Message:
-    """Whether more of the same would do than was allowed: evidence adds up with time."""
+def _why(choice: "Choice", longer: "Choice | None", most_minutes: float, count: int) -> Message:
+    """Whether more would do than was allowed: a longer one that was tried, else more of the same,
+    for evidence adds up with time.
+    """
+    if longer is not None and longer.is_enough:
+        needs = {"needs": f"{longer.minutes:.1f}", "minutes": ceil(longer.minutes)}
+        return message("next-found-longer", **needs)
     if choice.left < NOTHING_SHOWN:
-        return message("next-nothing-moves")
+        return message("next-nothing-moves", count=count)
     longer = LONGER_BY * max(choice.minutes, most_minutes) / choice.share
     if longer > LONGEST_MIN:
-        return message("next-too-little", hours=f"{longer / 60.0:.0f}")
+        return message("next-too-little", count=count, hours=f"{longer / 60.0:.0f}")
     return message("next-longer", minutes=f"{ceil(longer / 5.0) * 5:d}")

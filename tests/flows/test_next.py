@@ -105,7 +105,7 @@ def test_where_nothing_is_open_it_asks_what_to_tell_apart(
 
 def test_unusable_options_are_one_sentence_each(run: str, mimucal, tmp_path: Path) -> None:
     for arguments in (
-        ("--minutes", "0"), ("--station", str(tmp_path / "none.toml")),
+        ("--minutes", "0"), ("--minutes", "abc"), ("--station", str(tmp_path / "none.toml")),
         ("--procedure", str(tmp_path / "none.toml")), ("--for", "no_such_effect"),
     ):  # fmt: skip
         refused = mimucal("next", run, *arguments)
@@ -194,6 +194,31 @@ def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(
     assert "As far as the encoders of this table resolve its motion" in text
 
 
+def test_where_few_minutes_are_allowed_it_says_what_the_shortest_found_takes(
+    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answered(10.0)
+    found = {False: Choice(PROCEDURE, 1.5, 10.0, 30.0, 10.0),
+             True: Choice(PROCEDURE, 5.2, 80.0, 30.0, 80.0)}  # fmt: skip
+    monkeypatch.setattr(Experiment, "shortest", lambda _, minutes: found[minutes >= 5.2])
+    text = mimucal("next", run, "--minutes", "1e-6", "--json").json["statement"]["en"]
+    assert "A recording of 5.2 min would (--minutes 6)." in text
+
+
+def test_one_effect_is_told_in_the_singular(
+    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    answered(80.0)
+    fit = SimpleNamespace(blocks=None, noises=())
+    question = OpenQuestion(("time_offset",), {}, {}, fit)  # type: ignore[arg-type]
+    monkeypatch.setattr(open_question, "open_question", lambda *_: question)
+    monkeypatch.setattr(rehearsal, "rivals_of", lambda *_: {})
+    done = mimucal("next", run, "--json", "--out", str(tmp_path / "next.json"))
+    assert "it separates it from the nearest alternative" in done.json["statement"]["en"]
+    assert "两者" not in done.json["statement"]["zh"]
+
+
 def test_runs_of_two_units_are_refused_in_one_sentence(
     home: Path, run: str, ideal_run: Callable[..., Recording], mimucal
 ) -> None:
@@ -204,3 +229,8 @@ def test_runs_of_two_units_are_refused_in_one_sentence(
     assert refused.code == 2
     assert "ANOTHER" in refused.err
     assert len(refused.err.strip().splitlines()) == 1
+
+
+def test_a_number_that_is_none_is_named(run: str, mimucal) -> None:
+    refused = mimucal("next", run, "--minutes", "abc")
+    assert (refused.code, "'abc'" in refused.err) == (2, True)

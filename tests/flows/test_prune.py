@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from schemas.base import Unusable
 from schemas.recording import Recording
+from storage import retention
 from storage.catalogue import run_index, runs, trail
 from storage.home import Home
 
@@ -36,3 +38,18 @@ def test_a_deletion_names_who_did_it(store: Home, mimucal, monkeypatch: pytest.M
     assert (done.code, len(done.json["found"]), done.json["refused"]) == (0, 1, [])
     assert run_index.all_runs(store) == []
     assert [entry.person for entry in trail.entries(store)] == ["Li Na"]
+
+
+def test_a_home_in_which_nothing_can_be_deleted_is_one_refusal(
+    store: Home, mimucal, monkeypatch: pytest.MonkeyPatch, ideal_run: Callable[..., Recording]
+) -> None:
+    runs.add(ideal_run(dwell=1.5), store)
+
+    def cannot(*_: object) -> None:
+        raise Unusable("the home cannot be written; make room or give rights.")
+
+    monkeypatch.setitem(retention.DELETE, "recording", cannot)
+    refused = mimucal("prune", "--before", "2999-01-01", "--delete", "--by", "Li Na")
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err.count("cannot be written") == 1
+    assert len(run_index.all_runs(store)) == 2

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from flows import run_orders
+from flows import carry_out, run_orders
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
@@ -163,7 +163,7 @@ def test_a_report_that_cannot_be_written_leaves_the_earlier_one(
     with pytest.raises(Unusable, match=r"report\.json cannot be written .*--out"):
         reprocess(out=str(report))
     assert (report / "report.json").read_bytes() == before
-    assert len(list(report.iterdir())) == 3
+    assert len(list(report.iterdir())) == 4
 
 
 def test_a_failed_recording_is_a_row_and_is_tried_again(
@@ -252,3 +252,15 @@ def test_an_order_that_cannot_be_is_one_sentence(
     assert done.code == 2
     assert named in done.err
     assert done.err.strip().count("\n") == 0
+
+
+def test_an_interruption_says_that_the_same_command_continues(
+    mimucal, home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(carry_out, "as_flow_run", interrupted)
+    done = mimucal("reprocess")
+    assert done.code == 1
+    assert "the same command continues" in done.err

@@ -70,3 +70,24 @@ def test_what_cannot_be_is_one_sentence(
     refused = mimucal("table", *arguments)
     assert refused.code == 2
     assert named in refused.err
+
+
+@pytest.mark.parametrize("what", ["runs", "results", "segments", "certificates"])
+def test_json_holds_the_rows_of_the_table(store: Home, mimucal, what: str) -> None:
+    document = mimucal("table", what, "--json").json
+    expected = dataframes.TABLES[what](store)
+    assert (document["format"], document["table"]) == ("mimu-table/1", what)
+    assert len(document["rows"]) == len(expected)
+    for row, (_, other) in zip(document["rows"], expected.iterrows(), strict=True):
+        assert list(row) == list(expected.columns)
+        numbers = {name: value for name, value in row.items() if isinstance(value, float)}
+        assert numbers == {name: other[name] for name in numbers}
+
+
+def test_json_names_the_file_that_was_written(store: Home, mimucal, tmp_path: Path) -> None:
+    file = tmp_path / "runs.parquet"
+    document = mimucal("table", "runs", "--as", "parquet", "--out", file, "--json").json
+    assert document["path"] == str(file)
+    assert len(pd.read_parquet(file)) == 1
+    assert mimucal("table", "runs", "--as", "parquet", "--json").code == 2
+    assert mimucal("table", "rooms", "--json").code == 2

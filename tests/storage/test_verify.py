@@ -240,3 +240,16 @@ def test_a_number_that_is_gone_is_found(fresh: Home, filled: Run) -> None:
     fault = only_fault(fresh)
     assert fault.what == "numbers of certificates"
     assert "MIMU-2026-0001 was given and is not in the register" in fault.why
+
+
+def test_a_raw_recording_that_is_cut_off_is_named_once_with_one_way_out(
+    fresh: Home, filled: Run
+) -> None:
+    path = fresh.raw / f"{filled.digest}.mcap"
+    content = path.read_bytes()
+    replace(path, content[: len(content) * 3 // 4])
+    fault = only_fault(fresh)
+    assert fault.what == str(path)
+    assert str(path) not in fault.why
+    assert "or, where there is no source any more," in fault.why
+    assert "samples up to" in fault.why

@@ -33,6 +33,12 @@ Columns = dict[str, np.ndarray]
 Timed = tuple[np.ndarray, Columns]  # stamps in ns and the columns at them
 
 
+class CutOff(Unusable):
+    """Of a file that is cut off or damaged only a part is whole. why: that, without its path."""
+
+    why = ""
+
+
 def read_mcap(path: Path, *, manifest: Manifest | None = None, salvage: bool = False) -> Recording:
     """Reads a raw recording, or a ROS 2 bag with exactly one sensor_msgs/msg/Imu topic.
 
@@ -48,10 +54,13 @@ def read_mcap(path: Path, *, manifest: Manifest | None = None, salvage: bool = F
     own = [record.metadata for record in file.contents.metadata if record.name == FORMAT]
     if file.damage and not salvage:
         since = imu.stamps - _origin(own, [imu.stamps])
-        raise Unusable(
-            f"{path} is cut off or damaged ({file.damage}): {len(since)} samples up to "
-            f"t = {since[-1] / 1e9:.3f} s are whole; import it with --salvage to take them."
+        why = (
+            f"is cut off or damaged ({file.damage}): {len(since)} samples up to "
+            f"t = {since[-1] / 1e9:.3f} s are whole"
         )
+        fault = CutOff(f"{path} {why}; import it with --salvage to take them.")
+        fault.why = why
+        raise fault
     manifest = manifest or _manifest(file, own, salvage)
     extra = {}
     if own:

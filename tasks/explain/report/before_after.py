@@ -11,7 +11,7 @@ from tasks.explain.explanation import Explanation
 from tasks.explain.report.cells import ExcessCells
 from tasks.explain.report.names import channel_title
 from tasks.rendering.chart import AFTER, BEFORE, draw, time_axis
-from tasks.words import say
+from tasks.words import message, say
 from tasks.words.quantities import power_of_ten
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ GYRO_UNITS = (("°/s", 0.03, 180 / np.pi), ("°/h", 0.0, 180 / np.pi * 3600))  #
 ACCEL_UNITS = (("m/s²", 0.5, 1.0), ("mm/s²", 5e-4, 1e3), ("µm/s²", 0.0, 1e6))
 
 
-def before_after_svg(explanation: Explanation, cells: ExcessCells) -> str:
-    """The picture; its words are English with the field's symbols."""
+def before_after_svg(explanation: Explanation, cells: ExcessCells, language: str) -> str:
+    """The picture, its words in a language."""
     shown = affected(explanation, cells)
     height = HEAD + ROW * (len(shown) - 1) + PLOT + FOOT
 
@@ -38,13 +38,14 @@ def before_after_svg(explanation: Explanation, cells: ExcessCells) -> str:
             "top": 1 - HEAD / height, "bottom": FOOT / height, "hspace": (ROW - PLOT) / PLOT,
         })  # fmt: skip
         for channel, (over_time, over_frequency) in zip(shown, rows, strict=True):
-            _draw_means(over_time, cells, channel)
-            _draw_spectra(over_frequency, explanation, channel)
-        rows[0][0].annotate("What is left over: reading − model", (0, 1), xytext=(0, 62), **HEADING)
-        rows[0][1].annotate("Its spectrum, white noise = 1", (0, 1), xytext=(0, 62), **HEADING)
-        _draw_legend(rows[0][0], bool(explanation.findings))
+            _draw_means(over_time, cells, channel, language)
+            _draw_spectra(over_frequency, explanation, channel, language)
+        for axes, heading in zip(rows[0], ("chart-residual", "chart-spectrum"), strict=True):
+            words = say(message(heading), language)
+            axes.annotate(words, (0, 1), xytext=(0, 62), **HEADING)
+        _draw_legend(rows[0][0], bool(explanation.findings), language)
 
-    return draw("Residuals before and after", WIDTH, height, content)
+    return draw(say(message("chart-residual.title"), language), WIDTH, height, content)
 
 
 HEADING: dict[str, Any] = {
@@ -68,21 +69,24 @@ def affected(explanation: Explanation, cells: ExcessCells) -> list[int]:
     return sorted(order[:MAX_CHANNELS]) or [0]
 
 
-def _draw_legend(axes: Any, found: bool) -> None:
+def _draw_legend(axes: Any, found: bool, language: str) -> None:
     """Without findings both lines are one."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    model = "the standard's model"
-    lines = [(BEFORE, f"before: {model}"), (AFTER, "after: with the findings")]
+    model, before, after, noise = (
+        say(message(f"chart-lines.{line}"), language)
+        for line in ("model", "before", "after", "noise")
+    )
     handles: list[Any] = [Line2D([], [], color=colour, linewidth=3, label=label)
-               for colour, label in (lines if found else [(AFTER, model)])]  # fmt: skip
-    handles.append(Patch(color=BAND, label="noise of a mean, ±2σ"))
+               for colour, label in ([(BEFORE, before), (AFTER, after)] if found
+                                     else [(AFTER, model)])]  # fmt: skip
+    handles.append(Patch(color=BAND, label=noise))
     axes.legend(handles=handles, ncols=3, loc="lower left", bbox_to_anchor=(0, 1.16), borderpad=0,
-                borderaxespad=0)  # fmt: skip
+                borderaxespad=0, columnspacing=4.0)  # fmt: skip
 
 
-def _draw_means(axes: Any, cells: ExcessCells, channel: int) -> None:
+def _draw_means(axes: Any, cells: ExcessCells, channel: int, language: str) -> None:
     """Means of the cells over time; a pale bar is what swings within a cell."""
     reach = _reach(cells, channel)
     unit, factor = _unit(channel, reach)
@@ -104,13 +108,13 @@ def _draw_means(axes: Any, cells: ExcessCells, channel: int) -> None:
         shown = np.clip(means * factor, -top, top)
         axes.stairs(shown, cells.edges, baseline=None, color=colour, linewidth=1.8)
     axes.set(xlim=(cells.edges[0], cells.edges[-1]), ylim=(-top, top))
-    axes.set_title(f"{_title(channel)} / {unit}")
+    axes.set_title(f"{_title(channel, language)} / {unit}")
     axes.locator_params(axis="y", nbins=6)
-    time_axis(axes)
+    time_axis(axes, language)
 
 
-def _title(channel: int) -> str:
-    return say(channel_title(CHANNELS[channel]), "en")
+def _title(channel: int, language: str) -> str:
+    return say(channel_title(CHANNELS[channel]), language)
 
 
 def _reach(cells: ExcessCells, channel: int) -> float:
@@ -131,11 +135,11 @@ def _unit(channel: int, reach: float) -> tuple[str, float]:
     return next((unit, factor) for unit, least, factor in units if in_first >= least)
 
 
-def _draw_spectra(axes: Any, explanation: Explanation, channel: int) -> None:
+def _draw_spectra(axes: Any, explanation: Explanation, channel: int, language: str) -> None:
     recording, noise = explanation.recording, float(explanation.noise[channel]) or 1.0
     readings = recording.imu.stack(CHANNELS)[:, channel]
-    axes.set_title(_title(channel))
-    axes.set_xlabel("frequency / Hz", loc="right")
+    axes.set_title(_title(channel, language))
+    axes.set_xlabel(say(message("chart-frequency"), language), loc="right")
     axes.axhline(1.0, color="#bbbbbb", linewidth=1.5)
     powers = []
     for model, colour in ((explanation.nominal, BEFORE), (explanation.found, AFTER)):

@@ -31,10 +31,15 @@ from tasks.explain.report.verdict import verdict_statement
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.effect import next_step, separating_recording
 from tasks.version import code_version
-from tasks.words import Sayable, message, statement
+from tasks.words import LANGUAGES, Sayable, message, statement
 
-FIGURES = ("where.svg", "before_after.svg", "shares.svg")
+PICTURES = ("where", "before_after", "shares")
 NOT_WRITTEN = Statement(en="", zh="")
+
+
+def picture_file(name: str, language: str) -> str:
+    """`where.svg` in the first language, `where-zh.svg` in another."""
+    return f"{name}.svg" if language == LANGUAGES[0] else f"{name}-{language}.svg"
 
 
 def discrepancy_of(
@@ -67,7 +72,7 @@ def discrepancy_of(
         consequences=effects.together,
         verdict_changes=effects.changes_together,
         held_out=explanation.held_out,
-        figures=FIGURES,
+        figures=tuple(picture_file(name, language) for language in LANGUAGES for name in PICTURES),
         remarks=tuple(map(statement, explanation.remarks)),
         statement=NOT_WRITTEN,
     )

@@ -19,6 +19,11 @@ def channel_title(channels: str) -> Message:
     return message("list", entries=tuple(titles))
 
 
+def short_channel_title(channel: str) -> Message:
+    """“accel. x” of “accel_x”, where there is little room."""
+    return message(f"channel-{channel}.short")
+
+
 def element_title(item: str, element: str) -> Sayable:
     """An element of a certificate's item; the item where the element is empty."""
     if item == OVERALL:

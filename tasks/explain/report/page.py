@@ -1,6 +1,7 @@
 """Writes the report folder: a page, its charts, the result and the prediction as data."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,11 @@ from tasks.explain.explanation import Explanation
 from tasks.explain.report import names, statements
 from tasks.explain.report.before_after import before_after_svg
 from tasks.explain.report.cells import cells_of
+from tasks.explain.report.discrepancy import picture_file
 from tasks.explain.report.shares import shares_svg
 from tasks.explain.report.verdict import detected, small_remainders, tested
 from tasks.explain.report.where import where_svg
-from tasks.rendering import inline, page
+from tasks.rendering import inline_each, page
 from tasks.rendering.chart import FINDINGS, GREY
 from tasks.version import code_version
 from tasks.words import LANGUAGES, message, say
@@ -40,33 +42,40 @@ def write_report(
     pictures = pictures_of(discrepancy, explanation)
     contents = {
         "prediction.parquet": _prediction(explanation),
-        **{f"{name}.svg": picture.encode() for name, picture in pictures.items()},
+        **{
+            picture_file(name, language): picture.encode()
+            for name, by_language in pictures.items()
+            for language, picture in by_language.items()
+        },
         "report.json": (discrepancy.model_dump_json(indent=1) + "\n").encode(),
         "report.html": report_html(discrepancy, explanation, pictures).encode(),
     }
     return tuple(_appear(folder, name, content) for name, content in contents.items())[::-1]
 
 
-def pictures_of(discrepancy: Discrepancy, explanation: Explanation) -> dict[str, str]:
-    """The pictures of a report, SVG by name."""
+def pictures_of(discrepancy: Discrepancy, explanation: Explanation) -> dict[str, dict[str, str]]:
+    """The pictures of a report, SVG by name and language."""
     cells = cells_of(explanation)
-    return {
-        "where": where_svg(discrepancy, cells),
-        "before_after": before_after_svg(explanation, cells),
-        "shares": shares_svg(discrepancy),
+    drawn: dict[str, Callable[[str], str]] = {
+        "where": partial(where_svg, discrepancy, cells),
+        "before_after": partial(before_after_svg, explanation, cells),
+        "shares": partial(shares_svg, discrepancy),
     }
+    return {name: {language: of(language) for language in LANGUAGES} for name, of in drawn.items()}
 
 
 def report_html(
-    discrepancy: Discrepancy, explanation: Explanation, pictures: Mapping[str, str]
+    discrepancy: Discrepancy,
+    explanation: Explanation,
+    pictures: Mapping[str, Mapping[str, str]],
 ) -> str:
-    """The HTML of a report: one file, every language, with its pictures in it, SVG by name."""
+    """The HTML of a report: one file, every language, with its pictures in it."""
     return page(
         TEMPLATE,
         title=say(message("report-title", recording=discrepancy.recording_id), LANGUAGES[0]),
         discrepancy=discrepancy,
         badge=BADGES[discrepancy.verdict],
-        **{name: inline(picture) for name, picture in pictures.items()},
+        **{name: inline_each(picture) for name, picture in pictures.items()},
         small=small_remainders(discrepancy),
         colours=dict(enumerate(FINDINGS)),
         other_colour=GREY,

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 from schemas.discrepancy import Discrepancy
 from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.shares import MOSTLY_NOISE
-from tasks.explain.report.names import capital, channel_title
-from tasks.rendering.chart import AFTER, BEFORE, FINDINGS, GREY, draw
-from tasks.words import say
+from tasks.explain.report.names import capital, short_channel_title
+from tasks.rendering.chart import AFTER, BEFORE, FINDINGS, GREY, LETTER, draw, text_width
+from tasks.words import message, say
 from tasks.words.quantities import chi2, percent
 
 if TYPE_CHECKING:
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 WIDTH, HEAD, FOOT, ROW = 1040, 48, 22, 30  # px
 SHARE_BARS, CHANNEL_BARS = (30, 230), (790, 980)  # px
-MAX_TITLE = 54  # letters beside a bar
+MAX_TITLE = 405  # px of a title beside a bar
 REST = "#b8b8b8"
 BAR = 0.62  # of a row
 
 
-def shares_svg(discrepancy: Discrepancy) -> str:
-    """The picture; its words are English with the field's symbols."""
-    bars = share_bars(discrepancy)
+def shares_svg(discrepancy: Discrepancy, language: str) -> str:
+    """The picture, its words in a language."""
+    bars = share_bars(discrepancy, language)
     rows = max(len(bars), len(CHANNELS))
     height = HEAD + ROW * rows + FOOT
 
@@ -34,22 +34,24 @@ def shares_svg(discrepancy: Discrepancy) -> str:
             for start, end in (SHARE_BARS, CHANNEL_BARS)
         )
         _draw_shares(left, bars, rows)
-        _draw_left_over(right, discrepancy, rows)
+        left.set_title(say(message("chart-shares"), language), fontsize=15, pad=10)
+        _draw_left_over(right, discrepancy, rows, language)
 
-    return draw("Share of each finding and what is left", WIDTH, height, content)
+    return draw(say(message("chart-shares.title"), language), WIDTH, height, content)
 
 
-def share_bars(discrepancy: Discrepancy) -> list[tuple[str, float, str]]:
+def share_bars(discrepancy: Discrepancy, language: str) -> list[tuple[str, float, str]]:
     """(title, share of the mismatch, colour) of each finding, and of what none explains."""
     bars = [
         (
-            say(capital(finding.title), "en"),
+            say(capital(finding.title), language),
             finding.share,
             FINDINGS[k] if k < len(FINDINGS) else GREY,
         )
         for k, finding in enumerate(discrepancy.findings)
     ]
-    return [*bars, ("Not explained", 1.0 - discrepancy.explained_share, REST)]
+    rest = say(message("chart-not-explained"), language)
+    return [*bars, (rest, 1.0 - discrepancy.explained_share, REST)]
 
 
 def _draw_shares(axes: Any, bars: list[tuple[str, float, str]], rows: int) -> None:
@@ -57,27 +59,38 @@ def _draw_shares(axes: Any, bars: list[tuple[str, float, str]], rows: int) -> No
     for row, (title, share, colour) in enumerate(bars):
         axes.barh(row + 0.5, 1.0, BAR, color="#f5f5f5")
         axes.barh(row + 0.5, min(max(share, 0.0), 1.0), BAR, color=colour)
-        words = title if len(title) <= MAX_TITLE else title[: MAX_TITLE - 1] + "…"
-        axes.annotate(f"{percent(share)}  {words}", (1, row + 0.5), xytext=(8, 0), va="center",
+        words = f"{percent(share)}  {_cut(title)}"
+        axes.annotate(words, (1, row + 0.5), xytext=(8, 0), va="center",
                       textcoords="offset points", fontsize=12)  # fmt: skip
-    axes.set_title("Share of the mismatch above noise", fontsize=15, pad=10)
     axes.set_axis_off()
 
 
-def _draw_left_over(axes: Any, discrepancy: Discrepancy, rows: int) -> None:
+def _cut(title: str) -> str:
+    """What there is room for."""
+    if text_width(title) <= MAX_TITLE:
+        return title
+    while text_width(title) > MAX_TITLE - LETTER:
+        title = title[:-1]
+    return title + "…"
+
+
+def _draw_left_over(axes: Any, discrepancy: Discrepancy, rows: int, language: str) -> None:
     values = [discrepancy.left_over.get(channel) for channel in CHANNELS]
     largest = max([2.0, *(value for value in values if value is not None)])
     smallest = min([0.5, *(value for value in values if value)])
     axes.set(xlim=(smallest, 1.3 * largest), ylim=(rows, 0), xscale="log")
     axes.axvline(1.0, color=GREY, linewidth=1)
-    axes.annotate("noise alone: 1", (1.0, rows), xytext=(0, -12), color=GREY, fontsize=11,
+    alone, unknown = (
+        say(message(id_), language) for id_ in ("chart-noise-alone", "chart-not-known")
+    )
+    axes.annotate(alone, (1.0, rows), xytext=(0, -12), color=GREY, fontsize=11,
                   textcoords="offset points", ha="center", va="center")  # fmt: skip
     for row, (channel, value) in enumerate(zip(CHANNELS, values, strict=True)):
-        title = say(channel_title(channel), "en").replace("accelerometer", "accel.")
+        title = say(short_channel_title(channel), language)
         axes.annotate(title, (0, row + 0.5), xycoords=("axes fraction", "data"), xytext=(-8, 0),
                       textcoords="offset points", ha="right", va="center")  # fmt: skip
         if value is None:
-            axes.annotate("not known", (1.0, row + 0.5), xytext=(6, 0), color=GREY, va="center",
+            axes.annotate(unknown, (1.0, row + 0.5), xytext=(6, 0), color=GREY, va="center",
                           textcoords="offset points")  # fmt: skip
             continue
         axes.barh(
@@ -85,5 +98,5 @@ def _draw_left_over(axes: Any, discrepancy: Discrepancy, rows: int) -> None:
         )
         axes.annotate(chi2(value), (max(value, 1.0), row + 0.5), xytext=(6, 0), va="center",
                       textcoords="offset points")  # fmt: skip
-    axes.set_title("Left over: χ² per degree of freedom", fontsize=15, pad=10, x=-0.65)
+    axes.set_title(say(message("chart-left-over"), language), fontsize=15, pad=10, x=-0.65)
     axes.set_axis_off()

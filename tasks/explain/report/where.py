@@ -11,9 +11,9 @@ from schemas.recording import MEASURED, Segment
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.report.cells import ExcessCells
-from tasks.explain.report.names import capital, channel_title
-from tasks.rendering.chart import FINDINGS, GREY, PALE, draw, time_axis
-from tasks.words import say
+from tasks.explain.report.names import capital, short_channel_title
+from tasks.rendering.chart import FINDINGS, GREY, PALE, draw, text_width, time_axis
+from tasks.words import message, say
 from tasks.words.quantities import percent
 
 if TYPE_CHECKING:
@@ -22,17 +22,14 @@ if TYPE_CHECKING:
 WIDTH, LEFT, RIGHT, TOP, ROW = 1040, 128, 896, 84, 50  # px
 THRESHOLDS = (4.0, 8.0, 16.0, 32.0, 64.0)  # standard deviations above noise
 COLOURS = ("#fbfbf6", "#fee391", "#fec44f", "#fe9929", "#d95f0e", "#7f2704", PALE)
-MEANINGS = ("none", *(f"> {sigmas:g} σ" for sigmas in THRESHOLDS), "not known")
 KINDS = {"static": "#9aa5ad", "rate": "#33658a", "rotation": "#86bbd8"}
-KIND_TITLES = {"static": "rests", "rate": "rate", "rotation": "turn"}
 UNLABELLED = "#f0f0f0"
 CELL, BAR = 0.66, 0.09  # heights in rows: of a channel's cells, of a finding's bar below them
 STRIP, TITLES = -0.5, -0.58  # in rows: the strip of segments, and what stands above it
-LETTER = 7.5  # px, width of a letter
 
 
-def where_svg(discrepancy: Discrepancy, cells: ExcessCells) -> str:
-    """The picture; its words are English with the field's symbols."""
+def where_svg(discrepancy: Discrepancy, cells: ExcessCells, language: str) -> str:
+    """The picture, its words in a language."""
     findings = discrepancy.findings[: len(FINDINGS)]
     bottom = 88 + 24 * len(findings)
     height = TOP + ROW * len(CHANNELS) + bottom
@@ -43,20 +40,20 @@ def where_svg(discrepancy: Discrepancy, cells: ExcessCells) -> str:
                                 ROW * len(CHANNELS) / height))  # fmt: skip
         axes.set(xlim=(cells.edges[0], cells.edges[-1]), ylim=(len(CHANNELS), 0))
         axes.spines["left"].set_visible(False)
-        names = [say(channel_title(c), "en").replace("accelerometer", "accel.") for c in CHANNELS]
+        names = [say(short_channel_title(c), language) for c in CHANNELS]
         axes.set_yticks(np.arange(len(CHANNELS)) + CELL / 2, names)
         axes.tick_params(axis="y", length=0)
-        time_axis(axes)
-        axes.set_title("Where the standard's model misfits the recording", pad=52, fontsize=15)
-        _segment_strip(axes, cells.segments)
+        time_axis(axes, language)
+        axes.set_title(say(message("chart-where"), language), pad=52, fontsize=15)
+        _segment_strip(axes, cells.segments, language)
         _cells(axes, cells)
-        _findings(axes, findings, cells)
-        _colour_legend(axes, cells)
+        _findings(axes, findings, cells, language)
+        _colour_legend(axes, cells, language)
 
-    return draw("Excess of six channels over the time of the run", WIDTH, height, content)
+    return draw(say(message("chart-where.title"), language), WIDTH, height, content)
 
 
-def _segment_strip(axes: Any, segments: Sequence[Segment]) -> None:
+def _segment_strip(axes: Any, segments: Sequence[Segment], language: str) -> None:
     """What kind of segment there is, and a title over each group that is wide enough."""
     start, end = axes.get_xlim()
     _bars(axes, [(start, end - start)], STRIP, 0.2, UNLABELLED)
@@ -64,15 +61,15 @@ def _segment_strip(axes: Any, segments: Sequence[Segment]) -> None:
     for segment in measured:
         _bars(axes, [(segment.t_start, segment.t_end - segment.t_start)], STRIP, 0.2,
               KINDS[segment.kind])  # fmt: skip
-    for title, group in groupby(measured, key=_group_title):
+    for title, group in groupby(measured, key=lambda segment: _group_title(segment, language)):
         first, *rest = group
         last = rest[-1] if rest else first
-        if (last.t_end - first.t_start) / (end - start) * (RIGHT - LEFT) > LETTER * len(title):
+        if (last.t_end - first.t_start) / (end - start) * (RIGHT - LEFT) > text_width(title):
             axes.text((first.t_start + last.t_end) / 2, TITLES, title, color=GREY, ha="center")
 
 
-def _group_title(segment: Segment) -> str:
-    title = KIND_TITLES[segment.kind]
+def _group_title(segment: Segment, language: str) -> str:
+    title = say(message(f"chart-segments.{segment.kind}"), language)
     return title if segment.kind == "static" else f"{title} {segment.axis}"
 
 
@@ -93,7 +90,9 @@ def _bars(axes: Any, spans: Any, row: float, height: float, colours: Any) -> Non
                      clip_on=False)  # fmt: skip
 
 
-def _findings(axes: Any, findings: Sequence[ReportedFinding], cells: ExcessCells) -> None:
+def _findings(
+    axes: Any, findings: Sequence[ReportedFinding], cells: ExcessCells, language: str
+) -> None:
     """Bars below each row where a finding sits, its share at the right end, its title below."""
     start, end = axes.get_xlim()
     spans = {s.name: (s.t_start, s.t_end - s.t_start) for s in cells.segments}
@@ -113,7 +112,7 @@ def _findings(axes: Any, findings: Sequence[ReportedFinding], cells: ExcessCells
             _disc(axes, number, share, RIGHT + 20 + 64 * (before % 2),
                   ROW * (len(CHANNELS) - row - 0.28 - 0.36 * (before // 2)), 11)  # fmt: skip
             marked[channel] += 1
-        title = say(capital(finding.title), "en")
+        title = say(capital(finding.title), language)
         words = title if finding.effect == UNNAMED else f"{title} ({finding.effect})"
         _disc(axes, number, words, LEFT + 8, -88 - 24 * number, 13)
 
@@ -128,15 +127,19 @@ def _disc(axes: Any, number: int, words: str, x: float, y: float, size: float) -
     axes.annotate(words, xytext=(x - LEFT + 14, y), fontsize=size, **at)
 
 
-def _colour_legend(axes: Any, cells: ExcessCells) -> None:
+def _colour_legend(axes: Any, cells: ExcessCells, language: str) -> None:
     from matplotlib.patches import Patch
 
     present = {segment.kind for segment in cells.segments}
+    none, unknown, excess = (
+        say(message(id_), language) for id_ in ("chart-none", "chart-not-known", "chart-excess")
+    )
+    meanings = (none, *(f"> {sigmas:g} σ" for sigmas in THRESHOLDS), unknown)
     handles = [Patch(facecolor=colour, edgecolor="#bbbbbb", linewidth=0.6, label=meaning)
-               for colour, meaning in zip(COLOURS, MEANINGS, strict=True)]  # fmt: skip
-    handles += [Patch(facecolor=colour, label=kind) for kind, colour in KINDS.items()
-                if kind in present]  # fmt: skip
-    axes.annotate("excess over noise", (0, 0), xycoords="axes fraction", xytext=(-8, -56),
+               for colour, meaning in zip(COLOURS, meanings, strict=True)]  # fmt: skip
+    handles += [Patch(facecolor=colour, label=say(message(f"chart-kinds.{kind}"), language))
+                for kind, colour in KINDS.items() if kind in present]  # fmt: skip
+    axes.annotate(excess, (0, 0), xycoords="axes fraction", xytext=(-8, -56),
                   textcoords="offset points", color=GREY, va="center", ha="right")  # fmt: skip
     axes.legend(handles=handles, ncols=len(handles), loc="center left", borderpad=0,
                 bbox_to_anchor=(0, -56 / (ROW * len(CHANNELS))), borderaxespad=0, handlelength=1.6,

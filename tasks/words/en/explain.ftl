@@ -4,6 +4,7 @@
 explain-model-fitted = the standard's model, its parameters fitted to this recording
 explain-model-calibration = the standard's model with the given calibration
 explain-model-simulation = the given simulation
+explain-simulation-of-other-unit = the simulation names the unit { $its }, the recording { $own }
 
 # What an effect outside the catalogue follows.
 explain-other-parameters = different values of the standard's own parameters

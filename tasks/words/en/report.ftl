@@ -249,3 +249,33 @@ report-dimension-after_moves = after moves
 report-dimension-ramps = ramps
 report-dimension-recorded = a recorded quantity
 report-dimension-level = constant throughout
+
+# The words in its pictures.
+chart-time = time / { $unit }
+chart-frequency = frequency / Hz
+chart-none = none
+chart-not-known = not known
+chart-excess = excess over noise
+chart-where = Where the standard's model misfits the recording
+    .title = Excess of six channels over the time of the run
+chart-segments =
+    .static = rests
+    .rate = rate
+    .rotation = turn
+chart-kinds =
+    .static = static
+    .rate = rate
+    .rotation = rotation
+chart-shares = Share of the mismatch above noise
+    .title = Share of each finding and what is left
+chart-not-explained = Not explained
+chart-left-over = Left over: χ² per degree of freedom
+chart-noise-alone = noise alone: 1
+chart-residual = What is left over: reading − model
+    .title = Residuals before and after
+chart-spectrum = Its spectrum, white noise = 1
+chart-lines =
+    .model = the standard's model
+    .before = before: the standard's model
+    .after = after: with the findings
+    .noise = noise of a mean, ±2σ

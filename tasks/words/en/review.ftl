@@ -6,11 +6,14 @@ review-carrier =
     .station = station { $name }
     .model = model { $name }
     .site = site { $name }
-review-carried = { $effect } in the runs of { $carrier }
+review-carried = { $effect } in the { $runs ->
+        [one] run
+       *[other] runs
+    } of { $carrier }
 review-summary = { $count ->
         [one] One effect
        *[other] { $count } effects
-    } common to these runs: { $findings }
+    } found in these runs: { $findings }
 review-nothing = { $runs } runs of { $units ->
         [one] one unit
        *[other] { $units } units
@@ -19,9 +22,16 @@ review-nothing = { $runs } runs of { $units ->
        *[other] { $stations } stations
     } have nothing in common beyond chance and the spread between units ({ $p }, corrected for the number of tests; 1 clean fleet in 100 would raise a false alarm)
 review-evidence = { $runs ->
-        [one] One run gives
-       *[other] { $runs } runs together give
-    } χ² = { $gain }; in a single run the effect is { $z } times its standard deviation (median), and { $shown } of them favour it
+        [one] One run gives χ² = { $gain }; the effect is { $z } times its standard deviation, and the run { $shown ->
+            [0] does not favour it
+           *[other] favours it
+        }
+       *[other] { $runs } runs together give χ² = { $gain }; in a single run the effect is { $z } times its standard deviation (median), and { $shown ->
+            [0] none of them favours it
+            [one] one of them favours it
+           *[other] { $shown } of them favour it
+        }
+    }
 review-sizes = { $sizes }
 review-changed =
     .since = present since run { $run } ({ $at }; between { $earliest } and { $latest } with 95 % probability)
@@ -35,8 +45,14 @@ review-touches = certificates on these runs that print affected values: { $count
 review-touches-none = no value printed on the certificates of these runs ({ $looked }) changes by more than 0.05 U
 review-other-names = equally likely here: { $names }
 review-separated-by = a recording that would separate them: { $recording }
-review-site = { $station }: estimated from Earth's rotation in { $runs } runs because no manifest states it: latitude { $latitude } north or south, heading { $heading } (k = 2)
-review-site-unknown = { $station }: no manifest states its latitude and heading, and Earth's rotation is not significant in its { $runs } runs
+review-site = { $station }: estimated from Earth's rotation in { $runs ->
+        [one] one run
+       *[other] { $runs } runs
+    } because no manifest states it: latitude { $latitude } north or south, heading { $heading } (k = 2)
+review-site-unknown = { $station }: no manifest states its latitude and heading, and Earth's rotation is not significant in its { $runs ->
+        [one] only run
+       *[other] { $runs } runs
+    }
 together-found = { $count } recordings of { $unit } together show { $effects }
 together-nothing = { $count } recordings of { $unit } together show nothing beyond chance ({ $p }, corrected for the number of tests)
 together-unnamed = { $count } recordings of { $unit } together depart from the standard's model ({ $p }, corrected for the number of tests), but no effect in the catalogue has plausible values that also hold where they were not fitted

@@ -4,6 +4,7 @@
 explain-model-fitted = 参数由本次记录拟合的标准模型
 explain-model-calibration = 采用给定校准结果的标准模型
 explain-model-simulation = 给定的仿真信号
+explain-simulation-of-other-unit = 仿真文件标明的产品为 { $its }，而记录的产品为 { $own }
 
 # 目录之外效应的变化规律。
 explain-other-parameters = 标准模型自身参数与给定值不同

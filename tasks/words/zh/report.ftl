@@ -232,3 +232,33 @@ report-dimension-after_moves = 运动之后
 report-dimension-ramps = 加减速段
 report-dimension-recorded = 已记录的环境量
 report-dimension-level = 各处相同
+
+# 报告插图中的文字。
+chart-time = 时间 / { $unit }
+chart-frequency = 频率 / Hz
+chart-none = 无
+chart-not-known = 未知
+chart-excess = 超出噪声
+chart-where = 标准模型与记录不符之处
+    .title = 六个通道超出噪声的部分随时间的分布
+chart-segments =
+    .static = 静止
+    .rate = 速率
+    .rotation = 转动
+chart-kinds =
+    .static = 静止
+    .rate = 速率
+    .rotation = 转动
+chart-shares = 在超出噪声的差异中所占份额
+    .title = 各项发现的份额与剩余部分
+chart-not-explained = 未解释
+chart-left-over = 剩余：每自由度 χ²
+chart-noise-alone = 仅噪声：1
+chart-residual = 剩余残差：读数 − 模型
+    .title = 计入前后的残差
+chart-spectrum = 其频谱，白噪声 = 1
+chart-lines =
+    .model = 标准模型
+    .before = 计入前：标准模型
+    .after = 计入后：含所发现效应
+    .noise = 均值的噪声，±2σ

@@ -6,10 +6,19 @@ review-carrier =
     .station = 工位 { $name }
     .model = 型号 { $name }
     .site = 场地 { $name }
-review-carried = { $carrier } 的各次测量中存在{ $effect }
-review-summary = 各次测量共有 { $count } 项效应：{ $findings }
+review-carried = { $carrier } 的{ $runs ->
+        [1] 1 次
+       *[other] 各次
+    }测量中存在{ $effect }
+review-summary = 这些测量中发现 { $count } 项效应：{ $findings }
 review-nothing = { $stations } 个工位上 { $units } 台器件的 { $runs } 次测量，除偶然因素或器件之间的分散所能造成者外，未见共同之处（{ $p }，已按全部检验次数修正；100 个无异常的机群中会有 1 个误报）
-review-evidence = { $runs } 次测量合计 χ² = { $gain }；单次测量中为其自身标准偏差的 { $z } 倍（中位数），其中 { $shown } 次倾向于存在该效应
+review-evidence = { $runs ->
+        [1] 1 次测量的 χ² = { $gain }；该效应为其自身标准偏差的 { $z } 倍，该次测量{ $shown ->
+            [0] 不倾向于存在该效应
+           *[other] 倾向于存在该效应
+        }
+       *[other] { $runs } 次测量合计 χ² = { $gain }；单次测量中为其自身标准偏差的 { $z } 倍（中位数），其中 { $shown } 次倾向于存在该效应
+    }
 review-sizes = { $sizes }
 review-changed =
     .since = 自测量 { $run }（{ $at }；以 95 % 概率在 { $earliest } 与 { $latest } 之间）起存在

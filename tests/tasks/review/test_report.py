@@ -88,3 +88,15 @@ def test_units_go_by_their_serial_unless_two_models_share_it() -> None:
     })  # fmt: skip
     assert [run.carriers["unit"] for run in runs.values()] == ["M1 1", "M2 1", "2"]
     assert [run.carriers.get("site") for run in runs.values()] == ["north", "40.00°", None]
+
+
+def test_an_effect_of_one_run_is_told_in_the_singular() -> None:
+    """Of two runs of two units only one has it."""
+    (finding,) = reviewed(
+        3, lambda unit, station, day: of("size_effect", 30.0 * (day == 0)), runs=6, units=12,
+        stations=1,
+    ).findings  # fmt: skip
+    assert finding.evidence.runs == 1
+    assert "in the run of" in finding.statement.en
+    assert "the run favours it" in finding.statement.en
+    assert "1 次测量的" in finding.statement.zh

@@ -1,5 +1,7 @@
 """Latitude and heading that no manifest tells, recovered from the runs of two stations."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,16 @@ def deviations(site: EstimatedSite) -> tuple[float, float]:
         K * (site.latitude_deg - abs(latitude)) / site.latitude_expanded,
         K * (site.heading_deg - heading) / site.heading_expanded,
     )
+
+
+def test_a_station_whose_runs_have_several_layouts_is_told_once(kept: Kept) -> None:
+    first, *rest = kept["ST-01"]
+    terms = tuple(
+        term.model_copy(update={"rarity": term.rarity + 1.0}) for term in first.layout.terms
+    )
+    layout = first.layout.model_copy(update={"terms": terms})
+    other = replace(first, layout=layout, layout_key=layout.key)
+    assert len(estimates({"ST-01": [other, *rest]})) == 1
 
 
 def test_each_station_gets_its_own_latitude_and_heading_within_u(kept: Kept) -> None:

@@ -19,7 +19,8 @@ from tasks.coefficients.parameters import model_values
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.stages.correct import simulate_run, simulated_recording
-from tasks.stages.explain import simulated_readings
+from tasks.stages.simulation import other_unit, simulated_readings
+from tasks.words import say
 
 CHANNELS = GYRO + ACCEL
 RNG = np.random.default_rng(3)
@@ -106,7 +107,7 @@ def test_a_simulation_is_read_back_at_the_units_rows(ideal_run, home, tmp_path) 
     recording = ideal_run(dwell=2.0)
     run, _ = runs.add(recording, home)
     made = simulate_run(run, home, order_into(tmp_path))
-    readings = simulated_readings(recording, made.folder)
+    readings = simulated_readings(recording, made.folder, read_folder(made.folder))
     np.testing.assert_array_equal(readings, read_folder(made.folder).imu.stack(CHANNELS))
 
 
@@ -115,7 +116,7 @@ def test_rows_between_those_of_a_simulation_are_interpolated(ideal_run, home, tm
     run, _ = runs.add(recording, home)
     made = simulate_run(run, home, order_into(tmp_path))
     between = replace(recording, imu=replace(recording.imu, t=recording.imu.t + 0.05))
-    readings = simulated_readings(between, made.folder)
+    readings = simulated_readings(between, made.folder, read_folder(made.folder))
     given = read_folder(made.folder).imu.stack(CHANNELS)
     np.testing.assert_allclose(readings[:-1], (given[:-1] + given[1:]) / 2, atol=1e-12)
     assert np.isnan(readings[-1]).all()
@@ -127,4 +128,48 @@ def test_simulation_of_another_time_is_refused(ideal_run, home, tmp_path) -> Non
     made = simulate_run(run, home, order_into(tmp_path))
     later = replace(recording, imu=replace(recording.imu, t=recording.imu.t + 1e4))
     with pytest.raises(Unusable, match="0 % of the rows"):
-        simulated_readings(later, made.folder)
+        simulated_readings(later, made.folder, read_folder(made.folder))
+
+
+PATH = Path("other")
+
+
+def test_a_simulation_of_another_motion_is_refused_by_its_table(plant) -> None:
+    recording = plant("plant_clean")
+    table = recording.table
+    turned = {name: column + (name == "inner_angle") for name, column in table.columns.items()}
+    other = replace(recording, table=replace(table, columns=turned))
+    with pytest.raises(Unusable, match=r"other: its table holds inner_angle at .* 100 % of the"):
+        simulated_readings(recording, PATH, other)
+
+
+def test_a_simulation_without_a_table_is_refused_by_its_rates(plant) -> None:
+    recording = plant("plant_clean")
+    later = {name: np.roll(column, 6000) for name, column in recording.imu.columns.items()}
+    other = replace(recording, table=None, imu=replace(recording.imu, columns=later))
+    with pytest.raises(Unusable, match="other: its gyro_\\* reads a rate of"):
+        simulated_readings(recording, PATH, other)
+
+
+def test_whole_turns_exchanged_axes_and_a_small_delay_are_the_same_motion(plant) -> None:
+    recording = plant("plant_clean")
+    imu, table = recording.imu, recording.table
+    more = {name: c + 2 * np.pi * name.endswith("_angle") for name, c in table.columns.items()}
+    exchanged = {**imu.columns, "gyro_x": imu.columns["gyro_y"], "gyro_y": imu.columns["gyro_x"]}
+    other = replace(
+        recording, imu=replace(imu, columns=exchanged),
+        table=replace(table, columns=more, t=table.t + 0.01),
+    )  # fmt: skip
+    simulated_readings(recording, PATH, other)
+
+
+def test_a_simulation_may_leave_its_unit_out_but_another_one_is_remarked(plant) -> None:
+    recording = plant("plant_clean")
+
+    def of(serial: str) -> Recording:
+        unit = recording.manifest.unit.model_copy(update={"serial": serial})
+        return replace(recording, manifest=recording.manifest.model_copy(update={"unit": unit}))
+
+    assert other_unit(recording, recording) == other_unit(recording, of("")) == ()
+    (remark,) = other_unit(recording, of("B 7"))
+    assert "B 7" in say(remark, "en")

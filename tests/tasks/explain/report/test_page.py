@@ -29,7 +29,11 @@ from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
 from tasks.explain.report import write_report
 
-PICTURES = ("where.svg", "before_after.svg", "shares.svg")
+PICTURES = tuple(
+    f"{name}{ending}.svg" for ending in ("", "-zh") for name in ("where", "before_after", "shares")
+)
+CHINESE = re.compile("[\u4e00-\u9fff]")
+SVG_TEXT = "{http://www.w3.org/2000/svg}text"
 NAMES = {"report.html", "report.json", "prediction.parquet", *PICTURES}
 CASES = {
     "no_mismatch": explanation(),
@@ -85,10 +89,31 @@ def test_the_page_needs_nothing_from_elsewhere(verdict, page_of) -> None:
 def test_the_page_holds_both_languages_and_every_picture(page_of) -> None:
     page = page_of("explained")
     assert page.count('lang="en"') - 1 == page.count('lang="zh"')  # one more on the page itself
-    assert page.count("<svg") == 3
+    assert page.count("<svg") == 6
     for words in ("Table not level", "转台不水平", "axis_wobble", "<b>", "不合格 → 合格",
                   "1.234", "mrad", "0.022", "−40.0"):  # fmt: skip
         assert words in page
+
+
+@pytest.mark.parametrize("verdict", CASES)
+def test_the_pictures_of_a_language_have_its_words(verdict, report, page_of) -> None:
+    for name in PICTURES:
+        root = ElementTree.fromstring((report(verdict) / name).read_bytes())
+        words = [root.get("aria-label"), *map(said, root.iter(SVG_TEXT))]
+        if "-zh" not in name:
+            assert not any(map(CHINESE.search, words))
+            continue
+        assert CHINESE.search(words[0])
+        allowed = re.compile(r"axis_\w+|(gyro|accel)_\w+|noise|χ|Hz|min|m/s|mm|µm|[a-z]$")
+        english = [w for w in words if re.search("[a-z]{4}", w) and not allowed.search(w)]
+        assert not english
+    page = page_of(verdict)
+    assert '<span lang="zh"><svg' in page
+    assert '<span lang="en"><svg' in page
+
+
+def said(text: ElementTree.Element) -> str:
+    return "".join(text.itertext())
 
 
 def test_what_was_written_by_others_is_escaped(page_of) -> None:
@@ -147,7 +172,7 @@ def test_no_known_row_at_all_still_makes_a_report(tmp_path) -> None:
     nothing = np.full_like(run.nominal, np.nan)
     noise = np.full(6, np.nan)
     page = written(replace(run, nominal=nothing, found=nothing, noise=noise), tmp_path)
-    assert page.count("<svg") == 2
+    assert page.count("<svg") == 4
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e6])
@@ -195,7 +220,7 @@ def test_small_values_of_the_certificate_have_a_unit_of_their_size(tmp_path) -> 
 
 def test_segments_are_found_where_none_are_labelled(tmp_path) -> None:
     run = replace(CASES["no_mismatch"], recording=recording(labelled=False))
-    assert written(run, tmp_path).count("<svg") == 2
+    assert written(run, tmp_path).count("<svg") == 4
 
 
 def test_more_findings_than_colours_still_make_a_report(tmp_path) -> None:
