@@ -94,7 +94,7 @@ def _fault_of(fault: TyperException) -> str:
     if not isinstance(fault.__cause__, ValidationError):
         return text
     given = fault.__cause__.errors()[0]["input"]
-    return text if str(given) in text else f"{text} (found {given!r})"
+    return text.replace("Input should", f"{given!r} should")
 
 
 def _fail(failure: Exception) -> None:

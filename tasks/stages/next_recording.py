@@ -244,11 +244,11 @@ def _why(choice: "Choice", longer: "Choice | None", most_minutes: float, count: 
     for evidence adds up with time.
     """
     if longer is not None and longer.is_enough:
-        needs = {"needs": f"{longer.minutes:.1f}", "minutes": ceil(longer.minutes)}
-        return message("next-found-longer", **needs)
+        needs, minutes = f"{longer.minutes:.1f}", ceil(longer.minutes)
+        return message("next-found-longer", needs=needs, minutes=minutes)
     if choice.left < NOTHING_SHOWN:
         return message("next-nothing-moves", count=count)
-    longer = LONGER_BY * max(choice.minutes, most_minutes) / choice.share
-    if longer > LONGEST_MIN:
-        return message("next-too-little", count=count, hours=f"{longer / 60.0:.0f}")
-    return message("next-longer", minutes=f"{ceil(longer / 5.0) * 5:d}")
+    in_proportion = LONGER_BY * max(choice.minutes, most_minutes) / choice.share
+    if in_proportion > LONGEST_MIN:
+        return message("next-too-little", count=count, hours=f"{in_proportion / 60.0:.0f}")
+    return message("next-longer", minutes=f"{ceil(in_proportion / 5.0) * 5:d}")

@@ -99,7 +99,7 @@ def test_the_page_holds_both_languages_and_every_picture(page_of) -> None:
 def test_the_pictures_of_a_language_have_its_words(verdict, report, page_of) -> None:
     for name in PICTURES:
         root = ElementTree.fromstring((report(verdict) / name).read_bytes())
-        words = [root.get("aria-label"), *map(said, root.iter(SVG_TEXT))]
+        words = [root.get("aria-label"), *map(content_of, root.iter(SVG_TEXT))]
         if "-zh" not in name:
             assert not any(map(CHINESE.search, words))
             continue
@@ -112,7 +112,7 @@ def test_the_pictures_of_a_language_have_its_words(verdict, report, page_of) -> 
     assert '<span lang="en"><svg' in page
 
 
-def said(text: ElementTree.Element) -> str:
+def content_of(text: ElementTree.Element) -> str:
     return "".join(text.itertext())
 
 
