@@ -246,6 +246,8 @@ def _why(choice: "Choice", longer: "Choice | None", most_minutes: float, count: 
     if longer is not None and longer.is_enough:
         needs, minutes = f"{longer.minutes:.1f}", ceil(longer.minutes)
         return message("next-found-longer", needs=needs, minutes=minutes)
+    if longer is not None:  # one block may show nothing where others do
+        choice, most_minutes = longer, USUAL_MIN
     if choice.left < NOTHING_SHOWN:
         return message("next-nothing-moves", count=count)
     in_proportion = LONGER_BY * max(choice.minutes, most_minutes) / choice.share

@@ -205,6 +205,18 @@ def test_where_few_minutes_are_allowed_it_says_what_the_shortest_found_takes(
     assert "A recording of 5.2 min would (--minutes 6)." in text
 
 
+def test_what_one_block_does_not_show_is_not_said_of_every_motion(
+    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answered(0.0)
+    least, usual = (Choice(PROCEDURE, 14.0, left, 30.0, left) for left in (0.0, 20.0))
+    found = {False: least, True: usual}
+    monkeypatch.setattr(Experiment, "shortest", lambda _, minutes: found[minutes >= 15.0])
+    text = mimucal("next", run, "--minutes", "1", "--json").json["statement"]["en"]
+    assert "As far as the encoders" not in text
+    assert int(re.findall(r"--minutes (\d+)", text)[0]) > 15
+
+
 def test_one_effect_is_told_in_the_singular(
     run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
