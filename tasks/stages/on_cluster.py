@@ -56,6 +56,8 @@ def _while_connected(
         connected = Client(scheduler, timeout=ANSWER_S)
     except ValueError as fault:
         raise Unusable(f"--scheduler {scheduler}: {fault}; give tcp://HOST:PORT") from fault
+    except AssertionError as busy:  # dask's own thread has ten seconds to start on a busy computer
+        raise TimeoutError("dask's thread did not start in time") from busy
     with connected as client:
         waiting, running = iter(list(left)), dict[Future, int]()
         while True:

@@ -87,6 +87,20 @@ def test_what_is_no_address_is_a_sentence_at_once() -> None:
         list(on_cluster(squared, [1], "nonsense", squared))
 
 
+def test_a_computer_too_busy_for_a_thread_is_tried_again(
+    address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import distributed
+
+    def client(*_: object, **__: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(distributed, "Client", client)
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.0)
+    with pytest.raises(Unusable, match=r"--scheduler tcp://127\.0\.0\.1"):
+        list(on_cluster(squared, [1, 2], address, died=squared))
+
+
 def test_no_scheduler_is_a_sentence(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "ANSWER_S", 0.5)
     monkeypatch.setattr(cluster, "PATIENCE_S", 0.0)
