@@ -49,16 +49,10 @@ def _while_connected(
     work: Callable[[T], R], left: dict[int, T], scheduler: str, died: Callable[[T], R]
 ) -> Iterator[tuple[int, R]]:
     """Ends when all is done; raises OSError or CancelledError when the scheduler is lost."""
-    from distributed import Client, Future, wait
+    from distributed import Future, wait
     from distributed.scheduler import KilledWorker
 
-    try:
-        connected = Client(scheduler, timeout=ANSWER_S)
-    except ValueError as fault:
-        raise Unusable(f"--scheduler {scheduler}: {fault}; give tcp://HOST:PORT") from fault
-    except AssertionError as busy:  # dask's own thread has ten seconds to start on a busy computer
-        raise TimeoutError("dask's thread did not start in time") from busy
-    with connected as client:
+    with _connected(scheduler) as client:
         waiting, running = iter(list(left)), dict[Future, int]()
         while True:
             most = WAITING * _threads(client)
@@ -78,6 +72,17 @@ def _while_connected(
                     done = died(left[k])
                 future.release()
                 yield k, done
+
+
+def _connected(scheduler: str) -> "Client":
+    from distributed import Client
+
+    try:
+        return Client(scheduler, timeout=ANSWER_S)
+    except ValueError as fault:
+        raise Unusable(f"--scheduler {scheduler}: {fault}; give tcp://HOST:PORT") from fault
+    except AssertionError as busy:  # dask's own thread has ten seconds to start on a busy computer
+        raise TimeoutError("dask's thread did not start in time") from busy
 
 
 def _threads(client: "Client") -> int:
