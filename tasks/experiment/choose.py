@@ -154,8 +154,6 @@ class Experiment:
         that shows little at first may still show more than all that was taken in its place.
         """
         more = self._one_by_one(chosen, needed, minutes)
-        while len(more) > len(chosen) and self._minutes(more) > minutes:  # the way between them
-            more.pop()
         fitting = [one for one in self._measured if one.seconds <= 60.0 * minutes]
         if chosen or not fitting or self._share(_total(more)) >= needed:
             return more
@@ -180,6 +178,8 @@ class Experiment:
             best = max(range(len(open_)), key=worth.__getitem__)
             more.append(open_[best])
             so_far = sums[best]
+        while len(more) > len(chosen) and self._minutes(more) > minutes:  # the way between them
+            more.pop()
         return more
 
     def _share(self, so_far: Mapping[Pair, Separation]) -> float:
