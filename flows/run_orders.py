@@ -216,9 +216,6 @@ def home_of(order: OrderModel) -> Home:
 
 def procedure_of(order: AcquireOrder) -> "Procedure":
     """A procedure by name, or from a file of that name."""
-    from schemas.procedure import Procedure
-    from tasks.station import procedures
+    from tasks.stages.procedure_input import procedure_named
 
-    if Path(order.procedure).suffix in (".toml", ".json"):
-        return settings.read(Path(order.procedure), Procedure)
-    return procedures.load(order.procedure)
+    return procedure_named(order.procedure)

@@ -10,7 +10,7 @@ from schemas.calibration import Calibration, Item
 from schemas.history import Change, Difference, Flip, Reprocessing
 from schemas.tolerance import Tolerance
 from tasks.conformity import decide
-from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw
+from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw, picture_file
 from tasks.specifications.items import item_title
 from tasks.words import LANGUAGES, message, say
 
@@ -96,12 +96,7 @@ def report_texts(report: Reprocessing) -> dict[str, str]:
     return {
         "report.json": report.model_dump_json(indent=1) + "\n",
         "changed.csv": _table(report.changed),
-        **{
-            "changed.svg" if language == LANGUAGES[0] else f"changed-{language}.svg": changed_svg(
-                report, language
-            )
-            for language in LANGUAGES
-        },
+        **{picture_file("changed", each): changed_svg(report, each) for each in LANGUAGES},
     }
 
 

@@ -11,7 +11,7 @@ from unicodedata import east_asian_width
 
 import numpy as np
 
-from tasks.words import message, say
+from tasks.words import LANGUAGES, message, say
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,6 +81,11 @@ def draw(
     svg = written.getvalue()
     body = svg[svg.index("<svg") + len("<svg") :].replace('pt"', '"', 2)  # points are px here
     return f'<svg role="img" aria-label="{escape(title)}"{body}'
+
+
+def picture_file(name: str, language: str) -> str:
+    """`where.svg` in the first language, `where-zh.svg` in another."""
+    return f"{name}.svg" if language == LANGUAGES[0] else f"{name}-{language}.svg"
 
 
 def text_width(text: str) -> float:

@@ -18,6 +18,7 @@ from tasks.review.carriers import (
     tried_of,
     with_both_ends,
 )
+from tasks.review.comparison import likeliest
 from tasks.review.evidence import at_unit_information
 from tasks.review.hypotheses import Effect
 from tasks.review.mixed import spreads
@@ -93,8 +94,7 @@ class OwnValues:
         )
         if not evidence.size:
             return 0.0
-        tried = spreads(evidence, (0.0,), BETWEEN_UNITS, np.zeros((0, len(others)), bool))
-        return max((spread for spread, _ in tried), key=lambda each: each.likelihood).tau
+        return likeliest(evidence, (0.0,), BETWEEN_UNITS).tau
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from schemas.base import Unusable
 from schemas.next_recording import NextRecording, PredictedEvidence, RepeatOfBase
 from schemas.orders import NextOrder
-from schemas.procedure import Procedure
 from schemas.recording import Recording
 from schemas.station import StationFile
 from storage import settings
@@ -20,8 +19,8 @@ from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.whole_files import written_out
 from tasks.explain.progress import Progress, silent, tell
+from tasks.stages.procedure_input import procedure_named
 from tasks.stages.stage import stage
-from tasks.station import procedures
 from tasks.words import Message, clauses, identifiers, message, statement
 
 REHEARSALS = 2  # of a procedure: each may show what else fits it
@@ -57,7 +56,7 @@ def next_recording(
     if order.out or order.effects:
         _refuse_taken(_file(order, order.effects))
     station = settings.read(Path(order.station), StationFile) if order.station else None
-    base = _base(order.base) if order.base else None
+    base = procedure_named(order.base) if order.base else None
     question = None
     for run in of:
         recording = runs.load(run, home)
@@ -103,13 +102,6 @@ def _refuse_unknown(effects: Sequence[str]) -> None:
             )
     if len(set(effects)) < len(effects):
         raise Unusable(f"--for {','.join(effects)} names an effect twice; name each once.")
-
-
-def _base(named: str) -> Procedure:
-    """A procedure file, or the procedure of that name, as `acquire` takes them."""
-    if Path(named).suffix or os.sep in named:
-        return settings.read(Path(named), Procedure)
-    return procedures.load(named)
 
 
 def _abilities(recording: Recording, station: StationFile | None) -> "Abilities":

@@ -30,16 +30,12 @@ from tasks.explain.report.unnamed import (
 from tasks.explain.report.verdict import verdict_statement
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.effect import next_step, separating_recording
+from tasks.rendering.chart import picture_file
 from tasks.version import code_version
 from tasks.words import LANGUAGES, Sayable, message, statement
 
 PICTURES = ("where", "before_after", "shares")
 NOT_WRITTEN = Statement(en="", zh="")
-
-
-def picture_file(name: str, language: str) -> str:
-    """`where.svg` in the first language, `where-zh.svg` in another."""
-    return f"{name}.svg" if language == LANGUAGES[0] else f"{name}-{language}.svg"
 
 
 def discrepancy_of(

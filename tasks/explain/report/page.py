@@ -15,12 +15,11 @@ from tasks.explain.explanation import Explanation
 from tasks.explain.report import names, statements
 from tasks.explain.report.before_after import before_after_svg
 from tasks.explain.report.cells import cells_of
-from tasks.explain.report.discrepancy import picture_file
 from tasks.explain.report.shares import shares_svg
 from tasks.explain.report.verdict import detected, small_remainders, tested
 from tasks.explain.report.where import where_svg
 from tasks.rendering import inline_each, page
-from tasks.rendering.chart import FINDINGS, GREY
+from tasks.rendering.chart import FINDINGS, GREY, picture_file
 from tasks.version import code_version
 from tasks.words import LANGUAGES, message, say
 from tasks.words.quantities import chi2, percent, quantities
