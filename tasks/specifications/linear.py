@@ -29,7 +29,7 @@ class Solution:
 
     def uncertainty(self, covariance: np.ndarray) -> np.ndarray:
         """Standard uncertainty (p,) of θ, from the covariance (n, n) of the readings."""
-        variance = np.einsum("pi,ij,pj->p", self.operator, covariance, self.operator)
+        variance = (self.operator @ covariance * self.operator).sum(axis=1)
         return np.where(self.estimable, np.sqrt(np.maximum(variance, 0.0)), np.nan)
 
 
