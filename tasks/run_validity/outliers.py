@@ -47,14 +47,12 @@ def _coarse_where_it_moves(evidence: ClauseEvidence) -> np.ndarray:
 
     One that moves in none is coarse where it stands at different values.
     """
-    coarse = np.zeros(6, bool)
-    for channel in range(6):
-        moves = [s for s in evidence.segments if s.deviation[channel] > ROUNDING * s.step[channel]]
-        if moves:
-            coarse[channel] = np.mean([coarsely_quantised(s)[channel] for s in moves]) > 0.5
-        else:
-            coarse[channel] = len({float(s.mean[channel]) for s in evidence.segments}) > 1
-    return coarse
+    if not evidence.segments:
+        return np.zeros(6, bool)
+    moves = np.array([s.deviation > ROUNDING * s.step for s in evidence.segments])
+    hidden = np.array([coarsely_quantised(s) for s in evidence.segments]) & moves
+    stands = [len(set(means)) > 1 for means in evidence.means.T.tolist()]
+    return np.where(moves.any(axis=0), hidden.sum(axis=0) > 0.5 * moves.sum(axis=0), stands)
 
 
 def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
