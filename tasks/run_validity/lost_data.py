@@ -54,15 +54,15 @@ def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     shortest, longest = segment.intervals
     if segment.rows < 3 or longest <= GAP * shortest:  # whatever the usual one is
         return
-    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-    steps = np.diff(recording.imu.t[rows])
+    t = recording.imu.t[segment.place]
+    steps = np.diff(t)
     interval = float(np.median(steps))
     gaps = steps > GAP * interval
     if not gaps.any():
         return
     lost = int(np.round(steps[gaps] / interval - 1).sum())
     worst = int(steps.argmax())
-    name, at = segment.segment.name, recording.imu.t[rows.start + worst]
+    name, at = segment.segment.name, t[worst]
     yield run_remark(
         "lost_samples", name,
         run="invalid" if lost > LARGEST_SHARE * segment.rows else "valid",

@@ -47,14 +47,12 @@ def _coarse_where_it_moves(evidence: ClauseEvidence) -> np.ndarray:
 
     One that moves in none is coarse where it stands at different values.
     """
-    coarse = np.zeros(6, bool)
-    for channel in range(6):
-        moves = [s for s in evidence.segments if s.deviation[channel] > ROUNDING * s.step[channel]]
-        if moves:
-            coarse[channel] = np.mean([coarsely_quantised(s)[channel] for s in moves]) > 0.5
-        else:
-            coarse[channel] = len({float(s.mean[channel]) for s in evidence.segments}) > 1
-    return coarse
+    if not evidence.segments:
+        return np.zeros(6, bool)
+    moves = np.array([s.deviation > ROUNDING * s.step for s in evidence.segments])
+    hidden = np.array([coarsely_quantised(s) for s in evidence.segments]) & moves
+    stands = [len(set(means)) > 1 for means in evidence.means.T.tolist()]
+    return np.where(moves.any(axis=0), hidden.sum(axis=0) > 0.5 * moves.sum(axis=0), stands)
 
 
 def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
@@ -89,9 +87,9 @@ def _few_at_a_glance(recording: Recording, held: list[SegmentMean]) -> np.ndarra
     count = GLANCE_ROWS // len(held)
     drawn = []
     for segment in held:
-        rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-        of_segment = _drawn(rows.stop - rows.start, count)
-        drawn.append([values[of_segment] for values in recording.imu.views(CHANNELS, rows)])
+        rows = _drawn(segment.rows, count)
+        views = recording.imu.views(CHANNELS, segment.place)
+        drawn.append([values[rows] for values in views])
     here = np.array(drawn)  # (segments, 6, count)
     away = np.abs(here - median(here)[..., None])
     step = np.array([segment.step for segment in held])
@@ -112,7 +110,7 @@ def _drawn(rows: int, count: int) -> np.ndarray:
 def _share_off(
     recording: Recording, values: np.ndarray, segment: SegmentMean, channel: int, accumulated: bool
 ) -> float:
-    here = values[recording.imu.rows(segment.segment.t_start, segment.segment.t_end)]
+    here = values[segment.place]
     away = np.abs(np.diff(here, 2) if accumulated else here - median(here))
     reach = OFF * 1.4826 * float(median(away))
     return float((away > max(reach, STEPS * float(segment.step[channel]))).mean())
@@ -141,11 +139,10 @@ def _stuck(
     """
     if segment.segment.kind == "rotation":
         return
-    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
     interval = segment.seconds / segment.rows
     shortest = min(max(20, round(STUCK_SECONDS / interval)), segment.rows)
     name = segment.segment.name
-    views = recording.imu.views(CHANNELS, rows)
+    views = recording.imu.views(CHANNELS, segment.place)
     # A run of `shortest` rows holds two neighbours of a sample that takes every half of it.
     sample = np.array([values[:: max(1, shortest // 2)] for values in views])
     repeats = (sample[:, 1:] == sample[:, :-1]).any(axis=1) | (sample.shape[1] == 1)
@@ -158,7 +155,7 @@ def _stuck(
             "stuck", name, run="remarks" if coarse[channel] else "invalid",
             segment=name, channel=channels[channel],
             value=f"{values[start]:.6g}", rows=length,
-            time=f"{recording.imu.t[rows.start + start]:.2f}",
+            time=f"{recording.imu.t[segment.place.start + start]:.2f}",
         )  # fmt: skip
 
 

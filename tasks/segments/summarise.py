@@ -46,6 +46,7 @@ class SegmentMean:
     step: (6,) smallest difference between two readings of the channel in the whole recording.
     deviation: (6,) standard deviation of the rows.
     intervals: shortest and longest time from one row to the next, s; NaN for a single row.
+    place: its rows in the stream.
     """
 
     segment: Segment
@@ -63,6 +64,7 @@ class SegmentMean:
     step: np.ndarray
     deviation: np.ndarray
     intervals: tuple[float, float]
+    place: slice
 
     @property
     def seconds(self) -> float:
@@ -223,6 +225,7 @@ def summarise(
         step=step,
         deviation=samples.std(axis=1),
         intervals=extreme_steps(t),
+        place=rows,
     )
 
 

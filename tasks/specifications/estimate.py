@@ -185,7 +185,7 @@ def fit_means(
 
 def u_of_means(evidence: ClauseEvidence, channel: int, weights: np.ndarray) -> np.ndarray:
     """Standard uncertainties (m,) of m combinations (m, n) of one channel's means, data only."""
-    variance = np.einsum("mi,ij,mj->m", weights, evidence.covariance(channel), weights)
+    variance = (weights @ evidence.covariance(channel) * weights).sum(axis=1)
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 

@@ -124,6 +124,7 @@ def say(sayable: Sayable, language: str) -> str:
     return str(text)
 
 
+@lru_cache(maxsize=4096)
 def texts(sayable: Sayable) -> Mapping[str, str]:
     """A message in every language, by language: the fields of a `Remark`, for one."""
     return {language: say(sayable, language) for language in LANGUAGES}

@@ -16,13 +16,14 @@ def recording(rows: int = 1_440_000, seed: int = 0) -> Recording:
     count = rows // DWELLS
     values = np.empty((6, DWELLS * count))
     segments: list[dict[str, object]] = []
-    dwell_s = count / RATE_HZ
 
     def hold(name: str, rate: np.ndarray, upward: np.ndarray, **label: object) -> None:
         level = np.concatenate([rate, upward * GRAVITY])
-        first, start = count * len(segments), dwell_s * len(segments)
+        first = count * len(segments)
         values[:, first : first + count] = (level + rng.normal(0.0, NOISE, (count, 6))).T
-        segments.append({"name": name, "t_start": start, "t_end": start + dwell_s, **label})
+        # Whole nanoseconds, as the rows: no row of a neighbour is within.
+        start, end = (round(rows / RATE_HZ, 9) for rows in (first, first + count))
+        segments.append({"name": name, "t_start": start, "t_end": end, **label})
 
     still = np.zeros(3)
     for axis, letter in enumerate("xyz"):

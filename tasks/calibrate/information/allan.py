@@ -5,6 +5,7 @@ Allan variance and its equivalent degrees of freedom). By hand, because importin
 longer than the whole calibration of a million rows; the tests compare with it.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -111,11 +112,12 @@ def allan_curve(rests: Sequence[Sequence[np.ndarray]], interval: float) -> Allan
     sizes = [1 << power for power in range(shortest.bit_length()) if 4 << power <= shortest]
     rows = [len(rest[0]) for rest in rests]
     variances = [overlapping_variances(rest, sizes) for rest in rests]
+    alike = Counter(rows).items()  # rests are mostly of one length
     return AllanCurve(
         tau=interval * np.array(sizes, float),
         variance=np.average(variances, axis=0, weights=rows),
-        white_dof=np.array([sum(white_dof(n, size) for n in rows) for size in sizes]),
-        flicker_dof=np.array([sum(flicker_dof(n, size) for n in rows) for size in sizes]),
+        white_dof=np.array([sum(k * white_dof(n, size) for n, k in alike) for size in sizes]),
+        flicker_dof=np.array([sum(k * flicker_dof(n, size) for n, k in alike) for size in sizes]),
     )
 
 

@@ -112,9 +112,8 @@ def allan_of_rests(evidence: ClauseEvidence, triad: slice) -> AllanOfRests | Non
     if not rests:
         return None
     interval = float(np.median([rest.seconds / rest.rows for rest in rests]))
-    within = (imu.rows(rest.segment.t_start, rest.segment.t_end) for rest in rests)
     return AllanOfRests(
-        curve=allan_curve([imu.views(CHANNELS[triad], rows) for rows in within], interval),
+        curve=allan_curve([imu.views(CHANNELS[triad], rest.place) for rest in rests], interval),
         hidden=np.any([coarsely_quantised(rest)[triad] for rest in rests], axis=0),
         count=len(rests),
         seconds=min(rest.seconds for rest in rests),

@@ -53,7 +53,7 @@ def segments_of(blocks: np.ndarray, held: list[Segment]) -> tuple[SegmentMean, .
             segment=label, origin="label", rows=3000, t_start=label.t_start, t_end=label.t_end,
             mean=values.mean(axis=1), blocks=values, allan=allan, tau=tau, left_out=0,
             far_rows=np.zeros(6), longest_burst=0, step=np.zeros(6), deviation=values.std(axis=1),
-            intervals=(0.01, 0.01),
+            intervals=(0.01, 0.01), place=slice(0, 3000),
         ))  # fmt: skip
     return tuple(summaries)
 
