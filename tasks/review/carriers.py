@@ -9,13 +9,11 @@ from scipy.special import chdtrc, fdtrc
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
 from tasks.review.evidence import Evidence, ridged, solved
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import Spread, spreads
+from tasks.review.mixed import Spread, gains_of_each, spreads
 from tasks.review.pool import Pool
 from tasks.review.screening import Worth
 from tasks.review.windows import Window, rows_of, runs_of
 
-BETWEEN_RUNS = (0.0, 0.7, 1.5, 4.0)  # σ that are tried, in units of what one run determines
-BETWEEN_UNITS = (0.0, 0.5, 1.0, 2.0, 5.0)  # τ
 PER_CHANGE = 4.0
 RARE = 1e-3  # chance that nothing is believed of, however well a spread is known
 
@@ -59,17 +57,14 @@ class Carried:
         return back @ solved(information, right), covariance
 
 
-def carried(pool: Pool, one: Worth, tried: int) -> list[Carried]:
-    """An effect in each of its windows, the best first; tried: windows and effects in all."""
-    rows = np.array([rows_of(pool, window) for window in one.windows])
-    looked = [
-        (spread, spread.gains_of(sums))
-        for spread, sums in spreads(one.evidence, BETWEEN_RUNS, BETWEEN_UNITS, rows)
-    ]
+def carried(pool: Pool, one: Worth, windows: Sequence[Window], tried: int) -> list[Carried]:
+    """An effect in each of some windows, the best first; tried: windows and effects in all."""
+    rows = np.array([rows_of(pool, window) for window in windows])
+    looked = list(gains_of_each(one.spreads, rows))
     nothing = max(spread.likelihood for spread, _ in looked)
     likelihoods = np.array([spread.likelihood + gains for spread, gains in looked])
     found = []
-    for number, (window, k) in enumerate(zip(one.windows, likelihoods.argmax(axis=0), strict=True)):
+    for number, (window, k) in enumerate(zip(windows, likelihoods.argmax(axis=0), strict=True)):
         spread, gains = looked[int(k)]
         beyond = spread.likelihood + gains[number] - nothing
         found.append(
@@ -106,7 +101,7 @@ def chance(evidence: Evidence, spread: Spread, beyond: float, rows: np.ndarray) 
     if beyond <= 0.0:
         return 1.0
     known = float(chdtrc(evidence.size, beyond))
-    if not spread.tau or len(evidence.starts) < 2 or known > RARE:
+    if not spread.tau or evidence.units < 2 or known > RARE:
         return known
     freedom = _freedom(evidence, spread, rows)
     return float(fdtrc(evidence.size, freedom, beyond / evidence.size))
@@ -116,11 +111,11 @@ def _freedom(evidence: Evidence, spread: Spread, rows: np.ndarray) -> float:
     """Degrees of freedom of the variance of a common value: that between units is known as few of
     them let it be known, that within runs is (Satterthwaite, Biometrics Bulletin 2, 1946).
     """
-    ((alone, _),) = spreads(evidence, (spread.sigma,), (0.0,), np.zeros((0, len(rows)), bool))
+    (alone,) = spreads(evidence, (spread.sigma,), (0.0,))
     within, both = (each.common(rows)[1] for each in (alone, spread))
     left = float(np.trace(np.linalg.solve(ridged(within), both))) / evidence.size
     share = min(1.0, max(1.0 - left, 1e-3))  # of the variance, between units
-    return (len(evidence.starts) - 1.0) / share**2
+    return (evidence.units - 1.0) / share**2
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from tasks.review.carriers import BETWEEN_UNITS, Carried
+from tasks.review.carriers import Carried
 from tasks.review.evidence import Evidence, solved
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import Spread, spreads
+from tasks.review.mixed import BETWEEN_UNITS, Spread, spreads
 from tasks.review.pool import Pool
 from tasks.review.windows import rows_of
 
@@ -34,8 +34,7 @@ def explains(pool: Pool, one: Carried, rows: np.ndarray, beside: Carried) -> flo
 
 def likeliest(evidence: Evidence, sigmas: tuple[float, ...], taus: tuple[float, ...]) -> Spread:
     """The likeliest spread of those tried."""
-    tried = spreads(evidence, sigmas, taus, np.zeros((0, len(evidence.unit)), bool))
-    return max((spread for spread, _ in tried), key=lambda each: each.likelihood)
+    return max(spreads(evidence, sigmas, taus), key=lambda each: each.likelihood)
 
 
 def usual(evidence: Evidence, rows: np.ndarray) -> Spread | None:

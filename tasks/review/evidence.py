@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 DETERMINED = 1e-4  # of a parameter's information that is left beside the effect's others
 
@@ -30,14 +31,21 @@ class Evidence:
         return Evidence(self.score * rows[:, None], information, self.back, self.unit)
 
     @cached_property
-    def by_unit(self) -> np.ndarray:
-        """(runs,) the runs in the order of their units."""
-        return np.argsort(self.unit, kind="stable")
+    def units(self) -> int:
+        """How many units have runs."""
+        return int(self.unit.max()) + 1
 
     @cached_property
-    def starts(self) -> np.ndarray:
-        """(units,) where each unit's runs begin among them."""
-        return np.flatnonzero(np.diff(self.unit[self.by_unit], prepend=-1))
+    def of_each_unit(self) -> csr_array:
+        """(units, runs) 1 where a run is of a unit."""
+        return self.of_units(np.ones((1, len(self.unit)), bool))
+
+    def of_units(self, rows: np.ndarray) -> csr_array:
+        """(w · units, runs) 1 where a run of a unit is in a window; rows: (w, runs) bool."""
+        window, run = np.nonzero(rows)
+        place = window * self.units + self.unit[run]
+        size = (len(rows) * self.units, len(self.unit))
+        return csr_array((np.ones(len(run)), (place, run)), size)
 
 
 def at_unit_information(score: np.ndarray, information: np.ndarray, unit: np.ndarray) -> Evidence:

@@ -8,15 +8,18 @@ makes wrong in every run, when it takes the motion from encoders: it does not gr
 runs, and must not be taken for physics.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 
 from tasks.review.evidence import Evidence, ridged
 from tasks.review.sums import inverses, quadratic_forms
 
+BETWEEN_RUNS = (0.0, 0.7, 1.5, 4.0)  # σ that are tried, in units of what one run determines
+BETWEEN_UNITS = (0.0, 0.5, 1.0, 2.0, 5.0)  # τ
 IN_EVERY_RUN = 0.5  # κ, in units of what one run determines
 
 
@@ -72,7 +75,7 @@ class Spread:
 
     def common(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Right side (m,) and information (m, m) of a value common to some runs (runs,) bool."""
-        sums = self._common(_by_unit(self, rows[None]))
+        sums = self._common(self.sums(rows[None]))
         right, information = self._less_everywhere(*sums)
         return right[0], information[0]
 
@@ -93,11 +96,25 @@ class Spread:
 
     def gains(self, rows: np.ndarray) -> np.ndarray:
         """(w,) nats that a value common to the runs of each window, (w, runs) bool, gains."""
-        return self.gains_of(_by_unit(self, rows))
+        return self.gains_of(self.sums(rows))
 
     def gains_of(self, sums: Sums) -> np.ndarray:
         """The same from each window's sums over units."""
         return self._gains(*self._common(sums))
+
+    def sums(self, rows: np.ndarray) -> Sums:
+        """Over the runs of each window (w, runs) bool."""
+        units, size = self.evidence.units, self.evidence.size
+        own = self.evidence.of_units(rows) @ self.information.reshape(-1, size**2)
+        own = own.reshape(len(rows), units, size, size).transpose(0, 2, 1, 3)
+        return Sums(rows @ self.score, np.ascontiguousarray(own))
+
+    @property
+    def over_units(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sums over each unit's runs: score (units, m) and information (units, m, m)."""
+        size, every = self.evidence.size, self.evidence.of_each_unit
+        information = every @ self.information.reshape(-1, size**2)
+        return every @ self.score, information.reshape(-1, size, size)
 
     def _gains(self, right: np.ndarray, information: np.ndarray, crossed: np.ndarray) -> np.ndarray:
         right, information = self._less_everywhere(right, information, crossed)
@@ -118,21 +135,28 @@ class Spread:
         return right - crossed @ self.everywhere, information - taken
 
 
-def spreads(
-    evidence: Evidence, sigmas: tuple[float, ...], taus: tuple[float, ...], rows: np.ndarray
-) -> Iterator[tuple[Spread, Sums]]:
-    """Every spread between runs and units that is tried, and the sums over units of the runs of
-    each window, (w, runs) bool.
-    """
+def spreads(evidence: Evidence, sigmas: Sequence[float], taus: Sequence[float]) -> Iterator[Spread]:
+    """Every spread between runs and units that is tried, one σ after the other."""
     for sigma in sigmas:
         alone = _between_runs(evidence, sigma)
-        whole, sums = _over_units(alone), _by_unit(alone, rows)
+        whole = alone.over_units
         for tau in taus:
-            yield _between_units(alone, tau, *whole), sums
+            yield _between_units(alone, tau, *whole)
+
+
+def gains_of_each(tried: Iterable[Spread], rows: np.ndarray) -> Iterator[tuple[Spread, np.ndarray]]:
+    """Every spread with the nats (w,) that a value common to the runs of each window, (w, runs)
+    bool, gains beside it; spreads of one σ one after the other share their sums over units.
+    """
+    for _, some in groupby(tried, key=lambda spread: spread.sigma):
+        first, *others = some
+        sums = first.sums(rows)
+        for spread in (first, *others):
+            yield spread, spread.gains_of(sums)
 
 
 def _between_runs(evidence: Evidence, sigma: float) -> Spread:
-    one, units = np.eye(evidence.size), len(evidence.starts)
+    one, units = np.eye(evidence.size), evidence.units
     score, information, gained = evidence.score, evidence.information, 0.0
     if sigma:
         narrow, logarithm = inverses(one + sigma**2 * information)
@@ -163,27 +187,6 @@ def _between_units(alone: Spread, tau: float, score: np.ndarray, information: np
         alone.sigma, tau, alone.evidence, alone.score, alone.information, lessened, shrunk, kept,
         shared @ right, shared, alone.likelihood + 0.5 * gained,
     )  # fmt: skip
-
-
-def _over_units(spread: Spread) -> tuple[np.ndarray, np.ndarray]:
-    """Sums over each unit's runs: score (units, m) and information (units, m, m)."""
-    evidence = spread.evidence
-    parts = (spread.score[evidence.by_unit], spread.information[evidence.by_unit])
-    score, information = (np.add.reduceat(part, evidence.starts) for part in parts)
-    return score, information
-
-
-def _by_unit(spread: Spread, rows: np.ndarray) -> Sums:
-    """Sums over each unit's runs within each of some windows (w, runs) bool."""
-    evidence, units = spread.evidence, len(spread.evidence.starts)
-    own = np.zeros((len(rows), evidence.size, units, evidence.size))
-    for number, some in enumerate(rows):
-        runs = evidence.by_unit[some[evidence.by_unit]]
-        unit = evidence.unit[runs]
-        starts = np.flatnonzero(np.diff(unit, prepend=-1))
-        total = np.add.reduceat(spread.information[runs], starts)
-        own[number, :, unit[starts]] = total
-    return Sums(rows @ spread.score, own)
 
 
 def _cumulative_of_each(values: np.ndarray, group: np.ndarray) -> np.ndarray:

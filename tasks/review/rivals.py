@@ -1,7 +1,6 @@
 """Alternative explanations of a finding: other effects and other carriers."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy.special import chdtrc
@@ -26,7 +25,7 @@ INTERVALS = 50  # of a run that show an effect
 
 def at_window_of(best: Carried, pool: Pool, one: Worth, tried: int) -> Carried:
     """Another effect in the window of the best."""
-    (own,) = carried(pool, replace(one, windows=(best.window,)), tried)
+    (own,) = carried(pool, one, (best.window,), tried)
     return own
 
 

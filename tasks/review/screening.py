@@ -2,12 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import chdtrc
 
 from tasks.review.evidence import Evidence, at_unit_information
 from tasks.review.hypotheses import Effect
+from tasks.review.mixed import BETWEEN_RUNS, BETWEEN_UNITS, Spread, spreads
 from tasks.review.pool import Pool
 from tasks.review.sums import WindowSums
 from tasks.review.windows import LevelWindows, Window
@@ -34,6 +36,11 @@ class Worth:
     effect: Effect
     windows: tuple[Window, ...]
     evidence: Evidence
+
+    @cached_property
+    def spreads(self) -> tuple[Spread, ...]:
+        """Every spread between runs and units that is tried."""
+        return tuple(spreads(self.evidence, BETWEEN_RUNS, BETWEEN_UNITS))
 
 
 def screened(

@@ -8,7 +8,6 @@ import numpy as np
 from schemas.review import LEVELS
 from tasks.explain.search.scores import INDISTINGUISHABLE
 from tasks.review.carriers import (
-    BETWEEN_UNITS,
     Carried,
     Change,
     carried,
@@ -21,7 +20,7 @@ from tasks.review.carriers import (
 from tasks.review.comparison import likeliest
 from tasks.review.evidence import at_unit_information
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import spreads
+from tasks.review.mixed import BETWEEN_UNITS, spreads
 from tasks.review.pool import Pool
 from tasks.review.rivals import (
     CONCLUSIVE,
@@ -69,7 +68,7 @@ class OwnValues:
         if tau <= one.spread.tau:
             return True
         rows = rows_of(self.pool, one.window)[None]
-        spread, _ = next(iter(spreads(one.evidence, (one.spread.sigma,), (tau,), rows)))
+        (spread,) = spreads(one.evidence, (one.spread.sigma,), (tau,))
         gain = 2.0 * float(spread.gains(rows)[0])
         return chance(one.evidence, spread, gain, rows[0]) * tried < limit
 
@@ -141,7 +140,7 @@ def _next(
     worth = worth_a_look(pool, looked)
     if not worth:
         return None, looked[0].p_value if looked else 1.0
-    every = [each for one in worth for each in carried(pool, one, tried)]
+    every = [each for one in worth for each in carried(pool, one, one.windows, tried)]
     believed = [each for each in every if _believed(each) and _plausible(pool, each)]
     if not believed:
         return None, max(min(each.p_value for each in every), FALSE_ALARMS)

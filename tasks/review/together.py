@@ -91,8 +91,8 @@ def _scored(pool: Pool, effect: Effect) -> FoundTogether | None:
         return None
     group = groups_of(pool, effect)
     rows = np.array([group == number for number in range(int(group.max()) + 1)])
-    spread, sums = next(iter(spreads(evidence, (0.0,), (0.0,), rows)))
-    gains = 2.0 * spread.gains_of(sums)
+    (spread,) = spreads(evidence, (0.0,), (0.0,))
+    gains = 2.0 * spread.gains(rows)
     gain, count = float(gains.sum()), evidence.size * len(rows)
     price = PER_PARAMETER * (count + len(effect.term.at))
     price += 2.0 * np.log(effect.trials) + effect.term.rarity

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tasks.review.carriers import BETWEEN_UNITS, Carried, carried, chance
+from tasks.review.carriers import Carried, carried, chance
 from tasks.review.comparison import explains, gain_beside, likeliest, usual
 from tasks.review.evidence import Evidence, at_unit_information
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import IN_EVERY_RUN, spreads
+from tasks.review.mixed import BETWEEN_UNITS, IN_EVERY_RUN, spreads
 from tasks.review.pool import Pool, ReviewedRun, pooled
 from tasks.review.screening import Worth
 from tasks.review.windows import Window, rows_of
@@ -69,7 +69,7 @@ def whole(pool: Pool, name: str) -> Worth:
 
 
 def here(pool: Pool, name: str) -> Carried:
-    (one,) = carried(pool, whole(pool, name), 1)
+    (one,) = carried(pool, whole(pool, name), (HERE,), 1)
     return one
 
 
@@ -115,9 +115,7 @@ def test_a_spread_makes_a_value_uncertain_by_its_share_of_the_variance() -> None
     unit = np.concatenate([np.zeros(40, int), np.arange(1, 12)])
     evidence = at_unit_information(np.ones((51, 1)), np.ones((51, 1, 1)), unit)
     first = unit == 0
-    narrow, wide = (
-        next(iter(spreads(evidence, (0.0,), (tau,), first[None])))[0] for tau in (0.05, 5.0)
-    )
+    narrow, wide = spreads(evidence, (0.0,), (0.05, 5.0))
     known = chance(evidence, likeliest(evidence, (0.0,), (0.0,)), 16.0, ~first)
     assert chance(evidence, narrow, 16.0, ~first) == pytest.approx(known, rel=0.1)
     assert chance(evidence, wide, 16.0, first) == pytest.approx(2.1e-3, rel=0.1)  # F(1, 11)

@@ -44,7 +44,7 @@ def at_the_unit(pool: Pool, one: Worth) -> Carried:
     count = int((pool.unit == carrier).sum())
     window = Window("unit", carrier, 0, count, count)
     rows = rows_of(pool, window)[None]
-    spread, _ = next(iter(spreads(one.evidence, (0.0,), (0.0,), rows)))
+    (spread,) = spreads(one.evidence, (0.0,), (0.0,))
     gain = 2.0 * float(spread.gains(rows)[0])
     return scored(pool, one.effect, one.evidence, window, spread, gain, gain, 1)
 
@@ -68,8 +68,8 @@ def test_a_name_is_not_excluded_for_what_it_costs_beforehand() -> None:
     best, alike = (replace(worth(pool, name), windows=windows) for name in ALIKE)
     many = replace(alike, effect=replace(alike.effect, trials=1000))
     (one,), others = (
-        carried(pool, best, TRIED),
-        [carried(pool, each, TRIED)[0] for each in (alike, many)],
+        carried(pool, best, best.windows, TRIED),
+        [carried(pool, each, each.windows, TRIED)[0] for each in (alike, many)],
     )
     assert others[0].score - others[1].score > CONCLUSIVE
     for other in others:

@@ -124,7 +124,7 @@ def _carried(name: str, size: int) -> Carried:
     term = PooledTerm(name=name, family="f", at=(), rarity=0.0, known=False, parameters=())
     information = np.tile(np.eye(size), (3, 1, 1))
     evidence: Evidence = at_unit_information(np.ones((3, size)), information, np.arange(3))
-    spread, _ = next(iter(spreads(evidence, (0.0,), (0.0,), np.ones((1, 3), bool))))
+    (spread,) = spreads(evidence, (0.0,), (0.0,))
     return Carried(Effect(term, ()), evidence, Window("unit", 0, 0, 3, 3), spread, 9.0, 9.0, 9.0, 0)
 
 
