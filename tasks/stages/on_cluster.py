@@ -1,9 +1,11 @@
 """Runs the same work on many inputs, by the workers of a dask cluster."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import suppress
+from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
@@ -15,7 +17,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 R = TypeVar("R")
 
-WAITING = 3  # things on their way to each thread of a worker
+WAITING = 3  # batches on their way to each thread of a worker
+BATCH_S = 0.5  # of work in a batch: dask takes some 15 ms for each, client and scheduler together
 PATIENCE_S = 120.0  # a scheduler that is restarted is there again by then
 ANSWER_S = 10.0  # for a scheduler to answer
 
@@ -49,29 +52,71 @@ def _while_connected(
     work: Callable[[T], R], left: dict[int, T], scheduler: str, died: Callable[[T], R]
 ) -> Iterator[tuple[int, R]]:
     """Ends when all is done; raises OSError or CancelledError when the scheduler is lost."""
+    with _connected(scheduler) as client:
+        suspects, batches = list[int](), _Batches(left)
+        for batch, made in _made(client, work, left, batches, partial(_at_a_time, client)):
+            if made is None:
+                suspects.extend(batch)
+                continue
+            seconds, done = made
+            batches.measure(seconds / len(batch), _at_a_time(client))
+            yield from zip(batch, done, strict=True)
+        # What kills workers takes with it what they were given beside it: each once more, alone.
+        for (k,), made in _made(client, work, left, iter([[k] for k in suspects]), lambda: 1):
+            yield k, died(left[k]) if made is None else made[1][0]
+
+
+def _made(
+    client: "Client",
+    work: Callable[[T], R],
+    things: dict[int, T],
+    batches: Iterator[list[int]],
+    most: Callable[[], int],
+) -> Iterator[tuple[list[int], tuple[float, list[R]] | None]]:
+    """Each batch with its seconds and results, None where workers die at it; most: at a time."""
     from distributed import Future, wait
     from distributed.scheduler import KilledWorker
 
-    with _connected(scheduler) as client:
-        waiting, running = iter(list(left)), dict[Future, int]()
-        while True:
-            most = WAITING * _threads(client)
-            for k in islice(waiting, max(0, most - len(running))):
-                running[client.submit(work, left[k], pure=False)] = k
-            if not running:
-                return
-            with suppress(TimeoutError):
-                wait(list(running), timeout=ANSWER_S, return_when="FIRST_COMPLETED")
-            if client.status != "running":
-                raise ConnectionError("the connection to the scheduler was lost")
-            for future in [each for each in running if each.status != "pending"]:
-                k = running.pop(future)
-                try:
-                    done = future.result()
-                except KilledWorker:
-                    done = died(left[k])
-                future.release()
-                yield k, done
+    running = dict[Future, list[int]]()
+    while True:
+        for batch in islice(batches, max(0, most() - len(running))):
+            sent = client.submit(_each, work, [things[k] for k in batch], pure=False)
+            running[sent] = batch
+        if not running:
+            return
+        with suppress(TimeoutError):
+            wait(list(running), timeout=ANSWER_S, return_when="FIRST_COMPLETED")
+        if client.status != "running":
+            raise ConnectionError("the connection to the scheduler was lost")
+        for future in [each for each in running if each.status != "pending"]:
+            made: tuple[float, list[R]] | None = None
+            with suppress(KilledWorker):
+                made = future.result()
+            future.release()
+            yield running.pop(future), made
+
+
+class _Batches(Iterator[list[int]]):
+    """The numbers of what waits, the first alone, then in batches of as many as take BATCH_S."""
+
+    def __init__(self, waiting: Iterable[int]) -> None:
+        self._waiting, self._size = deque(waiting), 1
+
+    def __next__(self) -> list[int]:
+        if not self._waiting:
+            raise StopIteration
+        return [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
+
+    def measure(self, seconds: float, most: int) -> None:
+        """Takes note of the seconds of each; most: batches at a time, which are to end together."""
+        self._size = max(1, min(len(self._waiting) // most, int(BATCH_S / max(seconds, 1e-3))))
+
+
+def _each(work: Callable[[T], R], batch: Sequence[T]) -> tuple[float, list[R]]:
+    """Seconds that a batch took, and what was made of each of it."""
+    began = time.monotonic()
+    done = [work(thing) for thing in batch]
+    return time.monotonic() - began, done
 
 
 def _connected(scheduler: str) -> "Client":
@@ -85,5 +130,6 @@ def _connected(scheduler: str) -> "Client":
         raise TimeoutError("dask's thread did not start in time") from busy
 
 
-def _threads(client: "Client") -> int:
-    return max(1, sum(client.nthreads().values()))
+def _at_a_time(client: "Client") -> int:
+    """How many batches, of the workers that there are now."""
+    return WAITING * max(1, sum(client.nthreads().values()))

@@ -78,7 +78,7 @@ def measured(
     """
     command = (*MIMUCAL, "reprocess", *engine, "--json")
     for _ in range(2):  # the first makes Prefect's database
-        nothing = watched((*command, "--serial", "nobody"), variables)
+        nothing = watched((*command, "--until", "1900-01-01"), variables)
     observation = watched(command, variables, meanwhile)
     report = json.loads(observation.out)
     return Again(

@@ -14,7 +14,7 @@ import pytest
 from schemas.base import Unusable
 from tasks.stages import on_cluster as cluster
 from tasks.stages.on_cluster import on_cluster
-from tests.tasks.stages.cluster_work import noted, squared
+from tests.tasks.stages.cluster_work import noted, squared, survived
 
 pytestmark = pytest.mark.real_time
 
@@ -80,6 +80,16 @@ def test_a_killed_worker_and_a_restarted_scheduler_cost_no_result(
             started(*scheduler(address))
             started(*worker(address, tmp_path / "three"))
     assert sorted(done) == sorted(things)
+
+
+def test_a_thing_that_kills_workers_takes_none_of_its_batch_with_it(
+    started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "0")
+    started(*scheduler(address))
+    started(*(part for part in worker(address, tmp_path / "one") if part != "--no-nanny"))
+    done = list(on_cluster(survived, range(100), address, died=lambda thing: -thing))
+    assert sorted(done) == sorted([-13, *range(13), *range(14, 100)])
 
 
 def test_what_is_no_address_is_a_sentence_at_once() -> None:
