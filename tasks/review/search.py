@@ -34,7 +34,7 @@ from tasks.review.rivals import (
 )
 from tasks.review.screening import Worth, screened, worth_a_look
 from tasks.review.sums import WindowSums, window_sums
-from tasks.review.windows import LevelWindows, all_windows, rows_of
+from tasks.review.windows import LevelWindows, Window, all_windows, rows_of
 
 FALSE_ALARMS = 0.01
 MOST_FINDINGS = 6
@@ -144,10 +144,27 @@ def _next(
     believed = [each for each in every if _believed(each) and _plausible(pool, each)]
     if not believed:
         return None, max(min(each.p_value for each in every), FALSE_ALARMS)
-    first = _first(pool, believed, worth, tried)
-    if first is None:
-        return None, FALSE_ALARMS
-    # Whether an effect is believed by itself says nothing of whether it is what was found.
+    dismissed = set[Window]()
+    for first in _standing_out(pool, believed, worth, tried):
+        if first.window in dismissed:
+            continue
+        found = _found(pool, first, every, worth, tried)
+        # Where the likeliest name is one that the units' spread explains there, nothing is there
+        # that they do not have anyway.
+        if _believed(found.best):
+            return found, first.p_value
+        dismissed.add(first.window)
+    return None, FALSE_ALARMS
+
+
+def _found(
+    pool: Pool, first: Carried, every: Sequence[Carried], worth: Sequence[Worth], tried: int
+) -> Found:
+    """What a carrier has: the likeliest name, its carrier and the alternatives to both.
+
+    first: the strongest mismatch. Whether an effect is believed by itself says nothing of whether
+    it is what was found.
+    """
     around = [at_window_of(first, pool, one, tried) for one in worth]
     around = [first, *(each for each in around if _plausible(pool, each))]
     name, beside = simplest(pool, around, FORM**2), spreads_most(around)
@@ -158,12 +175,9 @@ def _next(
     names = other_names(pool, others, best, beside, FORM**2)
     values, covariance = best.values(pool)
     since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
-    return (
-        Found(
-            best, values, covariance, since, until, pool,
-            other_carriers([*own, *others], best, names), names,
-        ),
-        first.p_value,
+    return Found(
+        best, values, covariance, since, until, pool,
+        other_carriers([*own, *others], best, names), names,
     )  # fmt: skip
 
 
@@ -174,10 +188,10 @@ def _believed(one: Carried) -> bool:
     return one.p_value < FALSE_ALARMS and one.score > CONCLUSIVE
 
 
-def _first(
+def _standing_out(
     pool: Pool, believed: Sequence[Carried], worth: Sequence[Worth], tried: int
-) -> Carried | None:
-    """The best of what is believed that is not of the usual spread between units."""
+) -> Iterator[Carried]:
+    """What is believed that is not of the usual spread between units, about the best first."""
     own, rest = OwnValues(pool), sorted(believed, key=lambda each: -each.score)
     while rest:
         near = [each for each in rest if each.score > rest[0].score - 4.0 * INDISTINGUISHABLE]
@@ -186,9 +200,8 @@ def _first(
             if own.stands_out(each, tried, FALSE_ALARMS) and not is_of_a_spread(
                 pool, each, worth, tried, FALSE_ALARMS
             ):
-                return each
+                yield each
         rest = rest[len(near) :]
-    return None
 
 
 def _finer(pool: Pool, one: Carried, tried: int) -> Carried:
