@@ -10,7 +10,7 @@ from copy import copy
 from datetime import UTC, datetime, timedelta
 from functools import wraps
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from httpx import TransportError
 from prefect import Flow, flow
@@ -38,11 +38,13 @@ from schemas.reminders import DueUnit
 from tasks.conformity.limits import verdict_title
 from tasks.stages import remind as reminding
 from tasks.stages.certificate_inputs import read_inputs
-from tasks.stages.explain import Explained
-from tasks.stages.published import Published
-from tasks.stages.review import Reviewed
 from tasks.stages.stage import without_loss
 from tasks.words import say
+
+if TYPE_CHECKING:
+    from tasks.stages.explain import Explained
+    from tasks.stages.published import Published
+    from tasks.stages.review import Reviewed
 
 PROGRESS_EVERY_S = 5.0
 MOST_ROWS = 1000  # of an artifact's table
@@ -67,7 +69,7 @@ def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
 
 
 @flow(name="produce", flow_run_name="produce on {order.station}")
-def produce(order: ProduceOrder) -> tuple[Published, ...]:
+def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
 
     Raises BrokenOff for units that were abandoned, once the others have theirs.
@@ -140,7 +142,7 @@ def _show_changes(report: Reprocessing) -> None:
     )
 
 
-def _show_certificate(published: Published) -> None:
+def _show_certificate(published: "Published") -> None:
     """The certificate with its items, verdict, reasons and path, as Prefect artifacts."""
     certificate = published.certificate
     verdict = say(verdict_title(certificate.decision), "en")
@@ -154,7 +156,7 @@ def _show_certificate(published: Published) -> None:
     )
 
 
-def _show_discrepancy(explained: Explained) -> None:
+def _show_discrepancy(explained: "Explained") -> None:
     """The verdict and the findings as a Prefect artifact."""
     discrepancy = explained.discrepancy
     sentences = [discrepancy.statement.en, *(f.statement.en for f in discrepancy.findings)]
@@ -165,7 +167,7 @@ def _show_discrepancy(explained: Explained) -> None:
     )
 
 
-def _show_review(reviewed: Reviewed) -> None:
+def _show_review(reviewed: "Reviewed") -> None:
     """The findings as a Prefect artifact."""
     review = reviewed.review
     create_table_artifact(

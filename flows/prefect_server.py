@@ -7,6 +7,7 @@ it before the command has reported how its flow ended, and a killed command leav
 
 import atexit
 import ctypes
+import gc
 import os
 import signal
 import socket
@@ -147,10 +148,13 @@ def asked_again_when_busy(app: "ASGIApp", clock: Callable[[], float] = monotonic
 
 def serve(listener: socket.socket) -> None:
     """Run the server on a listening socket."""
+    gc.disable()  # a fifth of the start: nothing of all that it makes is garbage
     import uvicorn
     from prefect.server.api.server import create_app
 
     app = asked_again_when_busy(create_app(ephemeral=True, final=True))
+    gc.freeze()
+    gc.enable()
     uvicorn.Server(uvicorn.Config(app, log_level="error")).run(sockets=[listener])
 
 

@@ -5,11 +5,12 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache, partial
 from typing import Any
 
 import sqlalchemy as sql
-from sqlalchemy.pool import NullPool
+from sqlalchemy.pool import NullPool, QueuePool
 
 from schemas.base import Unusable
 from storage.home import Home
@@ -40,18 +41,44 @@ def name_of(home: Home) -> str:
     return url_of(home).render_as_string(hide_password=True)
 
 
-@lru_cache
+_once = ContextVar("opened once", default=False)
+
+
+@contextmanager
+def opened_once(home: Home, busy_s: float) -> Iterator[None]:
+    """Within it, and in its thread, a file is opened once instead of for each use."""
+    token = _once.set(True)
+    try:
+        yield
+    finally:
+        if (url := url_of(home)).get_backend_name() == "sqlite":
+            engine_of(url, busy_s).dispose()
+        _once.reset(token)
+
+
 def engine_of(url: sql.URL, busy_s: float) -> sql.Engine:
     """The engine of a database; a writer in SQLite waits `busy_s` for another one.
 
-    A file is opened for each use. A server starts a process for each connection, so that one is
-    kept, tried before it is used again, and left to its parent by a forked process.
+    A file is opened for each use, but in `opened_once`. A server starts a process for each
+    connection, so that one is kept, tried before it is used again, and left to its parent by a
+    forked process.
     """
-    if url.get_backend_name() != "sqlite":
-        kept = sql.create_engine(url, pool_size=1, max_overflow=-1, pool_pre_ping=True)
-        os.register_at_fork(after_in_child=partial(kept.dispose, close=False))
-        return kept
-    made = sql.create_engine(url, poolclass=NullPool, connect_args={"timeout": busy_s})
+    if url.get_backend_name() == "sqlite":
+        return _engine_of_file(url, busy_s, _once.get())
+    return _engine_of_server(url)
+
+
+@lru_cache
+def _engine_of_server(url: sql.URL) -> sql.Engine:
+    kept = sql.create_engine(url, pool_size=1, max_overflow=-1, pool_pre_ping=True)
+    os.register_at_fork(after_in_child=partial(kept.dispose, close=False))
+    return kept
+
+
+@lru_cache
+def _engine_of_file(url: sql.URL, busy_s: float, once: bool) -> sql.Engine:
+    pool = QueuePool if once else NullPool
+    made = sql.create_engine(url, poolclass=pool, connect_args={"timeout": busy_s})
     sql.event.listen(made, "connect", _prepare_sqlite)
     if "mode" not in url.query:
         sql.event.listen(made, "connect", partial(_log_ahead, busy_s=busy_s))

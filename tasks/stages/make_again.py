@@ -17,7 +17,8 @@ from schemas.orders import Estimation
 from schemas.tolerance import Tolerance
 from storage.blobs import Unreachable, blobs_of
 from storage.catalogue import equipment, reprocessing, results
-from storage.catalogue.connection import Busy, name_of
+from storage.catalogue.connection import Busy, name_of, opened_once
+from storage.catalogue.database import BUSY_S
 from storage.catalogue.reprocessing import Made, ToMake
 from storage.home import Home
 from tasks.history import difference
@@ -58,7 +59,8 @@ def make_again(job: Job) -> Outcome:
     """
     began = time.monotonic()
     try:
-        return _made(job, began)
+        with opened_once(job.home, BUSY_S):
+            return _made(job, began)
     except Unusable as fault:
         why = str(fault)
     except Exception as failure:
