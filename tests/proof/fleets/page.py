@@ -20,7 +20,7 @@ run and is carried by a station (from the first run or since a date), a unit, a 
 none. In some fleets every unit has a little of another effect of its own, which is no mismatch.
 The recordings are short (four minutes at 20 Hz, of consumer and industrial grade), made by a plant
 that shares no code with what explains them. `review` gets their statistics and manifests.
-The fleets of seeds 1, 3 and 6 and the first 22 of seed 2 were looked at while `review` was made.
+The fleets of seeds 1, 3, 5 and 6 and the first 22 of seed 2 were looked at while `review` was made.
 Those of further seeds are unseen.
 
 | | asked | fleets | |
