@@ -25,6 +25,7 @@ WAY_OUT = "give it as s3://BUCKET/PREFIX, with ?endpoint=HOST:PORT&scheme=http w
 OPTIONS = {"endpoint": "endpoint_override", "scheme": "scheme", "region": "region"}
 ATTEMPTS = 8  # of each request, with growing pauses: about half a minute
 REQUEST_S, CONNECT_S = 60.0, 10.0
+REQUESTED = 16 * 2**20  # bytes at a time
 WHOLE_LAST = "manifest.json"  # uploaded after the rest: a folder that has it is whole
 
 Write = Callable[[Path], None]
@@ -135,27 +136,19 @@ class Bucket:
         return f"s3://{self._root}/{name}"
 
     def exists(self, name: str) -> bool:
-        from pyarrow.fs import FileType
-
-        with _explained(self.where(name)):
-            whole = name if Path(name).suffix else f"{name}/{WHOLE_LAST}"
-            info = self._system.get_file_info(f"{self._root}/{whole}")
-        return bool(info.type == FileType.File)
+        return self._is_object(name) or self._is_object(f"{name}/{WHOLE_LAST}")
 
     @contextmanager
     def local(self, name: str) -> Iterator[Path]:
-        from pyarrow.fs import LocalFileSystem, copy_files
-
         with TemporaryDirectory(prefix="mimucal-") as folder:
             target = Path(folder) / Path(name).name
-            if self.exists(name):
-                if not target.suffix:
-                    target.mkdir()
-                with _explained(self.where(name)):
-                    copy_files(
-                        f"{self._root}/{name}", str(target),
-                        source_filesystem=self._system, destination_filesystem=LocalFileSystem(),
-                    )  # fmt: skip
+            files = [] if target.suffix else [Path(each.path).name for each in self._files(name)]
+            if WHOLE_LAST in files:
+                target.mkdir()
+                for each in files:
+                    self._download(f"{name}/{each}", target / each)
+            elif self._is_object(name):
+                self._download(name, target)
             yield target
 
     def keep(self, name: str, write: Write) -> None:
@@ -199,6 +192,21 @@ class Bucket:
             within = FileSelector(f"{self._root}/{folder}", allow_not_found=True, recursive=True)
             found = self._system.get_file_info(within)
         return [info for info in found if info.type == FileType.File]
+
+    def _is_object(self, name: str) -> bool:
+        from pyarrow.fs import FileType
+
+        with _explained(self.where(name)):
+            info = self._system.get_file_info(f"{self._root}/{name}")
+        return bool(info.type == FileType.File)
+
+    def _download(self, name: str, target: Path) -> None:
+        with (
+            _explained(self.where(name)),
+            self._system.open_input_file(f"{self._root}/{name}") as source,
+            target.open("wb") as copy,
+        ):
+            shutil.copyfileobj(source, copy, REQUESTED)
 
     def _upload(self, path: Path, name: str) -> None:
         """One object appears whole, when its last part was sent."""

@@ -122,3 +122,17 @@ def test_a_folder_and_a_bucket_hold_the_same_bytes(
         runs.add(small(), elsewhere)
         shutil.rmtree(elsewhere.path)
     assert store.objects[f"lab/mimu/raw/{run.digest}.mcap"] == raw
+
+
+def test_a_file_without_a_suffix_is_a_file_in_a_bucket_too(fresh: Home, use) -> None:
+    """As the statistics that `review` keeps of each run."""
+    with serving(Store()) as url:
+        use(url)
+        bucket = blobs.blobs_of(fresh)
+        name = "statistics/0123abcd"
+        with bucket.local(name) as path:
+            assert not path.exists()
+        bucket.keep(name, lambda path: path.write_bytes(b"kept") and None)
+        assert bucket.exists(name)
+        with bucket.local(name) as path:
+            assert path.read_bytes() == b"kept"

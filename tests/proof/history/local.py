@@ -19,7 +19,7 @@ class Again:
 
     stage_s: of the work itself, as the report has it; the rest of wall_s is the start of the
     program, and Prefect. prefect_s: processor time of Prefect's server, and of a command with
-    nothing to do, which is the program's start and a flow run.
+    nothing to do, less that of the same without a flow run.
     """
 
     done: int
@@ -49,7 +49,7 @@ class Again:
 
     @property
     def prefect(self) -> float:
-        """At most Prefect's share of all processor time."""
+        """Prefect's share of all processor time."""
         return self.prefect_s / self.processor_s
 
 
@@ -77,8 +77,10 @@ def measured(
     bare_s: what `bare` found, in wall and processor time.
     """
     command = (*MIMUCAL, "reprocess", *engine, "--json")
+    nobody = (*command, "--until", "1900-01-01")
     for _ in range(2):  # the first makes Prefect's database
-        nothing = watched((*command, "--until", "1900-01-01"), variables)
+        nothing = watched(nobody, variables)
+    program = watched((*nobody, "--dry-run"), variables)  # needs no Prefect
     observation = watched(command, variables, meanwhile)
     report = json.loads(observation.out)
     return Again(
@@ -89,7 +91,10 @@ def measured(
         wall_s=observation.wall_s,
         stage_s=report["seconds"],
         processor_s=observation.processor_s,
-        prefect_s=observation.prefect_s + nothing.processor_s - nothing.prefect_s,
+        prefect_s=observation.prefect_s
+        + nothing.processor_s
+        - nothing.prefect_s
+        - program.processor_s,
         memory=observation.memory,
         load=os.getloadavg()[0],
     )

@@ -25,8 +25,9 @@ TEXT = """# History at scale
 with two workers, PostgreSQL and an S3 server, all on the same {cores} cores. Bare estimation is one
 process that reads and calibrates a hundred and keeps nothing (its processor time). Efficiency is
 against twice its speed: of the work by the clock, and of the whole command by the processor time of
-everything it needs, in which other work on the computer does not show. Prefect takes at most this
-share of that: its server, and a command with nothing to do. Memory is of all processes together.
+everything it needs, in which other work on the computer does not show. Prefect's share is of that:
+its server, and what a flow run with nothing to do takes beyond the same command without one. Memory
+is of all processes together.
 Load: the computer's average of the last minute; above 2, the column of the clock says nothing.
 
 | | runs | failed | bare, ms | s | by the clock | by processor time | Prefect | GiB | load |
