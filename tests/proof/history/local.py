@@ -91,10 +91,7 @@ def measured(
         wall_s=observation.wall_s,
         stage_s=report["seconds"],
         processor_s=observation.processor_s,
-        prefect_s=observation.prefect_s
-        + nothing.processor_s
-        - nothing.prefect_s
-        - program.processor_s,
+        prefect_s=observation.prefect_s + nothing.command_s - nothing.prefect_s - program.command_s,
         memory=observation.memory,
         load=os.getloadavg()[0],
     )

@@ -1,6 +1,7 @@
 """A command with everything beside it: how long it takes, processor time, memory."""
 
 import os
+import resource
 import subprocess
 import sys
 import threading
@@ -24,14 +25,16 @@ Used = tuple[float, bool]  # processor time, and whether it is Prefect's server
 class Watched:
     """What a command printed, and what it cost with all that this process started.
 
-    processor_s: of them all meanwhile; prefect_s: of Prefect's server among them; memory: the most
-    bytes at one moment, pages that processes share counted once.
+    processor_s: of them all meanwhile; prefect_s: of Prefect's server among them; command_s: of the
+    command and what it started, to the end of each; memory: the most bytes at one moment, pages
+    that processes share counted once.
     """
 
     out: str
     wall_s: float
     processor_s: float
     prefect_s: float
+    command_s: float
     memory: int
 
 
@@ -53,7 +56,7 @@ def watched(
 
     meanwhile: called about every second.
     """
-    began, before = time.perf_counter(), dict[Name, Used]()
+    began, ended, before = time.perf_counter(), _of_ended(), dict[Name, Used]()
     _look(before)
     process = subprocess.Popen(
         command, env=dict(variables), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -79,8 +82,15 @@ def watched(
         wall_s=time.perf_counter() - began,
         processor_s=sum(seconds for seconds, _ in own),
         prefect_s=sum(seconds for seconds, of_server in own if of_server),
+        command_s=_of_ended() - ended,
         memory=memory,
     )
+
+
+def _of_ended() -> float:
+    """Processor time of the children of this process that have ended, and of theirs."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _look(used: dict[Name, Used]) -> None:
