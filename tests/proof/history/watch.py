@@ -99,7 +99,9 @@ def _look(used: dict[Name, Used]) -> None:
         with suppress(psutil.Error):
             times = each.cpu_times()
             name = (each.pid, each.create_time())
-            used[name] = (times.user + times.system, SERVER in each.cmdline())
+            # One that has just ended has no command line any more.
+            of_server = used.get(name, (0.0, False))[1] or SERVER in each.cmdline()
+            used[name] = (times.user + times.system, of_server)
 
 
 def _memory() -> int:
