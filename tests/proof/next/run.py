@@ -1,9 +1,10 @@
 """`make prove ARGS="--next 60 --seed 2"`: sealed cases that stay open, and what decides them."""
 
+import itertools
 import os
+from collections import deque
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from concurrent.futures import Future, ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from tests.proof.next.page import page
 
 PAGE = "next.md"
 EVIDENCE = Path(__file__).parents[1] / "evidence"
-BATCH = 16  # cases drawn at a time, until so many as asked stay open
+AHEAD = 16  # cases that are played at a time, until so many as asked stay open
 
 
 def run_next(count: int, seed: int, write: bool) -> None:
@@ -26,10 +27,13 @@ def run_next(count: int, seed: int, write: bool) -> None:
     answers: list[Answer] = []
     context = get_context("spawn")
     with ProcessPoolExecutor(os.cpu_count(), context) as pool, counting("open cases") as report:
+        waiting, numbers = deque[Future[Answer]](), itertools.count()
         while len(_open(answers)) < count:
-            numbers = range(len(answers), len(answers) + BATCH)
-            answers += pool.map(partial(_kept, seed, folder), numbers)
-            report(min(len(_open(answers)), count), count)
+            for number in itertools.islice(numbers, AHEAD - len(waiting)):
+                waiting.append(pool.submit(_kept, seed, folder, number))
+            answers.append(waiting.popleft().result())
+            report(len(_open(answers)), count)
+        pool.shutdown(wait=True, cancel_futures=True)
     text = page(seed, answers)
     (folder / PAGE).write_text(text, encoding="utf-8")
     if write:
