@@ -8,9 +8,9 @@ from tasks.experiment.separation import enough, probability_right
 
 @dataclass(frozen=True)
 class Choice:
-    """A procedure, its duration in min, and the expected chi-squared between the two models that
-    are hardest to separate, each as small as the recording allows, and as it is expected. bound:
-    the value that decides if there is no noise.
+    """A procedure, its duration in min, and the chi-squared between the two models that are
+    hardest to separate, as large as the recording has their effects. bound: the value that decides
+    if there is no noise. expected: the least chi-squared between two of the models that compete.
     """
 
     procedure: Procedure

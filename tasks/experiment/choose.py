@@ -134,14 +134,12 @@ class Experiment:
         return choice
 
     def left_by(self, blocks: Blocks, noises: Sequence[Noise]) -> float:
-        """Chi-squared by which a motion, in blocks, separates the hardest pair."""
-        left = {
-            (truth, other): left_by_real_fit(
-                self.every[other], self._reading(blocks, truth), noises
-            )
+        """The least chi-squared by which a motion, in blocks, separates two that compete."""
+        return min(
+            left_by_real_fit(self.models[other], self._reading(blocks, truth), noises)
             for truth, other in self.pairs
-        }
-        return left[min(left, key=lambda pair: left[pair] / self.bound(pair))]
+            if other in self.models
+        )
 
     def _reading(self, blocks: Blocks, truth: str) -> Blocks:
         prediction = self.models[truth].prediction(blocks.motion)
@@ -208,8 +206,8 @@ class Experiment:
                     left = left_by_real_fit(self.every[other], observed, noises) - own
                     shown[first, other] = max(left, 0.0)
         worst = min(shown, key=lambda pair: shown[pair] / enough(self.bound(pair)))
-        left = shown[worst]
-        return Choice(procedure, minutes_of(procedure), left, self.bound(worst), expected=left)
+        least = min(left for (_, other), left in shown.items() if other in self.models)
+        return Choice(procedure, minutes_of(procedure), shown[worst], self.bound(worst), least)
 
     def _minutes(self, chosen: Sequence["_Measured"]) -> float:
         return minutes_of(self._procedure(steps_of([one.block for one in chosen])))

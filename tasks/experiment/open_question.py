@@ -26,7 +26,8 @@ SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "incomplete", "ref
 class OpenQuestion:
     """names: of the competing effects; one alone competes with none. models: of each, fitted to the
     recording with everything else that was named, which the others are. fit: of the first.
-    typical: the models, a suspected one as large as it may be expected to be.
+    typical: the same, each effect as large as it may be expected to be; models are a suspected one
+    as small as the recording allows, and several that compete as typical.
     """
 
     names: tuple[str, ...]
@@ -51,19 +52,18 @@ def open_question(
     if len(names) > 1 and GYROS_ALONE not in names and set(names) <= set(DELAYING):
         others.append(GYROS_ALONE)  # triads may be late unlike each other, whatever makes them late
     fits = {name: fitted_effects(recording, [name, *others]) for name in names}
-    models = {name: fit.model for name, fit in fits.items()}
-    for special, general in HOLDS.items():
-        if special in models and general in models:
-            models[general] = _apart(models[general], general, models[special], special)
     first = fits[names[0]]
+    sized = {name: fit.model for name, fit in fits.items()}
     if len(names) == 1:
-        models = {names[0]: _sized(first, names[0])}
+        sized = {names[0]: _sized(first, names[0])}
+    typical = {name: _typical(fits[name], model, name) for name, model in sized.items()}
+    for special, general in HOLDS.items():
+        if special in typical and general in typical:
+            typical[general] = _apart(typical[general], general, typical[special], special)
+    models = dict(sized if len(names) == 1 else typical)
     # What is to be named alone has to show beside nothing, too.
     own = {key for key in first.model.places if key[0] == names[0]}
-    models[NOTHING] = models[names[0]].without(own)
-    typical = {**models}
-    if len(names) == 1:
-        typical[names[0]] = _typical(first, models[names[0]], names[0])
+    models[NOTHING] = typical[NOTHING] = models[names[0]].without(own)
     return OpenQuestion(names, models, typical, first, tuple(others))
 
 
@@ -84,8 +84,7 @@ def _open(explanation: Explanation) -> Iterator[tuple[str, ...]]:
 
 def _sized(fit: FittedSelection, name: str) -> Model:
     """With what the recording determines of the effect; where that is nothing, with the clearest
-    of its parameters as large as its U. Of several that compete nobody knows what of each is there:
-    by what they differ is what the recording does not show.
+    of its parameters as large as its U.
     """
     model = fit.model
     own = [p for key, place in model.places.items() if key[0] == name for p in _range(place)]

@@ -139,15 +139,14 @@ def _answer(
 def _apart_from_rivals(
     experiment: "Experiment", question: "OpenQuestion", minutes: float
 ) -> "Choice":
-    """The shortest; for one suspected effect again, where others would fit that recording too, and
-    with what is expected of it as large as the effect typically is.
+    """The shortest; for one suspected effect again, where others would fit that recording too. What
+    is expected of it is of effects as large as they typically are.
     """
     from tasks.experiment.rehearsal import rivals_of
 
-    choice = _unmoved_by_silence(experiment, question).shortest(minutes)
-    if len(question.names) > 1:
-        return choice
-    for _ in range(REHEARSALS):
+    experiment = _unmoved_by_silence(experiment, question)
+    choice = experiment.shortest(minutes)
+    for _ in range(REHEARSALS if len(question.names) == 1 else 0):
         found = rivals_of(choice, experiment, question.names[0], question.others)
         new = {name: model for name, model in found.items() if name not in experiment.rivals}
         if not choice.is_enough or not new:
@@ -157,7 +156,7 @@ def _apart_from_rivals(
     if not choice.is_enough:
         return choice
     typical = replace(experiment, models=question.typical).judged(choice.procedure)
-    return replace(choice, expected=typical.left)
+    return replace(choice, expected=typical.expected)
 
 
 def _unmoved_by_silence(experiment: "Experiment", question: "OpenQuestion") -> "Experiment":
@@ -211,16 +210,17 @@ def _sentence(
     from tasks.model.effect import effect_name, separating_recording
 
     effects = clauses([effect_name(name) for name in question.names], by="report-or")
+    left = choice.expected if choice.is_enough else choice.left
     figures: dict[str, str | int] = {
         "count": len(question.names),
-        "minutes": f"{choice.minutes:.1f}", "left": f"{choice.expected:.0f}",
+        "minutes": f"{choice.minutes:.1f}", "left": f"{left:.0f}",
         "percent": f"{100.0 * choice.probability:.0f}", "repeated": f"{repeated:.1f}",
         "base": f"{minutes:.1f}", "longest": f"{order.minutes:g}", "needed": f"{choice.needed:.0f}",
     }  # fmt: skip
     silent = _left_by_silence(question)
     if choice.is_enough and silent is not None:
-        left = effect_name(silent)
-        return message("next-decides-by-silence", effects=effects, silent=left, **figures)
+        name = effect_name(silent)
+        return message("next-decides-by-silence", effects=effects, silent=name, **figures)
     if choice.is_enough:
         return message("next-decides", effects=effects, **figures)
     why = _why(choice, longer, order.minutes, len(question.names))

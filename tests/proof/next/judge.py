@@ -1,8 +1,11 @@
 """One case: what `explain` leaves open, what `next` proposes, and what the proposal then shows."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import numpy as np
 
 from schemas.base import Frozen, Unusable
 from schemas.next_recording import NextRecording
@@ -159,7 +162,8 @@ def _after(
 def _achieved(effect: str, recording: Recording, names: Sequence[str]) -> float | None:
     """Chi-squared by which the nearest other fits worse than the truth; None without the truth.
 
-    An effect of which the truth is a special case fits as well: it is no other.
+    An effect of which the truth is a special case fits as well: of it counts what the recording
+    would have shown of a typical departure.
     """
     if effect not in names:
         return None
@@ -173,5 +177,10 @@ def _achieved(effect: str, recording: Recording, names: Sequence[str]) -> float 
     left = {
         name: left_by_real_fit(model, blocks, noises) for name, model in question.models.items()
     }
-    others = [left[name] for name in left if name not in (effect, HOLDS.get(effect))]
-    return min(others) - left[effect]
+    general = HOLDS.get(effect)
+    shown = [left[name] - left[effect] for name in left if name not in (effect, general)]
+    if general in question.models:
+        readings = np.nan_to_num(question.models[general].prediction(blocks.motion))
+        departed = replace(blocks, readings=readings)
+        shown.append(left_by_real_fit(question.models[effect], departed, noises))
+    return min(shown)
