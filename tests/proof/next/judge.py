@@ -179,7 +179,7 @@ def _achieved(effect: str, recording: Recording, names: Sequence[str]) -> float 
     }
     general = HOLDS.get(effect)
     shown = [left[name] - left[effect] for name in left if name not in (effect, general)]
-    if general in question.models:
+    if general is not None and general in question.models:
         readings = np.nan_to_num(question.models[general].prediction(blocks.motion))
         departed = replace(blocks, readings=readings)
         shown.append(left_by_real_fit(question.models[effect], departed, noises))
