@@ -136,7 +136,8 @@ class Bucket:
         return f"s3://{self._root}/{name}"
 
     def exists(self, name: str) -> bool:
-        return self._is_object(name) or self._is_object(f"{name}/{WHOLE_LAST}")
+        whole = not Path(name).suffix and self._is_object(f"{name}/{WHOLE_LAST}")
+        return whole or self._is_object(name)
 
     @contextmanager
     def local(self, name: str) -> Iterator[Path]:

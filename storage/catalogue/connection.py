@@ -2,6 +2,7 @@
 
 import os
 import sqlite3
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -46,12 +47,15 @@ _once = ContextVar("opened once", default=False)
 
 @contextmanager
 def opened_once(home: Home, busy_s: float) -> Iterator[None]:
-    """Within it, and in its thread, a file is opened once instead of for each use."""
+    """Within it, and in its thread, a file is opened once instead of for each use. Not for what
+    forks.
+    """
+    url = url_of(home)
     token = _once.set(True)
     try:
         yield
     finally:
-        if (url := url_of(home)).get_backend_name() == "sqlite":
+        if url.get_backend_name() == "sqlite":
             engine_of(url, busy_s).dispose()
         _once.reset(token)
 
@@ -64,7 +68,9 @@ def engine_of(url: sql.URL, busy_s: float) -> sql.Engine:
     forked process.
     """
     if url.get_backend_name() == "sqlite":
-        return _engine_of_file(url, busy_s, _once.get())
+        # A pool for each thread: one closes its own while others still read.
+        once = _once.get() and "mode" not in url.query
+        return _engine_of_file(url, busy_s, threading.get_ident() if once else None)
     return _engine_of_server(url)
 
 
@@ -76,8 +82,9 @@ def _engine_of_server(url: sql.URL) -> sql.Engine:
 
 
 @lru_cache
-def _engine_of_file(url: sql.URL, busy_s: float, once: bool) -> sql.Engine:
-    pool = QueuePool if once else NullPool
+def _engine_of_file(url: sql.URL, busy_s: float, thread: int | None) -> sql.Engine:
+    """thread: whose connection is kept; None where none is."""
+    pool = NullPool if thread is None else QueuePool
     made = sql.create_engine(url, poolclass=pool, connect_args={"timeout": busy_s})
     sql.event.listen(made, "connect", _prepare_sqlite)
     if "mode" not in url.query:

@@ -117,7 +117,7 @@ class Found:
 
 
 def search(pool: Pool) -> tuple[tuple[Found, ...], float]:
-    """The findings, and the p value of the strongest mismatch, corrected for all that is tried."""
+    """The findings, and the p value of the first mismatch, corrected for all that is tried."""
     found, p_value = list[Found](), 1.0
     levels = all_windows(pool)
     sums = window_sums(pool, levels)

@@ -59,8 +59,9 @@ def _while_connected(
                 suspects.extend(batch)
                 continue
             seconds, done = made
-            batches.measure(seconds / len(batch), _at_a_time(client))
-            yield from zip(batch, done, strict=True)
+            batches.put_back(batch[len(done) :])
+            yield from zip(batch, done, strict=False)
+            batches.measure(seconds / len(done), _at_a_time(client))
         # What kills workers takes with it what they were given beside it: each once more, alone.
         for (k,), made in _made(client, work, left, iter([[k] for k in suspects]), lambda: 1):
             yield k, died(left[k]) if made is None else made[1][0]
@@ -107,15 +108,24 @@ class _Batches(Iterator[list[int]]):
             raise StopIteration
         return [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
 
+    def put_back(self, batch: Sequence[int]) -> None:
+        """What a worker did not come to."""
+        self._waiting.extendleft(reversed(batch))
+
     def measure(self, seconds: float, most: int) -> None:
         """Takes note of the seconds of each; most: batches at a time, which are to end together."""
         self._size = max(1, min(len(self._waiting) // most, int(BATCH_S / max(seconds, 1e-3))))
 
 
 def _each(work: Callable[[T], R], batch: Sequence[T]) -> tuple[float, list[R]]:
-    """Seconds that a batch took, and what was made of each of it."""
-    began = time.monotonic()
-    done = [work(thing) for thing in batch]
+    """Seconds that a batch took, and what was made of each of it; of the first ones alone where
+    they take longer than was expected.
+    """
+    began, done = time.monotonic(), list[R]()
+    for thing in batch:
+        done.append(work(thing))
+        if time.monotonic() - began > BATCH_S:
+            break
     return time.monotonic() - began, done
 
 

@@ -20,3 +20,8 @@ def survived(thing: int) -> int:
     if thing == 13:
         os._exit(1)
     return thing
+
+
+def waited(thing: int) -> int:
+    time.sleep(0.05)
+    return thing

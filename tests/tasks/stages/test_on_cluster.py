@@ -14,7 +14,7 @@ import pytest
 from schemas.base import Unusable
 from tasks.stages import on_cluster as cluster
 from tasks.stages.on_cluster import on_cluster
-from tests.tasks.stages.cluster_work import noted, squared, survived
+from tests.tasks.stages.cluster_work import noted, squared, survived, waited
 
 pytestmark = pytest.mark.real_time
 
@@ -90,6 +90,20 @@ def test_a_thing_that_kills_workers_takes_none_of_its_batch_with_it(
     started(*(part for part in worker(address, tmp_path / "one") if part != "--no-nanny"))
     done = list(on_cluster(survived, range(100), address, died=lambda thing: -thing))
     assert sorted(done) == sorted([-13, *range(13), *range(14, 100)])
+
+
+def test_a_batch_that_takes_longer_than_expected_is_shared_again() -> None:
+    """A first recording that fails at once says nothing of how long the others take."""
+    batches = cluster._Batches(range(100))
+    assert next(batches) == [0]
+    batches.measure(0.001, 3)
+    batch = next(batches)
+    assert len(batch) == 33
+    seconds, done = cluster._each(waited, batch)
+    assert len(done) < len(batch)
+    assert seconds < 2.0 * cluster.BATCH_S
+    batches.put_back(batch[len(done) :])
+    assert next(batches)[0] == batch[len(done)]
 
 
 def test_what_is_no_address_is_a_sentence_at_once() -> None:
