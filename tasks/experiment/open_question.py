@@ -26,8 +26,8 @@ SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "incomplete", "ref
 class OpenQuestion:
     """names: of the competing effects; one alone competes with none. models: of each, fitted to the
     recording with everything else that was named, which the others are. fit: of the first.
-    typical: the same, each effect as large as it may be expected to be; models are a suspected one
-    as small as the recording allows, and several that compete as typical.
+    typical: the same, a suspected effect as large as it may be expected to be, where models have it
+    as small as the recording allows.
     """
 
     names: tuple[str, ...]
@@ -53,14 +53,14 @@ def open_question(
         others.append(GYROS_ALONE)  # triads may be late unlike each other, whatever makes them late
     fits = {name: fitted_effects(recording, [name, *others]) for name in names}
     first = fits[names[0]]
-    sized = {name: fit.model for name, fit in fits.items()}
-    if len(names) == 1:
-        sized = {names[0]: _sized(first, names[0])}
-    typical = {name: _typical(fits[name], model, name) for name, model in sized.items()}
+    models = {name: fit.model for name, fit in fits.items()}
     for special, general in HOLDS.items():
-        if special in typical and general in typical:
-            typical[general] = _apart(typical[general], general, typical[special], special)
-    models = dict(sized if len(names) == 1 else typical)
+        if special in models and general in models:
+            models[general] = _apart(models[general], general, models[special], special)
+    typical = dict(models)
+    if len(names) == 1:
+        models = {names[0]: _sized(first, names[0])}
+        typical = {names[0]: _typical(first, models[names[0]], names[0])}
     # What is to be named alone has to show beside nothing, too.
     own = {key for key in first.model.places if key[0] == names[0]}
     models[NOTHING] = typical[NOTHING] = models[names[0]].without(own)

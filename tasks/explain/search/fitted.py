@@ -40,6 +40,7 @@ OF_TRACKING = (TIME_OFFSET.name, REFERENCE_FRAME.name)  # nuisances of poses
 SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
 MAX_RESOLVED = 40_000  # blocks that may be halved
 ABRUPT = 0.005  # of the rates' variance that lies near half the blocks' rate: they alias
+NOISE_ROUNDS = 2  # each weighted by the noise of the one before
 MAX_SEARCHES = 3  # each after a fit of all that was selected in its real form
 
 
@@ -182,7 +183,10 @@ def all_fitted(
     for one in candidates:
         first.setdefault(one.name, one)
     start = list(first.values())
-    return FittedSelection.of(search(design, start, start), blocks, design.blocks.rate)
+    noises = initial_noises(design)
+    for _ in range(NOISE_ROUNDS):  # what the effects read is no noise
+        noises = noises_beside(design, start, noises)
+    return FittedSelection.of(search(design, start, start, noises), blocks, design.blocks.rate)
 
 
 def alternated(

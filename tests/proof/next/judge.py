@@ -168,7 +168,8 @@ def _achieved(effect: str, recording: Recording, names: Sequence[str]) -> float 
     if effect not in names:
         return None
     try:
-        question = open_question(recording, names)
+        # The truth first: noise is what it leaves.
+        question = open_question(recording, sorted(names, key=lambda name: name != effect))
     except Unusable:
         return None
     if question is None:
