@@ -45,7 +45,7 @@ class Kept:
 
 
 class Blobs(Protocol):
-    """Files and folders by name, each written once and whole."""
+    """Files and folders by name, each written once and whole. A folder's name has no suffix."""
 
     def where(self, name: str) -> str:
         """The full name for a message."""

@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from contextvars import ContextVar
 from functools import lru_cache, partial
 from typing import Any
 
@@ -42,22 +41,22 @@ def name_of(home: Home) -> str:
     return url_of(home).render_as_string(hide_password=True)
 
 
-_once = ContextVar("opened once", default=False)
+_of_thread = threading.local()  # `once`: whether it keeps its file open
 
 
 @contextmanager
 def opened_once(home: Home, busy_s: float) -> Iterator[None]:
-    """Within it, and in its thread, a file is opened once instead of for each use. Not for what
-    forks.
+    """Within it, and in its thread, a file is opened once instead of for each use. Do not fork
+    within it: the child would share the connection.
     """
     url = url_of(home)
-    token = _once.set(True)
+    _of_thread.once = True
     try:
         yield
     finally:
         if url.get_backend_name() == "sqlite":
             engine_of(url, busy_s).dispose()
-        _once.reset(token)
+        _of_thread.once = False
 
 
 def engine_of(url: sql.URL, busy_s: float) -> sql.Engine:
@@ -68,8 +67,8 @@ def engine_of(url: sql.URL, busy_s: float) -> sql.Engine:
     forked process.
     """
     if url.get_backend_name() == "sqlite":
-        # A pool for each thread: one closes its own while others still read.
-        once = _once.get() and "mode" not in url.query
+        # A pool for each thread, so that one can close its connection while others read.
+        once = getattr(_of_thread, "once", False) and "mode" not in url.query
         return _engine_of_file(url, busy_s, threading.get_ident() if once else None)
     return _engine_of_server(url)
 
@@ -83,7 +82,7 @@ def _engine_of_server(url: sql.URL) -> sql.Engine:
 
 @lru_cache
 def _engine_of_file(url: sql.URL, busy_s: float, thread: int | None) -> sql.Engine:
-    """thread: whose connection is kept; None where none is."""
+    """thread: id of the thread that keeps its connection open; None opens one for each use."""
     pool = NullPool if thread is None else QueuePool
     made = sql.create_engine(url, poolclass=pool, connect_args={"timeout": busy_s})
     sql.event.listen(made, "connect", _prepare_sqlite)

@@ -26,8 +26,8 @@ SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "incomplete", "ref
 class OpenQuestion:
     """names: of the competing effects; one alone competes with none. models: of each, fitted to the
     recording with everything else that was named, which the others are. fit: of the first.
-    typical: the same, a suspected effect as large as it may be expected to be, where models have it
-    as small as the recording allows.
+    typical: as models, but a suspected effect has its expected size; in models it has the smallest
+    size that the recording allows.
     """
 
     names: tuple[str, ...]

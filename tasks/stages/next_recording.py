@@ -140,7 +140,7 @@ def _apart_from_rivals(
     experiment: "Experiment", question: "OpenQuestion", minutes: float
 ) -> "Choice":
     """The shortest; for one suspected effect again, where others would fit that recording too. What
-    is expected of it is of effects as large as they typically are.
+    is expected of it is of an effect as large as it typically is.
     """
     from tasks.experiment.rehearsal import rivals_of
 
@@ -153,7 +153,7 @@ def _apart_from_rivals(
             break
         experiment = replace(experiment, rivals={**experiment.rivals, **new})
         choice = experiment.shortest(minutes)
-    if not choice.is_enough:
+    if not choice.is_enough or len(question.names) > 1:
         return choice
     typical = replace(experiment, models=question.typical).judged(choice.procedure)
     return replace(choice, expected=typical.expected)

@@ -60,7 +60,7 @@ def _while_connected(
                 continue
             seconds, done = made
             batches.put_back(batch[len(done) :])
-            yield from zip(batch, done, strict=False)
+            yield from zip(batch[: len(done)], done, strict=True)
             batches.measure(seconds / len(done), _at_a_time(client))
         # What kills workers takes with it what they were given beside it: each once more, alone.
         for (k,), made in _made(client, work, left, iter([[k] for k in suspects]), lambda: 1):
@@ -98,7 +98,9 @@ def _made(
 
 
 class _Batches(Iterator[list[int]]):
-    """The numbers of what waits, the first alone, then in batches of as many as take BATCH_S."""
+    """The numbers of what waits, one by one until a first one is done, then in batches of as many
+    as take BATCH_S.
+    """
 
     def __init__(self, waiting: Iterable[int]) -> None:
         self._waiting, self._size = deque(waiting), 1
@@ -109,7 +111,7 @@ class _Batches(Iterator[list[int]]):
         return [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
 
     def put_back(self, batch: Sequence[int]) -> None:
-        """What a worker did not come to."""
+        """Returns what a worker did not get to; it goes out first."""
         self._waiting.extendleft(reversed(batch))
 
     def measure(self, seconds: float, most: int) -> None:
@@ -118,8 +120,8 @@ class _Batches(Iterator[list[int]]):
 
 
 def _each(work: Callable[[T], R], batch: Sequence[T]) -> tuple[float, list[R]]:
-    """Seconds that a batch took, and what was made of each of it; of the first ones alone where
-    they take longer than was expected.
+    """Seconds that it took, and the results in order; it stops after BATCH_S, so that there may be
+    fewer results than things.
     """
     began, done = time.monotonic(), list[R]()
     for thing in batch:

@@ -64,7 +64,7 @@ def test_the_recording_that_decides_is_a_procedure_that_acquire_takes(
     assert done.json["decides"] == ["time_offset", "bandwidth"]
     assert done.json["procedure"] == str(out)
     assert done.json["minutes"] == 1.5
-    assert done.json["predicted"]["delta_chi2"] == 100.0
+    assert done.json["predicted"]["delta_chi2"] == 80.0
     assert done.json["repeat_of_base"]["delta_chi2"] == 2.0
     assert settings.read(out, Procedure) == PROCEDURE
     assert [step["name"] for step in done.json["steps"]] == ["rest"]

@@ -183,7 +183,7 @@ def plausible_half_ranges(candidates: Sequence[Candidate], count: int) -> np.nda
 
 def _variants(term: Term, motion: Motion) -> Iterator[Term]:
     """The term at several times, where its shape is the time at which something happens."""
-    if [shape.name for shape in term.shapes] != ["time"]:
+    if not term.is_instant:
         yield term
         return
     for n in range(STEP_TIMES):

@@ -17,10 +17,16 @@ from tasks.explain.search.candidates import (
     searched_by_name,
     with_nuisances,
 )
-from tasks.explain.search.design import BandedDesign, banded_design, with_columns
+from tasks.explain.search.design import (
+    BandedDesign,
+    banded_design,
+    normal_equations,
+    with_columns,
+)
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.proposals import with_proposed_shapes
 from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
+from tasks.explain.search.scores import rank
 from tasks.explain.search.stepwise import (
     SEARCH_BUDGET,
     Selected,
@@ -40,7 +46,7 @@ OF_TRACKING = (TIME_OFFSET.name, REFERENCE_FRAME.name)  # nuisances of poses
 SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
 MAX_RESOLVED = 40_000  # blocks that may be halved
 ABRUPT = 0.005  # of the rates' variance that lies near half the blocks' rate: they alias
-NOISE_ROUNDS = 2  # each weighted by the noise of the one before
+NOISE_ROUNDS = 2  # of a fit and the noise that it leaves
 MAX_SEARCHES = 3  # each after a fit of all that was selected in its real form
 
 
@@ -160,6 +166,8 @@ def searched(
     else:
         terms = [term for term in listed if term.name in only]
     candidates, columns = candidates_of(terms, coarse.motion)
+    if only is not None:  # and not the random drifts that a search tries besides
+        candidates = tuple(one for one in candidates if one.name in only)
     if coarse.motion.tracking is not None and only is None:
         candidates = tuple(with_nuisances(candidates, OF_TRACKING))
     half = plausible_half_ranges(candidates, len(columns))
@@ -178,15 +186,30 @@ def searched(
 def all_fitted(
     design: BandedDesign, candidates: Sequence[Candidate], blocks: Blocks
 ) -> FittedSelection:
-    """Of each name the first term with all its parameters, fitted without a search."""
-    first: dict[str, Candidate] = {}
-    for one in candidates:
-        first.setdefault(one.name, one)
-    start = list(first.values())
+    """Of each name the first term with all its parameters, at the likeliest of the instants that
+    are proposed, fitted without a search by the noise that the terms leave: what they explain is
+    not noise.
+    """
     noises = initial_noises(design)
-    for _ in range(NOISE_ROUNDS):  # what the effects read is no noise
-        noises = noises_beside(design, start, noises)
-    return FittedSelection.of(search(design, start, start, noises), blocks, design.blocks.rate)
+    design, candidates = with_proposed_shapes(design, candidates, noises)
+    whole: dict[tuple[str, int], Candidate] = {}
+    for one in candidates:
+        whole.setdefault(one.term.key, one)
+    gains = {one.candidate.key: one.gain for one in rank(normal_equations(design, noises),
+                                                         list(whole.values()), ())}  # fmt: skip
+    first: dict[str, Candidate] = {}
+    for one in whole.values():
+        before = first.setdefault(one.name, one)
+        if one.term.is_instant and gains.get(one.key, 0.0) > gains.get(before.key, 0.0):
+            first[one.name] = one
+    start = list(first.values())
+    for _ in range(NOISE_ROUNDS):
+        # A random drift would take flicker for its own.
+        noises = noises_beside(design, [one for one in start if one.prior is None], noises)
+        fit = FittedSelection.of(search(design, start, start, noises), blocks, design.blocks.rate)
+        start = fit.selection.candidates
+        design = with_columns(design, *linearised(fit.model, design.blocks, start))
+    return fit
 
 
 def alternated(

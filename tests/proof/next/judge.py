@@ -168,7 +168,7 @@ def _achieved(effect: str, recording: Recording, names: Sequence[str]) -> float 
     if effect not in names:
         return None
     try:
-        # The truth first: noise is what it leaves.
+        # The truth first: the noise is taken from what the first one leaves.
         question = open_question(recording, sorted(names, key=lambda name: name != effect))
     except Unusable:
         return None

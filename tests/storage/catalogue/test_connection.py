@@ -28,14 +28,15 @@ def home(tmp_path: Path) -> Home:
 
 def test_within_it_a_file_is_opened_once_and_closed_at_the_end(home: Home) -> None:
     opened: list[object] = []
+    closed: list[object] = []
     with opened_once(home, BUSY_S):
         kept = engine_of(url_of(home), BUSY_S)
         sql.event.listen(kept, "connect", lambda *_: opened.append(1))
+        sql.event.listen(kept, "close", lambda *_: closed.append(1))
         for _ in range(3):
             read(home)
-        assert kept.pool.checkedin() == 1  # type: ignore[attr-defined]
-    assert len(opened) == 1
-    assert kept.pool.checkedin() == 0  # type: ignore[attr-defined]
+        assert not closed
+    assert len(opened) == len(closed) == 1
     assert not home.path.joinpath(f"{FILE}-wal").exists()
 
 
