@@ -86,12 +86,11 @@ class Term(Effect):
     @property
     def has_continuous_shape(self) -> bool:
         """Whether it has one continuous shape that a fit can follow: no count and no instant."""
-        return len(self.shapes) == 1 and self.shapes[0].unit != COUNTS and not self.is_instant
-
-    @property
-    def is_instant(self) -> bool:
-        """Whether its only shape is the time at which something happens."""
-        return [shape.name for shape in self.shapes] == ["time"]
+        return (
+            len(self.shapes) == 1
+            and self.shapes[0].unit != COUNTS
+            and self.shapes[0].name != "time"
+        )
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
         """The motion that really was, given the one that the table reports; stage `motion`."""

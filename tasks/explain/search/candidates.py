@@ -181,9 +181,14 @@ def plausible_half_ranges(candidates: Sequence[Candidate], count: int) -> np.nda
     return half
 
 
+def is_instant(term: Term) -> bool:
+    """Whether its only shape is the time at which something happens."""
+    return [shape.name for shape in term.shapes] == ["time"]
+
+
 def _variants(term: Term, motion: Motion) -> Iterator[Term]:
     """The term at several times, where its shape is the time at which something happens."""
-    if not term.is_instant:
+    if not is_instant(term):
         yield term
         return
     for n in range(STEP_TIMES):

@@ -13,6 +13,7 @@ from tasks.explain.progress import Progress, silent, tell
 from tasks.explain.search.candidates import (
     Candidate,
     candidates_of,
+    is_instant,
     plausible_half_ranges,
     searched_by_name,
     with_nuisances,
@@ -200,7 +201,7 @@ def all_fitted(
     first: dict[str, Candidate] = {}
     for one in whole.values():
         before = first.setdefault(one.name, one)
-        if one.term.is_instant and gains.get(one.key, 0.0) > gains.get(before.key, 0.0):
+        if is_instant(one.term) and gains.get(one.key, 0.0) > gains.get(before.key, 0.0):
             first[one.name] = one
     start = list(first.values())
     for _ in range(NOISE_ROUNDS):
