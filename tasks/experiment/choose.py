@@ -91,7 +91,12 @@ class Experiment:
     def planned(self, procedure: Procedure) -> Recording:
         """What the table and the unit's thermometer would record of a procedure."""
         rate = STILL_HZ if stands_still(procedure.steps) else FINE_HZ
-        return planned_recording(procedure, self.like, rate, self.thermal)
+        return planned_recording(self._as_driven(procedure), self.like, rate, self.thermal)
+
+    def _as_driven(self, procedure: Procedure) -> Procedure:
+        """With ramps of a constant acceleration that show as much as those of the station."""
+        acceleration = procedure.acceleration_deg_s2 * self.abilities.ramp_share
+        return procedure.model_copy(update={"acceleration_deg_s2": acceleration})
 
     def bound(self, pair: Pair) -> float:
         """Chi-squared that names the true one alone: a pair's difference; of a special case what a

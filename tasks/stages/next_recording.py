@@ -107,7 +107,9 @@ def _refuse_unknown(effects: Sequence[str]) -> None:
 def _abilities(recording: Recording, station: StationFile | None) -> "Abilities":
     from tasks.experiment.abilities import Abilities
 
-    return Abilities.of_recording(recording) if station is None else Abilities.of_station(station)
+    if station is None:
+        return Abilities.of_recording(recording)
+    return Abilities.of_station(station).driven_as(recording)
 
 
 def _answer(

@@ -7,6 +7,7 @@ import pytest
 
 from schemas.recording import Recording
 from tasks.experiment.abilities import Abilities
+from tasks.experiment.blocks import blocks_of, steps_of
 from tasks.experiment.choose import NOTHING, Choice, Experiment
 from tasks.experiment.open_question import open_question
 from tasks.experiment.separation import UnitNoise, enough, probability_right
@@ -43,6 +44,30 @@ def test_the_table_s_own_motion_tells_what_the_station_can_do() -> None:
     assert able.rates_deg_s[0] == pytest.approx(200.0, rel=0.03)
     assert able.endless[0]
     assert not able.endless[1]
+
+
+def test_ramps_are_planned_as_the_table_makes_them() -> None:
+    """Of the plant's, whose acceleration comes and goes as sin², ∫α²dt is ¾ of the limit's."""
+    able = Abilities.of_recording(recorded())
+    assert able.ramp_share == pytest.approx(0.75, abs=0.07)
+    stated = replace(able, ramp_share=1.0)
+    assert stated.driven_as(recorded()).ramp_share == able.ramp_share
+    plain, driven = (
+        Experiment({}, None, one, recorded().manifest, "d")  # type: ignore[arg-type]
+        for one in (stated, able)
+    )
+    block = next(one for one in blocks_of(able) if one.name == "rates_pz")
+    procedure = plain._procedure(steps_of([block]))
+    slower, faster = (one.planned(procedure).imu.t[-1] for one in (driven, plain))
+    assert slower > faster
+
+
+def test_a_ramp_of_constant_acceleration_shows_all_of_its_limit() -> None:
+    able = replace(Abilities.of_recording(recorded()), ramp_share=1.0)
+    made = Experiment({}, None, able, recorded().manifest, "d")  # type: ignore[arg-type]
+    block = next(one for one in blocks_of(able) if one.name == "rates_pz")
+    planned = made.planned(made._procedure(steps_of([block])))
+    assert Abilities.of_recording(planned).ramp_share == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.rehearsal
