@@ -5,6 +5,7 @@ a question mark where it is not AWS; without it they are in the home. Keys come 
 environment, as AWS names them.
 """
 
+import json
 import os
 import shutil
 import time
@@ -143,12 +144,7 @@ class Bucket:
     def local(self, name: str) -> Iterator[Path]:
         with TemporaryDirectory(prefix="mimucal-") as folder:
             target = Path(folder) / Path(name).name
-            files = [] if target.suffix else [Path(each.path).name for each in self._files(name)]
-            if WHOLE_LAST in files:
-                target.mkdir()
-                for each in files:
-                    self._download(f"{name}/{each}", target / each)
-            elif self._is_object(name):
+            if target.suffix or not self._download_folder(name, target):
                 self._download(name, target)
             yield target
 
@@ -201,13 +197,26 @@ class Bucket:
             info = self._system.get_file_info(f"{self._root}/{name}")
         return bool(info.type == FileType.File)
 
-    def _download(self, name: str, target: Path) -> None:
-        with (
-            _explained(self.where(name)),
-            self._system.open_input_file(f"{self._root}/{name}") as source,
-            target.open("wb") as copy,
-        ):
-            shutil.copyfileobj(source, copy, REQUESTED)
+    def _download_folder(self, name: str, target: Path) -> bool:
+        """Fetches what a folder's manifest names, which saves a listing; False if it is none."""
+        target.mkdir()
+        if not self._download(f"{name}/{WHOLE_LAST}", target / WHOLE_LAST):
+            target.rmdir()
+            return False
+        for each in json.loads((target / WHOLE_LAST).read_bytes())["streams"].values():
+            self._download(f"{name}/{each}", target / each)
+        return True
+
+    def _download(self, name: str, target: Path) -> bool:
+        """Fetches an object; False if there is none."""
+        with _explained(self.where(name)):
+            try:
+                source = self._system.open_input_file(f"{self._root}/{name}")
+            except FileNotFoundError:
+                return False
+            with source, target.open("wb") as copy:
+                shutil.copyfileobj(source, copy, REQUESTED)
+        return True
 
     def _upload(self, path: Path, name: str) -> None:
         """One object appears whole, when its last part was sent."""
