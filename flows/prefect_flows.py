@@ -4,11 +4,12 @@ A deployment takes the order as its parameter, which Prefect validates. Import t
 after `flows.prefect_server.connect`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
 from datetime import UTC, datetime, timedelta
-from functools import wraps
+from functools import partial, wraps
+from math import inf
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from prefect.artifacts import (
     create_table_artifact,
     update_progress_artifact,
 )
+from prefect.context import FlowRunContext
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
 from flows import run_orders
@@ -85,9 +87,8 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
 @flow(name="reprocess")
 def reprocess(order: ReprocessOrder) -> Reprocessing:
     """Re-process the results of a selection of runs, and report what changed."""
-    report = run_orders.reprocess(order, _progress_artifact("reprocess"))
-    with suppress(TransportError):
-        _show_changes(report)
+    report = run_orders.reprocess(order, _ProgressArtifact("reprocess"))
+    _show(lambda: _show_changes(report))
     return report
 
 
@@ -100,30 +101,51 @@ def remind(order: RemindOrder) -> list[DueUnit]:
     home, now = run_orders.home_of(order), datetime.now(UTC)
     faults = reminding.remind(home, now)
     due = reminding.due_units(home, now.astimezone().date() + timedelta(days=order.within_days))
-    create_table_artifact(
-        key="recalibration-due",
-        table=[{"unit": d.unit, "certificate": d.certificate, "due": str(d.due)} for d in due],
-        description=f"Recalibration due within {order.within_days} days",
-    )
+    _show(lambda: _show_due(due, order.within_days))
     if faults:
         raise BrokenOff("; ".join(faults))
     return due
 
 
-def _progress_artifact(key: str) -> Callable[[int, int], None]:
-    """Shows progress as an artifact, updated rarely enough to cost nothing."""
-    shown: list[tuple[Any, float]] = []
+def _show(artifacts: Callable[[], None]) -> bool:
+    """Writes artifacts where Prefect's server knows this run; whether it took them."""
+    if FlowRunContext.get() is None:
+        return False
+    with suppress(TransportError):
+        artifacts()
+        return True
+    return False
 
-    def show(done: int, total: int) -> None:
-        now, percent = monotonic(), 100.0 * done / max(total, 1)
-        with suppress(TransportError):
-            if not shown:
-                shown.append((create_progress_artifact(percent, key=key), now))
-            elif now - shown[-1][1] > PROGRESS_EVERY_S or done == total:
-                update_progress_artifact(shown[-1][0], percent)
-                shown.append((shown[-1][0], now))
 
-    return show
+class _ProgressArtifact:
+    """Shows progress as an artifact, updated rarely enough to cost nothing.
+
+    A server that does not answer is not asked again: Prefect's client waits for it each time.
+    """
+
+    def __init__(self, key: str) -> None:
+        self._key, self._next_s = key, 0.0
+        self._artifact: Any = None
+
+    def __call__(self, done: int, total: int) -> None:
+        if self._next_s < inf and (done == total or monotonic() > self._next_s):
+            answers = _show(partial(self._update, 100.0 * done / max(total, 1)))
+            self._next_s = monotonic() + PROGRESS_EVERY_S if answers else inf
+
+    def _update(self, percent: float) -> None:
+        if self._artifact is None:
+            self._artifact = create_progress_artifact(percent, key=self._key)
+        else:
+            update_progress_artifact(self._artifact, percent)
+
+
+def _show_due(due: Sequence[DueUnit], days: int) -> None:
+    """The units that are due as a Prefect artifact."""
+    create_table_artifact(
+        key="recalibration-due",
+        table=[{"unit": d.unit, "certificate": d.certificate, "due": str(d.due)} for d in due],
+        description=f"Recalibration due within {days} days",
+    )
 
 
 def _show_changes(report: Reprocessing) -> None:
@@ -215,8 +237,7 @@ def _ordered(
     @wraps(getattr(run_orders, function), assigned=("__name__", "__qualname__", "__doc__"))
     def carried_out(order: OrderModel) -> Any:
         answer = getattr(run_orders, function)(order)
-        with suppress(TransportError):
-            show(answer)
+        _show(lambda: show(answer))
         return answer
 
     return flow(name=name or function, flow_run_name=run_name)(carried_out)

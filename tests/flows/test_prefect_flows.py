@@ -17,7 +17,6 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
 from tests.drafts import draft
-from tests.earlier_results import newest, plant, two_calibrated
 
 pytestmark = pytest.mark.real_time
 
@@ -255,24 +254,6 @@ def test_stage_is_tried_again_when_another_process_held_the_catalogue(
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "BUSY 1 r" in done.stdout
-
-
-def test_reprocess_is_a_flow_whose_processes_make_the_same_results(
-    home, mimucal, ideal_run, prefect_server
-) -> None:
-    store = two_calibrated(home, mimucal, ideal_run)
-    first, second = newest(store)
-    plant(first, store, "gyro_scale_factor", "x", 3.0)
-    plant(second, store, "gyro_scale_factor", "y", 2.0)
-    done = subprocess.run(
-        command("reprocess", "--workers", "2", "--json"),
-        capture_output=True, text=True, timeout=600,
-        env=environment(home, PREFECT_API_URL=prefect_server),
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    moved = {(each["run"], each["element"]) for each in json.loads(done.stdout)["changed"]}
-    assert moved == {(first.run, "x"), (second.run, "y")}
-    assert newest(store) == [first, second]
 
 
 def test_the_steps_of_a_certificate_are_flow_runs_where_a_server_is_named(

@@ -1,4 +1,4 @@
-"""A dask scheduler with two workers, PostgreSQL and an S3 server.
+"""A dask scheduler with two workers, PostgreSQL, an S3 server and a Prefect server.
 
 What ends of dask is started again within a second, as systemd does with `Restart=always`.
 """
@@ -8,10 +8,12 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import httpx
 import sqlalchemy as sql
 
 from storage.catalogue import database, tables
@@ -34,8 +36,7 @@ class Cluster:
         self.database = database_server
         self.variables = variables
         self.url = url
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            self.address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        self.address = f"tcp://127.0.0.1:{_free_port()}"
         self._scheduler = self._start("dask_scheduler", "--host", self.address)
         self._workers = [self._worker() for _ in range(WORKERS)]
 
@@ -78,11 +79,16 @@ def running(home: Home, objects: Path, every: int = 0, pause_s: float = 0.0) -> 
 
     home: of the commands and the workers, with nothing in it. every, pause_s: as in `bucket`.
     """
-    with postgres.serving() as server, _bucket(objects, every, pause_s) as store:
+    with (
+        postgres.serving() as server,
+        _bucket(objects, every, pause_s) as store,
+        _prefect(home.path) as prefect,
+    ):
         url = postgres.empty_database(server.connection)
         variables = environment(
-            MIMUCAL_HOME=str(home.path), MIMUCAL_DATABASE=url, MIMUCAL_STORE=store, **KEYS
-        )
+            MIMUCAL_HOME=str(home.path), MIMUCAL_DATABASE=url, MIMUCAL_STORE=store,
+            PREFECT_API_URL=prefect, **KEYS,
+        )  # fmt: skip
         cluster = Cluster(server, url, variables)
         try:
             yield cluster
@@ -103,6 +109,34 @@ def _bucket(folder: Path, every: int, pause_s: float) -> Iterator[str]:
             yield process.stdout.readline().strip()
         finally:
             process.stdin.close()
+
+
+@contextmanager
+def _prefect(folder: Path) -> Iterator[str]:
+    """A Prefect server with its database in the folder, as a laboratory keeps one running."""
+    folder.mkdir(parents=True, exist_ok=True)
+    port = _free_port()
+    url = f"http://127.0.0.1:{port}/api"
+    with subprocess.Popen(
+        [sys.executable, "-m", "prefect", "server", "start", "--port", str(port)],
+        env=environment(PREFECT_HOME=str(folder / "prefect"), DO_NOT_TRACK="1"),
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    ) as process:  # fmt: skip
+        try:
+            while True:
+                assert process.poll() is None, "Prefect's server stopped at its start"
+                with suppress(httpx.TransportError):
+                    httpx.get(f"{url}/health", trust_env=False).raise_for_status()
+                    break
+                time.sleep(0.1)
+            yield url
+        finally:
+            process.terminate()
+
+
+def _free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        return int(free.getsockname()[1])
 
 
 def copy_runs(source: Home, url: str, count: int) -> None:

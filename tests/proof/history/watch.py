@@ -16,7 +16,7 @@ import psutil
 EVERY_S = 1.0
 MEMORY_EVERY = 4  # looks: counting the pages of ten processes takes a twentieth of a second
 MIMUCAL = (sys.executable, "-c", "from flows.cli import main; main()")
-SERVER = "flows.prefect_server"
+SERVERS = (["flows.prefect_server"], ["prefect", "server", "start"])  # a command's own, one kept
 Name = tuple[int, float]  # process id, and when it began
 Used = tuple[float, bool]  # processor time, and whether it is Prefect's server
 
@@ -100,8 +100,15 @@ def _look(used: dict[Name, Used]) -> None:
             times = each.cpu_times()
             name = (each.pid, each.create_time())
             # One that has just ended has no command line any more.
-            of_server = used.get(name, (0.0, False))[1] or SERVER in each.cmdline()
+            of_server = used.get(name, (0.0, False))[1] or _is_server(each.cmdline())
             used[name] = (times.user + times.system, of_server)
+
+
+def _is_server(words: Sequence[str]) -> bool:
+    """Whether a command line, such as `python -P -m NAME ...`, starts Prefect's server."""
+    return "-m" in words and any(
+        words[(first := words.index("-m") + 1) : first + len(name)] == name for name in SERVERS
+    )
 
 
 def _memory() -> int:
