@@ -71,6 +71,10 @@ def scrutinised(evidence: Evidence) -> dict[int, Scrutiny]:
     only where the recording determines it.
     """
     every = {number: Scrutiny.of(evidence, number) for number in range(len(evidence.groups))}
+    beyond = [n for n, one in every.items() if one.refusal and one.refusal.kind == "implausible"]
+    if beyond:  # what is not the physics takes of its neighbours what is theirs, or gives to them
+        wider = evidence.beside_implausible(beyond)
+        every |= {n: Scrutiny.of(wider, n) for n in every if n not in beyond}
     return {n: one for n, one in every.items() if not _only_a_nuisance(evidence, n, one)}
 
 
