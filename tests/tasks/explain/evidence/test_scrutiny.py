@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from engine_run import MOVE, NOISY, RATE, REST, motion, noise, observed, read
 
+from tasks.explain.evidence import findings
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.lookalikes import Examined
 from tasks.explain.evidence.pruning import pruned
@@ -124,6 +125,19 @@ def test_a_size_is_implausible_where_its_whole_interval_is(beyond: float, refuse
               for k, one in enumerate(LEVER_ARM.parameters)]  # fmt: skip
     (one,) = scrutinised(made, replace(LEVER_ARM, parameters=tuple(narrow)))
     assert (one.refusal is not None and one.refusal.kind == "implausible") == refused
+
+
+def test_beside_what_is_implausible_u_covers_what_the_others_would_be_without_it() -> None:
+    """A lever arm three times as long as may be beside a delay of 20 ms, which the lever arm takes a part of."""
+    delay, long = [0.02], 3.0 * LEVER_ARM.parameters[0].plausible[1] * np.ones(3)
+    made = read(RUN, (TIME_OFFSET, delay), (LEVER_ARM, long)) + noise(len(RUN.t), 54, NOISY)
+    together = Evidence.of(fitted(made, TIME_OFFSET, LEVER_ARM))
+    alone = fitted(made, TIME_OFFSET).model
+    beside = Scrutiny.of(together, 0).u
+    one = findings.scrutinised(together)[0]
+    moved = alone.values[alone.places[TIME_OFFSET.key]] - together.own[0][1]
+    assert beside < 0.1 * np.abs(moved)
+    assert one.u == pytest.approx(np.abs(moved), rel=0.3)
 
 
 @pytest.mark.parametrize(("delta_bic", "refused"), [(50.0, True), (500.0, False)])
