@@ -128,7 +128,7 @@ def test_a_size_is_implausible_where_its_whole_interval_is(beyond: float, refuse
 
 
 def test_beside_what_is_implausible_u_covers_what_the_others_would_be_without_it() -> None:
-    """A lever arm three times as long as may be beside a delay of 20 ms, which the lever arm takes a part of."""
+    """Of a delay of 20 ms a lever arm three times as long as plausible takes a part."""
     delay, long = [0.02], 3.0 * LEVER_ARM.parameters[0].plausible[1] * np.ones(3)
     made = read(RUN, (TIME_OFFSET, delay), (LEVER_ARM, long)) + noise(len(RUN.t), 54, NOISY)
     together = Evidence.of(fitted(made, TIME_OFFSET, LEVER_ARM))
