@@ -24,11 +24,11 @@ TEXT = """# History at scale
 (variations of four), made again by two processes of this machine and by a cluster: a dask scheduler
 with two workers, PostgreSQL, an S3 server and a Prefect server, all on the same {cores} cores and
 all there before, as a laboratory keeps them; the two processes start a Prefect server of their own.
-Bare estimation is one process that reads and calibrates a hundred and keeps nothing (its processor
-time). Efficiency is against twice its speed: of the work by the clock, and of the whole command by
-the processor time of everything it needs, in which other work on the computer does not show.
-Prefect's share is of that: its server meanwhile, and what a flow run with nothing to do takes
-beyond the same command without one. Memory is of all processes together.
+Bare estimation is one process that reads and calibrates a hundred, before and after, and keeps
+nothing (its processor time). Efficiency is against twice its speed: of the work by the clock, and
+of the whole command by the processor time of everything it needs, in which other work on the
+computer does not show. Prefect's share is of that: its server meanwhile, and what a flow run with
+nothing to do takes beyond the same command without one. Memory is of all processes together.
 Load: the computer's average of the last minute; above 2, the column of the clock says nothing.
 
 | | runs | failed | bare, ms | s | by the clock | by processor time | Prefect | GiB | load |

@@ -1,6 +1,5 @@
 """The same history made again by a cluster, undisturbed and disturbed."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,7 +7,7 @@ from storage.home import Home
 from tests.proof.history import cluster
 from tests.proof.history.cluster import catalogue, kept_results
 from tests.proof.history.disturb import Disturbances
-from tests.proof.history.local import Again, bare, measured
+from tests.proof.history.local import Again, measured
 
 EVERY, PAUSE_S = 9, 0.05  # of the disturbed bucket: a request in nine gets 500, each waits
 
@@ -32,8 +31,7 @@ class Shared:
 def made(source: Home, folder: Path, count: int, disturbed: bool = False) -> Shared:
     """Has a cluster make the first runs of a home again, whose results are there already.
 
-    Bare estimation is measured on an undisturbed cluster alone: it is one process that nobody
-    retries. Raises RuntimeError with what the command said where it fails.
+    Raises RuntimeError with what the command said where it fails.
     """
     home = Home(folder)
     bucket = (EVERY, PAUSE_S) if disturbed else (0, 0.0)
@@ -43,8 +41,7 @@ def made(source: Home, folder: Path, count: int, disturbed: bool = False) -> Sha
         again = measured(
             ("--engine", "dask", "--scheduler", of.address),
             of.variables,
-            (math.nan, math.nan) if disturbed else bare(of.variables),
-            disturb.tick if disturbed else lambda: None,
+            disturb.tick if disturbed else None,
         )
         with catalogue(of.url):
             kept = kept_results(home)
