@@ -10,6 +10,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
 from schemas.base import Unusable
+from tasks.version import code_version
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -21,6 +22,9 @@ WAITING = 3  # batches on their way to each thread of a worker
 BATCH_S = 0.5  # of work in a batch: dask takes some 15 ms for each, client and scheduler together
 PATIENCE_S = 120.0  # a scheduler that is restarted is there again by then
 ANSWER_S = 10.0  # for a scheduler to answer
+# Builtins, which any worker can read: one that cannot read its work ends without a word, and the
+# client would wait for ever.
+ASKED = (eval, "__import__('tasks.version', fromlist='_').code_version()")
 
 
 def on_cluster(
@@ -53,6 +57,7 @@ def _while_connected(
 ) -> Iterator[tuple[int, R]]:
     """Ends when all is done; raises OSError or CancelledError when the scheduler is lost."""
     with _connected(scheduler) as client:
+        _check_workers(client, scheduler)
         suspects, batches = list[int](), _Batches(left)
         for batch, made in _made(client, work, left, batches, partial(_at_a_time, client)):
             if made is None:
@@ -140,6 +145,24 @@ def _connected(scheduler: str) -> "Client":
         raise Unusable(f"--scheduler {scheduler}: {fault}; give tcp://HOST:PORT") from fault
     except AssertionError as busy:  # dask's own thread has ten seconds to start on a busy computer
         raise TimeoutError("dask's thread did not start in time") from busy
+
+
+def _check_workers(client: "Client", scheduler: str) -> None:
+    """Raises Unusable where there is no worker, or one without this version of mimucal."""
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE_S)
+    except TimeoutError as fault:
+        raise Unusable(
+            f"--scheduler {scheduler}: it has no worker; start some with `dask worker "
+            f"{scheduler}`, and give the same command again"
+        ) from fault
+    mine = code_version()
+    for worker, version in client.run(*ASKED, on_error="return").items():
+        if version != mine:
+            raise Unusable(
+                f"--scheduler {scheduler}: its worker {worker} has {version}, not {mine}; install "
+                "this version of mimucal there, restart it, and give the same command again"
+            )
 
 
 def _at_a_time(client: "Client") -> int:

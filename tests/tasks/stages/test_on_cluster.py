@@ -132,3 +132,23 @@ def test_no_scheduler_is_a_sentence(address: str, monkeypatch: pytest.MonkeyPatc
     with pytest.raises(Unusable, match=r"--scheduler tcp://127\.0\.0\.1"):
         list(on_cluster(squared, [1, 2], address, died=squared))
     assert time.monotonic() - began < 60.0
+
+
+def test_a_worker_with_another_version_is_a_sentence(
+    started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "tasks").mkdir()
+    (tmp_path / "tasks" / "__init__.py").touch()
+    (tmp_path / "tasks" / "version.py").write_text("def code_version(): return 'an old one'")
+    started(*scheduler(address))
+    monkeypatch.chdir(tmp_path)
+    started(*worker(address, tmp_path / "one"))
+    with pytest.raises(Unusable, match=r"its worker tcp://\S+ has an old one, not .*install this"):
+        list(on_cluster(squared, [1, 2, 3], address, died=squared))
+
+
+def test_no_worker_is_a_sentence(started, address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE_S", 1.0)
+    started(*scheduler(address))
+    with pytest.raises(Unusable, match=r"has no worker; start some with `dask worker tcp://"):
+        list(on_cluster(squared, [1, 2, 3], address, died=squared))
