@@ -219,7 +219,7 @@ def fit_line(residual: Residual, spectrum: Spectrum, near: float, tried: int) ->
     total = weights.sum(axis=0) / 2
     images = np.add.reduceat(weights * wave[:, None] ** 2, starts, axis=0) / 2
     level = spectrum.level_at(near)
-    highest = 0.5 / residual.interval - CLOSEST / span
+    highest = spectrum.nyquist - CLOSEST / span
     offsets = OFFSETS[near + OFFSETS / span <= highest] / span
     shift = np.exp(-2j * np.pi * offsets[:, None] * middle)
     shifted, image = shift @ sums[:, channels], shift**2 @ images

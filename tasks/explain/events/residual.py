@@ -73,12 +73,14 @@ class Residual:
 class Spectrum:
     """power: (bins,) over that of the noise about it, summed over channels: of noise alone it is
     gamma distributed, with a shape of their number. level: (bins, channels) of the noise, over
-    white noise. frequency: (bins,) Hz. channels: (k,) those that were recorded."""
+    white noise. frequency: (bins,) Hz. channels: (k,) those that were recorded. nyquist: half the
+    mean sample rate, Hz."""
 
     power: np.ndarray
     level: np.ndarray
     frequency: np.ndarray
     channels: np.ndarray
+    nyquist: float
 
     def level_at(self, frequency: float) -> np.ndarray:
         """Level (channels,) of the noise at a frequency in Hz."""
@@ -108,7 +110,7 @@ def spectrum_of(residual: Residual) -> Spectrum:
         noise = noise_level(power)
         total += np.divide(power, noise, out=np.zeros_like(power), where=noise > 0)
         level[:, k] = noise / max(float((taper[place] ** 2)[white[:, channel] != 0].sum()), 1.0)
-    return Spectrum(total, level, frequency[inside], channels)
+    return Spectrum(total, level, frequency[inside], channels, 0.5 / interval)
 
 
 def noise_level(power: np.ndarray) -> np.ndarray:

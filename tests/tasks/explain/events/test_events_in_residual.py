@@ -138,6 +138,19 @@ def test_line_that_ends_before_the_recording_does_is_not_there_all_the_time() ->
     assert _detected(made, left).events == ()
 
 
+def test_a_line_below_half_the_mean_rate_is_found_though_most_steps_are_longer() -> None:
+    """Stamps of which a few steps are shorter: half the rate of the usual step lies lower."""
+    made = motion()
+    steps = np.full(len(made.t), 1.001 / RATE)
+    steps[::4] -= steps.mean() * 4 - 4 / RATE  # as many rows in a second as ever
+    stamped = replace(made, t=np.cumsum(steps) - steps[0])
+    left = _noise(made, 15)
+    hertz = 0.5 / steps.mean() - 1.5 / stamped.t[-1]
+    left[:, 1] += 1e-3 * np.cos(2 * np.pi * hertz * stamped.t)
+    (line,) = _detected(stamped, left).lines
+    assert line == pytest.approx(hertz, abs=1.0 / stamped.t[-1])
+
+
 def test_mains_on_either_side_of_a_fold_cannot_be_told_apart() -> None:
     harmonic, sources = mains_of(49.92, RATE) or (0, ())
     assert harmonic == 1
