@@ -19,7 +19,7 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 WAITING = 3  # batches on their way to each thread of a worker
-BATCH_S = 0.5  # of work in a batch: dask takes some 15 ms for each, client and scheduler together
+BATCH_S = 2.0  # of work in a batch: dask takes some 15 ms for each, client and scheduler together
 PATIENCE_S = 120.0  # a scheduler that is restarted is there again by then
 ANSWER_S = 10.0  # for a scheduler to answer
 # Builtins, which any worker can read: one that cannot read its work ends without a word, and the

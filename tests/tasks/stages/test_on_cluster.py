@@ -92,8 +92,11 @@ def test_a_thing_that_kills_workers_takes_none_of_its_batch_with_it(
     assert sorted(done) == sorted([-13, *range(13), *range(14, 100)])
 
 
-def test_a_batch_that_takes_longer_than_expected_is_shared_again() -> None:
+def test_a_batch_that_takes_longer_than_expected_is_shared_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """A first recording that fails at once says nothing of how long the others take."""
+    monkeypatch.setattr(cluster, "BATCH_S", 0.5)
     batches = cluster._Batches(range(100))
     assert next(batches) == [0]
     batches.measure(0.001, 3)
