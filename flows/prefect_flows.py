@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from tasks.stages.published import Published
     from tasks.stages.review import Reviewed
 
-PROGRESS_EVERY_S = 5.0
+PROGRESS_EVERY_S, UNANSWERED_S = 5.0, 60.0  # between two updates
 MOST_ROWS = 1000  # of an artifact's table
 
 Show = Callable[[Any], None]
@@ -120,17 +120,17 @@ def _show(artifacts: Callable[[], None]) -> bool:
 class _ProgressArtifact:
     """Shows progress as an artifact, updated rarely enough to cost nothing.
 
-    A server that does not answer is not asked again: Prefect's client waits for it each time.
+    A server that did not answer is left alone for longer: Prefect's client waits for it each time.
     """
 
-    def __init__(self, key: str) -> None:
-        self._key, self._next_s = key, 0.0
+    def __init__(self, key: str, clock: Callable[[], float] = monotonic) -> None:
+        self._key, self._clock, self._next_s = key, clock, -inf
         self._artifact: Any = None
 
     def __call__(self, done: int, total: int) -> None:
-        if self._next_s < inf and (done == total or monotonic() > self._next_s):
+        if done == total or self._clock() >= self._next_s:
             answers = _show(partial(self._update, 100.0 * done / max(total, 1)))
-            self._next_s = monotonic() + PROGRESS_EVERY_S if answers else inf
+            self._next_s = self._clock() + (PROGRESS_EVERY_S if answers else UNANSWERED_S)
 
     def _update(self, percent: float) -> None:
         if self._artifact is None:

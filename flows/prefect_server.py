@@ -48,7 +48,7 @@ OWN_SERVER = {
     "PREFECT_CLIENT_MAX_RETRIES": "0",
     # We use no blocks; entering them all is a sixth of the server's start.
     "PREFECT_API_BLOCKS_REGISTER_ON_START": "false",
-    # Nor automations; looking for their triggers is a third of what an idle server does.
+    # Nor automations; their triggers and actions are a third of what an idle server does.
     "PREFECT_SERVER_SERVICES_TRIGGERS_ENABLED": "false",
 }
 

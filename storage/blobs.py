@@ -7,6 +7,7 @@ environment, as AWS names them.
 
 import json
 import os
+import re
 import shutil
 import time
 from collections.abc import Callable, Iterator
@@ -27,6 +28,7 @@ OPTIONS = {"endpoint": "endpoint_override", "scheme": "scheme", "region": "regio
 ATTEMPTS = 8  # of each request, with growing pauses: about half a minute
 REQUEST_S, CONNECT_S = 60.0, 10.0
 REQUESTED = 16 * 2**20  # bytes at a time
+PLAIN_NAME = re.compile(r"\w[\w.-]{0,99}")  # of a stream's file
 WHOLE_LAST = "manifest.json"  # uploaded after the rest: a folder that has it is whole
 
 Write = Callable[[Path], None]
@@ -198,12 +200,15 @@ class Bucket:
         return bool(info.type == FileType.File)
 
     def _download_folder(self, name: str, target: Path) -> bool:
-        """Fetches what a folder's manifest names, which saves a listing; False if it is none."""
+        """Fetches what a folder's manifest names, which saves a listing; False without a manifest.
+
+        Raises ValueError for a manifest that names none of the folder's own files.
+        """
         target.mkdir()
         if not self._download(f"{name}/{WHOLE_LAST}", target / WHOLE_LAST):
             target.rmdir()
             return False
-        for each in json.loads((target / WHOLE_LAST).read_bytes())["streams"].values():
+        for each in _named_in(target / WHOLE_LAST):
             self._download(f"{name}/{each}", target / each)
         return True
 
@@ -226,6 +231,17 @@ class Bucket:
             self._system.open_output_stream(f"{self._root}/{name}") as target,
         ):
             shutil.copyfileobj(source, target, 8 * 2**20)
+
+
+def _named_in(manifest: Path) -> list[str]:
+    """The files of its folder that a manifest names: plain names, never a path to elsewhere."""
+    try:
+        names = [str(each) for each in json.loads(manifest.read_bytes())["streams"].values()]
+    except (ValueError, KeyError, TypeError, AttributeError) as fault:
+        raise ValueError(f"{manifest.name} names no files") from fault
+    if not all(PLAIN_NAME.fullmatch(each) for each in names):
+        raise ValueError(f"{manifest.name} names what is no file of its folder")
+    return names
 
 
 @lru_cache

@@ -12,7 +12,7 @@ import sqlalchemy as sql
 from schemas.base import Frozen
 from schemas.calibration import Calibration
 from storage.catalogue import database, tables
-from storage.catalogue.results import Result, add_result
+from storage.catalogue.results import add_result
 from storage.catalogue.run_index import Run
 from storage.home import Home
 
@@ -75,19 +75,11 @@ def made_from(code_version: str, circumstances: str, home: Home) -> set[str]:
 
 
 def keep(
-    made: ToMake,
-    calibration: Calibration,
-    circumstances: str,
-    seconds: float,
-    home: Home,
-    before: Result | None = None,
+    made: ToMake, calibration: Calibration, circumstances: str, seconds: float, home: Home
 ) -> str:
-    """Stores a result beside the earlier one and records it, both or neither; returns its id.
-
-    before: that earlier one, where it was read already.
-    """
+    """Stores a result beside the earlier one and records it, both or neither; returns its id."""
     with database.changing(home) as connection:
-        after = add_result(connection, calibration, None, before)
+        after = add_result(connection, calibration, None)
         _note(connection, made, circumstances, after=after, seconds=seconds)
     return after
 

@@ -5,7 +5,7 @@ result with a further term stands beside the one without it, and neither superse
 """
 
 import hashlib
-from collections.abc import Sequence
+import json
 from datetime import UTC, datetime
 
 import sqlalchemy as sql
@@ -44,28 +44,14 @@ def save(calibration: Calibration, home: Home, *, why: str | None = None) -> str
         return add_result(connection, calibration, why)
 
 
-def add_result(
-    connection: sql.Connection,
-    calibration: Calibration,
-    why: str | None,
-    known: Result | None = None,
-) -> str:
-    """`save` within a transaction; one writer at a time for each run.
-
-    known: a result that was read already, and is not read once more.
-    """
+def add_result(connection: sql.Connection, calibration: Calibration, why: str | None) -> str:
+    """`save` within a transaction; one writer at a time for each run."""
     _lock_run(connection, calibration)
     document = calibration.model_dump_json()
-    before: str | None = None
-    for newest in _newest(connection, calibration):
-        same = newest.id == result_id(newest.supersedes, document)
-        if same and _row(connection, newest.id).document == document:
-            return str(newest.id)
-        if before is None:
-            read = known is not None and known.id == newest.id
-            earlier = known.calibration if known and read else _readable(connection, newest.id)
-            if _adopted(earlier) == _adopted(calibration):
-                before, why = str(newest.id), why or _why(earlier, calibration)
+    latest = _latest(connection, calibration, document)
+    if latest is not None and latest.document == document:
+        return str(latest.id)
+    before = None if latest is None else str(latest.id)
     result = result_id(before, document)
     now = datetime.now(UTC)
     row = {
@@ -76,7 +62,7 @@ def add_result(
         "made_at": now,
         "document": document,
         "supersedes": before,
-        "why": why,
+        "why": why if latest is None else why or _why(latest, calibration),
     }
     connection.execute(sql.insert(tables.results).values(row))
     result_rows.add(connection, result, calibration, now)
@@ -131,31 +117,23 @@ def calibration_of(row: sql.Row) -> Calibration:
         ) from error
 
 
-def _newest(connection: sql.Connection, calibration: Calibration) -> Sequence[sql.Row]:
-    """Id and predecessor of what is not superseded of the same run and method."""
-    table = tables.results.c
-    mine = (table.run == calibration.run, table.method == calibration.method)
-    newest = sql.select(table.id, table.supersedes).where(*mine, database.newest_results())
-    return connection.execute(newest).all()
+def _latest(connection: sql.Connection, calibration: Calibration, document: str) -> sql.Row | None:
+    """The result of the same run, method and adopted terms that is not yet superseded."""
+    table = tables.results
+    mine = (table.c.run == calibration.run, table.c.method == calibration.method)
+    adopted = [term.name for term in calibration.terms]
+    for row in connection.execute(sql.select(table).where(*mine, database.newest_results())):
+        if row.document == document or _terms_of(row) == adopted:
+            return row
+    return None
 
 
-def _row(connection: sql.Connection, result: str) -> sql.Row:
-    table = tables.results.c
-    asked = sql.select(table.id, table.run, table.document).where(table.id == result)
-    return connection.execute(asked).one()
-
-
-def _readable(connection: sql.Connection, result: str) -> Calibration | None:
-    """The document of a result, None for one that cannot be read."""
+def _terms_of(row: sql.Row) -> list[str]:
+    """The names of the terms in a document, none for one that cannot be read."""
     try:
-        return calibration_of(_row(connection, result))
-    except Unusable:
-        return None
-
-
-def _adopted(calibration: Calibration | None) -> list[str]:
-    """The names of the terms beside the standard's; none where nothing can be read."""
-    return [term.name for term in calibration.terms] if calibration else []
+        return [str(term["name"]) for term in json.loads(row.document).get("terms", ())]
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return []
 
 
 def _results(home: Home, which: sql.ColumnElement[bool]) -> list[Result]:
@@ -177,9 +155,11 @@ def _lock_run(connection: sql.Connection, calibration: Calibration) -> None:
         )
 
 
-def _why(before: Calibration | None, calibration: Calibration) -> str:
+def _why(latest: sql.Row, calibration: Calibration) -> str:
     """What differs in how the new result was made."""
-    if before is None:
+    try:
+        before = calibration_of(latest)
+    except Unusable:
         return "the document before cannot be read any more"
     differs = [n for n in CIRCUMSTANCES if getattr(before, n) != getattr(calibration, n)]
     if "code_version" in differs:

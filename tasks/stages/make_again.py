@@ -85,14 +85,12 @@ def with_fault(job: Job, why: str, seconds: float = 0.0) -> Outcome:
 def _made(job: Job, began: float) -> Outcome:
     to_make, home = job.to_make, job.home
     _check_worker(job)
-    before = None
-    if to_make.before:
-        before = _patiently(lambda: results.find(str(to_make.before), home))
+    before = to_make.before and _patiently(lambda: results.find(str(to_make.before), home))
     how = how_made(before.calibration) if before else Estimation()
     calibration = _patiently(lambda: calibration_of(to_make.run, home, how, job.laboratory))
     seconds = time.monotonic() - began
     after = _patiently(
-        lambda: reprocessing.keep(to_make, calibration, job.circumstances, seconds, home, before)
+        lambda: reprocessing.keep(to_make, calibration, job.circumstances, seconds, home)
     )
     made = Made(
         made_again=to_make.key, run=to_make.run.id, before=to_make.before, after=after,

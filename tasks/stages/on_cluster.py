@@ -24,7 +24,7 @@ PATIENCE_S = 120.0  # a scheduler that is restarted is there again by then
 ANSWER_S = 10.0  # for a scheduler to answer
 # Builtins, which any worker can read: one that cannot read its work ends without a word, and the
 # client would wait for ever.
-ASKED = (eval, "__import__('tasks.version', fromlist='_').code_version()")
+VERSION_QUERY = (eval, "__import__('tasks.version', fromlist='_').code_version()")
 
 
 def on_cluster(
@@ -148,17 +148,23 @@ def _connected(scheduler: str) -> "Client":
 
 
 def _check_workers(client: "Client", scheduler: str) -> None:
-    """Raises Unusable where there is no worker, or one without this version of mimucal."""
-    try:
-        client.wait_for_workers(1, timeout=PATIENCE_S)
-    except TimeoutError as fault:
-        raise Unusable(
-            f"--scheduler {scheduler}: it has no worker; start some with `dask worker "
-            f"{scheduler}`, and give the same command again"
-        ) from fault
+    """Raises Unusable where no worker comes, or one is without this version of mimucal."""
+    from distributed import wait
+
+    asked, gives_up = client.submit(*VERSION_QUERY, pure=False), time.monotonic() + PATIENCE_S
+    while asked.status == "pending":  # a cluster may start its workers for the first work
+        with suppress(TimeoutError):
+            wait([asked], timeout=min(ANSWER_S, PATIENCE_S))
+        if client.status != "running":
+            raise ConnectionError("the connection to the scheduler was lost")
+        if asked.status == "pending" and time.monotonic() > gives_up:
+            raise Unusable(
+                f"--scheduler {scheduler}: it has no worker; start some with `dask worker "
+                f"{scheduler}`, and give the same command again"
+            )
     mine = code_version()
-    for worker, version in client.run(*ASKED, on_error="return").items():
-        if version != mine:
+    for worker, version in client.run(*VERSION_QUERY, on_error="return").items():
+        if version != mine and not isinstance(version, OSError):  # that was lost just now
             raise Unusable(
                 f"--scheduler {scheduler}: its worker {worker} has {version}, not {mine}; install "
                 "this version of mimucal there, restart it, and give the same command again"

@@ -1,5 +1,6 @@
 """Recordings in a bucket: what a folder keeps, kept elsewhere, through faults and from anywhere."""
 
+import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -66,6 +67,26 @@ def test_columns_that_went_missing_in_a_bucket_are_made_again_from_raw(
         assert runs.from_columns(run, fresh) is not None
         # pyarrow leaves a marker where it deleted the last file of a folder
         assert {name for name in store.objects if not name.endswith("/")} == kept
+
+
+@pytest.mark.parametrize(
+    "names",
+    ["../../elsewhere.parquet", "/elsewhere.parquet", "sub/imu.parquet", "", "i" * 300, None],
+)
+def test_a_manifest_in_a_bucket_that_names_what_is_no_file_of_its_folder_is_made_again(
+    fresh: Home, small: Build, use, names: str | None
+) -> None:
+    store = Store()
+    with serving(store) as url:
+        use(url)
+        run, _ = runs.add(small(), fresh)
+        (manifest,) = [each for each in store.objects if each.endswith("/manifest.json")]
+        whole = store.objects[manifest]
+        damaged = json.loads(whole) | {"streams": {"imu": names}} if names is not None else []
+        store.objects[manifest] = json.dumps(damaged).encode()
+        assert runs.from_columns(run, fresh) is None
+        assert runs.load(run, fresh).digest == run.digest
+        assert store.objects[manifest] == whole
 
 
 def test_damaged_raw_in_a_bucket_is_a_fault(fresh: Home, small: Build, use) -> None:

@@ -3,7 +3,7 @@ segments.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -33,8 +33,8 @@ class Evidence:
 
     own: for each group the columns that are its own and what they are multiplied by now.
     prior: (q,) precision beforehand. known: columns of physics whose factor is one. scatter:
-    between the cells of the recording, against which the evidence is counted. model_error: (q,) by
-    which what the model leaves wrong may have moved each column's factor.
+    between the cells of the recording, against which the evidence is counted. smoothing_error: (q,)
+    by which the smoothing of poses may have moved each column's factor.
     """
 
     fit: FittedSelection
@@ -45,7 +45,7 @@ class Evidence:
     own: tuple[tuple[list[int], np.ndarray], ...]
     known: tuple[int, ...]
     prior: np.ndarray
-    model_error: np.ndarray
+    smoothing_error: np.ndarray
 
     @classmethod
     def of(cls, fit: FittedSelection) -> "Evidence":
@@ -184,28 +184,13 @@ class Evidence:
 
     def u(self, number: int) -> np.ndarray:
         """(k,) standard uncertainties of its own columns, widened by the residual and by what
-        the model leaves wrong.
+        the smoothing of poses may have shifted.
         """
         model, mine = self.fit.model, self.own[number][0]
         u = model.u[model.free] * np.sqrt(self.scatter.dispersion(number))
         by_cells = self.scatter.u(number)
         own = [u[q] if q < len(u) else by_cells[k] for k, q in enumerate(mine)]
-        return np.hypot(own, self.model_error[mine])
-
-    def beside_implausible(self, numbers: Sequence[int]) -> "Evidence":
-        """The evidence, with u of all other columns covering what they would be without some
-        findings: C_ij C_jj⁻¹ x_j of a fit with the covariance C and these findings' factors x_j.
-        """
-        model = self.fit.model
-        fitted = int(model.free.sum())
-        mine = [q for number in numbers for q in self.own[number][0] if q < fitted]
-        covariance, values = model.covariance[np.ix_(model.free, model.free)], model.values
-        moved = np.zeros(self.whole.count)
-        moved[:fitted] = covariance[:, mine] @ (
-            inverse(covariance[np.ix_(mine, mine)]) @ values[model.free][mine]
-        )
-        moved[mine] = 0.0
-        return replace(self, model_error=np.hypot(self.model_error, moved))
+        return np.hypot(own, self.smoothing_error[mine])
 
     def correlation(self, number: int) -> np.ndarray:
         """(k, k) of its own columns; known physics goes with nothing."""

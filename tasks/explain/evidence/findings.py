@@ -10,6 +10,7 @@ from tasks.explain.confounding.families import common_part
 from tasks.explain.confounding.special_case import HOLDS
 from tasks.explain.determined import DeterminedModel, unit_of
 from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
+from tasks.explain.evidence.dependence import change_without
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, leakage
@@ -23,6 +24,7 @@ from tasks.explain.search.scores import INDISTINGUISHABLE
 from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
 
+IMPLAUSIBLE = "implausible"  # kind of a refusal
 JUMPS = message("explain-jumps")
 MOVING = 100.0  # chi-squared of what a finding moves in a channel: ten standard deviations
 MAX_U = 0.9  # of what is plausible: a parameter known no better than before is not listed
@@ -52,10 +54,27 @@ def findings_of(
             refusal = Refusal("leakage", groups[number].name, value=times)
             scrutinies[number] = replace(scrutinies[number], refusal=refusal)
         groups = _without_refused(groups, scrutinies)
+    wider = _beside_implausible(evidence, scrutinies)
     return [
-        _finding(evidence, number, groups[number], scrutinies[number], full, determined)
+        _finding(evidence, number, groups[number], wider[number], full, determined)
         for number in scrutinies
     ]
+
+
+def _beside_implausible(
+    evidence: Evidence, scrutinies: Mapping[int, Scrutiny]
+) -> dict[int, Scrutiny]:
+    """The same with u, as it is stated, that covers what each parameter would be without the
+    implausible findings. What the recording determines, and what is named, stays as it is.
+    """
+    beyond = [n for n, one in scrutinies.items() if one.refusal and one.refusal.kind == IMPLAUSIBLE]
+    if not beyond:
+        return dict(scrutinies)
+    change = change_without(evidence, beyond)
+    return {
+        n: replace(one, u=np.hypot(one.u, change[evidence.own[n][0]]))
+        for n, one in scrutinies.items()
+    }
 
 
 def _without_refused(
@@ -71,10 +90,6 @@ def scrutinised(evidence: Evidence) -> dict[int, Scrutiny]:
     only where the recording determines it.
     """
     every = {number: Scrutiny.of(evidence, number) for number in range(len(evidence.groups))}
-    beyond = [n for n, one in every.items() if one.refusal and one.refusal.kind == "implausible"]
-    if beyond:  # what is not the physics takes of its neighbours what is theirs, or gives to them
-        wider = evidence.beside_implausible(beyond)
-        every |= {n: Scrutiny.of(wider, n) for n in every if n not in beyond}
     return {n: one for n, one in every.items() if not _only_a_nuisance(evidence, n, one)}
 
 

@@ -208,7 +208,7 @@ def with_smoothing_error(evidence: Evidence, prepared: Prepared) -> Evidence:
     lost = model.prediction(full.motion) - model.prediction(twice)
     normal, right = _equations_on(replace(full, readings=lost), prepared, evidence)
     moved = inverse(normal + np.diag(evidence.prior)) @ right
-    return replace(evidence, model_error=np.abs(moved))
+    return replace(evidence, smoothing_error=np.abs(moved))
 
 
 def _equations_on(

@@ -84,8 +84,11 @@ def measured(
     program = watched((*nobody, "--dry-run"), variables)  # needs no Prefect
     before = (nan, nan) if meanwhile else _bare(variables)
     observation = watched(command, variables, meanwhile or (lambda: None))
+    load = os.getloadavg()[0]
     after = (nan, nan) if meanwhile else _bare(variables)
     report = json.loads(observation.out)
+    # A server that stands is no child of the command.
+    own_server_s = 0.0 if "PREFECT_API_URL" in variables else nothing.prefect_s
     return Again(
         done=report["done"] - report["done_before"],
         failed=report["failed"],
@@ -94,7 +97,7 @@ def measured(
         wall_s=observation.wall_s,
         stage_s=report["seconds"],
         processor_s=observation.processor_s,
-        prefect_s=observation.prefect_s + nothing.command_s - nothing.prefect_s - program.command_s,
+        prefect_s=observation.prefect_s + nothing.command_s - own_server_s - program.command_s,
         memory=observation.memory,
-        load=os.getloadavg()[0],
+        load=load,
     )

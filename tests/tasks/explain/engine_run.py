@@ -8,7 +8,10 @@ from scipy.fft import dct
 
 from schemas.recording import Segment
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.search.design import BandedDesign
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.design import BandedDesign, NormalEquations
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.stepwise import Selected, Selection
 from tasks.explain.whitening import Noise
 from tasks.model.simulate import predict
 from tasks.model.term import Column, Term, nominal_values
@@ -163,3 +166,17 @@ def with_weight(one: Blocks, weight: Mapping[int, np.ndarray]) -> Blocks:
     for channel, series in weight.items():
         changed[:, channel] = series
     return replace(one, weight=changed)
+
+
+def selected(made: np.ndarray, *terms: Term) -> FittedSelection:
+    """Readings (n, 6) of that run fitted by some terms, as if a search had selected them."""
+    chosen = tuple(
+        Selected(
+            Candidate(term, (*range(len(term.parameters)),), (*range(len(term.parameters)),), 1),
+            100.0, 90.0, (),
+        )
+        for term in terms
+    )  # fmt: skip
+    nothing = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
+    selection = Selection(chosen, NOISY, 0.0, nothing)
+    return FittedSelection.of(selection, observed(made, motion()), RATE)

@@ -6,17 +6,12 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from engine_run import MOVE, NOISY, RATE, REST, motion, noise, observed, read
+from engine_run import MOVE, NOISY, REST, motion, noise, read, selected
 
-from tasks.explain.evidence import findings
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.lookalikes import Examined
 from tasks.explain.evidence.pruning import pruned
 from tasks.explain.evidence.scrutiny import Scrutiny, _scattered, _undetermined
-from tasks.explain.search.candidates import Candidate
-from tasks.explain.search.design import NormalEquations
-from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import Term
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
 from tasks.model.terms.memory import bias_step
@@ -28,21 +23,8 @@ FIRST_HALF = (RUN.t < 0.5 * RUN.t[-1])[:, None]
 TRIED = 300
 
 
-def fitted(made: np.ndarray, *terms: Term) -> FittedSelection:
-    chosen = tuple(
-        Selected(
-            Candidate(term, (*range(len(term.parameters)),), (*range(len(term.parameters)),), 1),
-            100.0, 90.0, (),
-        )
-        for term in terms
-    )  # fmt: skip
-    nothing = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
-    selection = Selection(chosen, NOISY, 0.0, nothing)
-    return FittedSelection.of(selection, observed(made, RUN), RATE)
-
-
 def scrutinised(made: np.ndarray, *terms: Term) -> list[Scrutiny]:
-    evidence = Evidence.of(fitted(made, *terms))
+    evidence = Evidence.of(selected(made, *terms))
     return [Scrutiny.of(evidence, number) for number in range(len(terms))]
 
 
@@ -59,7 +41,7 @@ def test_a_law_that_is_there_keeps_its_name_and_its_u(seed: int) -> None:
     assert one.refusal is None
     assert one.homogeneity_p is not None
     assert one.homogeneity_p > 1e-3
-    model = fitted(made, LEVER_ARM).model
+    model = selected(made, LEVER_ARM).model
     assert one.u == pytest.approx(model.u[model.places[LEVER_ARM.key]], rel=0.1)
 
 
@@ -117,7 +99,7 @@ def test_a_jump_needs_a_bias_on_both_sides(at: float, refused: bool) -> None:
 def test_a_size_is_implausible_where_its_whole_interval_is(beyond: float, refused: bool) -> None:
     """beyond: standard uncertainties between the estimate and the end of the range."""
     made = arms(ARM, ARM)
-    model, place = fitted(made, LEVER_ARM).model, 1
+    model, place = selected(made, LEVER_ARM).model, 1
     estimates = model.values[model.places[LEVER_ARM.key]]
     u = model.u[model.places[LEVER_ARM.key]]
     end = float(abs(estimates[place]) - beyond * u[place])
@@ -125,19 +107,6 @@ def test_a_size_is_implausible_where_its_whole_interval_is(beyond: float, refuse
               for k, one in enumerate(LEVER_ARM.parameters)]  # fmt: skip
     (one,) = scrutinised(made, replace(LEVER_ARM, parameters=tuple(narrow)))
     assert (one.refusal is not None and one.refusal.kind == "implausible") == refused
-
-
-def test_beside_what_is_implausible_u_covers_what_the_others_would_be_without_it() -> None:
-    """Of a delay of 20 ms a lever arm three times as long as plausible takes a part."""
-    delay, long = [0.02], 3.0 * LEVER_ARM.parameters[0].plausible[1] * np.ones(3)
-    made = read(RUN, (TIME_OFFSET, delay), (LEVER_ARM, long)) + noise(len(RUN.t), 54, NOISY)
-    together = Evidence.of(fitted(made, TIME_OFFSET, LEVER_ARM))
-    alone = fitted(made, TIME_OFFSET).model
-    beside = Scrutiny.of(together, 0).u
-    one = findings.scrutinised(together)[0]
-    moved = alone.values[alone.places[TIME_OFFSET.key]] - together.own[0][1]
-    assert beside < 0.1 * np.abs(moved)
-    assert one.u == pytest.approx(np.abs(moved), rel=0.3)
 
 
 @pytest.mark.parametrize(("delta_bic", "refused"), [(50.0, True), (500.0, False)])
@@ -183,7 +152,7 @@ def rough(seed: int) -> np.ndarray:
 def test_what_does_not_stand_out_of_what_is_left_goes(seed: int) -> None:
     """Each would be strong evidence beside the noise of the sensor alone."""
     made = read(RUN) + rough(seed) + noise(len(RUN.t), 53, NOISY)
-    fit = fitted(made, STRUCTURAL_COMPLIANCE, LEVER_ARM)
+    fit = selected(made, STRUCTURAL_COMPLIANCE, LEVER_ARM)
     evidence = Evidence.of(fit)
     assert max(evidence.gain(0), evidence.gain(1)) > 100.0
     left = pruned(fit, TRIED)
@@ -195,7 +164,7 @@ def test_what_stands_out_of_what_is_left_stays_and_its_interval_holds_the_truth(
     inside = []
     for seed in range(12):
         made = read(RUN, (LEVER_ARM, 3.0 * ARM)) + rough(seed) + noise(len(RUN.t), 54, NOISY)
-        evidence = pruned(fitted(made, LEVER_ARM), TRIED)
+        evidence = pruned(selected(made, LEVER_ARM), TRIED)
         assert [group.name for group in evidence.groups] == ["lever_arm"]
         one = Scrutiny.of(evidence, 0)
         inside += (np.abs(evidence.own[0][1] - 3.0 * ARM) < 2.0 * one.u).tolist()
