@@ -13,7 +13,7 @@ from schemas.base import Unusable
 from tasks.version import code_version
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, Future
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -80,7 +80,7 @@ def _made(
     most: Callable[[], int],
 ) -> Iterator[tuple[list[int], tuple[float, list[R]] | None]]:
     """Each batch with its seconds and results, None where workers die at it; most: at a time."""
-    from distributed import Future, wait
+    from distributed import Future
     from distributed.scheduler import KilledWorker
 
     running = dict[Future, list[int]]()
@@ -90,16 +90,23 @@ def _made(
             running[sent] = batch
         if not running:
             return
-        with suppress(TimeoutError):
-            wait(list(running), timeout=ANSWER_S, return_when="FIRST_COMPLETED")
-        if client.status != "running":
-            raise ConnectionError("the connection to the scheduler was lost")
+        _wait(client, list(running))
         for future in [each for each in running if each.status != "pending"]:
             made: tuple[float, list[R]] | None = None
             with suppress(KilledWorker):
                 made = future.result()
             future.release()
             yield running.pop(future), made
+
+
+def _wait(client: "Client", futures: "list[Future]") -> None:
+    """Until one of them is done, or for ANSWER_S; raises ConnectionError without the scheduler."""
+    from distributed import wait
+
+    with suppress(TimeoutError):
+        wait(futures, timeout=ANSWER_S, return_when="FIRST_COMPLETED")
+    if client.status != "running":
+        raise ConnectionError("the connection to the scheduler was lost")
 
 
 class _Batches(Iterator[list[int]]):
@@ -149,14 +156,9 @@ def _connected(scheduler: str) -> "Client":
 
 def _check_workers(client: "Client", scheduler: str) -> None:
     """Raises Unusable where no worker comes, or one is without this version of mimucal."""
-    from distributed import wait
-
     asked, gives_up = client.submit(*VERSION_QUERY, pure=False), time.monotonic() + PATIENCE_S
     while asked.status == "pending":  # a cluster may start its workers for the first work
-        with suppress(TimeoutError):
-            wait([asked], timeout=min(ANSWER_S, PATIENCE_S))
-        if client.status != "running":
-            raise ConnectionError("the connection to the scheduler was lost")
+        _wait(client, [asked])
         if asked.status == "pending" and time.monotonic() > gives_up:
             raise Unusable(
                 f"--scheduler {scheduler}: it has no worker; start some with `dask worker "

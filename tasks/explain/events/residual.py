@@ -74,7 +74,7 @@ class Spectrum:
     """power: (bins,) over that of the noise about it, summed over channels: of noise alone it is
     gamma distributed, with a shape of their number. level: (bins, channels) of the noise, over
     white noise. frequency: (bins,) Hz. channels: (k,) those that were recorded. nyquist: half the
-    mean sample rate, Hz."""
+    sample rate that its bins stand for, Hz."""
 
     power: np.ndarray
     level: np.ndarray

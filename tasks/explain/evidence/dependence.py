@@ -10,7 +10,6 @@ import numpy as np
 
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.search.refit import fitted
-from tasks.model.term import places
 
 
 def change_without(evidence: Evidence, numbers: Collection[int]) -> np.ndarray:
@@ -22,9 +21,7 @@ def change_without(evidence: Evidence, numbers: Collection[int]) -> np.ndarray:
     model, blocks = evidence.fit.model, evidence.fit.blocks
     keys = {term.key for number in numbers for term in evidence.groups[number].terms}
     rest = fitted(model.without(keys), blocks, evidence.fit.noises)
-    own, values = model.places, model.values.copy()
-    for term, place in zip(rest.terms, places(rest.terms), strict=True):
-        values[own[term.key]] = rest.values[place]
+    moved = np.abs(model.with_values_of(rest).values - model.values)
     change = np.zeros(evidence.whole.count)
-    change[: int(model.free.sum())] = np.abs(values - model.values)[model.free]
+    change[: int(model.free.sum())] = moved[model.free]
     return change

@@ -24,7 +24,6 @@ from tasks.explain.search.scores import INDISTINGUISHABLE
 from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
 
-IMPLAUSIBLE = "implausible"  # kind of a refusal
 JUMPS = message("explain-jumps")
 MOVING = 100.0  # chi-squared of what a finding moves in a channel: ten standard deviations
 MAX_U = 0.9  # of what is plausible: a parameter known no better than before is not listed
@@ -67,7 +66,9 @@ def _beside_implausible(
     """The same with u, as it is stated, that covers what each parameter would be without the
     implausible findings. What the recording determines, and what is named, stays as it is.
     """
-    beyond = [n for n, one in scrutinies.items() if one.refusal and one.refusal.kind == IMPLAUSIBLE]
+    beyond = [
+        n for n, one in scrutinies.items() if one.refusal and one.refusal.kind == "implausible"
+    ]
     if not beyond:
         return dict(scrutinies)
     change = change_without(evidence, beyond)

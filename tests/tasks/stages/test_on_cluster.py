@@ -151,6 +151,7 @@ def test_a_worker_with_another_version_is_a_sentence(
 
 
 def test_no_worker_is_a_sentence(started, address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "ANSWER_S", 2.0)
     monkeypatch.setattr(cluster, "PATIENCE_S", 1.0)
     started(*scheduler(address))
     with pytest.raises(Unusable, match=r"has no worker; start some with `dask worker tcp://"):
