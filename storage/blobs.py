@@ -220,7 +220,8 @@ class Bucket:
             except FileNotFoundError:
                 return False
             with source, target.open("wb") as copy:
-                shutil.copyfileobj(source, copy, REQUESTED)
+                while len(part := source.read_buffer(REQUESTED)):
+                    copy.write(part)
         return True
 
     def _upload(self, path: Path, name: str) -> None:
@@ -248,6 +249,8 @@ def _named_in(manifest: Path) -> list[str]:
 def _bucket(url: str) -> Bucket:
     from pyarrow.fs import AwsStandardS3RetryStrategy, S3FileSystem
 
+    # What is read is checked against its own digest or check sum, and need not be twice.
+    os.environ.setdefault("AWS_RESPONSE_CHECKSUM_VALIDATION", "when_required")
     parts = urlsplit(url)
     asked = dict(parse_qsl(parts.query))
     root = f"{parts.netloc}{parts.path.rstrip('/')}"

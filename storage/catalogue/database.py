@@ -28,27 +28,12 @@ MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
 Model = TypeVar("Model", bound=Frozen)
 
 
-def engine(home: Home) -> sql.Engine:
-    """The catalogue's engine, made and migrated when needed. Safe to use after a fork."""
-    made = engine_of(url_of(home), BUSY_S)
-    if made.dialect.name == "sqlite":
-        _make_folder(home)
-    with explained(made), made.connect() as connection:
-        if connection.info.get("revision") == HEAD:  # known of a connection that was used before
-            return made
-        if _revision(connection) == HEAD:
-            connection.info["revision"] = HEAD
-            return made
-    _migrate(made)
-    return made
-
-
 def rows(home: Home, statement: sql.Select[Any]) -> Sequence[sql.Row[Any]]:
     """The rows of a query; a home without a catalogue has none, and none is created."""
     made = _for_reading(home)
     if made is None:
         return []
-    with explained(made), made.connect() as connection:
+    with explained(made), _connect(made) as connection:
         return connection.execute(statement).all()
 
 
@@ -86,7 +71,7 @@ def _for_reading(home: Home) -> sql.Engine | None:
         raise Unusable(f"{home.path} is not a folder; set MIMUCAL_HOME to the folder of the home.")
     url = url_of(home)
     if url.get_backend_name() != "sqlite":
-        return engine(home)
+        return engine_of(url, BUSY_S)
     file = Path(url.database or "")
     try:
         if not file.exists():
@@ -99,7 +84,7 @@ def _for_reading(home: Home) -> sql.Engine | None:
             "backup, or move it away and import those recordings again."
         )
     if os.access(file, os.W_OK) and os.access(file.parent, os.W_OK):
-        return engine(home)
+        return engine_of(url, BUSY_S)
     return _read_only(file)
 
 
@@ -136,9 +121,12 @@ def _read_only(file: Path) -> sql.Engine:
 @contextmanager
 def changing(home: Home) -> Iterator[sql.Connection]:
     """A transaction that writes: all of it or nothing."""
-    made = engine(home)
-    with explained(made), made.execution_options(writes=True).begin() as connection:
+    made = engine_of(url_of(home), BUSY_S)
+    if made.dialect.name == "sqlite":
+        _make_folder(home)
+    with explained(made), _connect(made.execution_options(writes=True)) as connection:
         yield connection
+        connection.commit()
 
 
 def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool:
@@ -162,6 +150,17 @@ def add_all_new(
 def dialect(connection: sql.Connection) -> Any:
     """SQLAlchemy's module of the database, with its `insert` that knows conflicts."""
     return import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
+
+
+def _connect(made: sql.Engine) -> sql.Connection:
+    """A connection to a catalogue at HEAD, which is brought there when needed."""
+    connection = made.connect()
+    if connection.info.get("revision") != HEAD and _revision(connection) != HEAD:
+        connection.close()
+        _migrate(made)
+        connection = made.connect()
+    connection.info["revision"] = HEAD  # need not be asked again when the pool gives it again
+    return connection
 
 
 def _make_folder(home: Home) -> None:

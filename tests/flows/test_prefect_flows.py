@@ -230,7 +230,8 @@ from storage.catalogue import database
 from storage.catalogue.connection import Busy
 from storage.home import home
 database.BUSY_S = 0.2
-database.engine(home())
+with database.changing(home()):
+    pass
 lock = sqlite3.connect(home().path / "catalog.sqlite", check_same_thread=False)
 lock.execute("BEGIN IMMEDIATE")
 busy = []

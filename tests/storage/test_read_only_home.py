@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.recording import Recording
 from storage import verify
-from storage.catalogue import certificates, database, run_index, runs
+from storage.catalogue import certificates, database, run_index, runs, tables
 from storage.catalogue.run_index import Run
 from storage.home import Home
 
@@ -97,4 +98,5 @@ def test_empty_catalogue_of_an_empty_home_is_made(fresh: Home) -> None:
     fresh.path.mkdir()
     (fresh.path / "catalog.sqlite").touch()
     assert run_index.all_runs(fresh) == []
-    assert database.engine(fresh)
+    with database.changing(fresh) as connection:
+        assert connection.scalar(sql.select(sql.func.count()).select_from(tables.runs)) == 0

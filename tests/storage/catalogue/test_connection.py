@@ -22,7 +22,8 @@ def read(home: Home) -> None:
 @pytest.fixture
 def home(tmp_path: Path) -> Home:
     made = Home(tmp_path)
-    database.engine(made)
+    with database.changing(made):
+        pass
     return made
 
 

@@ -32,15 +32,17 @@ def _every_revision(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_tests_of_everything_else_begin_with_what_the_migrations_make(
     fresh: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    database.engine(fresh)
+    with database.changing(fresh):
+        pass
     monkeypatch.setattr(database, "_migrate", as_migrated)
     other = Home(tmp_path / "other")
-    database.engine(other)
+    with database.changing(other):
+        pass
     assert sorted(dump(other)) == sorted(dump(fresh))
 
 
 def test_migrations_and_tables_do_not_drift(fresh: Home) -> None:
-    with database.engine(fresh).connect() as connection:
+    with database.changing(fresh) as connection:
         context = MigrationContext.configure(connection, opts={"compare_server_default": True})
         assert compare_metadata(context, tables.metadata) == []
 
@@ -52,13 +54,14 @@ def test_head_is_the_newest_migration() -> None:
 
 
 def test_second_opening_needs_no_alembic(fresh: Home, at_once: Callable[..., list[str]]) -> None:
-    database.engine(fresh)
+    with database.changing(fresh):
+        pass
     script = f"{TAKE_NUMBER}\nprint('alembic' in sys.modules)"
     assert at_once(script, fresh, processes=1) == ["False\n"]
 
 
 def test_catalogue_keeps_readers_going_and_foreign_keys_honest(fresh: Home) -> None:
-    with database.engine(fresh).connect() as connection:
+    with database.changing(fresh) as connection:
         assert connection.exec_driver_sql("PRAGMA journal_mode").scalar() == "wal"
         assert connection.exec_driver_sql("PRAGMA foreign_keys").scalar() == 1
         assert connection.exec_driver_sql("PRAGMA busy_timeout").scalar() == 60_000
@@ -128,7 +131,7 @@ def test_a_file_that_cannot_be_opened_is_not_waited_for() -> None:
 
 
 def test_catalogue_of_a_newer_program_is_refused(fresh: Home) -> None:
-    with database.engine(fresh).begin() as connection:
+    with database.changing(fresh) as connection:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(Unusable, match=r"revision 9999.*update mimucal"):
         run_index.all_runs(fresh)
@@ -188,7 +191,8 @@ def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(
     fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(database, "BUSY_S", 0.1)
-    database.engine(fresh)
+    with database.changing(fresh):
+        pass
     other = sqlite3.connect(fresh.path / "catalog.sqlite")
     other.execute("BEGIN IMMEDIATE")
     with pytest.raises(Busy, match="locked"):

@@ -28,6 +28,7 @@ from storage.catalogue import (
     tables,
     trail,
 )
+from storage.catalogue.connection import engine_of, url_of
 from storage.catalogue.selection import impact_of, select
 from storage.catalogue.unchanged import version
 from storage.formats.columns import write_columns
@@ -62,7 +63,7 @@ def test_a_commit_gives_the_catalogue_another_version(shared_catalogue: Home) ->
 
 
 def test_migrations_and_tables_do_not_drift_on_postgresql(shared_catalogue: Home) -> None:
-    with database.engine(shared_catalogue).connect() as connection:
+    with database.changing(shared_catalogue) as connection:
         assert connection.dialect.name == "postgresql"
         context = MigrationContext.configure(connection, opts={"compare_server_default": True})
         assert compare_metadata(context, tables.metadata) == []
@@ -185,8 +186,9 @@ print(results.save(document.model_copy(update={"code_version": str(os.getpid())}
 
 
 def test_catalogue_of_a_newer_program_is_refused_on_postgresql(shared_catalogue: Home) -> None:
-    with database.engine(shared_catalogue).begin() as connection:
+    with database.changing(shared_catalogue) as connection:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
+    engine_of(url_of(shared_catalogue), database.BUSY_S).dispose()  # as in another process
     with pytest.raises(Unusable, match="update mimucal"):
         run_index.all_runs(shared_catalogue)
 

@@ -3,6 +3,7 @@
 import sqlalchemy as sql
 
 from storage.catalogue import database, unchanged
+from storage.catalogue.connection import engine_of, url_of
 from storage.catalogue.unchanged import version, while_unchanged
 from storage.catalogue.users import add, users
 from storage.home import Home
@@ -30,7 +31,10 @@ def test_a_write_within_one_tick_of_the_file_system_is_another_version(
 ) -> None:
     monkeypatch.setattr(unchanged, "_stamp", lambda file: "the same")
     home = Home(tmp_path / "home")
-    with database.engine(home).connect() as reader:  # keeps the log from being emptied
+    with database.changing(home):
+        pass
+    file = engine_of(url_of(home), database.BUSY_S)
+    with file.connect() as reader:  # keeps the log from being emptied
         reader.execute(sql.text("SELECT 1"))
         add("Li", "viewer", "hash", home, "Chen")
         before = version(home)

@@ -60,7 +60,7 @@ def test_a_catalogue_that_is_none_is_told(empty: Home) -> None:
 
 
 def test_a_clock_behind_the_trail_is_told(empty: Home) -> None:
-    with database.engine(empty).begin() as connection:
+    with database.changing(empty) as connection:
         trail.add(connection, "Li Na", "issue", "A-1", at=datetime.now(UTC) + timedelta(days=2))
     assert examined(empty, "clock").remedy == "Set the computer's clock."
 
