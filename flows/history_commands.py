@@ -33,6 +33,8 @@ def reprocess(
     from flows.run_orders import home_of
     from schemas.base import BrokenOff
     from schemas.orders import ReprocessOrder, order_of
+    from storage.catalogue.selection import check_known
+    from storage.whole_files import report_folder
 
     order = order_of(
         ReprocessOrder,
@@ -59,6 +61,9 @@ def reprocess(
         else:
             print_history.print_plan(planned)
         return
+    # What cannot be is refused before Prefect is started for it.
+    check_known(order, home_of(order))
+    report_folder(order.out)
     try:
         report = as_flow_run("reprocess", order)
     except KeyboardInterrupt as stop:

@@ -21,6 +21,8 @@ from tasks.motion.smooth import smooth_course
 from tasks.motion.table import TableAxes, mount_of, table_vectors
 
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
+UNEVEN = 0.02  # of the interval by which a step between stamps differs
+MOSTLY = 0.9  # of the steps: rows are even but for gaps
 SEAM = 0.05  # rad that the vertical jumps by, at least, where the unit was fixed anew
 
 
@@ -69,6 +71,13 @@ class Motion:
     def interval(self) -> float:
         """Time between rows, s."""
         return sample_interval(self.t)
+
+    @cached_property
+    def evenly_timed(self) -> bool:
+        """Whether rows are equal times apart, but for gaps."""
+        steps = np.diff(self.t)
+        usual = np.abs(steps - self.interval) < UNEVEN * self.interval
+        return bool(usual.mean() > MOSTLY) if len(steps) else True
 
     @cached_property
     def takes(self) -> tuple[slice, ...]:

@@ -11,8 +11,6 @@ from tasks.model.parameters import ACCEL_FIRST, single
 from tasks.model.term import Term
 from tasks.motion.whole import Motion
 
-UNEVEN = 0.02  # of the interval by which a step between stamps differs
-MOSTLY = 0.9  # of the steps: rows are even but for gaps
 NODES = range(-4, 6)  # rows about the one asked for that an interpolated reading rests on
 
 
@@ -22,29 +20,26 @@ def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
     Before the first and after the last row they stay as there. NaN near rows that are NaN.
     """
     whole = np.floor(-np.asarray(late, dtype=float))
-    part = -np.asarray(late) - whole
-    near = _rows_about(readings, whole.astype(int))
-    own = near(0)
-    shifted = own.copy()  # and what differs from it: what is constant stays so exactly
-    for node in NODES:
-        if node == 0:
-            continue
-        weight = np.ones_like(part)
+    weights = _lagrange(-np.asarray(late) - whole)
+    first = np.nan_to_num(readings[:1])  # of what differs from it, so that what is constant stays
+    if whole.ndim:
+        near = np.arange(len(readings)) + whole.astype(int)
+        parts = (readings.take(near + node, axis=0, mode="clip") - first for node in NODES)
+        return first + sum(w[:, None] * part for w, part in zip(weights, parts, strict=True))
+    reach = np.arange(NODES[0], len(readings) + NODES[-1]) + int(whole)
+    about = readings.take(reach, axis=0, mode="clip") - first
+    own = [np.convolve(channel, weights[::-1], mode="valid") for channel in about.T]
+    return first + np.column_stack(own)
+
+
+def _lagrange(part: np.ndarray) -> np.ndarray:
+    """Weights (nodes, …) of the readings about a place that is `part` (…) of a row behind a row."""
+    weights = np.ones((len(NODES), *part.shape))
+    for k, node in enumerate(NODES):
         for other in NODES:
             if other != node:
-                weight = weight * (part - other) / (node - other)
-        shifted += weight[..., None] * (near(node) - own)
-    return shifted
-
-
-def _rows_about(readings: np.ndarray, whole: np.ndarray) -> Callable[[int], np.ndarray]:
-    """Readings (n, k) of `whole` rows, (n,) or a number for all, and a node's number later."""
-    rows = np.arange(len(readings))
-    if whole.ndim:
-        return lambda node: readings.take(rows + whole + node, axis=0, mode="clip")
-    reach = np.arange(NODES[0], len(readings) + NODES[-1])
-    near = readings.take(reach + whole, axis=0, mode="clip")
-    return lambda node: near[node - NODES[0] :][: len(readings)]
+                weights[k] *= (part - other) / (node - other)
+    return weights
 
 
 def shifted_within(motion: Motion, readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
@@ -53,21 +48,14 @@ def shifted_within(motion: Motion, readings: np.ndarray, late: float | np.ndarra
 
     Stamps that come in batches, or scatter, are no equal rows apart: between them by a spline.
     """
-    shifted, even = np.empty_like(readings), _even(motion)
+    shifted = np.empty_like(readings)
     for take in motion.takes:
         part = late[take] if isinstance(late, np.ndarray) else late
-        if even:
+        if motion.evenly_timed:
             shifted[take] = read_earlier(readings[take], part / motion.interval)
         else:
             shifted[take] = _between_stamps(motion.t[take], readings[take], part)
     return shifted
-
-
-def _even(motion: Motion) -> bool:
-    """Whether rows are equal times apart, but for gaps."""
-    steps = np.diff(motion.t)
-    usual = np.abs(steps - motion.interval) < UNEVEN * motion.interval
-    return bool(usual.mean() > MOSTLY) if len(steps) else True
 
 
 def _between_stamps(t: np.ndarray, readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:

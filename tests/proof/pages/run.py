@@ -81,7 +81,8 @@ def stop_the_database(folder: Path) -> Stopped:
     with serving() as server:
         os.environ["MIMUCAL_DATABASE"] = empty_database(server.connection)
         try:
-            database.engine(home)
+            with database.changing(home):
+                pass
             with served(home) as address:
                 return _stopped(address, server.stop, server.start)
         finally:
