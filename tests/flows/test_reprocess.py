@@ -199,8 +199,9 @@ def test_a_dry_run_says_what_would_be_done_and_does_nothing(store: Home, mimucal
 
 @pytest.mark.parametrize("option", ["station", "model", "serial", "procedure", "equipment"])
 def test_a_name_that_no_run_has_is_refused_with_those_that_are_known(
-    store: Home, mimucal, option: str
+    store: Home, mimucal, option: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(carry_out, "as_flow_run", pytest.fail)  # it needs no server
     for more in ((), ("--dry-run",)):
         refused = mimucal("reprocess", f"--{option}", "nobody", *more)
         assert refused.code == 2
@@ -247,7 +248,7 @@ def _certified(home: Home, run: str) -> str:
 def test_an_order_that_cannot_be_is_one_sentence(
     mimucal, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], named: str
 ) -> None:
-    monkeypatch.setattr("flows.carry_out.as_flow_run", lambda _, order: run_orders.reprocess(order))
+    monkeypatch.setattr(carry_out, "as_flow_run", pytest.fail)
     done = mimucal("reprocess", *arguments)
     assert done.code == 2
     assert named in done.err

@@ -62,7 +62,7 @@ class Cluster:
     def _worker(self) -> "subprocess.Popen[bytes]":
         return self._start(
             "dask_worker", self.address, "--nthreads", "1", "--no-nanny",
-            "--death-timeout", "60",
+            "--death-timeout", "60", "--preload", "tasks.stages.make_again",
         )  # fmt: skip
 
     def _start(self, program: str, *arguments: str) -> "subprocess.Popen[bytes]":
