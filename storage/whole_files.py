@@ -90,33 +90,6 @@ def report_folder(name: str | None) -> Path | None:
     return folder
 
 
-def write_once(path: Path, data: bytes) -> None:
-    """Writes a file that stays as it is: whole, on the disk, read-only.
-
-    The same content again is no fault; other content raises Unusable.
-    """
-    if _is_there(path, data):
-        return
-    with writing_to(path) as draft:
-        draft.write_bytes(data)
-
-
-def _is_there(path: Path, data: bytes) -> bool:
-    """Whether the file is there with this content; raises Unusable for other content."""
-    try:
-        content = path.read_bytes()
-    except (FileNotFoundError, NotADirectoryError):
-        return False
-    except OSError as error:
-        raise Unusable(f"{path} cannot be read ({error.strerror}); grant access to it.") from error
-    if content != data:
-        raise Unusable(
-            f"{path} is already there with other content, and what is kept is never overwritten; "
-            "move that file away, or store this under another name."
-        )
-    return True
-
-
 def _rename(draft: Path, path: Path) -> None:
     try:
         draft.replace(path)

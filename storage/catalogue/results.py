@@ -74,11 +74,6 @@ def of_run(run: Run, home: Home) -> list[Result]:
     return _results(home, tables.results.c.run == run.id)
 
 
-def all_results(home: Home) -> list[Result]:
-    """Every result of every run, the oldest first."""
-    return _results(home, sql.true())
-
-
 def chain(result: str | None, home: Home) -> list[str]:
     """A result and those it supersedes, newest first."""
     table, found = tables.results.c, list[str]()

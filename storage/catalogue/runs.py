@@ -110,11 +110,6 @@ def load_raw(run: Run, home: Home) -> Recording:
     return recording
 
 
-def raw_path(digest: str, home: Home) -> Path:
-    """Where the raw recording of a digest is kept in the home, if it is not in a bucket."""
-    return home.path / _raw(digest)
-
-
 def manifest(run: Run, home: Home) -> Manifest:
     """A run's manifest, from beside its columns; if it is missing or damaged, from raw."""
     kept = manifest_bytes(run, home)

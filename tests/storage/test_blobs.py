@@ -135,7 +135,7 @@ def test_a_folder_and_a_bucket_hold_the_same_bytes(
     fresh: Home, small: Build, use, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run, _ = runs.add(small(), fresh)
-    raw = runs.raw_path(run.digest, fresh).read_bytes()
+    raw = (fresh.raw / f"{run.digest}.mcap").read_bytes()
     store = Store()
     with serving(store) as url:
         use(url)

@@ -37,7 +37,7 @@ def test_recording_is_read_from_its_columns_and_from_raw(
     expected = ideal_run(dwell=1.0, gravity=MADE_AT)
     loaded = runs.from_columns(run, earlier)
     assert loaded is not None
-    for recording in (loaded, read_mcap(runs.raw_path(run.digest, earlier))):
+    for recording in (loaded, read_mcap(earlier.raw / f"{run.digest}.mcap")):
         assert recording.digest == run.digest
         for name, values in recording.imu.columns.items():
             np.testing.assert_array_equal(values, expected.imu.columns[name])

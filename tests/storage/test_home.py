@@ -10,7 +10,7 @@ from schemas.base import Unusable
 from storage import verify
 from storage.catalogue import certificates, run_index
 from storage.home import Home, home
-from storage.whole_files import write_once, writing_to
+from storage.whole_files import writing_to
 from tests.keep import take_number
 
 
@@ -40,26 +40,11 @@ def test_looking_into_a_fresh_home_finds_nothing_and_makes_nothing(fresh: Home) 
 
 def test_written_file_is_whole_and_read_only(tmp_path: Path) -> None:
     path = tmp_path / "new" / "file"
-    write_once(path, b"content")
+    with writing_to(path) as draft:
+        draft.write_bytes(b"content")
     assert path.read_bytes() == b"content"
     assert stat.S_IMODE(path.stat().st_mode) == 0o444
     assert list(path.parent.iterdir()) == [path]
-
-
-def test_same_content_again_is_left_alone(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    write_once(path, b"content")
-    before = path.stat().st_ino
-    write_once(path, b"content")
-    assert path.stat().st_ino == before
-
-
-def test_other_content_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    write_once(path, b"content")
-    with pytest.raises(Unusable, match="never overwritten"):
-        write_once(path, b"other")
-    assert path.read_bytes() == b"content"
 
 
 def test_nothing_half_stays_when_writing_fails(tmp_path: Path) -> None:
@@ -76,7 +61,8 @@ def test_nothing_half_stays_when_writing_fails(tmp_path: Path) -> None:
 def test_home_that_cannot_be_written_is_one_sentence(fresh: Home) -> None:
     fresh.path.write_text("a file stands where the folder should be")
     with pytest.raises(Unusable, match=r"MIMUCAL_HOME") as caught:
-        write_once(fresh.raw / "file", b"content")
+        with writing_to(fresh.raw / "file"):
+            pass
     assert os.linesep not in str(caught.value)
     with pytest.raises(Unusable, match=r"MIMUCAL_HOME"):
         take_number(fresh)

@@ -14,7 +14,7 @@ from flows.pages.quality.data import data
 from schemas.base import Unusable
 from schemas.pages.quality import QualityQuestion, QualityShown
 from storage import dataframes
-from storage.catalogue import results
+from storage.catalogue import results, run_index
 from storage.home import Home
 from tests.drafts import draft
 from tests.proof.line.draw import Line
@@ -52,7 +52,8 @@ def visits(home: Home, model: str) -> tuple[list[str], set[str]]:
 
 
 def _invalid(home: Home) -> set[str]:
-    return {r.run for r in results.all_results(home) if r.calibration.validity.verdict == "invalid"}
+    of_runs = [each for run in run_index.all_runs(home) for each in results.of_run(run, home)]
+    return {each.run for each in of_runs if each.calibration.validity.verdict == "invalid"}
 
 
 def test_yields_are_those_of_the_catalogue(home: Home, shown: QualityShown) -> None:
