@@ -60,9 +60,9 @@ def test_nothing_half_stays_when_writing_fails(tmp_path: Path) -> None:
 
 def test_home_that_cannot_be_written_is_one_sentence(fresh: Home) -> None:
     fresh.path.write_text("a file stands where the folder should be")
-    with pytest.raises(Unusable, match=r"MIMUCAL_HOME") as caught:
-        with writing_to(fresh.raw / "file"):
-            pass
+    refused = pytest.raises(Unusable, match=r"MIMUCAL_HOME")
+    with refused as caught, writing_to(fresh.raw / "file"):
+        pass
     assert os.linesep not in str(caught.value)
     with pytest.raises(Unusable, match=r"MIMUCAL_HOME"):
         take_number(fresh)
