@@ -17,6 +17,7 @@ from tests.shared import shared_path
 
 ROUGH = ("tumvi_room4", "encoder_roll_slow")
 LONGEST = 80.0  # s: of five minutes these tell as much, in a quarter of the time
+HUM_LONGEST = 60.0  # s
 HUMMING = "encoder_yaw_fast"  # to and fro, 0.9029 Hz; the unit hums on its mount at 9.595 Hz
 OF_MOTION = 0.9029  # Hz
 
@@ -24,7 +25,7 @@ OF_MOTION = 0.9029  # Hz
 @cache
 def recording(name: str) -> Recording:
     whole = read_folder(shared_path(f"data/rough/{name}"))
-    longest = 0.5 * LONGEST if name == HUMMING else LONGEST
+    longest = HUM_LONGEST if name == HUMMING else LONGEST
     table = whole.table and whole.table.at(whole.table.rows(0.0, longest))
     return replace(whole, imu=whole.imu.at(whole.imu.rows(0.0, longest)), table=table)
 
