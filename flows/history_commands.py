@@ -28,11 +28,14 @@ def reprocess(
 
     New results are stored beside the old ones. After an interruption, the same command continues.
     """
+    from contextlib import suppress
+
     from flows import print_history
     from flows.carry_out import as_flow_run
     from flows.run_orders import home_of
     from schemas.base import BrokenOff
     from schemas.orders import ReprocessOrder, order_of
+    from storage.catalogue.connection import Busy
     from storage.catalogue.selection import check_known
     from storage.whole_files import report_folder
 
@@ -61,10 +64,11 @@ def reprocess(
         else:
             print_history.print_plan(planned)
         return
-    # What cannot be is refused before Prefect is started for it.
-    check_known(order, home_of(order))
-    report_folder(order.out)
     try:
+        # An order that cannot be carried out is refused before Prefect is started for it.
+        with suppress(Busy):  # the flow waits for the catalogue
+            check_known(order, home_of(order))
+        report_folder(order.out)
         report = as_flow_run("reprocess", order)
     except KeyboardInterrupt as stop:
         raise BrokenOff(

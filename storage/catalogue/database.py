@@ -33,7 +33,7 @@ def rows(home: Home, statement: sql.Select[Any]) -> Sequence[sql.Row[Any]]:
     made = _for_reading(home)
     if made is None:
         return []
-    with explained(made), _connect(made) as connection:
+    with explained(made), _connected(made) as connection:
         return connection.execute(statement).all()
 
 
@@ -124,9 +124,9 @@ def changing(home: Home) -> Iterator[sql.Connection]:
     made = engine_of(url_of(home), BUSY_S)
     if made.dialect.name == "sqlite":
         _make_folder(home)
-    with explained(made), _connect(made.execution_options(writes=True)) as connection:
+    writer = made.execution_options(writes=True)
+    with explained(made), _connected(writer) as connection, connection.begin():
         yield connection
-        connection.commit()
 
 
 def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool:
@@ -152,15 +152,22 @@ def dialect(connection: sql.Connection) -> Any:
     return import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
 
 
-def _connect(made: sql.Engine) -> sql.Connection:
-    """A connection to a catalogue at HEAD, which is brought there when needed."""
+@contextmanager
+def _connected(made: sql.Engine) -> Iterator[sql.Connection]:
+    """A connection to a catalogue at HEAD, which is migrated first if needed; in no transaction."""
     connection = made.connect()
-    if connection.info.get("revision") != HEAD and _revision(connection) != HEAD:
+    try:
+        if connection.info.get("revision") != HEAD:  # not known of this one of the pool
+            if _revision(connection) == HEAD:
+                connection.rollback()
+            else:
+                connection.close()
+                _migrate(made)
+                connection = made.connect()
+            connection.info["revision"] = HEAD
+        yield connection
+    finally:
         connection.close()
-        _migrate(made)
-        connection = made.connect()
-    connection.info["revision"] = HEAD  # need not be asked again when the pool gives it again
-    return connection
 
 
 def _make_folder(home: Home) -> None:

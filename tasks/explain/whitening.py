@@ -233,9 +233,9 @@ def scores_of(
         chi2 += float(left @ whitened)
         score = (in_time(whitened, stack.shape[1])[: len(weight)] * weight)[rows]
         for q, signal in zip(own.tolist(), signals[:-1], strict=True):
-            known = signal[rows]
-            known[np.isnan(known)] = 0.0
-            right[q] += float(known @ score)
+            filled = signal[rows]
+            filled[np.isnan(filled)] = 0.0
+            right[q] += float(filled @ score)
     return right, chi2
 
 

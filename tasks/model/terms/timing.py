@@ -17,23 +17,30 @@ NODES = range(-4, 6)  # rows about the one asked for that an interpolated readin
 def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
     """Readings (n, k) of `late` rows before, a number or (n,), by Lagrange's ninth degree.
 
-    Before the first and after the last row they stay as there. NaN near rows that are NaN.
+    Before the first and after the last row they stay as there; what is constant stays exactly so.
+    NaN near rows that are NaN.
     """
     whole = np.floor(-np.asarray(late, dtype=float))
     weights = _lagrange(-np.asarray(late) - whole)
-    first = np.nan_to_num(readings[:1])  # of what differs from it, so that what is constant stays
+    whole = whole.astype(int)
     if whole.ndim:
-        near = np.arange(len(readings)) + whole.astype(int)
-        parts = (readings.take(near + node, axis=0, mode="clip") - first for node in NODES)
-        return first + sum(w[:, None] * part for w, part in zip(weights, parts, strict=True))
-    reach = np.arange(NODES[0], len(readings) + NODES[-1]) + int(whole)
-    about = readings.take(reach, axis=0, mode="clip") - first
-    own = [np.convolve(channel, weights[::-1], mode="valid") for channel in about.T]
-    return first + np.column_stack(own)
+        row = np.arange(len(readings)) + whole
+        own = readings.take(row, axis=0, mode="clip")
+        near = (readings.take(row + node, axis=0, mode="clip") for node in NODES)
+        return own + sum(w[:, None] * (at - own) for w, at in zip(weights, near, strict=True))
+    reach = np.arange(NODES[0], len(readings) + NODES[-1])
+    about = readings.take(reach + whole, axis=0, mode="clip")
+    before = -NODES[0]
+    own = about[before:][: len(readings)]
+    # As sums of the steps between neighbours, which are zero where nothing changes.
+    steps = np.diff(about, axis=0)
+    shares = np.append(-np.cumsum(weights)[:before], np.cumsum(weights[::-1])[::-1][before + 1 :])
+    filtered = [np.convolve(channel, shares[::-1], mode="valid") for channel in steps.T]
+    return own + np.column_stack(filtered)
 
 
 def _lagrange(part: np.ndarray) -> np.ndarray:
-    """Weights (nodes, …) of the readings about a place that is `part` (…) of a row behind a row."""
+    """Weights (nodes, …) of the nodes' readings for a place `part` (…) of a row after node 0."""
     weights = np.ones((len(NODES), *part.shape))
     for k, node in enumerate(NODES):
         for other in NODES:

@@ -16,7 +16,7 @@ from tasks.words import say
 from tests.shared import shared_path
 
 ROUGH = ("tumvi_room4", "encoder_roll_slow")
-LONGEST = 80.0  # s: of five minutes these tell as much, in a quarter of the time
+LONGEST = 80.0  # s: they tell as much as the five minutes, in a quarter of the time
 HUM_LONGEST = 60.0  # s
 HUMMING = "encoder_yaw_fast"  # to and fro, 0.9029 Hz; the unit hums on its mount at 9.595 Hz
 OF_MOTION = 0.9029  # Hz

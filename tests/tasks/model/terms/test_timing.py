@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from table_run import motion
 
+from tasks.model.term import Term
 from tasks.model.terms.electronics import BANDWIDTH, corner
 from tasks.model.terms.timing import ACCEL_AXIS_SKEW, CLOCK_SKEW, TIME_OFFSET
 from tasks.motion.whole import Motion
@@ -130,3 +131,20 @@ def test_every_signal_term_is_linear_in_the_readings() -> None:
             run, other, np.array([2e-3])
         )
         assert both == pytest.approx(apart, abs=1e-12)
+
+
+@pytest.mark.parametrize("term", [TIME_OFFSET, CLOCK_SKEW])
+def test_what_is_constant_stays_exactly_so_also_after_unknown_rows(term: Term) -> None:
+    readings = np.full((len(T), 6), 9.80665)
+    readings[1000:] = -0.0123
+    readings[:3] = np.nan
+    change = term.passed(RUN, readings, np.array([3.7e-3])) - readings
+    assert not change[20:900].any()
+    assert not change[1100:].any()
+
+
+def test_a_wild_first_row_reaches_no_further_than_its_neighbours() -> None:
+    wild = waves(T)
+    wild[0] = 1e30
+    delayed = TIME_OFFSET.passed(RUN, wild, np.array([3.7e-3]))
+    assert delayed[INSIDE] == pytest.approx(waves(T - 3.7e-3)[INSIDE], abs=1e-6)
