@@ -11,12 +11,14 @@ import gc
 import os
 import signal
 import socket
-import subprocess
 import sys
 from collections.abc import Callable
+from io import TextIOWrapper
+from multiprocessing import get_context
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 from schemas.base import Unusable
 from storage.home import Home
@@ -29,7 +31,8 @@ START_UP_S = 600.0  # with every core busy it takes minutes; a server that ends 
 TERMINATION_S = 5.0
 BUSY_S = 600.0  # for so long a server that only answers “busy” is asked again
 BUSY = 503
-_SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
+NAME = b"prefect-server"  # of its process, as `ps` shows it
+_SET_DEATH_SIGNAL, _SET_NAME = 1, 15  # PR_SET_PDEATHSIG and PR_SET_NAME of prctl(2)
 
 # What is set here must be in the environment before Prefect is imported for the first time.
 QUIET = {
@@ -87,16 +90,18 @@ def _start(folder: Path) -> None:
     os.environ.setdefault("PREFECT_HOME", str(folder))
     with log, socket.create_server(("127.0.0.1", 0)) as listener:
         url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
-        server = subprocess.Popen(
-            [sys.executable, "-P", "-m", __name__, str(listener.fileno())],
-            pass_fds=[listener.fileno()], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-            start_new_session=True, preexec_fn=_DIE_WITH_PARENT,
-        )  # fmt: skip
-    atexit.register(_end, server)
-    os.environ["PREFECT_API_URL"] = url
-    import httpx
-    import prefect  # noqa: F401 (takes seconds, as the server does)
+        os.environ["PREFECT_API_URL"] = url
+        gc.disable()  # a fifth of these seconds: nothing of all that is imported is garbage
+        import httpx
+        import prefect  # noqa: F401 (before the fork: both need it)
 
+        gc.freeze()
+        server = get_context("fork").Process(target=_serve_apart, args=(listener, log))
+        server.start()
+    atexit.register(_end, server)
+    from flows import prefect_flows  # noqa: F401 (half a second while the server starts)
+
+    gc.enable()
     try:  # the socket listens already: the answer comes once the server is there
         httpx.get(f"{url}/health", timeout=START_UP_S, trust_env=False).raise_for_status()
     except httpx.HTTPError as error:
@@ -106,22 +111,33 @@ def _start(folder: Path) -> None:
         ) from error
 
 
-def _end(server: "subprocess.Popen[bytes]") -> None:
+def _end(server: BaseProcess) -> None:
     server.terminate()
-    try:
-        server.wait(TERMINATION_S)
-    except subprocess.TimeoutExpired:
+    server.join(TERMINATION_S)
+    if server.is_alive():
         server.kill()
-        server.wait()
+        server.join()
 
 
-def _die_with_parent() -> Callable[[], object]:
-    """Runs in the child between fork and exec; the library is opened before the fork."""
+def _serve_apart(listener: socket.socket, log: IO[bytes]) -> None:
+    """In a fork of the command: with a session, a log and a name of its own."""
+    os.setsid()
+    if sys.platform == "linux":
+        _die_with_parent()
+    for ending in (signal.SIGINT, signal.SIGTERM):  # what the command does then is not for it
+        signal.signal(ending, signal.SIG_DFL)
+    with open(os.devnull) as nothing:
+        for number, file in enumerate((nothing.fileno(), log.fileno(), log.fileno())):
+            os.dup2(file, number)
+    # Those of the command draw its progress, perhaps in a thread that the fork left behind.
+    sys.stdout = sys.stderr = TextIOWrapper(log, line_buffering=True)
+    serve(listener)
+
+
+def _die_with_parent() -> None:
     prctl = ctypes.CDLL(None).prctl
-    return lambda: prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
-
-
-_DIE_WITH_PARENT = _die_with_parent() if sys.platform == "linux" else None
+    prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
+    prctl(_SET_NAME, NAME)
 
 
 def asked_again_when_busy(app: "ASGIApp", clock: Callable[[], float] = monotonic) -> "ASGIApp":
@@ -158,7 +174,3 @@ def serve(listener: socket.socket) -> None:
     gc.freeze()
     gc.enable()
     uvicorn.Server(uvicorn.Config(app, log_level="error")).run(sockets=[listener])
-
-
-if __name__ == "__main__":
-    serve(socket.socket(fileno=int(sys.argv[1])))

@@ -27,6 +27,11 @@ from prefect.server.database import provide_database_interface
 asyncio.run(provide_database_interface().create_db())
 """
 
+SERVE = """
+import socket, sys
+from flows.prefect_server import serve
+serve(socket.socket(fileno=int(sys.argv[1])))
+"""
 
 built = cache(typer.main.get_command)  # from all the signatures, at every call of the app
 
@@ -81,7 +86,7 @@ def prefect_server(
     with socket.create_server(("127.0.0.1", 0)) as listener:
         url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
         server = subprocess.Popen(
-            [sys.executable, "-m", "flows.prefect_server", str(listener.fileno())],
+            [sys.executable, "-c", SERVE, str(listener.fileno())],
             pass_fds=[listener.fileno()], stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             env=os.environ | {"PREFECT_HOME": str(folder)},

@@ -184,11 +184,11 @@ def servers_of(home: Path) -> list[int]:
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         try:
-            command = (place / "cmdline").read_bytes()
+            name = (place / "comm").read_bytes()
             owned = str(home).encode() in (place / "environ").read_bytes()
         except OSError:  # ended meanwhile, or of another user
             continue
-        if owned and b"prefect_server" in command:
+        if owned and name == b"prefect-server\n":
             found.append(int(place.name))
     return found
 

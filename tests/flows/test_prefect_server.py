@@ -20,9 +20,10 @@ def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(
 ) -> None:
     for name in ("PREFECT_API_URL", "PREFECT_HOME"):  # what is set meanwhile goes with the test
         monkeypatch.setenv(name, str(tmp_path))
-    monkeypatch.setattr(sys, "executable", "/bin/false")
+    monkeypatch.setattr(prefect_server, "serve", lambda listener: sys.exit("no room"))
     with pytest.raises(Unusable, match=r"see .*server\.log.*PREFECT_API_URL"):
         prefect_server._start(tmp_path)
+    assert "no room" in (tmp_path / prefect_server.LOG).read_text()
 
 
 def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:

@@ -16,7 +16,8 @@ import psutil
 EVERY_S = 1.0
 MEMORY_EVERY = 4  # looks: counting the pages of ten processes takes a twentieth of a second
 MIMUCAL = (sys.executable, "-c", "from flows.cli import main; main()")
-SERVERS = (["flows.prefect_server"], ["prefect", "server", "start"])  # a command's own, one kept
+OWN = "prefect-server"  # name of the server's process that a command forks for itself
+KEPT = ["-m", "prefect", "server", "start"]  # command line of one that stands
 Name = tuple[int, float]  # process id, and when it began
 Used = tuple[float, bool]  # processor time, and whether it is Prefect's server
 
@@ -100,15 +101,15 @@ def _look(used: dict[Name, Used]) -> None:
             times = each.cpu_times()
             name = (each.pid, each.create_time())
             # One that has just ended has no command line any more.
-            of_server = used.get(name, (0.0, False))[1] or _is_server(each.cmdline())
+            of_server = used.get(name, (0.0, False))[1] or _is_server(each)
             used[name] = (times.user + times.system, of_server)
 
 
-def _is_server(words: Sequence[str]) -> bool:
-    """Whether a command line, such as `python -P -m NAME ...`, starts Prefect's server."""
-    return "-m" in words and any(
-        words[(first := words.index("-m") + 1) : first + len(name)] == name for name in SERVERS
-    )
+def _is_server(process: psutil.Process) -> bool:
+    """Whether a process is Prefect's server."""
+    words = process.cmdline()
+    kept = any(words[first : first + len(KEPT)] == KEPT for first in range(len(words)))
+    return kept or process.name() == OWN
 
 
 def _memory() -> int:
