@@ -87,7 +87,8 @@ def _null_rows(recording: Recording) -> Iterator[Remark]:
     measured = [s for s in recording.manifest.segments or () if s.kind in MEASURED]
     for triad in TRIADS:
         values = imu.columns.get(triad[0])
-        if values is None or not np.isnan(values).any() or np.isnan(values).all():
+        # The smallest is NaN where any is.
+        if values is None or not np.isnan(values.min(initial=0.0)) or np.isnan(values).all():
             continue
         counts = {
             s.name: int(np.isnan(values[imu.rows(s.t_start, s.t_end)]).sum()) for s in measured

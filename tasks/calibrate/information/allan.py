@@ -14,7 +14,7 @@ import numpy as np
 FLICKER = 2.0 * np.log(2.0)  # Allan variance of S(f) = 1/f
 SHARPEST = 0.02  # of a variance: no noise follows the textbook's shapes more closely
 STARTS = 8  # averages begun within one averaging time
-PIECE, FINE = 1 << 16, 64  # rows taken at once, of averages over at most so many rows
+PIECE, FINE = 1 << 14, 64  # rows taken at once, of averages over at most so many rows
 MIN_LEVELS = 5  # averaging times that separate the noise terms
 ROUNDS = 4  # of weighting by the model fitted before
 MISFIT = 1.5  # mean squared deviation, in what is known of each level, above which a fit is refused
