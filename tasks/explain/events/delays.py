@@ -138,9 +138,8 @@ def delays_by_grid(t: np.ndarray, gyros: np.ndarray, rates: np.ndarray) -> GridD
         own = own[:: 1 + len(own) // GRID_ROWS]
         read = gyros[own][:, some]
         rows[number] = read.size
-        total[number] = [
-            _matrix_misfit(read, interpolated(t[own] + lag * interval, t, rates)) for lag in lags
-        ]
+        delayed = interpolated((t[own] + lags[:, None] * interval).ravel(), t, rates)
+        total[number] = _matrix_misfits(read, delayed.reshape(len(lags), len(own), 3))
     if not rows.any():
         nothing = np.zeros(0)
         return GridDelays(nothing, nothing, nothing, GRID_WINDOW, total[:0])
@@ -154,11 +153,14 @@ def delays_by_grid(t: np.ndarray, gyros: np.ndarray, rates: np.ndarray) -> GridD
     return GridDelays(middle, best, np.full(len(best), GRID_U), GRID_WINDOW, costs)
 
 
-def _matrix_misfit(read: np.ndarray, rates: np.ndarray) -> float:
-    """Sum of squares that a matrix and a bias leave of readings (n, k), given rates (n, 3)."""
-    basis, _ = np.linalg.qr(rates - rates.mean(axis=0))
+def _matrix_misfits(read: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Sums of squares (lags,) that a matrix and a bias leave of readings (n, k), given rates
+    (lags, n, 3).
+    """
+    basis, _ = np.linalg.qr(rates - rates.mean(axis=1, keepdims=True))
     off = read - read.mean(axis=0)
-    return float((off**2).sum() - ((basis.T @ off) ** 2).sum())
+    explained = ((np.swapaxes(basis, 1, 2) @ off) ** 2).sum(axis=(1, 2))
+    return np.asarray((off**2).sum() - explained)
 
 
 def _windows(t: np.ndarray, width: float) -> tuple[np.ndarray, int]:

@@ -101,17 +101,14 @@ def find_lost_samples(
     noise = noise_by_rate(readings - predicted, motion)
     slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
     slope = np.where(np.abs(slope) > FLAT * noise, slope, 0.0)
-    oscillating = oscillates(motion)
     used = np.where(masked, np.nan, readings)
+    grid = delays_by_grid(t, used[:, :3], motion.rate) if oscillates(motion) else None
     event: LostSamples | None = None
     for _ in range(2):  # the second time with a fit that the losses do not disturb
-        if oscillating:
-            steps = fit_staircase(delays_by_grid(t, used[:, :3], motion.rate))
-        else:
-            steps = fit_staircase(delays_by_slope(t, used - predicted, predicted, slope, noise))
+        steps = fit_staircase(grid or delays_by_slope(t, used - predicted, predicted, slope, noise))
         if steps is None:
             return None
-        if oscillating:
+        if grid:
             late = interpolated(t + steps.delay(t) * interval, t, predicted)
             noise = noise_by_rate(used - late, motion)
         variance = noise**2 + (2 * MODEL_U * slope) ** 2
