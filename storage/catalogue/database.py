@@ -12,7 +12,7 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 import sqlalchemy as sql
 
@@ -98,7 +98,7 @@ def _is_lost(file: Path, home: Home) -> bool:
 
 
 def _read_only(file: Path) -> sql.Engine:
-    """The engine of a catalogue that cannot be written; raises Unusable for an older revision.
+    """The engine of a catalogue that cannot be written.
 
     SQLite wants to make files beside a catalogue in WAL mode unless it is immutable, and so it
     is as long as no writer left a log.
@@ -107,15 +107,7 @@ def _read_only(file: Path) -> sql.Engine:
     if not Path(f"{file}-wal").exists():
         query["immutable"] = "1"
     url = sql.URL.create("sqlite", database=f"file:{quote(str(file))}", query=query)
-    made = engine_of(url, BUSY_S)
-    with explained(made), made.connect() as connection:
-        revision = _revision(connection)
-    if revision != HEAD:
-        raise Unusable(
-            f"{file} has revision {revision}, this program needs {HEAD}, and it cannot be written; "
-            "copy the home to where it can be written."
-        )
-    return made
+    return engine_of(url, BUSY_S)
 
 
 @contextmanager
@@ -154,12 +146,22 @@ def dialect(connection: sql.Connection) -> Any:
 
 @contextmanager
 def _connected(made: sql.Engine) -> Iterator[sql.Connection]:
-    """A connection to a catalogue at HEAD, which is migrated first if needed; in no transaction."""
+    """A connection to a catalogue at HEAD, which is migrated first if needed; in no transaction.
+
+    Raises Unusable for another revision that cannot be written.
+    """
     connection = made.connect()
     try:
         if connection.info.get("revision") != HEAD:  # not known of this one of the pool
-            if _revision(connection) == HEAD:
+            revision = _revision(connection)
+            if revision == HEAD:
                 connection.rollback()
+            elif "mode" in made.url.query:
+                file = unquote(str(made.url.database).removeprefix("file:"))
+                raise Unusable(
+                    f"{file} has revision {revision}, this program needs {HEAD}, and it cannot be "
+                    "written; copy the home to where it can be written."
+                )
             else:
                 connection.close()
                 _migrate(made)

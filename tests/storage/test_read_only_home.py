@@ -1,6 +1,7 @@
 """A home that cannot be written is read all the same; one that was damaged says so."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -72,6 +73,18 @@ def test_home_that_cannot_be_written_is_read(read_only: tuple[Home, Run]) -> Non
     assert listed == f"{run.id} 300 []"
     assert "cannot be used" in refused
     assert sorted(home.path.iterdir()) == before
+
+
+def test_an_older_catalogue_that_cannot_be_written_is_refused(
+    fresh: Home, small: Callable[..., Recording], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs.add(small(), fresh)
+    with database.changing(fresh) as connection:
+        connection.execute(sql.text("UPDATE alembic_version SET version_num = '0008'"))
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    catalogue = re.escape(str(fresh.path / "catalog.sqlite"))
+    with pytest.raises(Unusable, match=f"^{catalogue} has revision 0008.*copy the home"):
+        run_index.all_runs(fresh)
 
 
 def test_home_that_is_a_file_is_refused_for_reading(fresh: Home) -> None:
