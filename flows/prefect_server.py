@@ -13,12 +13,14 @@ import signal
 import socket
 import sys
 from collections.abc import Callable
-from io import TextIOWrapper
 from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from time import monotonic
+from types import FrameType
 from typing import IO, TYPE_CHECKING
+
+from pydantic import ValidationError
 
 from schemas.base import Unusable
 from storage.home import Home
@@ -32,6 +34,8 @@ TERMINATION_S = 5.0
 BUSY_S = 600.0  # for so long a server that only answers “busy” is asked again
 BUSY = 503
 NAME = b"prefect-server"  # of its process, as `ps` shows it
+STOPPING = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT}  # meant for the command
+END = signal.SIGUSR1  # by which the command ends its server
 _SET_DEATH_SIGNAL, _SET_NAME = 1, 15  # PR_SET_PDEATHSIG and PR_SET_NAME of prctl(2)
 
 # What is set here must be in the environment before Prefect is imported for the first time.
@@ -73,7 +77,8 @@ def connect(home: Home) -> None:
     if not server_named():
         _start(home.prefect.absolute())
         # Runs before the server is ended, which a second Ctrl-C would break off with a traceback.
-        atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+        for stop in STOPPING:
+            atexit.register(signal.signal, stop, signal.SIG_IGN)
 
 
 def _start(folder: Path) -> None:
@@ -88,17 +93,15 @@ def _start(folder: Path) -> None:
             "that runs"
         ) from error
     os.environ.setdefault("PREFECT_HOME", str(folder))
+    gc.disable()  # a fifth of these seconds: nothing of all that is imported is garbage
     with log, socket.create_server(("127.0.0.1", 0)) as listener:
         url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
         os.environ["PREFECT_API_URL"] = url
-        gc.disable()  # a fifth of these seconds: nothing of all that is imported is garbage
-        import httpx
-        import prefect  # noqa: F401 (before the fork: both need it)
-
+        _import_prefect()  # before the fork: both need it
         gc.freeze()
-        server = get_context("fork").Process(target=_serve_apart, args=(listener, log))
-        server.start()
-    atexit.register(_end, server)
+        _fork(listener, log)
+    import httpx
+
     from flows import prefect_flows  # noqa: F401 (half a second while the server starts)
 
     gc.enable()
@@ -111,27 +114,67 @@ def _start(folder: Path) -> None:
         ) from error
 
 
+def _import_prefect() -> None:
+    """Import it with its settings, which the variables PREFECT_... of the operator set."""
+    try:
+        from prefect.settings import get_current_settings
+
+        get_current_settings()
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise Unusable(
+            f"Prefect's setting {'.'.join(map(str, first['loc']))} is {first['input']!r}, which "
+            f"cannot be used ({first['msg']}); mend or remove the variable PREFECT_... that sets it"
+        ) from error
+
+
+def _fork(listener: socket.socket, log: IO[bytes]) -> None:
+    """Start the server, and see that it ends with this process; no signal falls in between."""
+    server = get_context("fork").Process(target=_serve_apart, args=(os.getpid(), listener, log))
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPPING)
+    try:
+        server.start()
+        atexit.register(_end, server)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _end(server: BaseProcess) -> None:
-    server.terminate()
+    if server.pid and server.is_alive():
+        os.kill(server.pid, END)
     server.join(TERMINATION_S)
     if server.is_alive():
         server.kill()
         server.join()
 
 
-def _serve_apart(listener: socket.socket, log: IO[bytes]) -> None:
-    """In a fork of the command: with a session, a log and a name of its own."""
+def _serve_apart(parent: int, listener: socket.socket, log: IO[bytes]) -> None:
+    """In a fork of the command: with a session, a log and a name of its own.
+
+    Whoever ends all processes with the command's words (`pkill -f`) means the command, which
+    reports its end to this server: signals that stop stay blocked until END comes.
+    """
     os.setsid()
+    for stop in STOPPING:
+        signal.signal(stop, signal.SIG_DFL)
+    signal.signal(END, _stop_now)
     if sys.platform == "linux":
         _die_with_parent()
-    for ending in (signal.SIGINT, signal.SIGTERM):  # what the command does then is not for it
-        signal.signal(ending, signal.SIG_DFL)
+    if os.getppid() != parent:  # it died before
+        return
+    for number in (1, 2):
+        os.dup2(log.fileno(), number)
     with open(os.devnull) as nothing:
-        for number, file in enumerate((nothing.fileno(), log.fileno(), log.fileno())):
-            os.dup2(file, number)
+        os.dup2(nothing.fileno(), 0)
     # Those of the command draw its progress, perhaps in a thread that the fork left behind.
-    sys.stdout = sys.stderr = TextIOWrapper(log, line_buffering=True)
+    sys.stdout = sys.stderr = os.fdopen(2, "w", buffering=1)
     serve(listener)
+
+
+def _stop_now(_: int, __: FrameType | None) -> None:
+    """Lets the server end as it does by itself."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
+    signal.raise_signal(signal.SIGTERM)
 
 
 def _die_with_parent() -> None:

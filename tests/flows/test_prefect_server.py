@@ -1,12 +1,18 @@
 """A server of a command's own, where it cannot start and where it is busy."""
 
 import asyncio
+import os
+import signal
+import socket
 import sys
+import time
 from collections.abc import Iterator
 from itertools import chain, repeat
+from multiprocessing import active_children
 from pathlib import Path
 
 import httpx
+import prefect.settings
 import pytest
 from prefect.client import base
 from prefect.settings import PREFECT_CLIENT_MAX_RETRIES, temporary_settings
@@ -24,6 +30,33 @@ def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(
     with pytest.raises(Unusable, match=r"see .*server\.log.*PREFECT_API_URL"):
         prefect_server._start(tmp_path)
     assert "no room" in (tmp_path / prefect_server.LOG).read_text()
+
+
+def test_only_its_command_ends_a_server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def serve(listener: socket.socket) -> None:
+        print("serves")
+        time.sleep(600)
+
+    monkeypatch.setattr(prefect_server, "serve", serve)
+    path = tmp_path / prefect_server.LOG
+    with path.open("ab") as log, socket.create_server(("127.0.0.1", 0)) as listener:
+        prefect_server._fork(listener, log)
+    (server,) = active_children()
+    while "serves" not in path.read_text():
+        time.sleep(0.01)
+    for stop in prefect_server.STOPPING:  # as `pkill -f mimucal` would
+        os.kill(server.pid or 0, stop)
+    server.join(0.2)
+    assert server.is_alive()
+    prefect_server._end(server)
+    assert server.exitcode == -signal.SIGTERM
+
+
+def test_a_setting_of_prefect_that_it_refuses_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PREFECT_CLIENT_MAX_RETRIES", "many")
+    monkeypatch.setattr(prefect.settings, "get_current_settings", prefect.settings.Settings)
+    with pytest.raises(Unusable, match=r"max_retries is 'many'.*PREFECT_"):
+        prefect_server._import_prefect()
 
 
 def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
