@@ -1,5 +1,6 @@
 """Recordings refused on import because no item could be estimated from them."""
 
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,11 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     What is stored already is never judged again.
     """
     recording = recordings.read(path, manifest=manifest, salvage=salvage)
-    fault = _missing_triad(recording.manifest, recording.imu) or _wrong_unit(recording)
+    fault = (
+        _unreadable_moment(recording.manifest)
+        or _missing_triad(recording.manifest, recording.imu)
+        or _wrong_unit(recording)
+    )
     if fault is not None:
         raise Unusable(f"{path}: {fault}")
     return recording
@@ -32,6 +37,21 @@ def faults_of(path: Path) -> list[StoreFault]:
     except Unusable as error:
         return [StoreFault(what=str(path), why=str(error))]
     return []
+
+
+def _unreadable_moment(manifest: Manifest) -> str | None:
+    """A sentence where a day of the recording is stated that a recall could not find it by."""
+    for name in ("recorded_at", "acquired_at"):
+        stated = (manifest.model_extra or {}).get(name)
+        try:
+            if stated is not None:
+                datetime.fromisoformat(stated)
+        except (TypeError, ValueError):
+            return (
+                f"{name} in the manifest is {stated!r}, which is no moment of ISO 8601; write it "
+                "as 2026-03-04T08:00:00Z, or leave it out."
+            )
+    return None
 
 
 def _wrong_unit(recording: Recording) -> str | None:

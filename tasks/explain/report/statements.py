@@ -179,16 +179,20 @@ def alternatives(finding: ReportedFinding) -> Sayable:
     parts: list[Sayable] = []
     if finding.group:
         common = tuple(map(parameter_text, finding.common))
-        effects = _either(finding.group)
+        effects = either(finding.group)
         parts.append(message("report-group", effects=effects, shared=len(finding.common),
                              common=common))  # fmt: skip
-    others = [name for name in finding.indistinguishable_from if name not in (finding.group or ())]
-    if others:
-        parts.append(message("report-alternatives", effects=_either(others)))
+    if others := rivals(finding):
+        parts.append(message("report-alternatives", effects=either(others)))
     return sentences(parts)
 
 
-def _either(names: Sequence[str]) -> Sayable:
+def rivals(finding: ReportedFinding) -> list[str]:
+    """The effects that it cannot be told from, beside those of its group, which its title names."""
+    return [name for name in finding.indistinguishable_from if name not in (finding.group or ())]
+
+
+def either(names: Sequence[str]) -> Sayable:
     return clauses([*map(effect_name, names)], by="report-or")
 
 

@@ -87,6 +87,8 @@ def refused(refusal: Refusal, setting: bool) -> Message:
         times = plain(refusal.value or 0.0, 2)
         return message(f"report-refused-{refusal.kind.replace('_', '-')}", **arguments, times=times)
     value, limit = refusal.value or 0.0, refusal.limit or 0.0
+    if _times(refusal) > LARGER:  # it is said how many times as large, in which no sign has a place
+        limit = abs(limit)
     shown = {"value": rough_quantity(value, refusal.unit)}
     shown["limit"] = rough_quantity(limit, refusal.unit)
     if refusal.kind == "undetermined":

@@ -18,7 +18,7 @@ from tasks.explain.report.names import (
     parameter_text,
     shift_text,
 )
-from tasks.explain.report.statements import sentences
+from tasks.explain.report.statements import either, rivals, sentences
 from tasks.words import Message, Sayable, clauses, message, statement
 from tasks.words.quantities import chi2, percent, plain, probability, quantities
 
@@ -114,13 +114,17 @@ def detected(detection: Detection) -> Message:
 
 
 def _left_out(findings: Sequence[ReportedFinding]) -> Message:
-    titles = [
-        message("report-left-out-size", title=finding.title,
-                size=parameter_text(finding.parameters[0]))
-        if len(finding.parameters) == 1 else finding.title
-        for finding in findings
-    ]  # fmt: skip
-    return message("report-left-out", findings=clauses(titles))
+    return message("report-left-out", findings=clauses([*map(_with_rivals, findings)]))
+
+
+def _with_rivals(finding: ReportedFinding) -> Sayable:
+    """The name of a finding, with its size if that is one, and what it cannot be told from."""
+    title: Sayable = finding.title
+    if len(finding.parameters) == 1:
+        size = parameter_text(finding.parameters[0])
+        title = message("report-left-out-size", title=title, size=size)
+    others = rivals(finding)
+    return message("report-left-out-or", title=title, others=either(others)) if others else title
 
 
 def _unnamed(discrepancy: Discrepancy) -> Message:

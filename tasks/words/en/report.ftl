@@ -162,6 +162,7 @@ report-rotation-segments =
 report-detected = The strongest departure from the standard's model has { $p }, corrected for the number of tests; a mismatch is reported below p = { $limit }, which one clean recording in { $odds } reaches by chance.
 report-left-out = Missing from the standard's model: { $findings }.
 report-left-out-size = { $title } ({ $size })
+report-left-out-or = { $title }, or { $others }, which this recording cannot distinguish
 report-unnamed = { $verdict ->
         [partly_explained] Part of the mismatch
        *[unexplained] The mismatch

@@ -20,7 +20,7 @@ validity-disturbed = { $segment }: { $out } of { $rows } rows ({ $channels }) ar
 validity-stuck = { $segment }: { $channel } was stuck at { $value } for { $rows } rows from t = { $time } s.
 validity-lost-samples = { $segment }: { $lost } samples lost in { $gaps } gaps, the longest { $longest } s at t = { $time } s.
 validity-short-dwell = { $short } of { $held } segments are shorter than the { $asked } s per point required by { $clause }: { $listed }.
-validity-coarse-step = The resolution of the output is coarser than its noise ({ $steps }, SI units): averaging cannot reduce it, and a mean may be off by half a step.
+validity-coarse-step = The resolution of the output is coarser than its noise ({ $steps }, in rad/s for gyros and m/s² for accelerometers): averaging cannot reduce it, and a mean may be off by half a step.
 validity-overlapping-segments = Segments overlap, so some samples are counted twice: { $more ->
         [0] { $pairs }
        *[other] { $pairs } and { $more } more pairs
@@ -53,9 +53,9 @@ validity-earth-not-shown = The rests do not show the horizontal component of Ear
 validity-earth-contradicted = The rests show an Earth rotation that contradicts latitude and heading: { $north } of it along north and { $east } along east (u = { $u }), where { $expected } along north is expected at { $latitude }° latitude.
 validity-latitude-sign = The rests show { $shown } of Earth's rotation upwards (u = { $u }), where { $expected } is expected at { $latitude }° latitude: the latitude has the wrong sign.
 validity-samples-off = { $channel }: { $share } % of the samples deviate by more than { $off } standard deviations from the rest of their segment; { $limit } % is allowed.
-validity-vibration = { $channel }: in { $count } rests ({ $first } first) the standard deviation of the readings reaches { $deviation }; { $limit } is allowed (SI units): the unit was vibrated.
+validity-vibration = { $channel }: in { $count } rests ({ $first } first) the standard deviation of the readings reaches { $deviation }; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the unit was vibrated.
 validity-drift = { $channel }: { $segment } deviates by { $left } { $unit } from the other rests, which U = { $U } { $unit } does not cover: the zero drifted or jumped.
-validity-unsteady-zero = { $channel }: { $segment } deviates by { $left } from the other rests; { $limit } is allowed (SI units): the zero drifted or jumped.
+validity-unsteady-zero = { $channel }: { $segment } deviates by { $left } from the other rests; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the zero drifted or jumped.
 validity-lost-share = { $share } % of the samples of the { $stream } stream are missing within the segments; { $limit } % is allowed.
 validity-clocks-apart = The clocks of unit and table differ by up to { $delay } s; { $limit } s is allowed.
 validity-environment-in-part = { $quantity ->

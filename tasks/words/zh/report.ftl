@@ -150,6 +150,7 @@ report-rotation-segments = { $count } 个定角转动段
 report-detected = 与规范模型的最强偏离为 { $p }（已按检验次数修正）；p < { $limit } 时判为失配，无失配的记录约每 { $odds } 次有 1 次误报。
 report-left-out = 规范模型遗漏了：{ $findings }。
 report-left-out-size = { $title }（{ $size }）
+report-left-out-or = { $title }，或 { $others }（本次记录无法区分）
 report-unnamed = { $verdict ->
         [partly_explained] 其余部分失配
        *[unexplained] 模型与记录的差异

@@ -20,7 +20,7 @@ validity-disturbed = { $segment }：{ $rows } 行中有 { $out } 行远离其余
 validity-stuck = { $segment }：{ $channel } 自 t = { $time } s 起连续 { $rows } 行停在 { $value }。
 validity-lost-samples = { $segment }：{ $gaps } 处间断共丢失 { $lost } 个采样，最长 { $longest } s，位于 t = { $time } s。
 validity-short-dwell = { $held } 段中有 { $short } 段短于 { $clause } 要求的每点 { $asked } s：{ $listed }。
-validity-coarse-step = 输出分辨力大于噪声（{ $steps }，SI 单位）：平均不能消除，均值可能偏离半个分度。
+validity-coarse-step = 输出分辨力大于噪声（{ $steps }，陀螺为 rad/s，加速度计为 m/s²）：平均不能消除，均值可能偏离半个分度。
 validity-overlapping-segments = 标注段相互重叠，同一数据被重复计入：{ $more ->
         [0] { $pairs }
        *[other] { $pairs }等，另有 { $more } 对
@@ -53,9 +53,9 @@ validity-earth-not-shown = 静止数据未显示地球自转的水平分量：�
 validity-earth-contradicted = 静止数据显示的地球自转与纬度、方位不符：北向 { $north }、东向 { $east }（u = { $u }，以地球自转角速率为单位），而纬度 { $latitude }° 处北向应为 { $expected }。
 validity-latitude-sign = 静止数据显示地球自转的天向分量为 { $shown }（u = { $u }，以地球自转角速率为单位），而纬度 { $latitude }° 处应为 { $expected }：纬度符号有误。
 validity-samples-off = { $channel }：{ $share }% 的采样偏离所在段其余数据超过 { $off } 倍标准差，允许 { $limit }%。
-validity-vibration = { $channel }：{ $count } 个静止段（首个为 { $first }）中读数的标准差达 { $deviation }，允许 { $limit }（SI 单位）：器件受到振动。
+validity-vibration = { $channel }：{ $count } 个静止段（首个为 { $first }）中读数的标准差达 { $deviation }，允许 { $limit }（陀螺为 rad/s，加速度计为 m/s²）：器件受到振动。
 validity-drift = { $channel }：{ $segment } 与其余静止段相差 { $left } { $unit }，U = { $U } { $unit } 未能涵盖：零位漂移或跳变。
-validity-unsteady-zero = { $channel }：{ $segment } 与其余静止段相差 { $left }，允许 { $limit }（SI 单位）：零位漂移或跳变。
+validity-unsteady-zero = { $channel }：{ $segment } 与其余静止段相差 { $left }，允许 { $limit }（陀螺为 rad/s，加速度计为 m/s²）：零位漂移或跳变。
 validity-lost-share = 各段中 { $stream } 数据流缺少 { $share }% 的采样，允许 { $limit }%。
 validity-clocks-apart = 器件与转台的时间最多相差 { $delay } s，允许 { $limit } s。
 validity-environment-in-part = { $quantity ->

@@ -12,6 +12,7 @@ from tests.proof.history.watch import MIMUCAL, environment, watched
 
 BARE = 100  # runs that the bare estimation is measured on
 WORKERS = 2
+NOTHING_EVERY_S = 0.1  # of a command of five seconds, whose server is taken apart from the rest
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ def measured(
     command = (*MIMUCAL, "reprocess", *engine, "--json")
     nobody = (*command, "--until", "1900-01-01")
     for _ in range(2):  # the first makes Prefect's database
-        nothing = watched(nobody, variables)
+        nothing = watched(nobody, variables, every_s=NOTHING_EVERY_S)
     program = watched((*nobody, "--dry-run"), variables)  # needs no Prefect
     before = (nan, nan) if meanwhile else _bare(variables)
     observation = watched(command, variables, meanwhile or (lambda: None))

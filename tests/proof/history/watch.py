@@ -52,10 +52,12 @@ def watched(
     command: Sequence[str],
     variables: Mapping[str, str],
     meanwhile: Callable[[], None] = lambda: None,
+    every_s: float = EVERY_S,
 ) -> Watched:
     """Runs a command; raises RuntimeError with what it said where it fails.
 
-    meanwhile: called about every second.
+    meanwhile: called at every look, every_s apart. What a process does after the last look is
+    missing in processor_s and prefect_s, not in command_s.
     """
     began, ended, before = time.perf_counter(), _of_ended(), dict[Name, Used]()
     _look(before)
@@ -71,7 +73,7 @@ def watched(
         if next(looks) % MEMORY_EVERY == 0:
             memory = max(memory, _memory())
         meanwhile()
-        reader.join(EVERY_S)
+        reader.join(every_s)
     if process.returncode:
         raise RuntimeError(response[1])
     own = [

@@ -43,6 +43,19 @@ def write(tmp_path: Path) -> Write:
     return build
 
 
+@pytest.mark.parametrize("stated", ["2026-13-45T08:00:00Z", "02.03.2026", "yesterday", 5])
+def test_a_day_that_no_recall_would_find_is_refused(tmp_path: Path, stated: object) -> None:
+    manifest = Manifest.model_validate({
+        "format": FORMAT, "recording_id": "day", "acquired_at": stated,
+        "unit": {"manufacturer": "M", "model": "U", "serial": "1"}, "station": {"id": "T"},
+    })  # fmt: skip
+    t = np.arange(ROWS) / 100
+    path = tmp_path / "day.mcap"
+    write_mcap(Recording(manifest, Stream(t, {name: np.sin(t) for name in GYRO + ACCEL})), path)
+    with pytest.raises(Unusable, match=f"acquired_at .*{stated}.*ISO 8601; write it as"):
+        read(path)
+
+
 @pytest.mark.parametrize(
     ("absent", "label", "words"),
     [

@@ -1,5 +1,7 @@
 """Sentences in two languages name value, U, unit, place, evidence and what else it could be."""
 
+import re
+
 import numpy as np
 import pytest
 from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, located, unnamed, where
@@ -121,6 +123,12 @@ def test_an_explained_recording_says_what_was_left_out_and_the_gain() -> None:
     assert "accelerometer x falls to 31 %" in written.en
     assert "1 value on the certificate" in written.en
     assert "转台不水平" in written.zh
+
+
+def test_a_name_that_is_not_sure_has_its_rivals_beside_it_from_the_first_sentence_on() -> None:
+    written = answer(explanation(finding(indistinguishable=("axis_wobble",)))).statement
+    assert re.search("Missing .*: Table not level .*, or .*wobble.*cannot distinguish", written.en)
+    assert "（本次记录无法区分）" in written.zh
 
 
 def test_a_partly_explained_recording_says_both_parts() -> None:

@@ -62,6 +62,7 @@ def test_a_refused_name_stands_in_the_statement_with_its_reason_and_never_in_the
 def test_an_implausible_size_is_given_as_a_multiple_with_what_it_usually_means() -> None:
     answer = refused("implausible").statement.en
     assert "its c_3 would be −0.97, 36 times larger than in any working unit" in answer
+    assert "(at most 0.027)" in answer  # a size, whatever the sign of the limit
     assert "a wrong range or unit setting (deg for rad, g for m/s²" in answer
     assert "Next step: check for a wrong range or unit setting" in answer
 
