@@ -127,7 +127,8 @@ def test_an_explained_recording_says_what_was_left_out_and_the_gain() -> None:
 
 def test_a_name_that_is_not_sure_has_its_rivals_beside_it_from_the_first_sentence_on() -> None:
     written = answer(explanation(finding(indistinguishable=("axis_wobble",)))).statement
-    assert re.search("Missing .*: Table not level .*, or .*wobble.*cannot distinguish", written.en)
+    rival = say(effect_name("axis_wobble"), "en")
+    assert re.search(f"Table not level [^;]*, or {rival}, which .* cannot distinguish", written.en)
     assert "（本次记录无法区分）" in written.zh
 
 
