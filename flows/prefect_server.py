@@ -159,7 +159,9 @@ def _serve_apart(parent: int, listener: socket.socket, log: IO[bytes]) -> None:
         signal.signal(stop, signal.SIG_DFL)
     signal.signal(END, _stop_now)
     if sys.platform == "linux":
-        _die_with_parent()
+        prctl = ctypes.CDLL(None).prctl
+        prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
+        prctl(_SET_NAME, NAME)
     if os.getppid() != parent:  # it died before
         return
     for number in (1, 2):
@@ -175,12 +177,6 @@ def _stop_now(_: int, __: FrameType | None) -> None:
     """Lets the server end as it does by itself."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
     signal.raise_signal(signal.SIGTERM)
-
-
-def _die_with_parent() -> None:
-    prctl = ctypes.CDLL(None).prctl
-    prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
-    prctl(_SET_NAME, NAME)
 
 
 def asked_again_when_busy(app: "ASGIApp", clock: Callable[[], float] = monotonic) -> "ASGIApp":

@@ -193,6 +193,7 @@ def rivals(finding: ReportedFinding) -> list[str]:
 
 
 def either(names: Sequence[str]) -> Sayable:
+    """The titles of effects with “or” between them."""
     return clauses([*map(effect_name, names)], by="report-or")
 
 

@@ -87,14 +87,15 @@ def refused(refusal: Refusal, setting: bool) -> Message:
         times = plain(refusal.value or 0.0, 2)
         return message(f"report-refused-{refusal.kind.replace('_', '-')}", **arguments, times=times)
     value, limit = refusal.value or 0.0, refusal.limit or 0.0
-    if _times(refusal) > LARGER:  # it is said how many times as large, in which no sign has a place
+    multiple = _times(refusal)
+    if multiple > LARGER:  # it is said how many times as large, in which no sign has a place
         limit = abs(limit)
     shown = {"value": rough_quantity(value, refusal.unit)}
     shown["limit"] = rough_quantity(limit, refusal.unit)
     if refusal.kind == "undetermined":
         return message("report-refused-undetermined", **arguments, **shown)
     return message(
-        "report-refused-implausible", **arguments, **shown, larger=int(_times(refusal) > LARGER),
-        times=plain(_times(refusal), 2),
+        "report-refused-implausible", **arguments, **shown, larger=int(multiple > LARGER),
+        times=plain(multiple, 2),
         usual=usual_cause(refusal) if setting else message("report-usual", kind="alike"),
     )  # fmt: skip
