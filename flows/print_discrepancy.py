@@ -81,11 +81,12 @@ def _print_finding(console: Console, finding: ReportedFinding) -> None:
     console.print(finding.statement.en, markup=False)
     listed = sorted(finding.consequences, key=moved_by, reverse=True)
     for moved in listed[:MAX_CONSEQUENCES]:
-        made = quantities([moved.before, moved.after], moved.U, moved.unit)
-        before, after = (value or "–" for value in made.values)
+        made = names.before_and_after(moved)
+        before, after = (made.text(k) if made.values[k] else "–" for k in range(2))
         element = say(names.element_title(moved.item, moved.element), "en")
-        line = f"  {element}: {before} → {after} {made.unit}".rstrip()
-        console.print(f"{line} ({moved_by(moved):.1f} U)" if moved.U else line, markup=False)
+        line = f"  {element}: {before} → {after}"
+        times = names.shift_text(moved)
+        console.print(f"{line}, {times} U" if times else line, markup=False)
     if len(listed) > MAX_CONSEQUENCES:
         left = len(listed) - MAX_CONSEQUENCES
         console.print(f"  and {left} elements more, in the report", style="dim")

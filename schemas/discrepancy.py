@@ -43,7 +43,11 @@ class EvidenceFor(Frozen):
 
 
 class Consequence(Frozen):
-    """How leaving the physics out changes one value of the certificate."""
+    """How leaving the physics out changes one value of the certificate.
+
+    U: of the value with the physics, its corrections' uncertainty included; U_before: what
+    `calibrate` states for the value without, which a mismatch with the standard's model widens.
+    """
 
     item: str
     element: str
@@ -51,6 +55,7 @@ class Consequence(Frozen):
     after: Finite | None
     U: Finite | None
     unit: str
+    U_before: Finite | None = None
 
 
 class VerdictChange(Frozen):

@@ -1,16 +1,16 @@
 """How an effect that runs have in common changes the elements of a certificate."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from schemas.discrepancy import Consequence
+from schemas.equipment import EquipmentLimit, LimitName
 from schemas.recording import ANGLE, Recording
 from schemas.review import ReviewFinding, Touched
-from tasks.calibrate.calibrate import calibrate
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.adopt import corrected
-from tasks.explain.correction.consequences import moved, shift
+from tasks.explain.correction.consequences import by_clauses, moved, shift
 from tasks.explain.inputs.prepared import without_faults
 from tasks.explain.report.names import element_title, sentence
 from tasks.explain.report.statements import sentences
@@ -19,14 +19,17 @@ from tasks.model.catalogue import catalogue
 from tasks.motion.whole import Motion
 from tasks.review.hypotheses import Effect, identity
 from tasks.review.run_statistics import layout_of
-from tasks.specifications.register import specification_for
 from tasks.words import message, statement
 from tasks.words.quantities import multiple
 
 
-def moved_elements(recording: Recording, effect: Effect, values: np.ndarray) -> list[Consequence]:
+def moved_elements(
+    recording: Recording, effect: Effect, values: np.ndarray,
+    limits: Mapping[LimitName, EquipmentLimit] | None = None,
+) -> list[Consequence]:  # fmt: skip
     """The elements of a recording's items that an effect of values (m,) SI moves by more than
-    0.05 U, as read and less the effect; none where its clauses go by angles.
+    0.05 U, as read and less the effect; none where its clauses go by angles. limits: of the
+    equipment, as of `calibrate`.
 
     Raises Unusable where the clauses give no items.
     """
@@ -34,11 +37,8 @@ def moved_elements(recording: Recording, effect: Effect, values: np.ndarray) -> 
         return []
     _, _, full = without_faults(recording)
     added = contribution(recording, full.motion, effect, values)
-    specification = specification_for(recording.manifest.standard)
-    before, after = (
-        calibrate(specification, each, run="", code_version="")
-        for each in (recording, corrected(recording, [added]))
-    )
+    before = by_clauses(recording, limits)
+    after = by_clauses(corrected(recording, [added]), limits)
     return [each for each in moved(before, after) if shift(each)]
 
 

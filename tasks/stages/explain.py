@@ -22,6 +22,7 @@ from storage.whole_files import report_folder
 from tasks.explain.progress import Progress, silent, tell
 from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.stages import import_checks
+from tasks.stages.equipment_in_use import limits_in_use
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.stage import stage
 from tasks.words import Message, message
@@ -72,7 +73,8 @@ def explain_run(
     tell(progress, "consequences")
     unit = recording.manifest.unit
     tolerance = settings.tolerance_for(unit.manufacturer, unit.model, home)
-    effects = consequences(recording, explanation, tolerance)
+    limits = limits_in_use(recording.manifest, home, settings.laboratory(home))
+    effects = consequences(recording, explanation, tolerance, limits)
     explanation = replace(explanation, remarks=(*doubts, *explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
     discrepancy = discrepancy_of(explanation, wheres, effects)

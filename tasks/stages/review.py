@@ -12,7 +12,7 @@ from schemas.base import Unusable
 from schemas.certificate import LIVE
 from schemas.orders import ReviewOrder, Selection, order_of
 from schemas.review import KeptReview, Review, Skipped, Touched
-from storage import last_review
+from storage import last_review, settings
 from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.catalogue.selection import check_known, select
@@ -22,6 +22,7 @@ from tasks.review.hypotheses import Effect
 from tasks.review.search import Found
 from tasks.review.touched import moved_elements, touched_of, with_touched
 from tasks.review.windows import rows_of
+from tasks.stages.equipment_in_use import limits_in_use
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.import_recording import run_of
 from tasks.stages.stage import stage
@@ -195,7 +196,9 @@ def with_certificates(
 def _touched(job: AffectedCertificate) -> list[Touched]:
     """Nothing where the recording is gone or its clauses give no items."""
     try:
-        elements = moved_elements(runs.load(job.run, job.home), job.effect, job.values)
+        recording = runs.load(job.run, job.home)
+        limits = limits_in_use(recording.manifest, job.home, settings.laboratory(job.home))
+        elements = moved_elements(recording, job.effect, job.values, limits)
     except Unusable:
         return []
     return list(touched_of(job.certificate, elements))

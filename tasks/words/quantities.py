@@ -108,16 +108,22 @@ class Quantities:
         return body + self.unit if self.unit.startswith("×") else f"{body} {self.unit}".strip()
 
 
-def quantities(values: Sequence[float | None], U: float | None, unit: str) -> Quantities:
-    """Values with one expanded uncertainty (0 or None: without), in a unit of their size."""
-    U = U or 0.0
-    scale = readable_scale(max(abs(value) for value in (*values, U) if value is not None), unit)
-    if scale.unit != unit and unit in PREFIXED and U * scale.factor >= WIDE:
+def quantities(
+    values: Sequence[float | None], U: float | Sequence[float | None] | None, unit: str
+) -> Quantities:
+    """Values with one expanded uncertainty, or with one each (0 or None: without), in a unit of
+    their size.
+    """
+    each = U if isinstance(U, Sequence) else [U] * len(values)
+    uncertainties = [one or 0.0 for one in each]
+    sizes = (abs(value) for value in (*values, *uncertainties) if value is not None)
+    scale = readable_scale(max(sizes), unit)
+    if scale.unit != unit and unit in PREFIXED and max(uncertainties) * scale.factor >= WIDE:
         larger = 3 - round(math.log10(scale.factor))  # the next larger unit
         scale = Scale(10.0**-larger, 0, PREFIXES.get(larger, "") + unit)
     by = scale.factor / 10.0**scale.exponent
     scaled = [None if value is None else value * by for value in values]
-    made = column(scaled, [U * by if U > 0 else None] * len(values), USUAL_K)
+    made = column(scaled, [one * by if one > 0 else None for one in uncertainties], USUAL_K)
     power = power_of_ten(scale.exponent + made.exponent)
     shown = "" if scale.unit == "1" else unit_text(scale.unit)
     return Quantities(made.values, made.uncertainties, f"{power} {shown}".strip())

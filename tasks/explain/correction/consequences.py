@@ -1,7 +1,8 @@
 """How the missing physics changes the certificate: each item before and after."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -11,11 +12,13 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.decision import Decision
 from schemas.discrepancy import Consequence, VerdictChange
+from schemas.equipment import EquipmentLimit, LimitName
 from schemas.recording import ANGLE, Recording
 from schemas.tolerance import Tolerance
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
-from tasks.explain.correction.adopt import Corrections, corrected
+from tasks.calibrate.evaluation import evaluation_for
+from tasks.explain.correction.adopt import Calibrate, Corrections, corrected
 from tasks.explain.explanation import Explanation
 from tasks.specifications.register import specification_for
 from tasks.words import Sayable, message
@@ -41,14 +44,18 @@ class Consequences:
 
 
 def consequences(
-    recording: Recording, explanation: Explanation, tolerance: Tolerance | None = None
+    recording: Recording,
+    explanation: Explanation,
+    tolerance: Tolerance | None = None,
+    limits: Mapping[LimitName, EquipmentLimit] | None = None,
 ) -> Consequences:
     """Every item by the recording's clause method, as read and corrected for the findings.
 
     Findings whose parameters compensate for each other are corrected for together: one alone would
     shift what the others shift back. U includes the uncertainty of the corrections; an element is
-    listed if it changes by more than 0.05 U. Verdicts are compared if limits are given. Empty, with
-    the reason as a remark, if the clauses give no items.
+    listed if it changes by more than 0.05 U. Verdicts are compared if limits are given. limits:
+    of the equipment, as of `calibrate`. Empty, with the reason as a remark, if the clauses give no
+    items.
     """
     findings = explanation.findings
     count = len(findings)
@@ -57,10 +64,12 @@ def consequences(
         return none
     if all(name in recording.imu.columns for name in ANGLE):
         return replace(none, remarks=(message("explain-items-by-angles"),))
+    calibrated = partial(by_clauses, limits=limits)
     try:
-        before = _calibrated(recording)
+        before = calibrated(recording)
         sets = collinear_sets(explanation)
-        of_set = _less_what_they_add(recording, explanation, {*sets, tuple(range(count))})
+        every = {*sets, tuple(range(count))}
+        of_set = _less_what_they_add(recording, explanation, every, calibrated)
     except Unusable as fault:
         return replace(none, remarks=(message("explain-items-not-estimated", reason=str(fault)),))
     after, whole = [of_set[some] for some in sets], of_set[tuple(range(count))]
@@ -79,16 +88,17 @@ def consequences(
 
 
 def _less_what_they_add(
-    recording: Recording, explanation: Explanation, sets: Collection[tuple[int, ...]]
-) -> dict[tuple[int, ...], Calibration]:
+    recording: Recording, explanation: Explanation, sets: Collection[tuple[int, ...]],
+    calibrated: Calibrate,
+) -> dict[tuple[int, ...], Calibration]:  # fmt: skip
     """The items less what each set of findings adds, with what is uncertain of that."""
     findings = explanation.findings
-    every = Corrections.of(recording, findings, _calibrated, explanation.determined)
+    every = Corrections.of(recording, findings, calibrated, explanation.determined)
     of_set = {}
     for some in sets:
         whole = len(some) == len(findings)
         contributions = [findings[n].contribution for n in some]
-        less = every.calibration if whole else _calibrated(corrected(recording, contributions))
+        less = every.calibration if whole else calibrated(corrected(recording, contributions))
         items = every.with_uncertainty(less.items, some)
         of_set[some] = less.model_copy(update={"items": items})
     return of_set
@@ -117,25 +127,31 @@ def collinear_sets(explanation: Explanation) -> list[tuple[int, ...]]:
 def moved(before: Calibration, after: Calibration) -> Iterator[Consequence]:
     """The elements that differ by more than 0.05 U, or that only one of the two determines."""
     for name, item in before.items.items():
-        values = after.items[name].value if name in after.items else {}
+        other = after.items.get(name)
         for element, value in item.value.items():
-            now, U = values.get(element), item.U.get(element)
-            if now is not None:
-                U = after.items[name].U.get(element)
+            now = other.value.get(element) if other else None
+            stated = item.U.get(element)
+            U = other.U.get(element) if other and now is not None else stated
             if value is None and now is None:
                 continue
             if value is not None and now is not None and abs(now - value) <= NOTICEABLE * (U or 0):
                 continue
             yield Consequence(
-                item=name, element=element, before=value, after=now, U=U, unit=item.unit
-            )
+                item=name, element=element, before=value, after=now, U=U, U_before=stated,
+                unit=item.unit,
+            )  # fmt: skip
 
 
 def shift(consequence: Consequence) -> float:
-    """By how many U an element moves, with its sign; 0 where it has no value or no U."""
-    if consequence.before is None or consequence.after is None or not consequence.U:
+    """By how many U an element moves, with its sign; 0 where it has no value or no U.
+
+    In the larger U of the two: what the certificate's own U covers is no error of it, and what the
+    correction's covers is not known.
+    """
+    U = max(consequence.U_before or 0.0, consequence.U or 0.0)
+    if consequence.before is None or consequence.after is None or not U:
         return 0.0
-    return (consequence.after - consequence.before) / consequence.U
+    return (consequence.after - consequence.before) / U
 
 
 def moved_by(consequence: Consequence) -> float:
@@ -143,10 +159,16 @@ def moved_by(consequence: Consequence) -> float:
     return abs(shift(consequence))
 
 
-def _calibrated(recording: Recording) -> Calibration:
-    """All items by the clause method that the recording was made for; nothing is kept."""
+def by_clauses(
+    recording: Recording, limits: Mapping[LimitName, EquipmentLimit] | None = None
+) -> Calibration:
+    """All items by the clause method that the recording was made for; nothing is kept.
+
+    limits: of the equipment, which go before those of the specification.
+    """
     specification = specification_for(recording.manifest.standard)
-    return calibrate(specification, recording, run="", code_version="")
+    evaluation = evaluation_for(recording, own=limits)
+    return calibrate(specification, recording, run="", code_version="", evaluation=evaluation)
 
 
 def _verdict_changes(

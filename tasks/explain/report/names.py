@@ -8,7 +8,7 @@ from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import OVERALL, shift
 from tasks.specifications.items import ITEMS
 from tasks.words import Message, Sayable, known, message, texts
-from tasks.words.quantities import multiple, quantity
+from tasks.words.quantities import Quantities, multiple, quantities, quantity
 from tasks.words.rounding import USUAL_K
 
 
@@ -50,6 +50,12 @@ def shift_text(moved: Consequence) -> str:
     """By how many U an element of the certificate moves, with its sign; empty where it does not."""
     by = shift(moved)
     return multiple(by) if by else ""
+
+
+def before_and_after(moved: Consequence) -> Quantities:
+    """An element's value without the finding and with it, each with its U."""
+    U_before = moved.U if moved.U_before is None else moved.U_before
+    return quantities([moved.before, moved.after], [U_before, moved.U], moved.unit)
 
 
 def capital(phrase: Sayable) -> Statement:

@@ -14,6 +14,7 @@ from tasks.explain.correction.consequences import moved_by, shift
 from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.report.names import (
+    before_and_after,
     capital,
     channel_title,
     element_title,
@@ -31,7 +32,6 @@ from tasks.words.quantities import (
     plain,
     power_of_ten,
     probability,
-    quantities,
 )
 from tasks.words.rounding import USUAL_K
 
@@ -232,7 +232,7 @@ def _consequence(moved: Consequence, together: Sequence[Consequence]) -> Message
             "report-moves-in-set", element=lower(element_title(moved.item, moved.element)),
             times=multiple(shift(moved)), together=multiple(of_set),
         )  # fmt: skip
-    made = quantities([moved.before, moved.after], moved.U, moved.unit)
+    made = before_and_after(moved)
     return message(
         "report-moves-most", element=element_title(moved.item, moved.element),
         before=made.text(0), after=made.text(1), times=shift_text(moved),

@@ -12,6 +12,7 @@ from tasks.explain.correction.consequences import OVERALL, moved_by
 from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.report.names import (
+    before_and_after,
     channel_title,
     element_title,
     lower,
@@ -20,7 +21,7 @@ from tasks.explain.report.names import (
 )
 from tasks.explain.report.statements import either, rivals, sentences
 from tasks.words import Message, Sayable, clauses, message, statement
-from tasks.words.quantities import chi2, percent, plain, probability, quantities
+from tasks.words.quantities import chi2, percent, plain, probability
 
 CLEAR_GAIN = 0.95  # what a residual falls to where it is worth stating
 
@@ -156,7 +157,7 @@ def _moved(discrepancy: Discrepancy) -> Sayable:
     most = max(discrepancy.consequences, key=moved_by, default=None)
     if most is None or not values + verdicts:
         return ""
-    made = quantities([most.before, most.after], most.U, most.unit)
+    made = before_and_after(most)
     return message(
         "report-moved", findings=len(discrepancy.findings), values=values, verdicts=verdicts,
         element=lower(element_title(most.item, most.element)), before=made.text(0),

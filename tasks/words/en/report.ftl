@@ -48,7 +48,7 @@ report-group = These effects are confounded in this recording, and any of them f
 report-alternatives = This recording cannot distinguish it from { $effects }.
 report-no-alternatives = No other catalogue effect that was tried fits this recording equally well.
 report-to-record = To confirm, record: { $recording }.
-report-moves-most = Largest change on the certificate: { $element }, from { $before } without it to { $after } with it (k = 2), { $times } U.
+report-moves-most = Largest change on the certificate: { $element }, from { $before } without it to { $after } with it (± U), { $times } U (the larger of the two).
 report-moves-in-set = On its own it would change { $element } by { $times } U, but the other findings offset that: together they change it by { $together } U, which is what counts.
 report-to-do = Next step: { $next }.
 report-verdict-changes = The verdict on { $item } changes from { $before } to { $after }.
@@ -179,7 +179,7 @@ report-moved = { $findings ->
         [0] no values
         [one] { $values } value
        *[other] { $values } values
-    } on the certificate by more than U{ $verdicts ->
+    } on the certificate by more than U (the larger of the two){ $verdicts ->
         [0] {""}
         [one] {" "}and changes { $verdicts } verdict
        *[other] {" "}and changes { $verdicts } verdicts
@@ -237,7 +237,8 @@ report-column-segments = segments
 report-column-element = certificate value
 report-column-before = without
 report-column-after = with
-report-column-change = change / U
+report-column-expanded = U
+report-column-change = change / larger U
 report-change = { $before } → { $after }
 report-column-verdict = verdict
 report-dimension-rate = rate

@@ -48,7 +48,7 @@ report-group = 在本次记录中以下效应可相互替代，其中任何一�
 report-alternatives = 仅凭本次记录无法与以下效应区分：{ $effects }。
 report-no-alternatives = 目录中已试验的其他效应均不能同样好地解释本次记录。
 report-to-record = 如需确认，应补充记录：{ $recording }。
-report-moves-most = 对证书影响最大的是：{ $element }，未计入时为 { $before }，计入后为 { $after }（k = 2），变化 { $times } U。
+report-moves-most = 对证书影响最大的是：{ $element }，未计入时为 { $before }，计入后为 { $after }（± U），变化 { $times } U（取两者中较大者）。
 report-moves-in-set = 单独计入时，证书中的一个值（{ $element }）变化 { $times } U，但被其他发现抵消：全部计入后变化 { $together } U，应以此为准。
 report-to-do = 下一步：{ $next }。
 report-verdict-changes = { $item }的结论由“{ $before }”变为“{ $after }”。
@@ -163,7 +163,7 @@ report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $b
 report-moved = { $findings ->
         [one] 计入后
        *[other] 全部发现一并计入后
-    }，证书中有 { $values } 个值的变化超过 U{ $verdicts ->
+    }，证书中有 { $values } 个值的变化超过 U（取两者中较大者）{ $verdicts ->
         [0] {""}
        *[other] ，{ $verdicts } 项结论改变
     }，变化最大的是{ $element }：{ $before } → { $after }（{ $times } U）。
@@ -220,7 +220,8 @@ report-column-segments = 区段
 report-column-element = 证书中的值
 report-column-before = 未计入
 report-column-after = 计入后
-report-column-change = 变化 / U
+report-column-expanded = U
+report-column-change = 变化 / 较大的 U
 report-change = { $before } → { $after }
 report-column-verdict = 结论
 report-dimension-rate = 角速率

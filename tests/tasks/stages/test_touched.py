@@ -35,7 +35,7 @@ def test_only_certificates_on_its_runs_are_looked_at(
     names[int(np.argmin(rows))] = entries[1].run
     renamed = tuple(replace(r, run=n) for r, n in zip(pool.runs, names, strict=True))
     one = replace(one, pool=replace(pool, runs=renamed))
-    monkeypatch.setattr(review, "moved_elements", lambda recording, effect, values: [MOVED])
+    monkeypatch.setattr(review, "moved_elements", lambda recording, effect, values, limits: [MOVED])
     completed = review.with_certificates(review_of(pool, (one,), p_value), (one,), chosen, home)
     (found,) = completed.findings[0].touched
     assert (found.certificate, found.in_U) == (entries[0].number, pytest.approx(2.5))

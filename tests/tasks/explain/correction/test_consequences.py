@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from explained import explanation, finding, nothing_added
 
+from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import corrected
-from tasks.explain.correction.consequences import consequences
+from tasks.explain.correction.consequences import consequences, moved_by, shift
 from tasks.explain.determined import DeterminedModel
 from tasks.model.model import Model
 from tasks.model.term import nominal_values
@@ -60,7 +61,36 @@ def test_before_is_what_was_read_and_after_is_less_what_was_found(run: Recording
     assert bias.unit == "deg/s"
     # What was taken off is known to a tenth of itself, far worse than the bias is read.
     assert pytest.approx(2.06 * 0.1 * STEP, rel=0.02) == bias.U
-    assert certified.U["x"] < 0.01 * bias.U
+    assert bias.U_before == certified.U["x"] < 0.01 * bias.U
+    assert shift(bias) == pytest.approx((bias.after - bias.before) / bias.U)
+
+
+def test_what_a_widened_u_of_the_certificate_covers_is_no_error_of_it(run: Recording) -> None:
+    """Positions that disagree widen the U that `calibrate` states; the change is given in it."""
+    added = nothing_added(run)
+    for k, segment in enumerate(run.manifest.segments or ()):
+        added[run.imu.rows(segment.t_start, segment.t_end), 3] = 0.02 * (k == 2)
+    spoilt = added_to(run, added)
+    found = consequences(spoilt, explanation(spoilt, finding(added)))
+    certified = calibrate(JJF2003, spoilt, run="", code_version="").items["accel_bias"]
+    (bias,) = (c for c in found.together if (c.item, c.element) == ("accel_bias", "x"))
+    assert bias.U_before == certified.U["x"] > 2.0 * bias.U
+    assert moved_by(bias) == pytest.approx(abs(bias.after - bias.before) / certified.U["x"])
+
+
+def test_the_limits_of_the_laboratory_count_in_both_u(run: Recording) -> None:
+    limit = EquipmentLimit(half_width=0.1, distribution="rectangular", source="test")
+    added = nothing_added(run)
+    added[:, 3] = 0.01 * run.imu.columns["accel_x"]
+    spoilt = added_to(run, added)
+    usual, wide = (
+        {(c.item, c.element): c for c in consequences(spoilt, found, limits=own).together}
+        for found in [explanation(spoilt, finding(added))]
+        for own in (None, {"gravity": limit})
+    )
+    key = ("accel_scale_factor", "x")
+    assert wide[key].U_before > 2.0 * usual[key].U_before
+    assert wide[key].U > usual[key].U
 
 
 def test_what_moves_less_than_a_twentieth_of_u_is_not_listed(run: Recording) -> None:
