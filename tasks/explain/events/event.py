@@ -10,7 +10,7 @@ import numpy as np
 from schemas.discrepancy import FoundParameter
 from schemas.recording import ACCEL, GYRO
 from tasks.explain.channels import TRIADS
-from tasks.words import Argument, Message, message
+from tasks.words import Argument, Message, Sayable, message
 
 CHANNELS = GYRO + ACCEL
 UNITS = ("rad/s", "m/s2")  # of a triad
@@ -23,7 +23,8 @@ class Event:
 
     effect: its catalogue name, or `unnamed`. channels: 0 to 5, those affected.
     p_value: corrected for the number of hypotheses tested. linear: a small signal passes
-    unchanged. indistinguishable: catalogue names that do the same to these readings.
+    unchanged. indistinguishable: catalogue names that do the same to these readings. title: where
+    more is to be said than the catalogue's.
     """
 
     linear: ClassVar[bool] = True
@@ -34,6 +35,7 @@ class Event:
     p_value: float
     description: Message
     indistinguishable: tuple[str, ...] = field(default=(), kw_only=True)
+    title: Sayable = field(default="", kw_only=True)
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         """The mean readings (n, 6) with the event, given those predicted (n, 6) without it.

@@ -19,7 +19,7 @@ from tasks.explain.events.event import (
     significant_channels,
 )
 from tasks.explain.events.residual import LEVEL_BINS, Residual, Spectrum, spectrum_of
-from tasks.words import message
+from tasks.words import Sayable, message
 
 FALSE_ALARM = 2e-4  # of one recording, for the mains and for all other frequencies
 NEARLY_SIGNIFICANT = 0.7  # of the power that is significant: from here a line is fitted
@@ -194,17 +194,21 @@ def _event(effect: str, harmonics: list[Harmonic]) -> AddedSignal:
     ]
     channels = tuple(sorted({channel for line in lines for channel in line.channels}))
     names = channel_names(channels)
+    title: Sayable = ""
     if effect == "unnamed":
         description = message("events-line", frequency=f"{first.frequency:.4f}", channels=names)
     else:
+        source = " / ".join(f"{each:.3f}" for each in frequencies)
         description = message(
-            "events-mains", frequency=" / ".join(f"{each:.3f}" for each in frequencies),
+            "events-mains", frequency=source,
             lines=", ".join(f"{line.frequency:.4f} Hz" for line in lines), channels=names,
         )  # fmt: skip
+        if first.frequency not in frequencies:
+            title = message("events-folded-mains", line=f"{first.frequency:.3f}", frequency=source)
     return AddedSignal(
         effect, channels, (frequency, *chain(*amplitudes)), min(line.p_value for line in lines),
         description, tuple(line.signal for line in lines),
-        frequencies=tuple(line.frequency for line in lines),
+        frequencies=tuple(line.frequency for line in lines), title=title,
     )  # fmt: skip
 
 

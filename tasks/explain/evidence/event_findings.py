@@ -34,7 +34,8 @@ class EventFindings:
     """The events that are findings, and what all findings leave beside them.
 
     events: as many, in the order in which they act. found: (n, 6) predicted readings with them.
-    removed: chi-squared at the unit's rows that each of them removes, not below zero.
+    removed: chi-squared at the unit's rows that each of them removes, not below zero. per_reading:
+    (6,) mean chi-squared that all of them together remove from a reading that is used.
     """
 
     findings: list[Finding]
@@ -42,6 +43,7 @@ class EventFindings:
     found: np.ndarray
     left: LeftOver
     removed: list[float]
+    per_reading: np.ndarray
 
 
 def event_findings(
@@ -76,7 +78,16 @@ def event_findings(
     )
     without = (_without(event, borne_out, full, predicted) for event in kept)
     removed = [max(0.0, float(np.nansum(left.squares(one) - left.after))) for one in without]
-    return EventFindings(findings, borne_out, found, left, removed)
+    per_reading = _per_reading(left, left.squares(full.readings - predicted))
+    return EventFindings(findings, borne_out, found, left, removed, per_reading)
+
+
+def _per_reading(left: LeftOver, squares: np.ndarray) -> np.ndarray:
+    """(6,) by how much the mean square (n, 6) of the readings that are used falls, not below 0."""
+    fall = np.where(left.masked, np.nan, squares - left.after)
+    rows = np.isfinite(fall).sum(axis=0)
+    total = np.nansum(fall, axis=0)
+    return np.maximum(np.divide(total, rows, out=np.zeros(len(rows)), where=rows > 0), 0.0)
 
 
 def _needed(event: Event, left: LeftOver) -> float:
@@ -96,7 +107,7 @@ def event_finding(
     return Finding(
         effect=event.effect,
         family=effect.family if effect else UNNAMED,
-        title=effect.title if effect else event.description,
+        title=event.title or (effect.title if effect else event.description),
         equation=effect.equation if effect else "",
         source=effect.source if effect else "",
         channels=event.channels,

@@ -201,9 +201,14 @@ class Evidence:
         size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))[mine]
         return np.asarray(covariance[np.ix_(mine, mine)] / size[:, None] / size)
 
-    def held_out(self) -> HeldOut:
-        """How segments that a fit did not use are predicted, before and after."""
+    def held_out(self, by_events: np.ndarray) -> HeldOut:
+        """How segments that a fit did not use are predicted, before and after.
+
+        by_events: (6,) chi-squared per reading that events remove: few parameters to many readings,
+        which the regression never sees.
+        """
         before, after = self._deviance(range(len(self.groups))), self._deviance_after
+        before = before + by_events * self.fit.blocks.used_by_channel
         ratio = {
             name: float(np.sqrt(after[c] / before[c]))
             for c, name in enumerate(CHANNELS)

@@ -61,6 +61,11 @@ class Blocks:
         """Number of independent readings."""
         return max(1, round(self.share * np.count_nonzero(self.weight)))
 
+    @property
+    def used_by_channel(self) -> np.ndarray:
+        """(6,) of each channel."""
+        return self.share * np.count_nonzero(self.weight, axis=0)
+
 
 def block_means(
     full: FullRate, rate: float, masked: np.ndarray | None = None, fewest: int | None = None

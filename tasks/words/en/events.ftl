@@ -25,6 +25,7 @@ events-gaps = the time stamps have { $gaps ->
 events-constant = the { $channels } read one value throughout and are not used: check the wiring, the logger and what the firmware suppresses
 events-spikes = { $count } isolated readings in the { $channels } deviate from their neighbours by more than { $threshold } times the noise
 events-spikes-in-rotation = { events-spikes }, only while the table turns
+events-folded-mains = spectral line at { $line } Hz, where sampling folds mains of { $frequency } Hz
 events-mains = mains pick-up at { $frequency } Hz, visible at { $lines }, in the { $channels }
 events-line = a continuous spectral line at { $frequency } Hz in the { $channels }
 events-impacts = impacts { $per_turn } times per revolution of the outer axis, in the { $channels }

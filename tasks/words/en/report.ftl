@@ -28,12 +28,12 @@ report-times = { $number } times
 report-more-than-times = more than { $number } times
 report-why = It removes { $share } of the mismatch above noise. { $prediction }; ΔBIC = { $bic }: { $evidence } after the penalty for its parameters.
 report-why-absorbed = The standard's parameters absorb it completely: it shows in their values, not in the residual. ΔBIC = { $bic }: { $evidence } after the penalty for its parameters.
-report-nothing-removes = No catalogue effect and no pattern that was searched for removes it. Remaining χ² per degree of freedom (noise of unit and reference = 1): { $channels }.
+report-nothing-removes = No catalogue effect and no pattern that was searched for removes it. Remaining χ² per degree of freedom (noise at rest and of the reference = 1): { $channels }.
 report-evidence-very-strong = very strong evidence
 report-evidence-strong = strong evidence
 report-evidence-some = some evidence
 report-evidence-none = no evidence on this scale
-report-stays-high = Even so, χ² per degree of freedom of the { $channel } remains at { $chi2 } (noise of unit and reference = 1): something else is missing there, or the reference is not accurate enough. Evidence and U are scaled to this residual, and the size of the effect may change once its cause is found.
+report-stays-high = Even so, χ² per degree of freedom of the { $channel } remains at { $chi2 } (noise at rest and of the reference = 1): something else is missing there, or the reference is not accurate enough. Evidence and U are scaled to this residual, and the size of the effect may change once its cause is found.
 report-homogeneity = Its parameters { $alike ->
         [0] differ between independent parts of the recording by more than chance ({ $p }){ $named ->
             [0] : no law of this form holds throughout; U includes the scatter
@@ -170,8 +170,8 @@ report-unnamed = { $verdict ->
         [0] {""}
        *[other] ; observed: { $follows }
     }.
-report-gained = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (noise of unit and reference = 1).
-report-gained-most = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (noise of unit and reference = 1), and the rms residual of the { $channel } falls to { $share }.
+report-gained = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (1: the noise of the residual at high frequencies).
+report-gained-most = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (1: the noise of the residual at high frequencies), and the rms residual of the { $channel } falls to { $share }.
 report-moved = { $findings ->
         [one] Taking it into account
        *[other] Taking all findings into account together
@@ -197,7 +197,7 @@ report-before-after = Before and after
     .caption = Left: means of the residual over time; pale bars show its variation within a cell. Right: spectrum of the residual divided by the noise of one sample.
 report-left-over = Residual
     .caption = Left: means of the residual over time. Right: spectrum of the residual divided by the noise of one sample; a rise at low frequencies is the unit's own flicker noise and drift.
-report-held-out = Segments withheld from the fit: χ² per degree of freedom { $before } before, { $after } after (noise of unit and reference = 1).
+report-held-out = Segments withheld from the fit: χ² per degree of freedom { $before } before, { $after } after (1: the noise of the residual at high frequencies).
 report-rms-ratio = rms residual, after / before
 report-certificate = Effect on the certificate
 report-nothing-moved = No value on the certificate was found to change.

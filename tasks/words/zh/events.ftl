@@ -22,6 +22,7 @@ events-gaps = 时间戳有 { $gaps } 处间断，共缺 { $missing } 个采样�
 events-constant = { $channels }自始至终为同一读数，未予采用：请检查接线、记录程序及固件的抑制功能
 events-spikes = { $count } 个孤立读数偏离相邻读数超过噪声的 { $threshold } 倍，通道：{ $channels }
 events-spikes-in-rotation = { events-spikes }，仅在转台转动时出现
+events-folded-mains = { $line } Hz 谱线，工频 { $frequency } Hz 经采样混叠于此
 events-mains = 工频干扰 { $frequency } Hz，出现在 { $lines }，通道：{ $channels }
 events-line = { $frequency } Hz 处有一条始终存在的谱线，通道：{ $channels }
 events-impacts = 外轴每转 { $per_turn } 次的撞击，通道：{ $channels }

@@ -28,12 +28,12 @@ report-times = { $number } 倍
 report-more-than-times = { $number } 倍以上
 report-why = 其消除了高出噪声的失配的 { $share }。{ $prediction }；ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
 report-why-absorbed = 规范模型的参数已将其全部吸收：它体现在参数值中，而不在剩余残差中。ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
-report-nothing-removes = 目录中的效应和所查找的规律均不能消除它；各通道剩余的每自由度 χ²（仅有产品与参考的噪声时为 1）：{ $channels }。
+report-nothing-removes = 目录中的效应和所查找的规律均不能消除它；各通道剩余的每自由度 χ²（以静止噪声与参考的噪声为 1）：{ $channels }。
 report-evidence-very-strong = 证据非常强
 report-evidence-strong = 证据强
 report-evidence-some = 有一定证据
 report-evidence-none = 按此指标无证据
-report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $chi2 }（仅有产品与参考的噪声时为 1）：该处尚有其他遗漏，或参考的精细程度仅止于此。证据与 U 均相对于剩余残差计算；查明其他遗漏后，其大小可能改变。
+report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $chi2 }（以静止噪声与参考的噪声为 1）：该处尚有其他遗漏，或参考的精细程度仅止于此。证据与 U 均相对于剩余残差计算；查明其他遗漏后，其大小可能改变。
 report-homogeneity = 其参数在记录的各独立部分之间{ $alike ->
         [0] 的差异超出偶然（{ $p }）{ $named ->
             [0] ：并无处处成立的同一规律，U 已包含该分散性
@@ -158,8 +158,8 @@ report-unnamed = { $verdict ->
         [0] {""}
        *[other] ；其表现：{ $follows }
     }。
-report-gained = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有产品与参考的噪声时为 1）。
-report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有产品与参考的噪声时为 1），{ $channel } 残差均方根降至 { $share }。
+report-gained = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（以残差的高频噪声为 1）。
+report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（以残差的高频噪声为 1），{ $channel } 残差均方根降至 { $share }。
 report-moved = { $findings ->
         [one] 计入后
        *[other] 全部发现一并计入后
@@ -180,7 +180,7 @@ report-before-after = 前后对比
     .caption = 左：残差随时间的分段平均，浅色条为段内的摆动。右：残差除以单次采样噪声后的频谱。
 report-left-over = 剩余残差
     .caption = 左：残差随时间的分段平均。右：残差除以单次采样噪声后的频谱；低频处的上升为被校单元自身的闪烁噪声与漂移。
-report-held-out = 未参与拟合的区段：每自由度 χ² 前 { $before }，后 { $after }（仅有产品与参考的噪声时为 1）。
+report-held-out = 未参与拟合的区段：每自由度 χ² 前 { $before }，后 { $after }（以残差的高频噪声为 1）。
 report-rms-ratio = 残差均方根：后 / 前
 report-certificate = 对证书的影响
 report-nothing-moved = 未发现证书中有值受其影响。

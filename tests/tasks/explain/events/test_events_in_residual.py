@@ -63,6 +63,7 @@ def test_mains_and_its_alias_are_named_and_other_lines_are_not() -> None:
         events = _detected(made, left)
         (event,) = events.events
         assert event.effect == effect
+        assert ("39.970 Hz" in say(event.title, "en")) == (effect == "mains_pickup")
         assert _value(event, "frequency") == pytest.approx(frequency, abs=4e-4)
         assert _value(event, "gyro_y") == pytest.approx(1e-4, abs=3e-5)
         added = events.applied(made.t, np.zeros((len(made.t), 6)))

@@ -175,12 +175,25 @@ def test_what_is_there_earns_on_segments_that_were_not_seen(
 def test_unseen_segments_are_noise_after_and_worse_before(
     three: tuple[Evidence, list[FindingGroup]],
 ) -> None:
-    text: HeldOut = three[0].held_out()
+    text: HeldOut = three[0].held_out(np.zeros(6))
     assert text.chi2_per_dof_after == pytest.approx(1.0, abs=0.05)
     assert text.chi2_per_dof_before > text.chi2_per_dof_after
     assert set(text.rms_ratio) == set(CHANNELS)
     assert max(text.rms_ratio.values()) < 1.01
     assert min(text.rms_ratio.values()) < 0.98
+
+
+def test_what_events_remove_is_missing_from_unseen_segments_before(
+    three: tuple[Evidence, list[FindingGroup]],
+) -> None:
+    evidence, removed = three[0], np.array([0.0, 0.0, 0.0, 3.0, 0.0, 0.0])
+    plain, beside = evidence.held_out(np.zeros(6)), evidence.held_out(removed)
+    assert beside.chi2_per_dof_after == plain.chi2_per_dof_after
+    more = beside.chi2_per_dof_before - plain.chi2_per_dof_before
+    assert more == pytest.approx(3.0 / 6, rel=0.01)  # one of six channels
+    powers = [one.rms_ratio["accel_x"] ** -2 for one in (plain, beside)]  # before, over noise
+    assert powers[1] - powers[0] == pytest.approx(3.0, rel=0.05)
+    assert beside.rms_ratio["gyro_x"] == plain.rms_ratio["gyro_x"]
 
 
 def test_random_drifts_and_what_is_absorbed_are_not_judged_by_a_gain() -> None:

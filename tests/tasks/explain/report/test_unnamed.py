@@ -165,6 +165,6 @@ def test_of_what_nothing_explains_is_said_how_much_stays_and_what_to_do() -> Non
     explained = explanation(found, verdict="unexplained", left_over=left)
     (written,) = located(explained, (where("gyro_x", 1.0),)).findings
     assert written.title.en == "unnamed: a remainder"
-    assert "(noise of unit and reference = 1): gyro x 14.00" in written.statement.en
+    assert "(noise at rest and of the reference = 1): gyro x 14.00" in written.statement.en
     assert "ΔBIC" not in written.statement.en
     assert written.statement.en.endswith(f"Next step: {written.next.en}.")
