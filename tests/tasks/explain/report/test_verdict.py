@@ -70,7 +70,10 @@ def test_a_channel_that_was_not_recorded_has_nothing_left_over() -> None:
 def test_a_finding_that_leaves_its_channels_high_says_so_and_what_counts() -> None:
     left = np.array([50.0, 1.0, 1.0, 30.0, 1.0, 1.0])  # the finding touches no gyro
     text = answer(explanation(finding(), left_over=left)).findings[0].statement
-    assert "of the accelerometer x remains at 30.00 (noise at rest and of the reference = 1)" in text.en
+    assert (
+        "of the accelerometer x remains at 30.00 (noise at rest and of the reference = 1)"
+        in text.en
+    )
     assert "相对于剩余残差" in text.zh
     assert "remains at" not in answer(explanation(finding())).findings[0].statement.en
 
