@@ -172,9 +172,16 @@ def with_faults(explanation: Explanation, prepared: Prepared) -> Explanation:
         read = fault.applied(t, found)
         own.append(_finding(fault, read - found, noise))
         found = read
+    by_codes = _by_codes(own, faults)
+    removed, rest = _mismatch(explanation, prepared)
+    total = max(sum(by_codes) + rest, 1e-300)
+    own = [replace(one, share=part / total) for one, part in zip(own, by_codes, strict=True)]
     names = {CHANNELS[c]: CHANNELS[place[c]] for c in EVERY}
     ratio = {names[name]: value for name, value in explanation.held_out.rms_ratio.items()}
-    moved = [_moved(one, matrix, place) for one in explanation.findings]
+    moved, small = (
+        [replace(_moved(one, matrix, place), share=one.share * rest / total) for one in some]
+        for some in (explanation.findings, explanation.small)
+    )
     return replace(
         explanation,
         recording=recording,
@@ -185,11 +192,23 @@ def with_faults(explanation: Explanation, prepared: Prepared) -> Explanation:
         verdict=_verdict(explanation),
         held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
         left_over=explanation.left_over[place.argsort()],
-        explained_share=explanation.explained_share if explanation.findings else 1.0,
+        explained_share=(sum(by_codes) + removed) / total if rest else 1.0,
         findings=(*own, *without_form_errors(moved, own)),
-        small=tuple(_moved(one, matrix, place) for one in explanation.small),
+        small=tuple(small),
         determined=explanation.determined and replace(explanation.determined, axes=matrix),
     )
+
+
+def _mismatch(explanation: Explanation, prepared: Prepared) -> tuple[float, float]:
+    """Chi-squared that the findings beside the faults remove, and all that is above the noise."""
+    if not explanation.findings:
+        return 0.0, 0.0
+    before, after = (
+        _squares(prepared.full.readings - predicted, explanation.noise)
+        for predicted in (explanation.nominal, explanation.found)
+    )
+    removed = max(before - after, 0.0)
+    return removed, removed / max(explanation.explained_share, LEAST_P)
 
 
 def _verdict(explanation: Explanation) -> Verdict:
@@ -217,8 +236,24 @@ def _moved(finding: Finding, matrix: np.ndarray, place: np.ndarray) -> Finding:
 
 
 def _finding(fault: Fault, contribution: np.ndarray, noise: np.ndarray) -> Finding:
-    """The finding of a fault; the offset of wrong codes is compared with the noise (6,)."""
-    gain = float(-2.0 * np.log(fault.p_value))
+    """The finding of a fault; the offset of wrong codes is compared with the noise (6,).
+
+    Of a setting the residual shows nothing, so that no share of the mismatch is its own.
+    """
     if isinstance(fault, CodeFault):
-        gain = float(np.nansum((contribution / np.where(noise > 0, noise, np.inf)) ** 2))
-    return replace(event_finding(fault, contribution, gain), share=1.0)
+        return event_finding(fault, contribution, _squares(contribution, noise))
+    finding = event_finding(fault, contribution, float(-2.0 * np.log(fault.p_value)))
+    return replace(finding, held_out_gain=0.0)
+
+
+def _squares(residual: np.ndarray, noise: np.ndarray) -> float:
+    """Sum of squares of (n, 6) over the noise (6,)."""
+    return float(np.nansum((residual / np.where(noise > 0, noise, np.inf)) ** 2))
+
+
+def _by_codes(own: Sequence[Finding], faults: Sequence[Fault]) -> list[float]:
+    """The part of the mismatch, chi-squared, that each fault's codes make."""
+    return [
+        one.gain if isinstance(fault, CodeFault) else 0.0
+        for one, fault in zip(own, faults, strict=True)
+    ]

@@ -9,6 +9,7 @@ have those values, and are otherwise nothing, it is the likelier cause: a parame
 over its plausible range would have hit that value by chance. Where not, nothing is claimed.
 """
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
@@ -82,7 +83,9 @@ def with_absorbed(evidence: Evidence, candidates: Sequence[Candidate], blocks: B
         claim = absorbed(known, blocks, fit.selection.noises)
         if claim is not None:
             selected = (*fit.selection.selected, claim)
-            fit = fit.reselected(replace(fit.selection, selected=selected))
+            # Odds are as improbable by chance as they are large (Markov's inequality).
+            p_value = min(fit.selection.p_value, math.exp(-0.5 * claim.score))
+            fit = fit.reselected(replace(fit.selection, selected=selected, p_value=p_value))
     return evidence if fit is evidence.fit else Evidence.of(fit)
 
 

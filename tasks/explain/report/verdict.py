@@ -19,7 +19,8 @@ from tasks.explain.report.names import (
     parameter_text,
     shift_text,
 )
-from tasks.explain.report.statements import either, rivals, sentences
+from tasks.explain.report.statements import LEAST, either, rivals, sentences
+from tasks.model.effect import LOGGER
 from tasks.words import Message, Sayable, clauses, message, statement
 from tasks.words.quantities import chi2, percent, plain, probability
 
@@ -49,22 +50,32 @@ def verdict_statement(discrepancy: Discrepancy, recording: Recording) -> Stateme
 def _summary(discrepancy: Discrepancy) -> Message:
     """How much of the mismatch is explained, how much is not, and what to look at first."""
     explained = min(max(discrepancy.explained_share, 0.0), 1.0)
-    unnamed = [finding.share for finding in discrepancy.findings if finding.effect == UNNAMED]
-    without_name = (
-        min(sum(unnamed), explained) if len(unnamed) < len(discrepancy.findings) else explained
-    )
-    kinds = (
-        "all" if not unnamed else "none" if len(unnamed) == len(discrepancy.findings) else "some"
-    )
+    named = [finding.share for finding in discrepancy.findings if finding.effect != UNNAMED]
+    by_name = min(sum(named), explained)
     return message(
-        "report-summary", all=percent(explained), named=percent(explained - without_name),
-        unnamed=percent(without_name), left=percent(1.0 - explained), kinds=kinds,
+        "report-summary", all=percent(explained), named=percent(by_name),
+        unnamed=percent(explained - by_name), left=percent(1.0 - explained),
+        kinds=_kinds(discrepancy, len(named)),
         first=_first(discrepancy, 1.0 - explained),
     )  # fmt: skip
 
 
+def _kinds(discrepancy: Discrepancy, named: int) -> str:
+    """Whether all, some or none of the findings have names, or the residual shows none of them."""
+    quiet = all(value < MOSTLY_NOISE for value in discrepancy.left_over.values())
+    if named and quiet and all(finding.share < LEAST for finding in discrepancy.findings):
+        return "absorbed"
+    if named == len(discrepancy.findings):
+        return "all"
+    return "some" if named else "none"
+
+
 def _first(discrepancy: Discrepancy, left: float) -> Sayable:
-    """What to look at first: the largest finding, or the residual if that is larger."""
+    """What to look at first: a fault of the logger, or the largest finding, or the residual if that
+    is larger.
+    """
+    if discrepancy.findings and discrepancy.findings[0].family == LOGGER:
+        return discrepancy.findings[0].title
     largest = max(discrepancy.findings, key=lambda finding: finding.share, default=None)
     channels = discrepancy.left_over
     if largest is not None and (largest.share >= left or not channels):

@@ -124,6 +124,7 @@ report-next = { $dimension ->
 report-summary = { $kinds ->
         [none] No part of the mismatch above noise could be named: { $unnamed } of it follows patterns that no catalogue effect explains, { $left } follows none
         [some] { $all } of the mismatch above noise is accounted for ({ $named } by named effects, { $unnamed } by unnamed patterns), { $left } is not
+        [absorbed] The residual shows no mismatch above noise, since the standard's parameters absorb what was left out
        *[all] { $all } of the mismatch above noise is explained, { $left } is not
     }; look first at: { $first }.
 report-first-left = the residual of the { $channel } (χ² = { $chi2 } per degree of freedom)

@@ -124,6 +124,7 @@ report-next = { $dimension ->
 report-summary = { $kinds ->
         [none] 高出噪声的失配均未能命名：其中 { $unnamed } 有规律可循，但目录中无任何效应可以解释，{ $left } 无规律可循
         [some] 高出噪声的失配中，{ $all } 已得到说明（{ $named } 为已命名的效应，{ $unnamed } 为未命名的规律），{ $left } 未得到说明
+        [absorbed] 残差未高出噪声：遗漏的物理因素已被规范模型的参数全部吸收
        *[all] 高出噪声的失配中，{ $all } 已得到解释，{ $left } 未得到解释
     }；首先应检查：{ $first }。
 report-first-left = { $channel } 的剩余残差（每自由度 χ² = { $chi2 }）

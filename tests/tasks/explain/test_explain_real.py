@@ -45,6 +45,17 @@ def test_a_ring_laser_unit_in_two_positions_sees_earth_turn() -> None:
     assert abs(vertical.value - true) < 2.0 * vertical.u
     assert vertical.u < 1.0
     assert earth.channels == (0,)  # x stands upwards, then downwards
+    # No residual shows it; that g-sensitivity has its very value is not by chance.
+    assert earth.share < 0.01
+    assert explained("ln100_two_position").p_value < 0.005
+
+
+def test_a_wrong_mapping_is_no_share_of_the_mismatch_that_is_left_beside_it() -> None:
+    told = explained("vn200_57630_six_position")
+    first, *others = told.findings
+    assert (first.effect, first.share) == ("axis_mapping", 0.0)
+    shares = [one.share for one in (*others, *told.small)]
+    assert sum(shares) == pytest.approx(told.explained_share, abs=0.02)
 
 
 def test_a_mems_unit_in_two_positions_does_not_see_it() -> None:

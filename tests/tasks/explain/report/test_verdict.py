@@ -9,6 +9,7 @@ from made_report import BIAS, answer, explanation, finding, located, unnamed, wh
 from schemas.discrepancy import Discrepancy, FoundParameter
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
+from tasks.model.effect import LOGGER
 
 
 def first_sentence(discrepancy: Discrepancy) -> str:
@@ -65,6 +66,21 @@ def test_a_channel_that_was_not_recorded_has_nothing_left_over() -> None:
     assert set(answer(explanation(finding(), left_over=left)).left_over) == {
         "gyro_x", "gyro_y", "gyro_z",
     }  # fmt: skip
+
+
+def test_what_the_standards_parameters_absorb_is_no_share_of_a_mismatch() -> None:
+    absorbed = explanation(finding(share=0.0, held_out_gain=0.0))
+    assert "The residual shows no mismatch above noise" in first_sentence(answer(absorbed))
+    left = np.array([50.0] + 5 * [1.0])
+    beside = explanation(finding(share=0.0, held_out_gain=0.0), left_over=left)
+    assert "The residual shows no mismatch" not in first_sentence(answer(beside))
+
+
+def test_a_fault_of_the_logger_is_looked_at_first() -> None:
+    fault = finding(family=LOGGER, share=0.0, held_out_gain=0.0)
+    both = explanation(fault, unnamed(share=0.9), verdict="partly_explained")
+    assert "look first at: Table not level" in first_sentence(answer(both))
+    assert "0 % by named effects" in first_sentence(answer(both))
 
 
 def test_a_finding_that_leaves_its_channels_high_says_so_and_what_counts() -> None:
