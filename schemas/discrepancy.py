@@ -73,7 +73,8 @@ class ReportedFinding(Frozen):
     parameters agree between independent parts of the recording; null if no parts determine them.
     group: names of the catalogue that compensate for one another here, including this one; common:
     what they have in common. refused: why an unnamed finding does not get the name it resembles.
-    next: what to do.
+    jointly_with: numbers, from 1, of the findings that partly compensate for it: its consequences
+    are theirs as well. next: what to do.
     """
 
     effect: str
@@ -94,6 +95,7 @@ class ReportedFinding(Frozen):
     indistinguishable_from: tuple[str, ...] = ()
     separating_recording: Statement | None = None
     consequences: tuple[Consequence, ...] = ()
+    jointly_with: tuple[int, ...] = ()
     verdict_changes: tuple[VerdictChange, ...] = ()
     next: Statement
     statement: Statement

@@ -33,7 +33,8 @@ COLLINEAR = 0.7  # correlation of parameters from which on two findings are told
 class Consequences:
     """What each finding, and all of them together, do to the items.
 
-    of_findings, changes: one entry for each finding, in their order.
+    of_findings, changes: one entry for each finding, in their order. sets: of each the numbers of
+    those whose consequences are told together, its own included.
     """
 
     of_findings: tuple[tuple[Consequence, ...], ...]
@@ -41,6 +42,7 @@ class Consequences:
     together: tuple[Consequence, ...] = ()
     changes_together: tuple[VerdictChange, ...] = ()
     remarks: tuple[Sayable, ...] = ()
+    sets: tuple[tuple[int, ...], ...] = ()
 
 
 def consequences(
@@ -79,6 +81,7 @@ def consequences(
         changes=tuple(changes[:-1]),
         together=tuple(moved(before, whole)),
         changes_together=changes[-1],
+        sets=tuple(sets),
         remarks=tuple(
             message("explain-stated-together", titles=tuple(findings[n].title for n in some))
             for some in dict.fromkeys(sets)

@@ -51,7 +51,13 @@ def discrepancy_of(
         for channel, value in zip(CHANNELS, explanation.left_over, strict=True)
         if np.isfinite(value)
     }
-    parts = zip(explanation.findings, wheres, effects.of_findings, effects.changes, strict=True)
+    joint = [
+        tuple(n + 1 for n in some if n != own)
+        for own, some in enumerate(effects.sets or [()] * len(wheres))
+    ]
+    parts = zip(
+        explanation.findings, wheres, effects.of_findings, effects.changes, joint, strict=True
+    )
     draft = Discrepancy(
         recording_id=explanation.recording.manifest.recording_id,
         digest=explanation.recording.digest,
@@ -81,6 +87,7 @@ def _published(
     wheres: tuple[Where, ...],
     consequences: tuple[Consequence, ...],
     changes: tuple[VerdictChange, ...],
+    jointly_with: tuple[int, ...],
     left_over: Mapping[str, float],
     together: Sequence[Consequence],
 ) -> ReportedFinding:
@@ -106,6 +113,7 @@ def _published(
         indistinguishable_from=finding.indistinguishable,
         separating_recording=statement(finding.separated_by) if finding.separated_by else None,
         consequences=consequences,
+        jointly_with=jointly_with,
         verdict_changes=changes,
         next=statement(next_of(finding, wheres, setting)),
         statement=NOT_WRITTEN,

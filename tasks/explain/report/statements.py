@@ -215,7 +215,8 @@ def on_certificate(finding: ReportedFinding, together: Sequence[Consequence]) ->
     together: consequences of all findings; those that other findings cancel are stated for the set.
     """
     largest = max(finding.consequences, key=moved_by, default=None)
-    parts = [_consequence(largest, together)] if largest and moved_by(largest) > 0.0 else []
+    joint = finding.jointly_with
+    parts = [_consequence(largest, together, joint)] if largest and moved_by(largest) > 0.0 else []
     parts += [
         message("report-verdict-changes", item=lower(element_title(change.item, "")),
                 before=verdict_title(change.before), after=verdict_title(change.after))
@@ -224,7 +225,9 @@ def on_certificate(finding: ReportedFinding, together: Sequence[Consequence]) ->
     return sentences(parts)
 
 
-def _consequence(moved: Consequence, together: Sequence[Consequence]) -> Message:
+def _consequence(
+    moved: Consequence, together: Sequence[Consequence], joint: Sequence[int]
+) -> Message:
     of_set = sum(shift(each) for each in together
                  if (each.item, each.element) == (moved.item, moved.element))  # fmt: skip
     if of_set / shift(moved) < TAKEN_BACK:
@@ -235,7 +238,8 @@ def _consequence(moved: Consequence, together: Sequence[Consequence]) -> Message
     made = before_and_after(moved)
     return message(
         "report-moves-most", element=element_title(moved.item, moved.element),
-        before=made.text(0), after=made.text(1), times=shift_text(moved),
+        before=made.text(0), after=made.text(1), times=shift_text(moved), joint=len(joint),
+        others=", ".join(map(str, joint)),
     )  # fmt: skip
 
 

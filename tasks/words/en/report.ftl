@@ -48,7 +48,11 @@ report-group = These effects are confounded in this recording, and any of them f
 report-alternatives = This recording cannot distinguish it from { $effects }.
 report-no-alternatives = No other catalogue effect that was tried fits this recording equally well.
 report-to-record = To confirm, record: { $recording }.
-report-moves-most = Largest change on the certificate: { $element }, from { $before } without it to { $after } with it (± U), { $times } U (the larger of the two).
+report-moves-most = Largest change on the certificate{ $joint ->
+        [0] {""}
+        [one] , together with finding { $others }
+       *[other] , together with findings { $others }
+    }: { $element }, from { $before } without it to { $after } with it (± U), { $times } U (the larger of the two).
 report-moves-in-set = On its own it would change { $element } by { $times } U, but the other findings offset that: together they change it by { $together } U, which is what counts.
 report-to-do = Next step: { $next }.
 report-verdict-changes = The verdict on { $item } changes from { $before } to { $after }.

@@ -48,7 +48,10 @@ report-group = 在本次记录中以下效应可相互替代，其中任何一�
 report-alternatives = 仅凭本次记录无法与以下效应区分：{ $effects }。
 report-no-alternatives = 目录中已试验的其他效应均不能同样好地解释本次记录。
 report-to-record = 如需确认，应补充记录：{ $recording }。
-report-moves-most = 对证书影响最大的是：{ $element }，未计入时为 { $before }，计入后为 { $after }（± U），变化 { $times } U（取两者中较大者）。
+report-moves-most = { $joint ->
+        [0] {""}
+       *[other] 与发现 { $others } 合计，
+    }对证书影响最大的是：{ $element }，未计入时为 { $before }，计入后为 { $after }（± U），变化 { $times } U（取两者中较大者）。
 report-moves-in-set = 单独计入时，证书中的一个值（{ $element }）变化 { $times } U，但被其他发现抵消：全部计入后变化 { $together } U，应以此为准。
 report-to-do = 下一步：{ $next }。
 report-verdict-changes = { $item }的结论由“{ $before }”变为“{ $after }”。

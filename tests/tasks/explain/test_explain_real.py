@@ -51,11 +51,11 @@ def test_a_ring_laser_unit_in_two_positions_sees_earth_turn() -> None:
 
 
 def test_a_wrong_mapping_is_no_share_of_the_mismatch_that_is_left_beside_it() -> None:
-    told = explained("vn200_57630_six_position")
-    first, *others = told.findings
+    answer = explained("vn200_57630_six_position")
+    first, *others = answer.findings
     assert (first.effect, first.share) == ("axis_mapping", 0.0)
-    shares = [one.share for one in (*others, *told.small)]
-    assert sum(shares) == pytest.approx(told.explained_share, abs=0.02)
+    shares = [one.share for one in (*others, *answer.small)]
+    assert sum(shares) == pytest.approx(answer.explained_share, abs=0.02)
 
 
 def test_a_mems_unit_in_two_positions_does_not_see_it() -> None:

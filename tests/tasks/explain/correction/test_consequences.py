@@ -132,6 +132,7 @@ def test_findings_that_make_up_for_each_other_are_told_of_together(run: Recordin
         explained = replace(explanation(run, *found), determined=determined)
         declared = consequences(run, explained)
         assert len(declared.remarks) == others
+        assert declared.sets == (((0, 1),) * 2 if others else ((0,), (1,)))
         assert (declared.of_findings[0] == declared.together) == bool(others)
         assert (declared.of_findings[0] == declared.of_findings[1]) == bool(others)
 

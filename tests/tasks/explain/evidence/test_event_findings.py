@@ -35,10 +35,10 @@ def faulty(ideal_run: Any, *faults: Any, beside: float) -> Explanation:
     step = nothing_added(run)
     step[: len(step) // 2, 3] = beside
     found = (finding(step, share=0.8),) if beside else ()
-    told = explanation(run, *found)
-    told = replace(told, explained_share=0.8 if beside else 0.0)
-    full = SimpleNamespace(readings=told.nominal + step)
-    return with_faults(told, cast(Any, SimpleNamespace(recorded=run, faults=faults, full=full)))
+    answer = explanation(run, *found)
+    answer = replace(answer, explained_share=0.8 if beside else 0.0)
+    full = SimpleNamespace(readings=answer.nominal + step)
+    return with_faults(answer, cast(Any, SimpleNamespace(recorded=run, faults=faults, full=full)))
 
 
 def wrong_codes(rows: int, size: float) -> CodeFault:
@@ -60,11 +60,11 @@ def test_a_setting_has_no_share_of_what_the_others_leave(ideal_run: Any) -> None
 
 def test_wrong_codes_share_the_mismatch_with_what_is_beside_them(ideal_run: Any) -> None:
     rows = len(ideal_run(dwell=4.0).imu.t)
-    told = faulty(ideal_run, wrong_codes(rows, 0.1), beside=0.1)
-    first, step = told.findings  # as large: of 1 + 1/0.8 the one is 1, the other 0.8 of the rest
+    answer = faulty(ideal_run, wrong_codes(rows, 0.1), beside=0.1)
+    first, step = answer.findings  # as large: of 1 + 1/0.8 the one is 1, the other 0.8 of the rest
     assert first.share == pytest.approx(1.0 / 2.25)
     assert step.share == pytest.approx(1.0 / 2.25)
-    assert told.explained_share == pytest.approx(first.share + step.share)
+    assert answer.explained_share == pytest.approx(first.share + step.share)
     alone = faulty(ideal_run, wrong_codes(rows, 0.1), beside=0.0)
     assert alone.findings[0].share == pytest.approx(1.0)
 

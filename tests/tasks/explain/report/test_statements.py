@@ -8,7 +8,8 @@ from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, locate
 
 from schemas.discrepancy import Discrepancy, FoundParameter, VerdictChange
 from schemas.text import Statement
-from tasks.explain.correction.consequences import OVERALL
+from tasks.explain.correction.consequences import OVERALL, Consequences
+from tasks.explain.report import discrepancy_of
 from tasks.explain.report.names import parameter_name
 from tasks.explain.report.statements import strength_of_evidence, times_more_probable
 from tasks.model.effect import effect_name
@@ -87,6 +88,19 @@ def test_the_largest_shift_on_the_certificate_is_told_in_its_uncertainty() -> No
     assert "−40.0 U" in en
     assert "from fail to pass" in en
     assert "由“不合格”变为“合格”" in zh
+
+
+def test_what_findings_change_together_is_said_with_their_numbers() -> None:
+    effects = Consequences(
+        ((BIAS,),) * 3, ((),) * 3, (BIAS,), sets=((0, 2), (1,), (0, 2))
+    )  # fmt: skip
+    three = explanation(finding(share=0.3), finding(share=0.2), finding(share=0.1))
+    made = discrepancy_of(three, ((where(),),) * 3, effects)
+    first, second, third = (each.statement for each in made.findings)
+    assert [each.jointly_with for each in made.findings] == [(3,), (), (1,)]
+    assert "Largest change on the certificate, together with finding 3: Bias of the X" in first.en
+    assert "Largest change on the certificate: Bias of the X" in second.en
+    assert "与发现 1 合计" in third.zh
 
 
 def test_what_has_no_value_or_no_uncertainty_is_no_shift() -> None:
