@@ -13,6 +13,7 @@ from tasks.run_validity.environment import (
     supply_remarks,
     unit_temperature_remarks,
 )
+from tasks.run_validity.fields import field_remarks
 from tasks.run_validity.labels import label_remarks, point_remarks
 from tasks.run_validity.lost_data import lost_data_remarks
 from tasks.run_validity.outliers import outlier_remarks
@@ -50,6 +51,7 @@ def run_remarks(
         *unit_temperature_remarks(evidence),
         *supply_remarks(evidence),
         *station_remarks(evidence),
+        *field_remarks(evidence.recording.manifest),
     )
 
 

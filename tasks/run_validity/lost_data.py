@@ -12,9 +12,11 @@ from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message
+from tasks.words.quantities import moment, percent
 
 LARGEST_SHARE = 0.01  # of a segment's samples, or of the run's, that may be lost
 GAP = 1.5  # usual intervals: a longer step is a gap
+BEYOND = 1.0  # s by which a segment may begin before the first sample, or end after the last
 
 
 def lost_data_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
@@ -22,6 +24,7 @@ def lost_data_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     recording, segments = evidence.recording, evidence.segments
     for segment in segments:
         yield from _lost(recording, segment)
+        yield from _beyond(recording, segment)
     yield from _share("imu", recording.imu, segments)
     if recording.table is not None:
         yield from _share("table", recording.table, segments)
@@ -44,7 +47,7 @@ def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iter
     share = 1.0 - found * float(np.median(np.diff(rows.t))) / seconds
     if share > LARGEST_SHARE:
         yield run_remark(
-            "lost_share", run="invalid", stream=stream, share=f"{100 * share:.2g}",
+            "lost_share", run="invalid", stream=stream, share=percent(share),
             limit=f"{100 * LARGEST_SHARE:g}",
         )  # fmt: skip
 
@@ -69,6 +72,17 @@ def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
         segment=name, lost=lost, gaps=int(gaps.sum()), longest=f"{steps[worst]:.3f}",
         time=f"{at:.2f}",
     )  # fmt: skip
+
+
+def _beyond(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
+    """A segment that reaches beyond the recording: wrong times, or samples that were cut off."""
+    label, t = segment.segment, recording.imu.t
+    if label.t_start < t[0] - BEYOND or label.t_end > t[-1] + BEYOND:
+        yield run_remark(
+            "beyond_recording", label.name, segment=label.name,
+            start=moment(label.t_start), end=moment(label.t_end),
+            first=moment(t[0]), last=moment(t[-1]),
+        )  # fmt: skip
 
 
 def _without_rows(recording: Recording) -> Iterator[Remark]:

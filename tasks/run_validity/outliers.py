@@ -16,6 +16,7 @@ from tasks.segments.summarise import (
     median,
 )
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.words.quantities import plain
 
 Channels = tuple[str, ...]
 
@@ -74,7 +75,7 @@ def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
         if share > LARGEST_SHARE and share * sum(s.rows for s in held) >= FEWEST:
             yield run_remark(
                 "samples_off", run="invalid", channel=evidence.channel_names[channel],
-                share=f"{100 * share:.2g}", off=f"{OFF:g}", limit=f"{100 * LARGEST_SHARE:g}",
+                share=plain(100 * share, 2), off=f"{OFF:g}", limit=f"{100 * LARGEST_SHARE:g}",
             )  # fmt: skip
 
 

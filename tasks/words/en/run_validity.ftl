@@ -56,7 +56,7 @@ validity-samples-off = { $channel }: { $share } % of the samples deviate by more
 validity-vibration = { $channel }: in { $count } rests ({ $first } first) the standard deviation of the readings reaches { $deviation }; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the unit was vibrated.
 validity-drift = { $channel }: { $segment } deviates by { $left } { $unit } from the other rests, which U = { $U } { $unit } does not cover: the zero drifted or jumped.
 validity-unsteady-zero = { $channel }: { $segment } deviates by { $left } from the other rests; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the zero drifted or jumped.
-validity-lost-share = { $share } % of the samples of the { $stream } stream are missing within the segments; { $limit } % is allowed.
+validity-lost-share = { $share } of the samples of the { $stream } stream are missing within the segments; { $limit } % is allowed.
 validity-clocks-apart = The clocks of unit and table differ by up to { $delay } s; { $limit } s is allowed.
 validity-environment-in-part = { $quantity ->
         [temperature] Air temperature
@@ -68,4 +68,6 @@ validity-unit-temperature-level = The unit's own temperature is { $level } °C a
 validity-supply-not-recorded = The supply voltage of the unit was not recorded over the whole run: it is missing in { $count } of { $of } segments.
 validity-supply-level = The supply voltage of the unit is { $level } V, outside the plausible { $low } to { $high } V.
 validity-supply-changed = The supply voltage of the unit ranged from { $low } to { $high } V around { $usual } V; ±{ $percent } % is allowed.
+validity-beyond-recording = { $segment } is labelled from { $start } to { $end } s, but the samples reach from { $first } to { $last } s: its times are wrong, or the recording was cut off.
+validity-misspelt-field = Field { $field } of the manifest is unknown and was not used; { $meant } is absent: correct the spelling if it was meant.
 validity-station-remarks-unreadable = The station's remarks, field { $field } of the manifest, cannot be read.

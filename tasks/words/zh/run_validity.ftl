@@ -56,7 +56,7 @@ validity-samples-off = { $channel }：{ $share }% 的采样偏离所在段其余
 validity-vibration = { $channel }：{ $count } 个静止段（首个为 { $first }）中读数的标准差达 { $deviation }，允许 { $limit }（陀螺为 rad/s，加速度计为 m/s²）：器件受到振动。
 validity-drift = { $channel }：{ $segment } 与其余静止段相差 { $left } { $unit }，U = { $U } { $unit } 未能涵盖：零位漂移或跳变。
 validity-unsteady-zero = { $channel }：{ $segment } 与其余静止段相差 { $left }，允许 { $limit }（陀螺为 rad/s，加速度计为 m/s²）：零位漂移或跳变。
-validity-lost-share = 各段中 { $stream } 数据流缺少 { $share }% 的采样，允许 { $limit }%。
+validity-lost-share = 各段中 { $stream } 数据流缺少 { $share } 的采样，允许 { $limit }%。
 validity-clocks-apart = 器件与转台的时间最多相差 { $delay } s，允许 { $limit } s。
 validity-environment-in-part = { $quantity ->
         [temperature] 环境温度
@@ -68,4 +68,6 @@ validity-unit-temperature-level = 器件自身温度为 { $level } °C，环境�
 validity-supply-not-recorded = 未在整个测量过程中记录器件的供电电压：{ $of } 段中缺 { $count } 段。
 validity-supply-level = 器件的供电电压为 { $level } V；器件所需电压应为 { $low }~{ $high } V。
 validity-supply-changed = 器件的供电电压在 { $low }~{ $high } V 间变化，通常为 { $usual } V，允许 ±{ $percent }%。
+validity-beyond-recording = { $segment } 标注为 { $start } 至 { $end } s，而采样仅为 { $first } 至 { $last } s：标注时刻有误，或记录不完整。
+validity-misspelt-field = manifest 中的字段 { $field } 无法识别，未予使用；字段 { $meant } 缺失：如系笔误，请改正。
 validity-station-remarks-unreadable = 无法读取台站记录的情况（manifest 的 { $field } 字段）。

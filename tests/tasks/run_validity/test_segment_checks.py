@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from schemas.recording import Recording, Stream
+from schemas.recording import Manifest, Recording, Stream
 from schemas.text import Remark
 from tasks.calibrate.calibrate import calibrate
 from tasks.segments.summarise import summarise_all
@@ -149,3 +149,30 @@ def test_accelerometers_in_g_are_refused_with_the_unit_they_look_like(ideal_run)
     in_g = replace(recording, imu=Stream(recording.imu.t, columns))
     assert "look like g" in wrong_accel_unit(summarise_all(in_g, labels, "label"))
     assert wrong_accel_unit(summarise_all(recording, labels, "label")) is None
+
+
+@pytest.mark.parametrize(("beyond", "named"), [(0.4, 0), (500.0, 1)])
+def test_a_segment_that_reaches_beyond_the_recording_is_named(
+    beyond: float, named: int, ideal_run
+) -> None:
+    recording = ideal_run()
+    last = recording.manifest.segments[-1]
+    later = relabelled(recording, last.name, t_end=float(recording.imu.t[-1]) + beyond)
+    found = remarks(later, "beyond_recording")
+    assert [remark.segments for remark in found] == [(last.name,)] * named
+    for remark in found:
+        assert "the recording was cut off" in remark.en
+        assert last.name in remark.zh
+
+
+def test_a_misspelt_field_is_named_with_what_may_be_meant(ideal_run) -> None:
+    recording = ideal_run()
+    fields = recording.manifest.model_dump(exclude_unset=True)
+    assert remarks(recording, "misspelt_field") == []
+    fields["station"] = {"id": "ST-1", "latitud_deg": 39.9, "operator": "L"}
+    fields["segments"] = [each | {"rate_degs": 1.0} for each in fields["segments"]]
+    misspelt = replace(recording, manifest=Manifest.model_validate(fields))
+    found = [remark.en for remark in remarks(misspelt, "misspelt_field")]
+    assert len(found) == 2
+    assert "Field station.latitud_deg of the manifest is unknown" in found[0]
+    assert "segments.rate_deg_s is absent" in found[1]
