@@ -5,7 +5,7 @@ on each certificate that stands on the run.
 """
 
 from collections.abc import Iterable, Mapping
-from datetime import date
+from datetime import date, datetime
 from typing import TYPE_CHECKING, Any
 
 import sqlalchemy as sql
@@ -38,7 +38,7 @@ def provenance(manifest: "Manifest") -> dict[str, Any]:
     return {
         "station": manifest.station.id,
         "procedure": procedure if isinstance(procedure, str) else None,
-        "recorded_on": _day(free.get("recorded_at")) or _day(free.get("acquired_at")),
+        "recorded_on": stated_day(free.get("recorded_at")) or stated_day(free.get("acquired_at")),
     }
 
 
@@ -67,9 +67,9 @@ def named_by(name: str) -> sql.ColumnElement[bool]:
     return sql.or_(used.name == name, used.serial == name, used.certificate == name)
 
 
-def _day(moment: object) -> date | None:
-    """The day at the beginning of an ISO 8601 text, in the time zone of that text."""
+def stated_day(moment: object) -> date | None:
+    """The day of a moment in ISO 8601, in the time zone of that text; None where it is none."""
     try:
-        return date.fromisoformat(str(moment)[:10])
+        return datetime.fromisoformat(moment).date() if isinstance(moment, str) else None
     except ValueError:
         return None

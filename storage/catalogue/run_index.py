@@ -3,6 +3,7 @@
 Apart from `runs`, which reads and writes recordings and loads numpy and their formats for it.
 """
 
+import os
 from datetime import date, datetime
 
 import sqlalchemy as sql
@@ -54,7 +55,10 @@ def find(reference: str, home: Home) -> Run:
             )
         if matching:
             return matching[0]
-    raise Unusable(f"There is no run {reference!r} in {home.path}; `mimucal runs` lists them.")
+    path = ", and no file or folder of that name" if os.sep in reference else ""
+    raise Unusable(
+        f"There is no run {reference!r} in {home.path}{path}; `mimucal runs` lists them."
+    )
 
 
 def _listed(several: list[Run]) -> str:

@@ -106,8 +106,13 @@ def day_of_calibration(free: ManifestFields, inputs: CertificateInputs, run: Run
     return day or given
 
 
-def check_order(order: Order | None, calibrated_on: date | None) -> None:
-    """Raises Unusable for an order that says the unit came after it was calibrated."""
+def check_order(order: Order | None, calibrated_on: date | None, today: date) -> None:
+    """Raises Unusable for an order by which the unit came after it was calibrated or is to come."""
+    if order and order.received > today:
+        raise Unusable(
+            f"the order says received = {order.received}, which is after today, {today}: correct "
+            "the order"
+        )
     if order and calibrated_on and order.received > calibrated_on:
         raise Unusable(
             f"the order says received = {order.received}, which is after the calibration of "

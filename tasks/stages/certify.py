@@ -66,7 +66,7 @@ def certify(
     if laboratory:
         laboratory = laboratory.model_copy(update={"equipment": equipment})
         laboratory = with_appearance(laboratory, home)
-    check_order(order, calibrated_on)
+    check_order(order, calibrated_on, today)
     validated = settings.validation(home) or record.shipped()
     expired = conformity.expired(equipment, calibrated_on or today)
 

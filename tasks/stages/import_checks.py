@@ -1,12 +1,12 @@
 """Recordings refused on import because no item could be estimated from them."""
 
-from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, MEASURED, Manifest, Recording, Segment, Stream
+from storage.catalogue.lineage import stated_day
 from storage.formats import recordings
 from storage.formats.checks import absent
 from storage.verify import StoreFault
@@ -43,10 +43,7 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
     """A sentence where a day of the recording is stated that a recall could not find it by."""
     for name in ("recorded_at", "acquired_at"):
         stated = (manifest.model_extra or {}).get(name)
-        try:
-            if stated is not None:
-                datetime.fromisoformat(stated)
-        except (TypeError, ValueError):
+        if stated is not None and stated_day(stated) is None:
             return (
                 f"{name} in the manifest is {stated!r}, which is no moment of ISO 8601; write it "
                 "as 2026-03-04T08:00:00Z, or leave it out."

@@ -320,3 +320,8 @@ def test_shared_recording_is_kept_and_loaded(fresh: Home, shared: Path) -> None:
     run = runs.add(recordings.read(path), fresh, source=path)[0]
     assert digest(runs.load(run, fresh)) == run.digest
     assert run.standard == "JJF 1536-2015"
+
+
+def test_a_path_that_leads_nowhere_is_said_to_be_none(tmp_path: Path) -> None:
+    with pytest.raises(Unusable, match="and no file or folder of that name"):
+        run_index.find("no/such", Home(tmp_path))

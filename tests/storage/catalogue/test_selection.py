@@ -57,7 +57,7 @@ def test_stations_serials_procedures_and_days_choose(fresh: Home, recorded) -> N
 def test_the_moment_of_the_first_row_gives_the_day_where_no_station_did(
     fresh: Home, recorded
 ) -> None:
-    moment = recorded(0.0, acquired_at="2026-03-01T08:30:00+00:00")
+    moment = recorded(0.0, acquired_at="20260301T083000Z")
     both = recorded(1.0, recorded_at="2026-03-02T07:00:00+08:00", acquired_at="2026-03-01T23:00Z")
     assert chosen(fresh, until=date(2026, 3, 1)) == [moment]
     assert chosen(fresh, since=date(2026, 3, 2), until=date(2026, 3, 2)) == [both]

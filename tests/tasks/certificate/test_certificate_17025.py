@@ -71,7 +71,7 @@ def test_condition_and_configuration_are_those_of_order_and_manifest() -> None:
 
 def test_whether_it_was_adjusted_or_sampled_is_always_told() -> None:
     printed = of_object(content(certificate()))
-    assert printed["Adjustment"].startswith("not adjusted")
+    assert printed["Adjustment"].startswith("no adjustment is recorded")
     assert printed["Sampling"].startswith("none")
     assert printed["Condition"] == printed["Range of angular rate"] == "not given"
     assert of_object(content(adjusted()))["Adjustment"].startswith("adjusted during")
@@ -139,6 +139,6 @@ def test_the_dcc_has_them_in_their_places_and_as_statements() -> None:
     assert lab.findtext(f"{DCC}contact/{DCC}eMail") == "lab@example.org"
     assert lab.findtext(f"{DCC}contact/{DCC}phone") == "+86 10 1234"
     written = "\n".join(root.find(f".//{DCC}statements").itertext())
-    for text in ("traceable to the International System", "not adjusted", "±500 °/s", "label torn",
-                 "标签破损", "Hall 3, Beijing"):  # fmt: skip
+    for text in ("traceable to the International System", "no adjustment is recorded", "±500 °/s",
+                 "label torn", "标签破损", "Hall 3, Beijing"):  # fmt: skip
         assert text in written

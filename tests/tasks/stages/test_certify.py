@@ -131,6 +131,7 @@ def test_papers_may_tell_the_day(kept: Keep, inputs: Inputs) -> None:
             Inputs(order=order(date(2026, 5, 3))),
             "received",
         ),
+        ({}, Inputs(order=order(date(9999, 12, 31))), "after today"),
     ],
 )
 def test_what_is_refused_leaves_no_draft(
