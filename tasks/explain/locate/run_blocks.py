@@ -1,6 +1,6 @@
 """Divides the run into short blocks, with the cell of every partition that each belongs to."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -130,12 +130,24 @@ class StandardDesign:
         values[~known] = 0.0
         return cls(values, known, inverse(values.T @ values), run.block_sums(values))
 
-    def residual(self, signal: np.ndarray) -> np.ndarray:
-        """(n,) of a signal what is not absorbed; zero where it or the motion is not known."""
+    def at_known(self, run: BlockedRun, signal: np.ndarray) -> Self:
+        """The same at the rows where a signal (n,) is known as well: what is absorbed elsewhere
+        absorbs nothing of it.
+        """
         known = self.known & np.isfinite(signal)
-        filled = np.where(known, signal, 0.0)
+        if known.sum() == self.known.sum():
+            return self
+        values = np.where(known[:, None], self.values, 0.0)
+        return replace(
+            self, values=values, known=known, inverse=inverse(values.T @ values),
+            sums=run.block_sums(values),
+        )  # fmt: skip
+
+    def residual(self, signal: np.ndarray) -> np.ndarray:
+        """(n,) of a signal (n,) what is not absorbed; zero where the design is not known."""
+        filled = np.where(self.known, signal, 0.0)
         absorbed = self.values @ (self.inverse @ (self.values.T @ filled))
-        return np.where(known, filled - absorbed, 0.0)
+        return np.where(self.known, filled - absorbed, 0.0)
 
     def fit_steps(
         self, rows: np.ndarray, sums: np.ndarray, excess: np.ndarray

@@ -96,7 +96,9 @@ def _entries(
 ) -> tuple[Where, ...]:  # fmt: skip
     """signal: (n, 6) to be located. noise: (6,) standard deviations, which it is counted in."""
     scaled = signal / noise
-    excess = [design.residual(column) for design, column in zip(designs, scaled.T, strict=True)]
+    columns = scaled.T
+    designs = tuple(each.at_known(run, c) for each, c in zip(designs, columns, strict=True))
+    excess = [design.residual(column) for design, column in zip(designs, columns, strict=True)]
     power = np.array([float((values**2).sum()) for values in excess])
     if power.sum() < ROUNDING:
         return (_where(CHANNELS[(*finding.channels, 0)[0]], ABSORBED, 1.0),)

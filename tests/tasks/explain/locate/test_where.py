@@ -177,6 +177,16 @@ def test_what_one_attitude_adds_is_found_at_that_attitude(run: Recording, motion
     assert {"rest_-y_0", "rest_-y_1"} <= set(first.segments)
 
 
+def test_rows_at_which_a_contribution_is_not_known_have_no_part_in_where_it_sits(
+    run: Recording, motion: Motion
+) -> None:
+    """As where turns have no reference: what differs from rest to rest does not follow the rate."""
+    placed = 0.05 * (motion.up[:, 0] * motion.up[:, 0] - motion.up[:, 1] * motion.up[:, 1])
+    placed[np.linalg.norm(motion.rate, axis=1) > np.radians(1.0)] = np.nan
+    (where,) = locate(explained(run, in_channels(len(placed), accel_z=placed)))
+    assert (one(where).channel, one(where).dimension) == ("accel_z", "attitude")
+
+
 def test_waves_per_turn_are_counted(run: Recording, motion: Motion) -> None:
     assert motion.axes is not None
     angle, speed = motion.axes.angles[:, 0], motion.axes.speeds[:, 0]
