@@ -87,8 +87,8 @@ def _row(finding: ReportedFinding) -> dict[str, Any]:
 def _moved(finding: ReportedFinding) -> tuple[Moved, ...]:
     """What it moves, most of all first."""
     moved = [
-        Moved(item=each.item, element=each.element, in_U=(each.after - each.before) / each.U)
+        Moved(item=each.item, element=each.element, in_U=each.in_U)
         for each in finding.consequences
-        if each.before is not None and each.after is not None and each.U
+        if each.in_U
     ]
     return tuple(sorted(moved, key=lambda each: -abs(each.in_U)))

@@ -10,7 +10,7 @@ from schemas.recording import ANGLE, Recording
 from schemas.review import ReviewFinding, Touched
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.adopt import corrected
-from tasks.explain.correction.consequences import by_clauses, moved, shift
+from tasks.explain.correction.consequences import by_clauses, moved
 from tasks.explain.inputs.prepared import without_faults
 from tasks.explain.report.names import element_title, sentence
 from tasks.explain.report.statements import sentences
@@ -39,7 +39,7 @@ def moved_elements(
     added = contribution(recording, full.motion, effect, values)
     before = by_clauses(recording, limits)
     after = by_clauses(corrected(recording, [added]), limits)
-    return [each for each in moved(before, after) if shift(each)]
+    return [each for each in moved(before, after) if each.in_U]
 
 
 def contribution(
@@ -63,9 +63,7 @@ def contribution(
 def touched_of(certificate: str, elements: Sequence[Consequence]) -> Iterator[Touched]:
     """The elements as elements of a certificate, in its U."""
     for each in elements:
-        yield Touched(
-            certificate=certificate, item=each.item, element=each.element, in_U=shift(each)
-        )
+        yield Touched(certificate=certificate, item=each.item, element=each.element, in_U=each.in_U)
 
 
 def with_touched(finding: ReviewFinding, touched: Sequence[Touched], looked: int) -> ReviewFinding:

@@ -145,21 +145,9 @@ def moved(before: Calibration, after: Calibration) -> Iterator[Consequence]:
             )  # fmt: skip
 
 
-def shift(consequence: Consequence) -> float:
-    """By how many U an element moves, with its sign; 0 where it has no value or no U.
-
-    In the larger U of the two: what the certificate's own U covers is no error of it, and what the
-    correction's covers is not known.
-    """
-    U = max(consequence.U_before or 0.0, consequence.U or 0.0)
-    if consequence.before is None or consequence.after is None or not U:
-        return 0.0
-    return (consequence.after - consequence.before) / U
-
-
 def moved_by(consequence: Consequence) -> float:
     """By how many U an element moves either way."""
-    return abs(shift(consequence))
+    return abs(consequence.in_U)
 
 
 def by_clauses(

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from schemas.discrepancy import Consequence, FoundParameter, VerdictChange
 from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
-from tasks.explain.correction.consequences import OVERALL, shift
+from tasks.explain.correction.consequences import OVERALL
 from tasks.specifications.items import ITEMS
 from tasks.words import Message, Sayable, known, message, texts
 from tasks.words.quantities import Quantities, multiple, quantities, quantity
@@ -48,7 +48,7 @@ def change_title(change: VerdictChange) -> Message:
 
 def shift_text(moved: Consequence) -> str:
     """By how many U an element of the certificate moves, with its sign; empty where it does not."""
-    by = shift(moved)
+    by = moved.in_U
     return multiple(by) if by else ""
 
 

@@ -10,7 +10,7 @@ from schemas.discrepancy import (
     ReportedFinding,
 )
 from schemas.text import Statement
-from tasks.explain.correction.consequences import moved_by, shift
+from tasks.explain.correction.consequences import moved_by
 from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.report.names import (
@@ -228,12 +228,12 @@ def on_certificate(finding: ReportedFinding, together: Sequence[Consequence]) ->
 def _consequence(
     moved: Consequence, together: Sequence[Consequence], joint: Sequence[int]
 ) -> Message:
-    of_set = sum(shift(each) for each in together
+    of_set = sum(each.in_U for each in together
                  if (each.item, each.element) == (moved.item, moved.element))  # fmt: skip
-    if of_set / shift(moved) < TAKEN_BACK:
+    if of_set / moved.in_U < TAKEN_BACK:
         return message(
             "report-moves-in-set", element=lower(element_title(moved.item, moved.element)),
-            times=multiple(shift(moved)), together=multiple(of_set),
+            times=multiple(moved.in_U), together=multiple(of_set),
         )  # fmt: skip
     made = before_and_after(moved)
     return message(

@@ -12,7 +12,7 @@ from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import corrected
-from tasks.explain.correction.consequences import consequences, moved_by, shift
+from tasks.explain.correction.consequences import consequences, moved_by
 from tasks.explain.determined import DeterminedModel
 from tasks.model.model import Model
 from tasks.model.term import nominal_values
@@ -62,7 +62,7 @@ def test_before_is_what_was_read_and_after_is_less_what_was_found(run: Recording
     # What was taken off is known to a tenth of itself, far worse than the bias is read.
     assert pytest.approx(2.06 * 0.1 * STEP, rel=0.02) == bias.U
     assert bias.U_before == certified.U["x"] < 0.01 * bias.U
-    assert shift(bias) == pytest.approx((bias.after - bias.before) / bias.U)
+    assert bias.in_U == pytest.approx((bias.after - bias.before) / bias.U)
 
 
 def test_what_a_widened_u_of_the_certificate_covers_is_no_error_of_it(run: Recording) -> None:
