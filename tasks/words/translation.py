@@ -13,6 +13,7 @@ from tasks.words.message import Argument, Message, Sayable
 
 COMMON = "common.ftl"  # every language has it
 IDENTIFIER = re.compile(r"^([a-zA-Z][\w-]*) *=", re.MULTILINE)
+PLAIN = re.compile(r"(?:[a-zA-Z][\w-]*|    \.(?P<attribute>[\w-]+)) *= *(?P<text>[^{}]*[^{}\s])")
 WORD = re.compile(r"[a-zA-Z][\w-]*")
 LONG = 1000  # characters; the formatter takes no argument of more than 2500
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
@@ -59,9 +60,20 @@ class _File:
         text = (FOLDER / language / name).read_text(encoding="utf-8")
         starts = [found.start() for found in IDENTIFIER.finditer(text)]
         parts = [text[start:end] for start, end in zip(starts, [*starts[1:], None], strict=True)]
-        self.unparsed = dict(zip(IDENTIFIER.findall(text), parts, strict=True))
+        self.texts = dict(zip(IDENTIFIER.findall(text), parts, strict=True))
+        self.unparsed = dict(self.texts)
         self.bundle = _bundle(language)
         self._one_at_a_time = Lock()
+
+    def plain(self, id_: str) -> Mapping[str, str] | None:
+        """Text and attributes of a message of single lines without placeables, which most are and
+        which need no parser; the text's own key is empty. None for any other.
+        """
+        lines = [line for line in self.texts[id_].splitlines() if line and line[0] != "#"]
+        found = [PLAIN.fullmatch(line) for line in lines]
+        if not all(found):
+            return None
+        return {each["attribute"] or "": each["text"] for each in found if each}
 
     def message(self, id_: str) -> Any:
         """The message, parsed. Raises ValueError where it is not understood."""
@@ -113,6 +125,8 @@ def say(sayable: Sayable, language: str) -> str:
     bundle, pattern = _pattern(language, sayable.id)
     if pattern is None:
         raise KeyError(f"the {language} catalogue has no message {sayable.id}")
+    if isinstance(pattern, str):
+        return pattern
     arguments = {name: _argument(value, language) for name, value in sayable.arguments}
     long = {n: text for n, text in arguments.items() if isinstance(text, str) and len(text) > LONG}
     places = {name: f"\ue000{name}\ue001" for name in long}  # private use: in no text
@@ -164,11 +178,16 @@ def _argument(value: Argument, language: str) -> object:
 
 
 def _pattern(language: str, id_: str) -> tuple[Any, Any]:
-    """The bundle and pattern of `message` or `message.attribute`; None where there is none."""
+    """The bundle and pattern of `message` or `message.attribute`, of one without placeables its
+    text; None where there is none.
+    """
     name, _, attribute = id_.partition(".")
     file = _file_of(language).get(name)
     if file is None:
         return None, None
     catalogue = _catalogue_file(language, file)
+    plain = catalogue.plain(name)
+    if plain is not None:
+        return None, plain.get(attribute)
     found = catalogue.message(name)
     return catalogue.bundle, found.attributes.get(attribute) if attribute else found.value

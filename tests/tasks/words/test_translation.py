@@ -144,3 +144,21 @@ def test_what_a_certificate_prints_names_no_command_and_no_file_of_the_program(
     written = (WORDS / language / f"{file}.ftl").read_text(encoding="utf-8")
     assert not [line for line in written.splitlines() if "`" in line or ".toml" in line]
     assert "mimucal" not in written
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_messages_without_placeables_read_as_the_parser_has_them(language: str) -> None:
+    plain = 0
+    for name, entry in entries(language):
+        catalogue = _catalogue_file(language, name)
+        read = catalogue.plain(entry.id.name)
+        if read is None:
+            continue
+        parsed = catalogue.message(entry.id.name)
+        patterns = {"": parsed.value} | parsed.attributes
+        assert read == {
+            key: catalogue.bundle.format_pattern(pattern, {})[0]
+            for key, pattern in patterns.items()
+        }
+        plain += 1
+    assert plain > 300
