@@ -5,7 +5,11 @@ import pytest
 
 from tasks.quality.capability import capability, dof_within, sigma_within
 
-RNG = np.random.default_rng(4)
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """The same draws for each test, in whatever order they come."""
+    return np.random.default_rng(4)
 
 
 def stretched(values: np.ndarray, mean: float, sd: float) -> np.ndarray:
@@ -13,21 +17,21 @@ def stretched(values: np.ndarray, mean: float, sd: float) -> np.ndarray:
     return np.asarray(mean + sd * (values - values.mean()) / values.std(ddof=1))
 
 
-def test_performance_is_that_of_the_handbooks_example() -> None:
+def test_performance_is_that_of_the_handbooks_example(rng: np.random.Generator) -> None:
     # NIST/SEMATECH e-Handbook, 6.1.6: limits 8 and 20, mean 16, sigma 2: Cp 1.0, Cpk 0.6667
-    found = capability(stretched(RNG.standard_normal(50), 16.0, 2.0), 8.0, 20.0)
+    found = capability(stretched(rng.standard_normal(50), 16.0, 2.0), 8.0, 20.0)
     assert found.pp.value == pytest.approx(1.0)
     assert found.ppk.value == pytest.approx(2.0 / 3.0)
-    upper = capability(stretched(RNG.standard_normal(50), 16.0, 2.0), None, 20.0)
+    upper = capability(stretched(rng.standard_normal(50), 16.0, 2.0), None, 20.0)
     assert upper.ppk.value == pytest.approx(0.6667, abs=1e-4)
-    assert capability(stretched(RNG.standard_normal(50), 16.0, 2.0), 8.0, None).ppk.value == (
+    assert capability(stretched(rng.standard_normal(50), 16.0, 2.0), 8.0, None).ppk.value == (
         pytest.approx(1.3333, abs=1e-4)
     )
 
 
-def test_intervals_are_those_of_montgomery() -> None:
+def test_intervals_are_those_of_montgomery(rng: np.random.Generator) -> None:
     # Introduction to Statistical Quality Control, example 8.4: limits 38 and 62, s = 1.75, n = 20
-    values = stretched(RNG.standard_normal(20), 50.0, 1.75)
+    values = stretched(rng.standard_normal(20), 50.0, 1.75)
     assert capability(values, 38.0, 62.0).pp.value == pytest.approx(2.286, abs=1e-3)
     pp = capability(values, 38.0, 62.0).pp
     assert (pp.low, pp.high) == pytest.approx((1.57, 3.01), abs=0.01)
@@ -36,24 +40,28 @@ def test_intervals_are_those_of_montgomery() -> None:
     assert (ppk.low, ppk.high) == pytest.approx((0.883, 1.777), abs=2e-3)
 
 
-def test_one_sided_limits_have_no_two_sided_index() -> None:
-    found = capability(RNG.standard_normal(30), None, 3.0)
+def test_one_sided_limits_have_no_two_sided_index(rng: np.random.Generator) -> None:
+    found = capability(rng.standard_normal(30), None, 3.0)
     assert found.cp.value is None
     assert found.pp.value is None
     assert found.cpk.value is not None
-    assert capability(RNG.standard_normal(30), None, None).cpk.value is None
+    assert capability(rng.standard_normal(30), None, None).cpk.value is None
 
 
-def test_a_shift_between_neighbours_is_in_performance_and_not_in_capability() -> None:
-    values = np.concatenate([RNG.standard_normal(200), 6.0 + RNG.standard_normal(200)])
+def test_a_shift_between_neighbours_is_in_performance_and_not_in_capability(
+    rng: np.random.Generator,
+) -> None:
+    values = np.concatenate([rng.standard_normal(200), 6.0 + rng.standard_normal(200)])
     found = capability(values, -10.0, 16.0)
     assert found.cp.value == pytest.approx(26.0 / 6.0, rel=0.1)
     assert found.pp.value == pytest.approx(26.0 / 6.0 / np.sqrt(10.0), rel=0.1)
 
 
 @pytest.mark.parametrize("n", [10, 60])
-def test_moving_ranges_have_the_degrees_of_freedom_that_are_counted(n: int) -> None:
-    draws = np.array([sigma_within(row) for row in RNG.standard_normal((4000, n))])
+def test_moving_ranges_have_the_degrees_of_freedom_that_are_counted(
+    n: int, rng: np.random.Generator
+) -> None:
+    draws = np.array([sigma_within(row) for row in rng.standard_normal((4000, n))])
     assert draws.mean() == pytest.approx(1.0, abs=0.01)
     assert 1.0 / (2.0 * draws.var()) == pytest.approx(dof_within(n), rel=0.1)
 

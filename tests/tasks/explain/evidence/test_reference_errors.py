@@ -19,7 +19,7 @@ from tasks.explain.inputs.full_rate import full_rate
 from tests.on_shaft import shaft_manifest
 
 T = np.arange(0.0, 60.0, 0.01)
-RNG = np.random.default_rng(7)
+SEED = 7
 ANGLE = 0.3 * np.sin(2.0 * np.pi * 0.25 * T) ** 3 * (T > 20.0)
 
 
@@ -49,7 +49,7 @@ def test_what_only_quietens_the_encoder_has_no_name() -> None:
 def test_a_simulated_reading_errs_as_much_as_the_encoder() -> None:
     recording = shaft(1e-3)
     full = full_rate(recording)
-    simulated = simulated_reading(recording, full, RNG)
+    simulated = simulated_reading(recording, full, np.random.default_rng(SEED))
     assert simulated is not None
     true, read = simulated
     resting = (T > 1.0) & (T < 19.0)
@@ -63,7 +63,11 @@ def test_rounding_shifts_a_rest_as_a_whole_though_nothing_scatters() -> None:
     rounded = Stream(T, {"a_angle": step * np.round(angle / step)})
     recording = replace(recording, table=rounded)
     full = full_rate(recording)
-    axes = [one.axes for one in simulated_reading(recording, full, RNG) or () if one.axes]
+    axes = [
+        one.axes
+        for one in simulated_reading(recording, full, np.random.default_rng(SEED)) or ()
+        if one.axes
+    ]
     error = axes[1].angles[:, 0] - axes[0].angles[:, 0]
     rests = [error[(first < T) & (last > T)] for first, last in ((2, 18), (27, 38), (47, 58))]
     assert max(np.ptp(one) for one in rests) < 1e-6
@@ -111,7 +115,7 @@ def test_evidence_is_counted_against_what_the_reference_makes_by_chance(
 def test_encoders_that_stand_still_have_no_errors_to_simulate() -> None:
     recording = shaft(0.0)
     recording = replace(recording, table=Stream(T, {"a_angle": np.zeros(len(T))}))
-    assert simulated_reading(recording, full_rate(recording), RNG) is None
+    assert simulated_reading(recording, full_rate(recording), np.random.default_rng(SEED)) is None
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.2, 0.4, 1.5])
