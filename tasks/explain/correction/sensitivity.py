@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.determined import DeterminedModel, DeterminedParameter, unit_of
-from tasks.explain.explanation import Finding
+from tasks.explain.explanation import UNNAMED, Finding
 from tasks.model.term import Column
 
 MANY = 12  # parameters of a finding, from which on the clauses are not asked for each of them
@@ -47,10 +47,13 @@ def uncertain_inputs(
     parameters the directions in which they move the means of the segments (rows of them).
 
     Physics that is known beforehand has none: its parameters are a check, and were not used. What
-    no term makes is as uncertain as its parameters are as a whole.
+    no term makes is as uncertain as its parameters are as a whole. Whether what has no name is to
+    be corrected for at all is not known, however well its pattern is.
     """
     every = list[UncertainInput]()
     for finding in findings:
+        if finding.effect == UNNAMED:
+            every.append(_of_unknown_cause(finding))
         if determined is None or not finding.terms:
             every += _as_a_whole(finding)
             continue
@@ -127,6 +130,12 @@ def in_si(one: DeterminedParameter) -> FoundParameter:
     return FoundParameter(
         name=one.parameter.name, value=one.value, unit=unit_of(one.parameter), u=one.u
     )
+
+
+def _of_unknown_cause(finding: Finding) -> UncertainInput:
+    """Half of its contribution: U (k = 2) of a value less it holds the value with it as well."""
+    share = FoundParameter(name="share", value=1.0, unit="1", u=0.5)
+    return UncertainInput(finding, share, whole=0.5 * np.nan_to_num(finding.contribution))
 
 
 def _as_a_whole(finding: Finding) -> Iterator[UncertainInput]:

@@ -6,11 +6,22 @@ a range set wrong. Then they are used, and what is wrong is looked for.
 
 from dataclasses import replace
 
+import numpy as np
+from scipy.ndimage import binary_dilation
+
 from schemas.recording import Recording
 from tasks.segments.find import up_of
 from tasks.segments.rates import OFF_LINE, OFF_LINE_LEAST, TurningPoint, turning_points
-from tasks.segments.summarise import ACCEL_COLUMNS, MIN_ROWS, summarise_all
-from tasks.words import Sayable, message
+from tasks.segments.summarise import (
+    ACCEL_COLUMNS,
+    CHANNELS,
+    MIN_ROWS,
+    far_rows,
+    longest_run,
+    steps,
+    summarise_all,
+)
+from tasks.words import Message, Sayable, message
 
 MOST = 0.5  # of the labels that can be checked: more contradictions are not theirs
 
@@ -40,6 +51,34 @@ def with_usable_labels(recording: Recording) -> tuple[Recording, tuple[Sayable, 
         table = "yes" if any(point.by_table for point in points.values()) else "no"
         remarks.append(message("reference-labels-against-rate", segments=listed, table=table))
     return replace(recording, manifest=manifest), tuple(remarks)
+
+
+def disturbed_rows(recording: Recording) -> tuple[np.ndarray, tuple[Message, ...]]:
+    """The rows (n,) bool of rests that lie far from the rest of them, as a calibration leaves them
+    out, with a remark that names the rests.
+
+    Where labels alone tell the motion: nothing else would show that the unit was touched, or moved
+    already, and a few rows of that outweigh all that the others show. As long again is left out on
+    both sides. None where encoders or poses tell the motion.
+    """
+    disturbed = np.zeros(len(recording.imu), bool)
+    if recording.table is not None or recording.reference is not None:
+        return disturbed, ()
+    step, named = steps(recording.imu), list[str]()
+    for label in recording.manifest.segments or ():
+        place = recording.imu.rows(label.t_start, label.t_end)
+        if label.kind != "static" or place.stop - place.start < MIN_ROWS:
+            continue
+        views = zip(recording.imu.views(CHANNELS, place), step.tolist(), strict=True)
+        far = [rows for channel, one in views if (rows := far_rows(channel, one)) is not None]
+        if far:
+            every = np.any(far, axis=0)
+            disturbed[place] = binary_dilation(every, iterations=longest_run(every))
+            named.append(label.name)
+    if not named:
+        return disturbed, ()
+    count, listed = int(disturbed.sum()), ", ".join(named)
+    return disturbed, (message("reference-rests-disturbed", rows=count, segments=listed),)
 
 
 def _another_rate(point: TurningPoint) -> bool:

@@ -22,6 +22,7 @@ from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
+from tasks.explain.inputs.labels import disturbed_rows
 from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
@@ -151,7 +152,9 @@ def _with_delay(recording: Recording, full: FullRate, delay: float) -> tuple[Ful
     rows = full_rate(advanced(recording, delay)) if delay else full
     events = events_in_readings(rows.readings, rows.motion, rows.start)
     unknown = within_jumps(recording, rows.motion.t + rows.start)
-    return rows, replace(events, masked=events.masked | unknown[:, None])
+    disturbed, remarks = disturbed_rows(recording)
+    masked = events.masked | (unknown | disturbed)[:, None]
+    return rows, replace(events, masked=masked, remarks=(*events.remarks, *remarks))
 
 
 def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarray]:

@@ -5,6 +5,7 @@ reference-smoothed-attitude = The poses were smoothed according to their own noi
 reference-without-positions = The poses contain no positions (px, py, pz), so the specific force of a moving body is unknown. The accelerometers were compared only at rest, { $percent } % of the time; record positions as well.
 reference-lost = The poses are missing during { $percent } % of the recording: gaps of more than { $frames } frames were not interpolated, and nothing was compared there.
 reference-labels-against-gravity = Labels contradicted by gravity were excluded: { $segments }.
+reference-rests-disturbed = { $rows } rows in { $segments } lie far from the rest of their segment, as if the unit had been touched or were already moving; they were not used.
 reference-labels-against-rate = Labels whose rate the { $table ->
     [yes] encoders contradict
    *[no] gyros contradict

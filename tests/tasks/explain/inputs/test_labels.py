@@ -1,11 +1,14 @@
 """Labels that gravity, gyros or encoders contradict are left out, and named."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.full_rate import full_rate
-from tasks.explain.inputs.labels import with_usable_labels
+from tasks.explain.inputs.labels import disturbed_rows, with_usable_labels
+from tasks.explain.inputs.prepared import prepare
 from tasks.words import say
 
 REST, RATE = 10.0, 100.0  # s, Hz
@@ -75,3 +78,36 @@ def test_gyros_alone_with_labels_that_tell_no_vertical_are_a_run() -> None:
     assert full.motion.felt[:, :3].all()
     assert not full.motion.felt[:, 3:].any()
     assert np.degrees(full.motion.rate[9500, 2]) == 90.0
+
+
+def touched(rows: slice, size: float) -> Recording:
+    """The run of right labels with accelerometer x off by a size in some rows of the rest +z up."""
+    recording = run(UPS)
+    columns = dict(recording.imu.columns)
+    columns["accel_x"] = columns["accel_x"].copy()
+    columns["accel_x"][rows] += size
+    return replace(recording, imu=Stream(recording.imu.t, columns))
+
+
+def test_rows_in_which_a_rest_was_touched_are_not_used_and_it_is_said() -> None:
+    recording = touched(slice(4985, 5000), -1.1)  # the end of the fifth rest: it moved already
+    disturbed, (remark,) = disturbed_rows(recording)
+    assert disturbed[4985:5000].all()
+    assert not disturbed[:4970].any()
+    assert not disturbed[5000:].any()
+    assert "30 rows in rest4" in say(remark, "en")
+    masked = prepare(recording).masked
+    assert masked[4985:5000].all()
+    assert not masked[:4970].any()
+
+
+def test_a_level_that_stays_changed_is_no_disturbance() -> None:
+    assert not disturbed_rows(touched(slice(4700, 5000), -1.1))[0].any()
+
+
+def test_where_an_encoder_tells_the_motion_nothing_is_left_out() -> None:
+    recording = touched(slice(4985, 5000), -1.1)
+    table = Stream(recording.imu.t, {"outer_angle": np.zeros(len(recording.imu.t))})
+    disturbed, remarks = disturbed_rows(replace(recording, table=table))
+    assert not disturbed.any()
+    assert remarks == ()
