@@ -14,6 +14,7 @@ from tasks.explain.search.empirical_terms import (
     Regressors,
     leans,
     lost_motion,
+    per,
     regression_term,
     sinusoid,
     tips,
@@ -28,7 +29,8 @@ RELAXATIONS = (1.5, 4.0, 8.0, 16.0, 40.0)  # s
 LAGS = (3.0, 7.0, 18.0, 45.0, 120.0)  # s
 HARMONICS = range(1, 7)
 SINUSOIDS = 2  # periods that are tried for each set of channels
-RECORDED = ("humidity", "pressure", "air_temperature")
+RECORDED = {"humidity": "%", "pressure": "hPa", "air_temperature": "K"}  # with their units
+RATE, RATE_2, TURNING, FORCE, FORCE_2 = "rad/s", "(rad/s)^2", "rad/s^2", "m/s2", "(m/s2)^2"
 Signal = Callable[[Motion, Inputs, int], np.ndarray]
 TURNING_UP = 0.02  # of a unit vector in a second: gravity's direction changes
 AT_REST = 1e-3  # rad/s: slower is not a motion
@@ -106,18 +108,19 @@ def _decay(
 
 
 def _lags() -> Iterator[Term]:
-    signals: list[tuple[str, str, tuple[int, ...], bool, Signal]] = [
-        ("ω", "own-rate", GYROS, False, lambda m, u, c: u.rate[:, c]),
-        ("ω²", "squared-rate", EVERY, True, lambda m, u, c: (u.rate**2).sum(axis=1)),
-        ("|ω|", "rate-size", EVERY, True, lambda m, u, c: np.sqrt((u.rate**2).sum(axis=1))),
-        ("f", "own-force", EVERY, False, lambda m, u, c: u.force[:, c % 3]),
-        ("|f|", "own-force-size", ACCELS, False, lambda m, u, c: np.abs(u.force[:, c % 3])),
+    signals: list[tuple[str, str, str, tuple[int, ...], bool, Signal]] = [
+        ("ω", "own-rate", RATE, GYROS, False, lambda m, u, c: u.rate[:, c]),
+        ("ω²", "squared-rate", RATE_2, EVERY, True, lambda m, u, c: (u.rate**2).sum(axis=1)),
+        ("|ω|", "rate-size", RATE, EVERY, True, lambda m, u, c: np.sqrt((u.rate**2).sum(axis=1))),
+        ("f", "own-force", FORCE, EVERY, False, lambda m, u, c: u.force[:, c % 3]),
+        ("|f|", "own-force-size", FORCE, ACCELS, False, lambda m, u, c: np.abs(u.force[:, c % 3])),
     ]
-    for key, name, channels, shared, signal in signals:
+    for key, name, unit, channels, shared, signal in signals:
         for tau in LAGS:
             title = message("explain-lag", signal=message(f"explain-signal-{name}"), tau=f"{tau:g}")
             lag = partial(_lag, signal, tau)
-            yield regression_term(f"lag({key}, {tau:g} s)", title, channels, 1, lag, shared)
+            form = f"lag({key}, {tau:g} s)"
+            yield regression_term(form, title, channels, 1, lag, shared, per(unit))
 
 
 def _lag(
@@ -132,31 +135,34 @@ def _others(channel: int) -> tuple[int, int]:
 
 
 def _products() -> Iterator[Term]:
-    products: list[tuple[str, str, tuple[int, ...], int, Regressors]] = [
-        ("ω_j·ω_k", "other-rates", EVERY, 1,
+    products: list[tuple[str, str, str, tuple[int, ...], int, Regressors]] = [
+        ("ω_j·ω_k", "other-rates", RATE_2, EVERY, 1,
          lambda m, u, c: [u.rate[:, _others(c)[0]] * u.rate[:, _others(c)[1]]]),
-        ("ω_i·ω_j", "own-rate", EVERY, 2,
+        ("ω_i·ω_j", "own-rate", RATE_2, EVERY, 2,
          lambda m, u, c: [u.rate[:, c % 3] * u.rate[:, j] for j in _others(c)]),
-        ("f_j·f_k", "other-forces", EVERY, 1,
+        ("f_j·f_k", "other-forces", FORCE_2, EVERY, 1,
          lambda m, u, c: [u.force[:, _others(c)[0]] * u.force[:, _others(c)[1]]]),
-        ("f_i·f_j", "own-force", EVERY, 2,
+        ("f_i·f_j", "own-force", FORCE_2, EVERY, 2,
          lambda m, u, c: [u.force[:, c % 3] * u.force[:, j] for j in _others(c)]),
-        ("f_j²", "squared-other-forces", ACCELS, 2,
+        ("f_j²", "squared-other-forces", FORCE_2, ACCELS, 2,
          lambda m, u, c: [u.force[:, j] ** 2 for j in _others(c)]),
-        ("ω_j²", "squared-other-rates", GYROS, 2,
+        ("ω_j²", "squared-other-rates", RATE_2, GYROS, 2,
          lambda m, u, c: [u.rate[:, j] ** 2 for j in _others(c)]),
-        ("ω_i²", "squared-own-rate", ACCELS, 1, lambda m, u, c: [u.rate[:, c % 3] ** 2]),
-        ("ω", "rates", ACCELS, 3, lambda m, u, c: list(u.rate.T)),
-        ("|ω_j|", "other-rate-sizes", EVERY, 2,
+        ("ω_i²", "squared-own-rate", RATE_2, ACCELS, 1,
+         lambda m, u, c: [u.rate[:, c % 3] ** 2]),
+        ("ω", "rates", RATE, ACCELS, 3, lambda m, u, c: list(u.rate.T)),
+        ("|ω_j|", "other-rate-sizes", RATE, EVERY, 2,
          lambda m, u, c: [np.abs(u.rate[:, j]) for j in _others(c)]),
-        ("ω⁴", "fourth-power", EVERY, 1, lambda m, u, c: [(u.rate**2).sum(axis=1) ** 2]),
-        ("ω̇", "angular-acceleration", ACCELS, 3, lambda m, u, c: list(m.acceleration.T)),
-        ("|ω̇|", "angular-acceleration-size", EVERY, 1,
+        ("ω⁴", "fourth-power", "(rad/s)^4", EVERY, 1,
+         lambda m, u, c: [(u.rate**2).sum(axis=1) ** 2]),
+        ("ω̇", "angular-acceleration", TURNING, ACCELS, 3,
+         lambda m, u, c: list(m.acceleration.T)),
+        ("|ω̇|", "angular-acceleration-size", TURNING, EVERY, 1,
          lambda m, u, c: [np.sqrt((m.acceleration**2).sum(axis=1))]),
     ]  # fmt: skip
-    for key, name, channels, number, regressors in products:
+    for key, name, unit, channels, number, regressors in products:
         title = message(f"explain-product-{name}")
-        yield regression_term(key, title, channels, number, regressors)
+        yield regression_term(key, title, channels, number, regressors, units=per(unit))
 
 
 def _recorded(motion: Motion) -> Iterator[Term]:
@@ -166,10 +172,12 @@ def _recorded(motion: Motion) -> Iterator[Term]:
             continue
         recorded = message(f"explain-recorded-{key.replace('_', '-')}")
         title = message("explain-follows", signal=recorded)
-        yield regression_term(key, title, EVERY, 1, partial(_deviation, key), True)
+        follows = partial(_deviation, key)
+        yield regression_term(key, title, EVERY, 1, follows, True, per(RECORDED[key]))
         product = message("explain-recorded-times-input", signal=recorded)
         title = message("explain-follows", signal=product)
-        yield regression_term(f"{key}·input", title, EVERY, 1, partial(_scaled_input, key))
+        scaled, unit = partial(_scaled_input, key), f"1/({RECORDED[key]})"
+        yield regression_term(f"{key}·input", title, EVERY, 1, scaled, units=(unit, unit))
 
 
 def _deviation(key: str, motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:

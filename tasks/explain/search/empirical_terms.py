@@ -18,6 +18,7 @@ from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
 
 LETTERS = "xyzxyz"
+READINGS = "rad/s", "m/s2"  # units of a gyro and of an accelerometer
 # Chi-squared that a drift of scale factors must gain over one of biases, which is the same in a
 # channel whose input does not change.
 NEEDS_MOTION = 20.0
@@ -53,10 +54,12 @@ def regression_term(
     number: int,
     regressors: Regressors,
     shared: bool = False,
+    units: tuple[str, str] = READINGS,
 ) -> SensorTerm:
     """Readings of some channels follow `number` regressors, each channel by its own factors.
 
     regressors: of motion, inputs and the channel, each (n,); shared: the same for every channel.
+    units: of a gyro's factor and of an accelerometer's.
     """
 
     def columns(motion: Motion, inputs: Inputs, at: tuple[float, ...]) -> tuple[Column, ...]:
@@ -73,15 +76,24 @@ def regression_term(
 
     return SensorTerm(
         UNNAMED, UNNAMED, "sensor", f"reading += c·{key}", "empirical",
-        _factors(key, channels, number), own_title=title, reads=columns,
+        _factors(key, channels, number, units), own_title=title, reads=columns,
     )  # fmt: skip
 
 
-def _factors(key: str, channels: tuple[int, ...], number: int) -> tuple[Parameter, ...]:
+def per(regressor: str) -> tuple[str, str]:
+    """The units of factors of a regressor in that unit: readings over it."""
+    under = regressor if regressor.startswith("(") else f"({regressor})"
+    gyro, accel = ("1" if regressor == own else f"({own})/{under}" for own in READINGS)
+    return gyro, accel
+
+
+def _factors(
+    key: str, channels: tuple[int, ...], number: int, units: tuple[str, str] = READINGS
+) -> tuple[Parameter, ...]:
     return tuple(
         Parameter(
             f"{'gyro' if c < 3 else 'accel'}_{LETTERS[c]}" + (f"_{k + 1}" if number > 1 else ""),
-            key, "rad/s" if c < 3 else "m/s2", 1.0, (-1.0, 1.0),
+            key, units[c >= 3], 1.0, (-1.0, 1.0),
         )
         for c in channels for k in range(number)
     )  # fmt: skip
@@ -136,7 +148,7 @@ def scale_factor_drift(waves: int) -> SensorTerm:
         return [own * wave for wave in slow_waves(motion, waves)]
 
     title = message("explain-scale-factor-drift")
-    drift = regression_term("input·slow waves", title, EVERY, waves, scaled)
+    drift = regression_term("input·slow waves", title, EVERY, waves, scaled, units=("1", "1"))
     return replace(drift, rarity=NEEDS_MOTION)
 
 

@@ -51,6 +51,32 @@ def test_every_empirical_term_has_a_finite_column_for_each_parameter() -> None:
             assert np.isfinite(column[channel]).all()
 
 
+POWERS = {  # of rates and of forces in a regressor, by its unit
+    "rad/s": (1, 0), "(rad/s)^2": (2, 0), "(rad/s)^4": (4, 0), "rad/s^2": (1, 0),
+    "m/s2": (0, 1), "(m/s2)^2": (0, 2),
+}  # fmt: skip
+
+
+def test_a_factor_has_the_unit_of_the_reading_over_that_of_what_it_follows() -> None:
+    faster = replace(RUN, acceleration=2.0 * RUN.acceleration)
+    doubled = Inputs(2.0 * RUN.rate, 3.0 * RUN.force)  # rates twice, forces three times as large
+    units = set[str]()
+    for term in (one for one in empirical(RUN) if one.stage == "sensor" and not one.shapes):
+        pairs = zip(term.columns(RUN, INPUTS), term.columns(faster, doubled), strict=True)
+        for parameter, (plain, larger) in zip(term.parameters, pairs, strict=True):
+            (channel,) = plain
+            own = "rad/s" if channel in GYROS else "m/s2"
+            under = own if parameter.unit == "1" else parameter.unit.removeprefix(f"({own})/")
+            if parameter.unit == own:
+                rates, forces = 0, 0
+            else:
+                rates, forces = POWERS.get(under) or POWERS[under.strip("()")]
+            factor = 2.0**rates * 3.0**forces
+            np.testing.assert_allclose(larger[channel], factor * plain[channel], atol=1e-9)
+            units.add(under)
+    assert units >= POWERS.keys() - {"rad/s", "m/s2", "rad/s^2"}
+
+
 def test_a_relaxation_begins_anew_when_a_move_is_over() -> None:
     since = time_since(RUN, turning(RUN))
     first_stop = REST + MOVE
