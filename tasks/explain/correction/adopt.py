@@ -9,6 +9,7 @@ import numpy as np
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.recording import Recording, Stream
 from schemas.text import Remark
+from tasks.calibrate.information.earth import WITHOUT_EARTH
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
 from tasks.explain.correction.sensitivity import (
@@ -19,12 +20,15 @@ from tasks.explain.correction.sensitivity import (
 )
 from tasks.explain.determined import DeterminedModel
 from tasks.explain.explanation import Finding
+from tasks.model.effect import effect_name
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.words import Message, clauses, message, remark, say
+from tasks.words.quantities import quantity
 from tasks.words.rounding import USUAL_K
 
 Calibrate = Callable[[Recording], Calibration]
 EARTH, G_SENSITIVITY = "earth_rotation", "gyro_g_sensitivity"
+BY_EARTH = {"earth_not_shown", "earth_contradicted", "latitude_sign"}  # codes of tasks.run_validity
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,7 @@ def adopt(
     result = corrections.calibration
     items = corrections.with_uncertainty(result.items, range(len(findings)))
     terms = tuple(_adopted_term(finding, determined) for finding in findings)
+    plain = calibrate(recording)  # of the readings as they are
     remarks = (
         *_remarks(result, recording, findings, terms),
         *(
@@ -117,11 +122,11 @@ def adopt(
         update={
             "items": items,
             "terms": terms,
-            "information": calibrate(recording).information,  # of the readings as they are
+            "information": plain.information,
             "remarks": remarks,
         }
     )
-    return _without_earth(result) if EARTH in [f.effect for f in findings] else result
+    return _without_earth(result, plain) if EARTH in [f.effect for f in findings] else result
 
 
 def _adopted_term(finding: Finding, determined: DeterminedModel | None) -> AdoptedTerm:
@@ -138,14 +143,20 @@ def _adopted_term(finding: Finding, determined: DeterminedModel | None) -> Adopt
     )
 
 
-def _without_earth(result: Calibration) -> Calibration:
-    """The g-sensitivity of readings without Earth's rotation is the one without it."""
+def _without_earth(result: Calibration, plain: Calibration) -> Calibration:
+    """The g-sensitivity of readings without Earth's rotation is the one without it; the site is
+    judged by what the readings as they are, `plain`, show of Earth's rotation.
+    """
+    about_site = (r for r in plain.remarks if r.code in BY_EARTH)
+    others = [r for r in result.remarks if r.code not in BY_EARTH and not r.code.startswith(EARTH)]
+    result = result.model_copy(update={"remarks": (*others, *about_site)})
     item = result.items.get(G_SENSITIVITY)
     if item is None:
         return result
+    kept = {key: one for key, one in result.information.items() if key != WITHOUT_EARTH}
     update = {
         "items": result.items | {G_SENSITIVITY: _with_own_values(item)},
-        "remarks": tuple(r for r in result.remarks if not r.code.startswith(EARTH)),
+        "information": kept,
     }
     if None not in item.value.values():
         for field in ("unavailable", "unavailable_zh"):
@@ -175,12 +186,18 @@ def _remarks(
         return
     described = clauses([_described(*each) for each in zip(findings, terms, strict=True)])
     yield remark("terms_adopted", message("explain-adopted", terms=described), blocks_pass=True)
+    if result.information:
+        yield remark("information_as_recorded", message("explain-adopted-information"))
     for finding, term in zip(findings, terms, strict=True):
         taken = {p.name for p in term.parameters}
         left = tuple(p.name for p in finding.parameters if p.name not in taken)
         if left:
             loose = message("explain-adopted-undetermined", term=_named(finding), parameters=left)
             yield remark("parameters_not_taken_off", loose)
+        if others := dict.fromkeys((*finding.group, *finding.indistinguishable)):
+            names = tuple(effect_name(name) for name in others if name != finding.effect)
+            alike = message("explain-adopted-alike", term=_named(finding), others=names)
+            yield remark("term_not_distinguished", alike)
         if finding.delta_bic <= 0.0:
             bic = f"{finding.delta_bic:.1f}"
             not_shown = message("explain-adopted-not-shown", term=_named(finding), bic=bic)
@@ -199,10 +216,7 @@ def _described(finding: Finding, term: AdoptedTerm) -> Message:
     """A finding with the parameters that were corrected for."""
     if not term.parameters:
         return _named(finding)
-    values = (
-        f"{p.name} = {p.value:.4g} {p.unit}" + (f" (U = {USUAL_K * p.u:.2g})" if p.u else "")
-        for p in term.parameters
-    )
+    values = (f"{p.name} = {quantity(p.value, USUAL_K * p.u, p.unit)}" for p in term.parameters)
     return message(
         "explain-adopted-term-parameters",
         title=finding.title, name=finding.effect, parameters=tuple(values),

@@ -13,6 +13,7 @@ from schemas.discrepancy import FoundParameter
 from schemas.recording import Recording
 from schemas.text import Statement
 from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.information.earth import WITHOUT_EARTH
 from tasks.explain.correction import sensitivity
 from tasks.explain.correction.adopt import adopt, corrected
 from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
@@ -126,7 +127,7 @@ def test_result_says_what_was_taken_off_and_passes_no_unit(adopted) -> None:
     assert (first.code, first.blocks_pass) == ("terms_adopted", True)
     assert "lever_arm" in first.en
     assert "lever_arm" in first.zh
-    assert "r_x = 0.05 m (U = 0.0002)" in first.en
+    assert "r_x = (50.00 ± 0.20) mm" in first.en
     assert not any(remark.code == "term_not_shown" for remark in adopted.remarks)
     assert Calibration.model_validate_json(adopted.model_dump_json()) == adopted
 
@@ -157,6 +158,34 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
     assert item.value["xx"] == pytest.approx(0.0, abs=1e-9)
     assert item.value_without_earth_rotation == item.value
     assert not any(remark.code.startswith("earth_rotation") for remark in adopted.remarks)
+
+
+def test_the_site_is_judged_by_readings_that_have_earths_rotation(plant) -> None:
+    """Less Earth's rotation they show none of it, which says nothing of latitude and heading."""
+    recording = plant("plant_earth_rotation")
+    latitude = math.radians(recording.manifest.station.latitude_deg or 0.0)
+    term = earth_rotation(latitude)
+    found = finding(added_by(term, recording, ()), "earth_rotation", parameters=())
+    codes, plain = (
+        {remark.code for remark in result.remarks}
+        for result in (adopt(recording, [found], calibrated, None), calibrated(recording))
+    )
+    assert "earth_not_shown" not in plain | codes
+    assert "earth_not_shown" in {
+        remark.code for remark in calibrated(corrected(recording, (found.contribution,))).remarks
+    }
+    information = adopt(recording, [found], calibrated, None).information
+    assert WITHOUT_EARTH in calibrated(recording).information
+    assert WITHOUT_EARTH not in information
+    assert "information_as_recorded" in codes
+
+
+def test_names_that_the_recording_cannot_tell_apart_are_said(displaced) -> None:
+    recording, found = displaced
+    alike = replace(found, indistinguishable=("size_effect",))
+    adopted = adopt(recording, [alike], calibrated, determined(recording))
+    (statement,) = [r for r in adopted.remarks if r.code == "term_not_distinguished"]
+    assert "from a size effect of the accelerometers" in statement.en
 
 
 def test_each_parameter_is_spread_by_its_own_term(run) -> None:
