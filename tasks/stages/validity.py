@@ -11,14 +11,15 @@ from tasks.version import code_version
 
 
 def validity_of(run: Run, home: Home) -> Validity:
-    """The verdict on a run by the method of its specification; that of its result, if it has one.
+    """The verdict on a run by the method of its specification; that of its result, if it has one
+    of the readings as recorded.
 
     A run that the method cannot serve at all is valid with that remark: it was not judged.
     """
     method = OF_STANDARD.get(run.standard, OF_NO_STANDARD)
     for kept in reversed(results.of_run(run, home)):
         made = kept.calibration
-        if (made.method, made.code_version) == (method, code_version()):
+        if (made.method, made.code_version) == (method, code_version()) and not made.terms:
             return made.validity
     # Late: a run with a result needs none of it.
     from tasks.calibrate.calibrate import calibrate
