@@ -7,7 +7,7 @@ temperature …); the one that leaves least unexplained is where it sits.
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import linregress
@@ -30,6 +30,8 @@ from tasks.explain.locate.run_blocks import (
     StandardDesign,
     noise_scales,
 )
+from tasks.explain.search.empirical_terms import SLOW_DRIFT
+from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.whole import Motion
 from tasks.words import Message, message, statement
 from tasks.words.quantities import percent
@@ -105,7 +107,7 @@ def _entries(
     share = power / power.sum()
     major = [int(c) for c in np.argsort(-share) if share[c] >= MIN_SHARE]
     channels = {c: ChannelExcess.of(run, excess[c], designs[c], c, float(noise[c])) for c in major}
-    placed = places(run, channels, signal)
+    placed = places(run, channels, signal, by_time=_drifts(finding))
     entries = [_where(CHANNELS[c], placed[c], float(share[c])) for c in major]
     rest = 1.0 - sum(each.share for each in entries)
     if rest > NEGLIGIBLE:
@@ -113,6 +115,12 @@ def _entries(
         return (*entries, _where(slight, SLIGHT, rest))
     first = entries[0].model_copy(update={"share": entries[0].share + rest})
     return (first, *entries[1:])
+
+
+def _drifts(finding: Finding) -> bool:
+    """Whether it is a slow course of its own: what else it goes with was visited in that order."""
+    walks = any(name == BIAS_RANDOM_WALK.name for name, *_ in finding.terms)
+    return walks or finding.title == SLOW_DRIFT
 
 
 def _where(channel: str, place: Place, share: float) -> Where:
@@ -123,13 +131,17 @@ def _where(channel: str, place: Place, share: float) -> Where:
 
 
 def places(
-    run: BlockedRun, channels: Mapping[int, ChannelExcess], contribution: np.ndarray
-) -> dict[int, Place]:
-    """The place of each channel's part of one finding; contribution: (n, 6).
+    run: BlockedRun, channels: Mapping[int, ChannelExcess], contribution: np.ndarray,
+    by_time: bool = False,
+) -> dict[int, Place]:  # fmt: skip
+    """The place of each channel's part of one finding; contribution: (n, 6). by_time: nothing but
+    the time is asked.
 
     A pattern counts by its information on the channel's excess, and its dimension by that on all
     channels, for one physics acts in all of them.
     """
+    if by_time:
+        run = replace(run, partitions=tuple(p for p in run.partitions if p.dimension == "time"))
     patterns = {channel: _patterns(run, excess) for channel, excess in channels.items()}
     power = sum(excess.power for excess in channels.values())
     votes: defaultdict[Dimension, float] = defaultdict(float)

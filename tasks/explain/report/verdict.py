@@ -154,7 +154,7 @@ def _gained(held_out: HeldOut) -> Message:
     ratios = held_out.rms_ratio
     best = min(ratios, key=lambda channel: ratios[channel], default="")
     if not best or ratios[best] >= CLEAR_GAIN:
-        return message("report-gained", before=before, after=after)
+        return message("report-gained", before=before, after=after, falls=int(before != after))
     return message(
         "report-gained-most", before=before, after=after, channel=channel_title(best),
         share=percent(ratios[best]),

@@ -18,6 +18,7 @@ from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
 
 LETTERS = "xyzxyz"
+SLOW_DRIFT = message("explain-slow-drift")
 READINGS = "rad/s", "m/s2"  # units of a gyro and of an accelerometer
 # Chi-squared that a drift of scale factors must gain over one of biases, which is the same in a
 # channel whose input does not change.
@@ -132,8 +133,7 @@ def slow_drift(walk: Term | None, waves: int) -> SensorTerm:
     def cosines(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
         return slow_waves(motion, waves)
 
-    title = message("explain-slow-drift")
-    drift = regression_term("slow waves", title, EVERY, waves, cosines, True)
+    drift = regression_term("slow waves", SLOW_DRIFT, EVERY, waves, cosines, True)
     if walk is None:
         return drift
     same = ("name", "family", "equation", "source", "confused_with", "time_course", "own_title")

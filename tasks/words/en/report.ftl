@@ -175,7 +175,10 @@ report-unnamed = { $verdict ->
         [0] {""}
        *[other] ; observed: { $follows }
     }.
-report-gained = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (1: the noise of the residual at high frequencies).
+report-gained = On segments withheld from the fit, χ² per degree of freedom { $falls ->
+        [0] is { $after }
+       *[other] falls from { $before } to { $after }
+    } (1: the noise of the residual at high frequencies).
 report-gained-most = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (1: the noise of the residual at high frequencies), and the rms residual of the { $channel } falls to { $share }.
 report-moved = { $findings ->
         [one] Taking it into account

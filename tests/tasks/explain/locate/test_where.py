@@ -9,6 +9,7 @@ from schemas.discrepancy import HeldOut, Where
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.locate.where import locate, settling_time
+from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.whole import Motion, whole_motion
 
 RATE_HZ = 20.0
@@ -185,6 +186,18 @@ def test_rows_at_which_a_contribution_is_not_known_have_no_part_in_where_it_sits
     placed[np.linalg.norm(motion.rate, axis=1) > np.radians(1.0)] = np.nan
     (where,) = locate(explained(run, in_channels(len(placed), accel_z=placed)))
     assert (one(where).channel, one(where).dimension) == ("accel_z", "attitude")
+
+
+def test_a_drift_is_located_by_time_though_attitudes_follow_one_another_in_it(
+    run: Recording, motion: Motion
+) -> None:
+    up = np.where(motion.up[:, 1] < -0.99, 2e-3, 0.0)
+    drift = explained(run, in_channels(len(up), gyro_z=up))
+    (walk,) = drift.findings
+    drift = replace(drift, findings=(replace(walk, terms=(BIAS_RANDOM_WALK.key,)),))
+    ((first, *_),) = locate(drift)
+    assert first.channel == "gyro_z"
+    assert first.dimension not in ("attitude", "rate", "after_moves", "temperature", "recorded")
 
 
 def test_waves_per_turn_are_counted(run: Recording, motion: Motion) -> None:
