@@ -59,6 +59,11 @@ def padded_length(count: int) -> int:
     return int(next_fast_len(count, real=True))
 
 
+def known_share(weight: np.ndarray) -> float:
+    """Of the rows that are transformed those that say something; weight: (n,) root of each."""
+    return float(np.count_nonzero(weight)) / padded_length(len(weight))
+
+
 def weighted(signals: Sequence[np.ndarray] | np.ndarray, weight: np.ndarray) -> np.ndarray:
     """(k, padded n) signals (n,) times weight (n,), in rows; zero where a signal is not known."""
     stack = np.zeros((len(signals), padded_length(len(weight))))

@@ -30,7 +30,7 @@ from tasks.model.term import Column, Term
 from tasks.motion.whole import Motion
 from tasks.review.ground import ground_rotation
 
-VERSION = 1  # of these statistics: another one is made again
+VERSION = 2  # of these statistics: another one is made again
 STEP = 32767  # of a correlation of one
 SLOW = 1.0  # Hz: where physics that is left would be, and most noise is not
 BELIEVED = 1.3  # chi-squared per degree of freedom from which on it is not chance

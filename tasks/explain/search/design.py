@@ -19,6 +19,7 @@ from tasks.explain.whitening import (
     Noise,
     compared_bands,
     in_band,
+    known_share,
     triad_noises,
     weighted,
 )
@@ -235,7 +236,13 @@ def residual_noises(
     for triad in TRIADS:
         recorded = [c for c in triad if design.channels[c] is not None]
         floors = [design.blocks.floor[c] for c in recorded]
-        estimates = triad_noises([left[c] for c in recorded], design.bands, floors)
+        # Rows that say nothing are zero: the others have all the power that there is.
+        root = [np.sqrt(known_share(design.blocks.weight[:, c])) for c in recorded]
+        whole = [
+            replace(left[c], coefficients=left[c].coefficients / r)
+            for c, r in zip(recorded, root, strict=True)
+        ]
+        estimates = triad_noises(whole, design.bands, floors)
         for c, noise in zip(recorded, estimates, strict=True):
             found[c] = noise
     return tuple(found)

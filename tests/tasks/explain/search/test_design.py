@@ -29,6 +29,7 @@ from tasks.explain.search.design import (
     residuals,
     with_columns,
 )
+from tasks.explain.search.stepwise import initial_noises
 from tasks.explain.whitening import Noise
 from tasks.model.regression import inverse
 from tasks.model.term import Column
@@ -187,3 +188,15 @@ def test_the_generalised_inverse_leaves_what_nothing_determines_alone() -> None:
     size = np.sqrt(np.outer(np.diag(normal), np.diag(normal)))
     again = normal @ found @ normal
     assert np.abs(again - normal)[:3, :3].max() < 1e-6 * size.max()
+
+
+@pytest.mark.parametrize("known", [1.0, 0.6, 0.25])
+def test_the_noise_of_the_rows_that_are_known_is_that_of_all(known: float) -> None:
+    """A motion that labels alone tell is known in a part of the rows; the rest are zeros there."""
+    count = len(RUN.t)
+    weight = np.zeros((count, 6))
+    weight[np.arange(count) % 400 < 400 * known] = 1.0
+    blocks = replace(observed(noise(count, 11), RUN), weight=weight)
+    design = banded_design(blocks, blocks.readings, (), np.zeros(0))
+    for found, true in zip(initial_noises(design), QUIET, strict=True):
+        assert found.white == pytest.approx(true.white, rel=0.1)
