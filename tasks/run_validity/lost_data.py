@@ -12,7 +12,7 @@ from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message
-from tasks.words.quantities import moment, percent
+from tasks.words.quantities import moment, plain
 
 LARGEST_SHARE = 0.01  # of a segment's samples, or of the run's, that may be lost
 GAP = 1.5  # usual intervals: a longer step is a gap
@@ -47,7 +47,7 @@ def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iter
     share = 1.0 - found * float(np.median(np.diff(rows.t))) / seconds
     if share > LARGEST_SHARE:
         yield run_remark(
-            "lost_share", run="invalid", stream=stream, share=percent(share),
+            "lost_share", run="invalid", stream=stream, share=plain(100 * share, 2),
             limit=f"{100 * LARGEST_SHARE:g}",
         )  # fmt: skip
 

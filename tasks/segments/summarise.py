@@ -168,7 +168,7 @@ def runs(flags: np.ndarray) -> np.ndarray:
     return edges.reshape(-1, 2)
 
 
-def _widened(corrupt: np.ndarray) -> np.ndarray:
+def widened(corrupt: np.ndarray) -> np.ndarray:
     """A burst of far rows with its own length added on both sides, where it came and went; the far
     rows alone where that would take in half the segment.
     """
@@ -203,7 +203,7 @@ def summarise(
     samples = _samples(values)  # after the pass, which left the rows in the processor's cache
     far = {} if segment.kind == "rotation" else _far_by_channel(values, read, samples, step)
     if far:
-        corrupt = _widened(np.any(list(far.values()), axis=0))
+        corrupt = widened(np.any(list(far.values()), axis=0))
         kept = [channel[~corrupt] for channel in values]
         samples = _samples(kept)
         read = one_pass(kept, _angle(t[~corrupt], segment))

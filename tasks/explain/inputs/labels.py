@@ -7,7 +7,6 @@ a range set wrong. Then they are used, and what is wrong is looked for.
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import binary_dilation
 
 from schemas.recording import Recording
 from tasks.segments.find import up_of
@@ -17,9 +16,9 @@ from tasks.segments.summarise import (
     CHANNELS,
     MIN_ROWS,
     far_rows,
-    longest_run,
     steps,
     summarise_all,
+    widened,
 )
 from tasks.words import Message, Sayable, message
 
@@ -58,8 +57,8 @@ def disturbed_rows(recording: Recording) -> tuple[np.ndarray, tuple[Message, ...
     out, with a remark that names the rests.
 
     Where labels alone tell the motion: nothing else would show that the unit was touched, or moved
-    already, and a few rows of that outweigh all that the others show. As long again is left out on
-    both sides. None where encoders or poses tell the motion.
+    already, and a few rows of that outweigh all that the others show. Where encoders or poses tell
+    the motion, no row is.
     """
     disturbed = np.zeros(len(recording.imu), bool)
     if recording.table is not None or recording.reference is not None:
@@ -72,8 +71,7 @@ def disturbed_rows(recording: Recording) -> tuple[np.ndarray, tuple[Message, ...
         views = zip(recording.imu.views(CHANNELS, place), step.tolist(), strict=True)
         far = [rows for channel, one in views if (rows := far_rows(channel, one)) is not None]
         if far:
-            every = np.any(far, axis=0)
-            disturbed[place] = binary_dilation(every, iterations=longest_run(every))
+            disturbed[place] = widened(np.any(far, axis=0))
             named.append(label.name)
     if not named:
         return disturbed, ()

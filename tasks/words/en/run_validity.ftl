@@ -56,7 +56,7 @@ validity-samples-off = { $channel }: { $share } % of the samples deviate by more
 validity-vibration = { $channel }: in { $count } rests ({ $first } first) the standard deviation of the readings reaches { $deviation }; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the unit was vibrated.
 validity-drift = { $channel }: { $segment } deviates by { $left } { $unit } from the other rests, which U = { $U } { $unit } does not cover: the zero drifted or jumped.
 validity-unsteady-zero = { $channel }: { $segment } deviates by { $left } from the other rests; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the zero drifted or jumped.
-validity-lost-share = { $share } of the samples of the { $stream } stream are missing within the segments; { $limit } % is allowed.
+validity-lost-share = { $share } % of the samples of the { $stream } stream are missing within the segments; { $limit } % is allowed.
 validity-clocks-apart = The clocks of unit and table differ by up to { $delay } s; { $limit } s is allowed.
 validity-environment-in-part = { $quantity ->
         [temperature] Air temperature

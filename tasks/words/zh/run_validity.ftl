@@ -56,7 +56,7 @@ validity-samples-off = { $channel }：{ $share }% 的采样偏离所在段其余
 validity-vibration = { $channel }：{ $count } 个静止段（首个为 { $first }）中读数的标准差达 { $deviation }，允许 { $limit }（陀螺为 rad/s，加速度计为 m/s²）：器件受到振动。
 validity-drift = { $channel }：{ $segment } 与其余静止段相差 { $left } { $unit }，U = { $U } { $unit } 未能涵盖：零位漂移或跳变。
 validity-unsteady-zero = { $channel }：{ $segment } 与其余静止段相差 { $left }，允许 { $limit }（陀螺为 rad/s，加速度计为 m/s²）：零位漂移或跳变。
-validity-lost-share = 各段中 { $stream } 数据流缺少 { $share } 的采样，允许 { $limit }%。
+validity-lost-share = 各段中 { $stream } 数据流缺少 { $share }% 的采样，允许 { $limit }%。
 validity-clocks-apart = 器件与转台的时间最多相差 { $delay } s，允许 { $limit } s。
 validity-environment-in-part = { $quantity ->
         [temperature] 环境温度

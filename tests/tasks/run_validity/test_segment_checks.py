@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 
 from schemas.recording import Manifest, Recording, Stream
 from schemas.text import Remark
+from storage.catalogue import runs
+from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
@@ -176,3 +179,24 @@ def test_a_misspelt_field_is_named_with_what_may_be_meant(ideal_run) -> None:
     assert len(found) == 2
     assert "Field station.latitud_deg of the manifest is unknown" in found[0]
     assert "segments.rate_deg_s is absent" in found[1]
+
+
+def test_a_misspelt_field_is_named_of_a_run_in_store_as_well(ideal_run, tmp_path: Path) -> None:
+    recording = ideal_run(dwell=1.0)
+    station = {"id": "ST-1", "latitud_deg": 39.9, "heading_deg2": 1.0, "standards": "ours"}
+    fields = recording.manifest.model_dump(exclude_unset=True) | {"station": station}
+    misspelt = replace(recording, manifest=Manifest.model_validate(fields))
+    run, _ = runs.add(misspelt, Home(tmp_path))
+    (found,) = remarks(runs.load(run, Home(tmp_path)), "misspelt_field")
+    assert "station.latitude_deg is absent" in found.en
+    assert not found.blocks_pass
+
+
+def test_a_share_of_lost_samples_is_told_apart_from_what_is_allowed(ideal_run) -> None:
+    recording = ideal_run()
+    rows = np.ones(len(recording.imu), bool)
+    rows[:: round(1 / 0.014)] = False
+    thinned = replace(recording, imu=recording.imu.at(rows))
+    (found,) = remarks(thinned, "lost_share")
+    assert "1.1 % of the samples" in found.en
+    assert "1 % is allowed" in found.en
