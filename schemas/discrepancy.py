@@ -58,16 +58,21 @@ class Consequence(Frozen):
     U_before: Finite | None = None
 
     @property
+    def change(self) -> float:
+        """By how much it moves, with its sign; 0 where it has no value."""
+        if self.before is None or self.after is None:
+            return 0.0
+        return self.after - self.before
+
+    @property
     def in_U(self) -> float:
-        """By how many U it moves, with its sign; 0 where it has no value or no U.
+        """By how many U it moves, with its sign; 0 where it has no U.
 
         In the larger U of the two: what the certificate's own U covers is no error of it, and what
         the correction's covers is not known.
         """
         U = max(self.U_before or 0.0, self.U or 0.0)
-        if self.before is None or self.after is None or not U:
-            return 0.0
-        return (self.after - self.before) / U
+        return self.change / U if U else 0.0
 
 
 class VerdictChange(Frozen):

@@ -107,7 +107,7 @@ def day_of_calibration(free: ManifestFields, inputs: CertificateInputs, run: Run
 
 
 def check_order(order: Order | None, calibrated_on: date | None, today: date) -> None:
-    """Raises Unusable for an order by which the unit came after it was calibrated or is to come."""
+    """Raises Unusable for an order that was received after the calibration, or after today."""
     if order and order.received > today:
         raise Unusable(
             f"the order says received = {order.received}, which is after today, {today}: correct "

@@ -69,11 +69,11 @@ def explain_run(
     out = report_folder(order.out)
     recording = runs.load(run, home)
     reference, doubts = _reference(as_mean_rates(recording), home, order)
-    explanation = explain(recording, reference=reference, progress=progress)
-    tell(progress, "consequences")
     unit = recording.manifest.unit
     tolerance = settings.tolerance_for(unit.manufacturer, unit.model, home)
     limits = limits_in_use(recording.manifest, home, settings.laboratory(home))
+    explanation = explain(recording, reference=reference, progress=progress)
+    tell(progress, "consequences")
     effects = consequences(recording, explanation, tolerance, limits)
     explanation = replace(explanation, remarks=(*doubts, *explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.certificate import LIVE
+from schemas.certificate import LIVE, Laboratory
 from schemas.orders import ReviewOrder, Selection, order_of
 from schemas.review import KeptReview, Review, Skipped, Touched
 from storage import last_review, settings
@@ -38,13 +38,17 @@ SELECTED = ("since", "until", "model", "serial", "station")
 
 @dataclass(frozen=True)
 class AffectedCertificate:
-    """A certificate, the run it is based on, and an effect with values (m,) SI."""
+    """A certificate, the run it is based on, and an effect with values (m,) SI.
+
+    laboratory: that of the home.
+    """
 
     certificate: str
     run: Run
     effect: Effect
     values: np.ndarray
     home: Home
+    laboratory: Laboratory | None
 
 
 @dataclass(frozen=True)
@@ -177,6 +181,7 @@ def with_certificates(
 
     found: of each finding. chosen: runs by id.
     """
+    laboratory = settings.laboratory(home)
     standing = [each for each in certificates.register(home) if each.state in LIVE]
     findings = []
     for finding, one in zip(review.findings, found, strict=True):
@@ -184,7 +189,8 @@ def with_certificates(
             one.pool.runs[k].run for k in np.flatnonzero(rows_of(one.pool, one.best.window))
         }
         jobs = [
-            AffectedCertificate(entry.number, chosen[entry.run], one.best.effect, one.values, home)
+            AffectedCertificate(entry.number, chosen[entry.run], one.best.effect, one.values, home,
+                laboratory)
             for entry in standing if entry.run in affected
         ][-MOST:]  # fmt: skip
         workers = min(processors(), len(jobs) // WORTH_A_PROCESS)
@@ -197,7 +203,7 @@ def _touched(job: AffectedCertificate) -> list[Touched]:
     """Nothing where the recording is gone or its clauses give no items."""
     try:
         recording = runs.load(job.run, job.home)
-        limits = limits_in_use(recording.manifest, job.home, settings.laboratory(job.home))
+        limits = limits_in_use(recording.manifest, job.home, job.laboratory)
         elements = moved_elements(recording, job.effect, job.values, limits)
     except Unusable:
         return []

@@ -61,7 +61,7 @@ class _File:
         starts = [found.start() for found in IDENTIFIER.finditer(text)]
         parts = [text[start:end] for start, end in zip(starts, [*starts[1:], None], strict=True)]
         self.texts = dict(zip(IDENTIFIER.findall(text), parts, strict=True))
-        self.unparsed = dict(self.texts)
+        self.unparsed = set(self.texts)
         self.bundle = _bundle(language)
         self._one_at_a_time = Lock()
 
@@ -69,7 +69,7 @@ class _File:
         """Text and attributes of a message of single lines without placeables, which most are and
         which need no parser; the text's own key is empty. None for any other.
         """
-        lines = [line for line in self.texts[id_].splitlines() if line and line[0] != "#"]
+        lines = [line for line in self.texts[id_].split("\n") if line and line[0] != "#"]
         found = [PLAIN.fullmatch(line) for line in lines]
         if not all(found):
             return None
@@ -85,9 +85,10 @@ class _File:
         from fluent.runtime import FluentResource
         from fluent.syntax.ast import Junk
 
-        text = self.unparsed.pop(id_, None)
-        if text is None:
+        if id_ not in self.unparsed:
             return
+        self.unparsed.remove(id_)
+        text = self.texts[id_]
         resource = FluentResource(text)
         for entry in resource.body:
             if isinstance(entry, Junk):

@@ -111,7 +111,7 @@ def adopt(
     terms = tuple(_adopted_term(finding, determined) for finding in findings)
     plain = calibrate(recording)  # of the readings as they are
     remarks = (
-        *_remarks(result, recording, findings, terms),
+        *_remarks(result, plain, recording, findings, terms),
         *(
             remark("term_not_taken_off", message("explain-not-adopted-random", term=_named(walk)))
             for walk in random
@@ -177,27 +177,33 @@ def _with_own_values(item: Item) -> Item:
 
 def _remarks(
     result: Calibration,
+    plain: Calibration,
     recording: Recording,
     findings: Sequence[Finding],
     terms: Sequence[AdoptedTerm],
 ) -> Iterator[Remark]:
-    """What was corrected for, with its U, its undetermined part, and where it is unknown."""
+    """What was corrected for, with its U, its undetermined part, and where it is unknown.
+
+    plain: of the readings as they are, whose information is given.
+    """
     if not findings:
         return
     described = clauses([_described(*each) for each in zip(findings, terms, strict=True)])
     yield remark("terms_adopted", message("explain-adopted", terms=described), blocks_pass=True)
-    if result.information:
+    if plain.information:
         yield remark("information_as_recorded", message("explain-adopted-information"))
+    adopted = {finding.effect for finding in findings}
     for finding, term in zip(findings, terms, strict=True):
         taken = {p.name for p in term.parameters}
         left = tuple(p.name for p in finding.parameters if p.name not in taken)
         if left:
             loose = message("explain-adopted-undetermined", term=_named(finding), parameters=left)
             yield remark("parameters_not_taken_off", loose)
-        if others := dict.fromkeys((*finding.group, *finding.indistinguishable)):
-            names = tuple(effect_name(name) for name in others if name != finding.effect)
-            alike = message("explain-adopted-alike", term=_named(finding), others=names)
-            yield remark("term_not_distinguished", alike)
+        alike = dict.fromkeys((*finding.group, *finding.indistinguishable))
+        if others := [name for name in alike if name not in adopted]:
+            either = clauses([effect_name(name) for name in others], by="report-or")
+            words = message("explain-adopted-alike", term=_named(finding), others=either)
+            yield remark("term_not_distinguished", words)
         if finding.delta_bic <= 0.0:
             bic = f"{finding.delta_bic:.1f}"
             not_shown = message("explain-adopted-not-shown", term=_named(finding), bic=bic)

@@ -52,7 +52,7 @@ def uncertain_inputs(
     """
     every = list[UncertainInput]()
     for finding in findings:
-        if finding.effect == UNNAMED:
+        if finding.effect == UNNAMED and not finding.remainder:
             every.append(_of_unknown_cause(finding))
         if determined is None or not finding.terms:
             every += _as_a_whole(finding)
@@ -133,7 +133,7 @@ def in_si(one: DeterminedParameter) -> FoundParameter:
 
 
 def _of_unknown_cause(finding: Finding) -> UncertainInput:
-    """Half of its contribution: U (k = 2) of a value less it holds the value with it as well."""
+    """Half of its contribution: ± U (k = 2) about the corrected value reaches the uncorrected."""
     share = FoundParameter(name="share", value=1.0, unit="1", u=0.5)
     return UncertainInput(finding, share, whole=0.5 * np.nan_to_num(finding.contribution))
 

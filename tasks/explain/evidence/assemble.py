@@ -96,7 +96,7 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
         small=tuple(small),
         determined=determined,
     )
-    return with_faults(explanation, prepared)
+    return with_faults(explanation, prepared, left)
 
 
 def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Verdict:

@@ -24,7 +24,7 @@ from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import Prepared
 from tasks.model.effect import EVENTS
 
-LEAST_P = 1e-300
+LEAST_P = LEAST_TOTAL = 1e-300
 CONTRADICTED = 3.0  # standard deviations of a gain by which readings speak against an event
 CLEAR = 3.0  # times the noise: a smaller change may be that of the reference's errors
 
@@ -155,7 +155,7 @@ def _left_in(event: Event, left: LeftOver) -> float:
     return max(1.0, float(known.mean())) if len(known) else 1.0
 
 
-def with_faults(explanation: Explanation, prepared: Prepared) -> Explanation:
+def with_faults(explanation: Explanation, prepared: Prepared, left: LeftOver) -> Explanation:
     """The explanation of a recording that was put right, with the faults as its first findings.
 
     The standard's scale factors take a setting up whole: against the fitted model it leaves no
@@ -172,9 +172,10 @@ def with_faults(explanation: Explanation, prepared: Prepared) -> Explanation:
         read = fault.applied(t, found)
         own.append(_finding(fault, read - found, noise))
         found = read
-    by_codes = _by_codes(own, faults)
-    removed, rest = _mismatch(explanation, prepared)
-    total = max(sum(by_codes) + rest, 1e-300)
+    # Of a setting the residual shows nothing; wrong codes share it with what is beside them.
+    by_codes = [one.gain * isinstance(f, CodeFault) for one, f in zip(own, faults, strict=True)]
+    rest = left.removed + left.remaining
+    total = max(sum(by_codes) + rest, LEAST_TOTAL)
     own = [replace(one, share=part / total) for one, part in zip(own, by_codes, strict=True)]
     names = {CHANNELS[c]: CHANNELS[place[c]] for c in EVERY}
     ratio = {names[name]: value for name, value in explanation.held_out.rms_ratio.items()}
@@ -192,23 +193,11 @@ def with_faults(explanation: Explanation, prepared: Prepared) -> Explanation:
         verdict=_verdict(explanation),
         held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
         left_over=explanation.left_over[place.argsort()],
-        explained_share=(sum(by_codes) + removed) / total if rest else 1.0,
+        explained_share=(sum(by_codes) + left.removed) / total if explanation.findings else 1.0,
         findings=(*own, *without_form_errors(moved, own)),
         small=tuple(small),
         determined=explanation.determined and replace(explanation.determined, axes=matrix),
     )
-
-
-def _mismatch(explanation: Explanation, prepared: Prepared) -> tuple[float, float]:
-    """Chi-squared that the findings beside the faults remove, and all that is above the noise."""
-    if not explanation.findings:
-        return 0.0, 0.0
-    before, after = (
-        _squares(prepared.full.readings - predicted, explanation.noise)
-        for predicted in (explanation.nominal, explanation.found)
-    )
-    removed = max(before - after, 0.0)
-    return removed, removed / max(explanation.explained_share, LEAST_P)
 
 
 def _verdict(explanation: Explanation) -> Verdict:
@@ -249,11 +238,3 @@ def _finding(fault: Fault, contribution: np.ndarray, noise: np.ndarray) -> Findi
 def _squares(residual: np.ndarray, noise: np.ndarray) -> float:
     """Sum of squares of (n, 6) over the noise (6,)."""
     return float(np.nansum((residual / np.where(noise > 0, noise, np.inf)) ** 2))
-
-
-def _by_codes(own: Sequence[Finding], faults: Sequence[Fault]) -> list[float]:
-    """The part of the mismatch, chi-squared, that each fault's codes make."""
-    return [
-        one.gain if isinstance(fault, CodeFault) else 0.0
-        for one, fault in zip(own, faults, strict=True)
-    ]

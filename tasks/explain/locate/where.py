@@ -134,8 +134,8 @@ def places(
     run: BlockedRun, channels: Mapping[int, ChannelExcess], contribution: np.ndarray,
     by_time: bool = False,
 ) -> dict[int, Place]:  # fmt: skip
-    """The place of each channel's part of one finding; contribution: (n, 6). by_time: nothing but
-    the time is asked.
+    """The place of each channel's part of one finding; contribution: (n, 6). by_time: no
+    other partition is asked than that by time.
 
     A pattern counts by its information on the channel's excess, and its dimension by that on all
     channels, for one physics acts in all of them.

@@ -53,9 +53,11 @@ def shift_text(moved: Consequence) -> str:
 
 
 def before_and_after(moved: Consequence) -> Quantities:
-    """An element's value without the finding and with it, each with its U."""
-    U_before = moved.U if moved.U_before is None else moved.U_before
-    return quantities([moved.before, moved.after], [U_before, moved.U], moved.unit)
+    """An element's value without the finding and with it, each that is there with its U."""
+    U_before = moved.U if moved.U_before is None else moved.U_before  # of an earlier version
+    values = [moved.before, moved.after]
+    pairs = zip(values, [U_before, moved.U], strict=True)
+    return quantities(values, [None if value is None else U for value, U in pairs], moved.unit)
 
 
 def capital(phrase: Sayable) -> Statement:

@@ -228,12 +228,12 @@ def on_certificate(finding: ReportedFinding, together: Sequence[Consequence]) ->
 def _consequence(
     moved: Consequence, together: Sequence[Consequence], joint: Sequence[int]
 ) -> Message:
-    of_set = sum(each.in_U for each in together
-                 if (each.item, each.element) == (moved.item, moved.element))  # fmt: skip
-    if of_set / moved.in_U < TAKEN_BACK:
+    same = [each for each in together
+            if (each.item, each.element) == (moved.item, moved.element)]  # fmt: skip
+    if sum(each.change for each in same) / moved.change < TAKEN_BACK:
         return message(
             "report-moves-in-set", element=lower(element_title(moved.item, moved.element)),
-            times=multiple(moved.in_U), together=multiple(of_set),
+            times=multiple(moved.in_U), together=multiple(sum(each.in_U for each in same)),
         )  # fmt: skip
     made = before_and_after(moved)
     return message(

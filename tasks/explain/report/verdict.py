@@ -150,14 +150,16 @@ def _unnamed(discrepancy: Discrepancy) -> Message:
 
 
 def _gained(held_out: HeldOut) -> Message:
-    before, after = chi2(held_out.chi2_per_dof_before), chi2(held_out.chi2_per_dof_after)
+    pair = held_out.chi2_per_dof_before, held_out.chi2_per_dof_after
+    before, after = map(chi2, pair)
     ratios = held_out.rms_ratio
     best = min(ratios, key=lambda channel: ratios[channel], default="")
-    if not best or ratios[best] >= CLEAR_GAIN:
-        return message("report-gained", before=before, after=after, falls=int(before != after))
+    most = bool(best) and ratios[best] < CLEAR_GAIN
     return message(
-        "report-gained-most", before=before, after=after, channel=channel_title(best),
-        share=percent(ratios[best]),
+        "report-gained", before=before, after=after,
+        change="level" if before == after else "rises" if pair[1] > pair[0] else "falls",
+        most=int(most), channel=channel_title(best) if most else "",
+        share=percent(ratios[best]) if most else "",
     )  # fmt: skip
 
 

@@ -176,7 +176,7 @@ def _recorded(motion: Motion) -> Iterator[Term]:
         yield regression_term(key, title, EVERY, 1, follows, True, per(RECORDED[key]))
         product = message("explain-recorded-times-input", signal=recorded)
         title = message("explain-follows", signal=product)
-        scaled, unit = partial(_scaled_input, key), f"1/({RECORDED[key]})"
+        scaled, unit = partial(_scaled_input, key), f"1/{RECORDED[key]}"
         yield regression_term(f"{key}·input", title, EVERY, 1, scaled, units=(unit, unit))
 
 

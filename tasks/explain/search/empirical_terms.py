@@ -83,7 +83,7 @@ def regression_term(
 
 def per(regressor: str) -> tuple[str, str]:
     """The units of factors of a regressor in that unit: readings over it."""
-    under = regressor if regressor.startswith("(") else f"({regressor})"
+    under = f"({regressor})" if "/" in regressor and regressor[0] != "(" else regressor
     gyro, accel = ("1" if regressor == own else f"({own})/{under}" for own in READINGS)
     return gyro, accel
 

@@ -175,11 +175,14 @@ report-unnamed = { $verdict ->
         [0] {""}
        *[other] ; observed: { $follows }
     }.
-report-gained = On segments withheld from the fit, χ² per degree of freedom { $falls ->
-        [0] is { $after }
-       *[other] falls from { $before } to { $after }
-    } (1: the noise of the residual at high frequencies).
-report-gained-most = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (1: the noise of the residual at high frequencies), and the rms residual of the { $channel } falls to { $share }.
+report-gained = On segments withheld from the fit, χ² per degree of freedom { $change ->
+        [level] is { $after }
+        [rises] rises from { $before } to { $after }
+       *[falls] falls from { $before } to { $after }
+    } (1: the noise of the residual at high frequencies){ $most ->
+        [0] {""}
+       *[other] , and the rms residual of the { $channel } falls to { $share }
+    }.
 report-moved = { $findings ->
         [one] Taking it into account
        *[other] Taking all findings into account together

@@ -162,11 +162,14 @@ report-unnamed = { $verdict ->
         [0] {""}
        *[other] ；其表现：{ $follows }
     }。
-report-gained = 在未参与拟合的区段上，每自由度 χ² { $falls ->
-        [0] 为 { $after }
-       *[other] 由 { $before } 变为 { $after }
-    }（以残差的高频噪声为 1）。
-report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（以残差的高频噪声为 1），{ $channel } 残差均方根降至 { $share }。
+report-gained = 在未参与拟合的区段上，每自由度 χ² { $change ->
+        [level] 为 { $after }
+        [rises] 由 { $before } 升至 { $after }
+       *[falls] 由 { $before } 降至 { $after }
+    }（以残差的高频噪声为 1）{ $most ->
+        [0] {""}
+       *[other] ，{ $channel } 残差均方根降至 { $share }
+    }。
 report-moved = { $findings ->
         [one] 计入后
        *[other] 全部发现一并计入后

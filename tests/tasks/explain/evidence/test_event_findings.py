@@ -37,8 +37,10 @@ def faulty(ideal_run: Any, *faults: Any, beside: float) -> Explanation:
     found = (finding(step, share=0.8),) if beside else ()
     answer = explanation(run, *found)
     answer = replace(answer, explained_share=0.8 if beside else 0.0)
-    full = SimpleNamespace(readings=answer.nominal + step)
-    return with_faults(answer, cast(Any, SimpleNamespace(recorded=run, faults=faults, full=full)))
+    removed = float(((step / answer.noise) ** 2).sum())  # 0.8 of the mismatch that is left
+    left = SimpleNamespace(removed=removed, remaining=0.25 * removed)
+    prepared = SimpleNamespace(recorded=run, faults=faults)
+    return with_faults(answer, cast(Any, prepared), cast(Any, left))
 
 
 def wrong_codes(rows: int, size: float) -> CodeFault:
@@ -56,6 +58,18 @@ def test_a_setting_has_no_share_of_what_the_others_leave(ideal_run: Any) -> None
     assert step.share == pytest.approx(0.8)
     alone = faulty(ideal_run, setting, beside=0.0)
     assert (alone.explained_share, alone.findings[0].share) == (1.0, 0.0)
+
+
+def test_a_setting_explains_nothing_of_a_residual_beside_it(ideal_run: Any) -> None:
+    setting = RangeSetting(
+        "range_setting", (3, 4, 5), (), 1e-20, message("events-constant", channels=""), 1, 2.0
+    )
+    run = ideal_run(dwell=4.0)
+    rest = finding(nothing_added(run), "unnamed", share=0.0, remainder=True)
+    prepared = SimpleNamespace(recorded=run, faults=(setting,))
+    left = SimpleNamespace(removed=0.0, remaining=500.0)
+    answer = with_faults(explanation(run, rest), cast(Any, prepared), cast(Any, left))
+    assert answer.explained_share == 0.0
 
 
 def test_wrong_codes_share_the_mismatch_with_what_is_beside_them(ideal_run: Any) -> None:

@@ -10,7 +10,7 @@ from schemas.discrepancy import Discrepancy, FoundParameter, VerdictChange
 from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL, Consequences
 from tasks.explain.report import discrepancy_of
-from tasks.explain.report.names import parameter_name
+from tasks.explain.report.names import before_and_after, parameter_name
 from tasks.explain.report.statements import strength_of_evidence, times_more_probable
 from tasks.model.effect import effect_name
 from tasks.words import say
@@ -88,6 +88,22 @@ def test_the_largest_shift_on_the_certificate_is_told_in_its_uncertainty() -> No
     assert "−40.0 U" in en
     assert "from fail to pass" in en
     assert "由“不合格”变为“合格”" in zh
+
+
+def test_a_wide_u_of_the_set_is_no_offset() -> None:
+    """Ten units either way; what differs is how well the set is known."""
+    alone = BIAS.model_copy(update={"before": 0.0, "after": 10.0, "U": 1.0})
+    whole = alone.model_copy(update={"U": 40.0})
+    effects = Consequences(((alone,),), ((),), (whole,))
+    made = discrepancy_of(explanation(finding()), ((where(),),), effects)
+    assert "Largest change on the certificate" in made.findings[0].statement.en
+    assert "offset that" not in made.findings[0].statement.en
+
+
+def test_a_value_that_is_not_there_has_no_uncertainty() -> None:
+    gone = BIAS.model_copy(update={"before": None, "U_before": 0.1})
+    assert before_and_after(gone).uncertainties[0] is None
+    assert before_and_after(gone).uncertainties[1] is not None
 
 
 def test_what_findings_change_together_is_said_with_their_numbers() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from made_report import BIAS, answer, explanation, finding, located, unnamed, where
 
-from schemas.discrepancy import Discrepancy, FoundParameter
+from schemas.discrepancy import Discrepancy, FoundParameter, HeldOut
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
 from tasks.model.effect import LOGGER
@@ -74,6 +74,21 @@ def test_what_the_standards_parameters_absorb_is_no_share_of_a_mismatch() -> Non
     left = np.array([50.0] + 5 * [1.0])
     beside = explanation(finding(share=0.0, held_out_gain=0.0), left_over=left)
     assert "The residual shows no mismatch" not in first_sentence(answer(beside))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "says"),
+    [(2.0, 1.0, "falls from 2.00 to 1.00"), (1.1, 1.3, "rises from 1.10 to 1.30"),
+     (1.0, 1.0, "freedom is 1.00")],
+)  # fmt: skip
+def test_where_unseen_segments_go_is_said_as_it_is(before: float, after: float, says: str) -> None:
+    for ratio in (1.0, 0.5):
+        held_out = HeldOut(
+            rms_ratio={"accel_x": ratio}, chi2_per_dof_before=before, chi2_per_dof_after=after
+        )
+        text = answer(explanation(finding(), held_out=held_out)).statement.en
+        assert says in text
+        assert ("rms residual of the accelerometer x falls to 50 %" in text) == (ratio < 1.0)
 
 
 def test_a_fault_of_the_logger_is_looked_at_first() -> None:
