@@ -20,7 +20,6 @@ from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
-from tasks.explain.search.scores import INDISTINGUISHABLE
 from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
 
@@ -161,17 +160,16 @@ def _behaviour(group: FindingGroup) -> Sayable:
 def _indistinguishable(
     group: FindingGroup, channels: tuple[int, ...], contribution: np.ndarray, full: FullRate
 ) -> tuple[str, ...]:
-    """Catalogue names that fit nearly as well, so that the data cannot distinguish them."""
+    """Catalogue names that fit as well, so that the data cannot distinguish them."""
     names = [
-        other.candidate.name
+        name
         for one in group.selected
-        for other in one.alternatives
-        if one.score - other.score < INDISTINGUISHABLE
-        and HOLDS.get(group.name) != other.candidate.name  # which the comparison judged
+        for name in one.rivals
+        if HOLDS.get(group.name) != name  # which the comparison judged
     ]
     names += possibly_clipped(group.name, channels, full.motion)
     names += possibly_clipped_in_noise(group.name, contribution, full.readings, full.motion)
-    return tuple(name for name in dict.fromkeys(names) if name != UNNAMED)
+    return tuple(dict.fromkeys(names))
 
 
 def _channels(contribution: np.ndarray, variance: np.ndarray) -> tuple[int, ...]:

@@ -27,6 +27,7 @@ from tasks.explain.search.design import (
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.proposals import with_proposed_shapes
 from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
+from tasks.explain.search.rivals import with_rivals
 from tasks.explain.search.scores import rank
 from tasks.explain.search.stepwise import (
     SEARCH_BUDGET,
@@ -111,13 +112,11 @@ class Searched:
             return fit
         if TIME_OFFSET.name not in [one.name for one in fit.selection.candidates]:
             offset = next(one for one in self.candidates if one.name == TIME_OFFSET.name)
-            selected = (Selected(offset, 0.0, 0.0, ()), *fit.selection.selected)
+            selected = (Selected(offset, 0.0, 0.0), *fit.selection.selected)
             fit = fit.reselected(replace(fit.selection, selected=selected))
         # What fits the little that was left as well does not fit the whole, which no other absorbs.
         selected = tuple(
-            replace(one, gain=np.inf, alternatives=())
-            if one.candidate.name == TIME_OFFSET.name
-            else one
+            replace(one, gain=np.inf, rivals=()) if one.candidate.name == TIME_OFFSET.name else one
             for one in fit.selection.selected
         )
         selection = replace(fit.selection, selected=selected)
@@ -232,7 +231,8 @@ def alternated(
     for number in range(1, MAX_SEARCHES if selection.selected else 1):
         done(number / MAX_SEARCHES)
         if budget.spent:
-            return replace(fit, selection=replace(fit.selection, stopped=True))
+            fit = replace(fit, selection=replace(fit.selection, stopped=True))
+            break
         before = fit.selection.candidates
         candidates = _updated(candidates, before)
         design = with_columns(design, *linearised(fit.model, design.blocks, before))
@@ -244,7 +244,8 @@ def alternated(
         fit = fit.reselected(replace(again, p_value=selection.p_value))
         if {one.key for one in again.candidates} == {one.key for one in before}:
             break
-    return fit
+    rivalled = with_rivals(fit.selection, design, _updated(candidates, fit.selection.candidates))
+    return replace(fit, selection=rivalled)
 
 
 def _at_rate(noises: Sequence[Noise], factor: float) -> tuple[Noise, ...]:

@@ -32,12 +32,15 @@ def with_proposed_shapes(
     candidates: Sequence[Candidate],
     noises: Sequence[Noise],
     selected: Sequence[Candidate] = (),
+    beside: Sequence[Candidate] | None = None,
 ) -> tuple[BandedDesign, list[Candidate]]:
     """Design and candidates with the best times for steps and the best periods for sinusoids.
 
-    selected: candidates that stay as they are, beside which the others are proposed.
+    selected: candidates that stay as they are. beside: the candidates beside which the others are
+    proposed; the selected ones if not given.
     """
-    terms = _proposed_terms(design, candidates, noises, selected)
+    left = residuals(design, members_of(selected if beside is None else beside), noises)
+    terms = _proposed_terms(design, candidates, noises, selected, left)
     span = len(design.blocks.t) / design.blocks.rate
     columns, updated = {}, []
     for candidate in candidates:
@@ -62,9 +65,9 @@ def _proposed_terms(
     candidates: Sequence[Candidate],
     noises: Sequence[Noise],
     selected: Sequence[Candidate],
+    left: Sequence[ChannelResidual],
 ) -> Mapping[tuple[str, int], Term]:
     """The terms with a time or a period, but those selected, with their proposed shapes, by key."""
-    left = residuals(design, members_of(selected), noises)
     steps, sinusoids = _gains(design, left, noises)
     held = {candidate.term.key for candidate in selected}
     shapes: dict[tuple[str, tuple[int, ...]], list[float]] = {}

@@ -23,10 +23,15 @@ SINGULAR = 1e-6  # of a column's power: keeps columns that are the same from div
 
 @dataclass(frozen=True)
 class ScoredCandidate:
-    """A candidate beside those selected: chi-squared gained, less its price, and its p value."""
+    """A candidate beside those selected.
+
+    gain: chi-squared; fit: the gain less two for each parameter; score: the gain less its whole
+    price.
+    """
 
     candidate: Candidate
     gain: float
+    fit: float
     score: float
     p_value: float
 
@@ -116,12 +121,13 @@ def _fixed_effect(
         size = 1.0 / left.scale[p]
         gain = float(2.0 * left.right[p] * size - left.normal[p, p] * size**2)
     trials = candidate.trials * candidate.shape_trials
+    fit = gain - PER_PARAMETER * count
     price = PER_PARAMETER * count + 2.0 * np.log(trials) + candidate.term.rarity
     price -= 2.0 * np.log(2.0) if one_sided else 0.0  # half the room for a chance estimate
     # What is known to be there needs no other that imitates it, as a sensitivity to the field of
     # Earth does its rotation.
     price -= INDISTINGUISHABLE if candidate.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
-    return ScoredCandidate(candidate, gain, gain - price, p_value)
+    return ScoredCandidate(candidate, gain, fit, gain - price, p_value)
 
 
 def _one_sided(candidate: Candidate) -> bool:
@@ -182,7 +188,8 @@ def _random_effects(
         # No walk where another drift may explain it as well.
         price += INDISTINGUISHABLE if candidate.name != UNNAMED else 0.0
         p_value = float(np.exp(-0.5 * max(gain, 0.0)))
-        scored.append(ScoredCandidate(candidate, gain, gain - price, p_value))
+        score = gain - price
+        scored.append(ScoredCandidate(candidate, gain, score, score, p_value))
     return scored
 
 

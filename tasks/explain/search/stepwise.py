@@ -15,13 +15,12 @@ from tasks.explain.search.design import (
     normal_equations,
     residual_noises,
 )
-from tasks.explain.search.scores import ScoredCandidate, prior_precision, rank
+from tasks.explain.search.scores import prior_precision, rank
 from tasks.explain.whitening import Noise
 
 FALSE_ALARMS = 0.005  # of clean recordings, at most
 MAX_SELECTED = 8
 MAX_EXCHANGES = 3
-MAX_ALTERNATIVES = 6
 # s: ten minutes at 200 Hz may take 30 s in all; motion, events, evidence and consequences need ten.
 SEARCH_BUDGET = 20.0
 
@@ -48,7 +47,7 @@ UNLIMITED = TimeBudget(math.inf)
 
 @dataclass(frozen=True)
 class Selected:
-    """A selected candidate; alternatives: other names that fit nearly as well, best first.
+    """A selected candidate; rivals: other names that fit as well in its place, best first.
 
     absorbed_by: the standard's term that absorbs it completely, if it was selected nevertheless.
     group: names that compensate for each other here, including its own; empty if none does.
@@ -57,7 +56,7 @@ class Selected:
     candidate: Candidate
     gain: float
     score: float
-    alternatives: tuple[ScoredCandidate, ...]
+    rivals: tuple[str, ...] = ()
     absorbed_by: str | None = None
     group: tuple[str, ...] = ()
 
@@ -130,7 +129,7 @@ def search(
             break
         visited.add(_keys(selected))
     equations = normal_equations(design, noises)
-    found = _with_alternatives(equations, candidates, selected)
+    found = _with_gains(equations, candidates, selected)
     return Selection(found, noises, p_value, equations, stopped)
 
 
@@ -173,7 +172,7 @@ def _revised(
     return selected
 
 
-def _with_alternatives(
+def _with_gains(
     equations: NormalEquations, candidates: Sequence[Candidate], selected: Sequence[Candidate]
 ) -> tuple[Selected, ...]:
     """The selected candidates by gain; one that has become unobservable is left out."""
@@ -184,12 +183,7 @@ def _with_alternatives(
         own = next((scored for scored in ranked if scored.candidate.key == one.key), None)
         if own is None:
             if one.nuisance:
-                found.append(Selected(one, 0.0, 0.0, ()))
+                found.append(Selected(one, 0.0, 0.0))
             continue
-        best: dict[str, ScoredCandidate] = {}
-        for other in ranked:
-            if other.candidate.name != one.name:
-                best.setdefault(other.candidate.name, other)
-        alternatives = tuple(best.values())[:MAX_ALTERNATIVES]
-        found.append(Selected(one, own.gain, own.score, alternatives))
+        found.append(Selected(one, own.gain, own.score))
     return tuple(sorted(found, key=lambda selected: -selected.gain))
