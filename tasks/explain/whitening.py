@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import dct, idct, next_fast_len
+from scipy.special import xlogy
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.model.regression import WhitenedEquations, of_channel
@@ -59,18 +60,33 @@ def padded_length(count: int) -> int:
     return int(next_fast_len(count, real=True))
 
 
-def known_share(weight: np.ndarray) -> float:
-    """Of the rows that are transformed those that say something; weight: (n,) root of each."""
-    return float(np.count_nonzero(weight)) / padded_length(len(weight))
+def known_share(observed: Blocks, channel: int) -> float:
+    """Of the rows that are transformed those in which a channel says something."""
+    known = np.count_nonzero(observed.weight[:, channel])
+    return float(known) / padded_length(len(observed.compared))
 
 
-def weighted(signals: Sequence[np.ndarray] | np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """(k, padded n) signals (n,) times weight (n,), in rows; zero where a signal is not known."""
-    stack = np.zeros((len(signals), padded_length(len(weight))))
+def weighted(
+    signals: Sequence[np.ndarray] | np.ndarray, weight: np.ndarray, observed: Blocks
+) -> np.ndarray:
+    """(k, padded m) the compared rows of signals (n,) times weight (n,), in rows; zero where a
+    signal is not known.
+    """
+    rows = observed.compared
+    level, count = weight[rows], len(rows)
+    stack = np.zeros((len(signals), padded_length(count)))
     for row, signal in zip(stack, signals, strict=True):
-        np.multiply(signal, weight, out=row[: len(weight)])
+        np.multiply(signal[rows], level, out=row[:count])
     np.copyto(stack, 0.0, where=np.isnan(stack))
     return stack
+
+
+def at_blocks(stack: np.ndarray, observed: Blocks) -> np.ndarray:
+    """(k, n) rows (k, padded m) at all blocks; zero where nothing is compared."""
+    rows = observed.compared
+    spread = np.zeros((len(stack), len(observed.t)))
+    spread[:, rows] = stack[:, : len(rows)]
+    return spread
 
 
 def transformed(columns: np.ndarray) -> np.ndarray:
@@ -92,14 +108,14 @@ def in_band(columns: np.ndarray, observed: Blocks) -> np.ndarray:
     for line in observed.lines:
         seen = abs(line - round(line / observed.rate) * observed.rate)  # blocks fold it
         place = 2 * padded * seen / observed.rate
-        width = 2 * padded * LINE_WIDTH / len(observed.t)
+        width = 2 * padded * LINE_WIDTH / len(observed.compared)
         rows[..., max(0, round(place - width)) : round(place + width) + 1] = 0.0
     return rows
 
 
 def compared_bands(observed: Blocks) -> Bands:
     """Bands of the coefficients that are compared."""
-    padded = padded_length(len(observed.t))
+    padded = padded_length(len(observed.compared))
     count = _compared(padded, observed)
     return bands_of(count, observed.rate * count / padded)
 
@@ -125,6 +141,20 @@ class Noise:
     def at_rate(self, factor: float) -> "Noise":
         """The same spectrum for blocks of `factor` times the rate."""
         return Noise(self.white * factor, self.flicker * factor)
+
+
+def flicker_over_gaps(gap_ratio: float) -> float:
+    """By how much the variance of the difference of two neighbouring means is larger in flicker
+    noise where a gap lies between them; gap_ratio: the distance of their middles over their length.
+
+    The autocovariance of 1/f noise goes as −ln of the lag, and its double integral over both means
+    gives (r+1)²·ln(r+1) + (r−1)²·ln(r−1) − 2r²·ln r, which is 4·ln 2 without a gap.
+    """
+    r = gap_ratio
+    return float(
+        (xlogy((r + 1) ** 2, r + 1) + xlogy((r - 1) ** 2, r - 1) - 2 * xlogy(r**2, r))
+        / (4.0 * np.log(2.0))
+    )
 
 
 @dataclass(frozen=True)
@@ -211,7 +241,7 @@ def equations_of(
     grams, which = [], []
     for channel, noise in enumerate(noises):
         own, signals = of_channel(columns, misfit, channel)
-        stack = weighted(signals, observed.weight[:, channel])
+        stack = weighted(signals, observed.weight[:, channel], observed)
         grams.append(whitened_gram(stack, observed, noise))
         which.append(own)
     return WhitenedEquations(tuple(grams), tuple(which), len(columns))
@@ -232,11 +262,11 @@ def scores_of(
         weight = observed.weight[:, channel]
         rows = np.flatnonzero(weight)
         own, signals = of_channel(columns, misfit, channel)
-        stack = weighted(signals[-1:], weight)
+        stack = weighted(signals[-1:], weight, observed)
         left = in_band(stack, observed)[0]
         whitened = left / noise.variance(_frequencies(len(left), stack.shape[1], observed.rate))
         chi2 += float(left @ whitened)
-        score = (in_time(whitened, stack.shape[1])[: len(weight)] * weight)[rows]
+        score = at_blocks(in_time(whitened, stack.shape[1])[None], observed)[0][rows] * weight[rows]
         for q, signal in zip(own.tolist(), signals[:-1], strict=True):
             filled = signal[rows]
             filled[np.isnan(filled)] = 0.0

@@ -28,9 +28,10 @@ WAITS = (0.25, 0.5, 1.0, 2.0)  # s
 STARTS = 3  # of them that are refined
 STEPS = (0.5, 0.25, 0.1, 0.03)  # relative, by which each is refined
 BRIEFEST = 0.2  # s of waiting: less is no rest
+FOLLOWED = 10.0  # time constants at rest, in all: in less no estimate is told from a step
 LONGEST = 5.0  # s: slower estimates are not told from a bias that drifts
 BLOCK = 8  # rows, in whose means readings are compared
-CELLS = (1.0, 5.0)  # s, within which what is left may go together
+CELLS = (1.0, 5.0, 20.0)  # s, within which what is left may go together
 LAGS = (0.3, 1.0, 3.0)  # s of a reference, or of what smooths it
 CLEAR = 10.0  # standard deviations
 ALIKE = 0.3  # of 1/τ: axes and halves that differ by less have one estimate
@@ -75,6 +76,8 @@ def find_bias_at_rest(readings: np.ndarray, motion: Motion) -> BiasAtRest | None
         return None
     best = _best(fit)
     if best.gain < CLEAR**2 or best.rate * LONGEST < 1.0:
+        return None
+    if fit.rested(best.quiet, best.wait).sum() * fit.interval * best.rate < FOLLOWED:
         return None
     dispersion = fit.dispersion(best)
     telling = best.information > TELLING * best.information[-2:].sum()
@@ -150,12 +153,15 @@ class _Whitened:
             motion.t, np.nan_to_num(written), size, interval, used, weight, left, tuple(bases)
         )
 
-    def integral(self, quiet: float, wait: float) -> np.ndarray:
-        """(n, 3) rad, of what was written while the unit was believed to rest."""
+    def rested(self, quiet: float, wait: float) -> np.ndarray:
+        """(n,) bool, whether the unit was believed to rest."""
         rows = np.arange(len(self.size))
         moved = np.maximum.accumulate(np.where(self.size < quiet, -1, rows))
-        rests = rows - moved > wait / self.interval
-        written = np.where(rests[:, None], self.written, 0.0)
+        return np.asarray(rows - moved > wait / self.interval)
+
+    def integral(self, quiet: float, wait: float) -> np.ndarray:
+        """(n, 3) rad, of what was written while the unit was believed to rest."""
+        written = np.where(self.rested(quiet, wait)[:, None], self.written, 0.0)
         return np.asarray(written.cumsum(axis=0) * self.interval)
 
     def regressor(self, quiet: float, wait: float) -> np.ndarray:

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.whitening import Noise, in_band, in_time, weighted
+from tasks.explain.whitening import Noise, at_blocks, in_band, in_time, weighted
 from tasks.model.regression import WhitenedEquations, of_channel
 from tasks.model.term import Column
 
@@ -88,8 +88,8 @@ def _low_passed(signals: Sequence[np.ndarray], level: np.ndarray, observed: Bloc
     """(n, k) signals (n,) times a level (n,), without what lies above the band that is compared."""
     if observed.share == 1.0:
         return np.nan_to_num(np.column_stack(signals)) * level[:, None]
-    stack = weighted(signals, level)
-    return in_time(in_band(stack, observed), stack.shape[1])[:, : len(level)].T
+    stack = weighted(signals, level, observed)
+    return at_blocks(in_time(in_band(stack, observed), stack.shape[1]), observed).T
 
 
 def fold_cells(observed: Blocks) -> np.ndarray:

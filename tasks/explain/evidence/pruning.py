@@ -115,7 +115,8 @@ def _gains(
     if not blocks.weight[:, number].any():
         return 0.0, 0.0, 0.0, 0
     base = regressors(blocks.motion, number).T
-    signals = weighted([*base, effect, blocks.readings[:, number]], blocks.weight[:, number])
+    rows = [*base, effect, blocks.readings[:, number]]
+    signals = weighted(rows, blocks.weight[:, number], blocks)
     gram = whitened_gram(signals, blocks, noise)
     count = len(AXES)  # the absorbing parameters of a channel are the last of its base
     first = len(base) - count

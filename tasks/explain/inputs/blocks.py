@@ -6,6 +6,7 @@ full rate, so that the corners of a ramp are not missed.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
@@ -23,6 +24,7 @@ BY_NOISE = 45.0  # times the noise of a block: a fourth difference that no corne
 REACH = 5  # blocks on each side that delays and filters make a reading of
 NEXT = 2  # blocks on each side of a corner whose means it makes wrong
 UNEVEN = 0.5  # of an interval: stamps that scatter by less are no batches
+BRIEF = 1.0  # s: a shorter gap stays between its neighbours
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
 
 
@@ -50,6 +52,31 @@ class Blocks:
     floor: np.ndarray
     band: float = np.inf
     lines: tuple[float, ...] = ()
+
+    @cached_property
+    def compared(self) -> np.ndarray:
+        """(m,) the rows that are compared, as if no time lay between them: without the gaps in
+        which no channel says anything.
+
+        Zeros in their place would cut a drift into steps, and what of it lies in the gaps would be
+        missing from its power.
+        """
+        says = self.weight.any(axis=1)
+        edges = np.flatnonzero(np.diff(says, prepend=True, append=True)).reshape(-1, 2)
+        kept = np.ones(len(says), bool)
+        for start, stop in edges.tolist():
+            kept[start:stop] = (stop - start) / self.rate < BRIEF
+        return np.flatnonzero(kept)
+
+    @property
+    def gap_ratio(self) -> float:
+        """Distance between the middles of neighbouring pieces that are compared, on average, over
+        their length: one without gaps.
+        """
+        rows = self.compared
+        pieces = 1 + np.count_nonzero(np.diff(rows) > 1)
+        missing = (rows[-1] - rows[0] + 1 - len(rows)) / max(pieces - 1, 1)
+        return float(1.0 + missing * pieces / len(rows))
 
     @property
     def share(self) -> float:

@@ -18,6 +18,7 @@ from tasks.explain.whitening import (
     ChannelResidual,
     Noise,
     compared_bands,
+    flicker_over_gaps,
     in_band,
     known_share,
     triad_noises,
@@ -107,11 +108,11 @@ def _channel_design(
 ) -> ChannelDesign:
     which, signals = of_channel(columns, readings, channel)
     standard, weight = regressors(blocks.motion, channel).T, blocks.weight[:, channel]
-    stack = weighted(standard, weight)
+    stack = weighted(standard, weight, blocks)
     basis = np.linalg.qr(stack.T)[0].T
     parts = [_at_unit_size(stack, blocks)]
     for first in range(0, len(signals), TOGETHER):
-        rest = _projected(weighted(signals[first : first + TOGETHER], weight), basis)
+        rest = _projected(weighted(signals[first : first + TOGETHER], weight, blocks), basis)
         parts.append(_at_unit_size(rest, blocks))
     rows, size = (np.concatenate(each) for each in zip(*parts, strict=True))
     grams = _products(rows, rows, bands, size, size)
@@ -153,7 +154,8 @@ def _with_columns(
         at.append(len(channel.size) - 1)
     if not at:
         return channel
-    rest = _projected(weighted(signals, design.blocks.weight[:, number]), channel.basis)
+    weight = design.blocks.weight[:, number]
+    rest = _projected(weighted(signals, weight, design.blocks), channel.basis)
     new, new_size = _at_unit_size(rest, design.blocks)
     rows, size, grams = list(channel.rows), channel.size.copy(), channel.grams.copy()
     size[at] = new_size
@@ -233,18 +235,19 @@ def residual_noises(
     """The noise of what the standard's model and some parameters leave, triad by triad."""
     found = [UNIT_NOISE] * len(design.channels)
     left = residuals(design, members, noises)
+    wider = flicker_over_gaps(design.blocks.gap_ratio)
     for triad in TRIADS:
         recorded = [c for c in triad if design.channels[c] is not None]
         floors = [design.blocks.floor[c] for c in recorded]
         # Rows that say nothing are zero: the others have all the power that there is.
-        root = [np.sqrt(known_share(design.blocks.weight[:, c])) for c in recorded]
+        root = [np.sqrt(known_share(design.blocks, c)) for c in recorded]
         whole = [
             replace(left[c], coefficients=left[c].coefficients / r)
             for c, r in zip(recorded, root, strict=True)
         ]
         estimates = triad_noises(whole, design.bands, floors)
         for c, noise in zip(recorded, estimates, strict=True):
-            found[c] = noise
+            found[c] = replace(noise, flicker=noise.flicker * wider)
     return tuple(found)
 
 
@@ -257,7 +260,8 @@ def _residual(
     signals = [design.columns[p][number] for p in members if number in design.columns[p]]
     columns = channel.base
     if signals:
-        more = in_band(weighted(signals, design.blocks.weight[:, number]), design.blocks)
+        weight = design.blocks.weight[:, number]
+        more = in_band(weighted(signals, weight, design.blocks), design.blocks)
         columns = np.vstack([columns, more])
     level = 1.0 / noise.of_coefficients(design.bands)
     solved = inverse((columns * level) @ columns.T)

@@ -14,7 +14,15 @@ from scipy.fft import rfft, rfftfreq
 from tasks.explain.search.candidates import STEP_TIMES, Candidate, columns_of, members_of
 from tasks.explain.search.design import BandedDesign, ChannelDesign, residuals, with_columns
 from tasks.explain.search.empirical import SINUSOIDS
-from tasks.explain.whitening import ChannelResidual, Noise, in_band, in_time, padded_length
+from tasks.explain.whitening import (
+    ChannelResidual,
+    Noise,
+    at_blocks,
+    in_band,
+    in_time,
+    padded_length,
+    weighted,
+)
 from tasks.model.regression import inverse
 from tasks.model.term import Term
 
@@ -104,26 +112,27 @@ def _score(design: BandedDesign, c: int, left: ChannelResidual, noise: Noise) ->
     """(n,) residual divided by the noise's covariance: its product with a column is a score."""
     weight = design.blocks.weight[:, c]
     whitened = left.coefficients / noise.of_coefficients(design.bands)
-    return in_time(whitened, padded_length(len(weight)))[: len(weight)] * weight
+    padded = padded_length(len(design.blocks.compared))
+    return at_blocks(in_time(whitened, padded)[None], design.blocks)[0] * weight
 
 
 def _step_gains(
     design: BandedDesign, c: int, channel: ChannelDesign, score: np.ndarray, noise: Noise
 ) -> np.ndarray:
     """(n,) chi-squared that a step at each time would gain in one channel."""
-    count, length = len(score), padded_length(len(score))
+    count = len(score)
     root = np.sqrt(noise.of_coefficients(design.bands))
     at = np.linspace(0.02 * count, 0.98 * count, STEP_GRID).astype(int)
-    steps = np.zeros((STEP_GRID, length))
-    for row, start in zip(steps, at, strict=True):
-        row[start:count] = design.blocks.weight[start:, c]
-    steps = in_band(steps, design.blocks) / root
+    rows = np.arange(count)
+    later = [np.where(rows >= start, 1.0, 0.0) for start in at]
+    stack = weighted(later, design.blocks.weight[:, c], design.blocks)
+    steps = in_band(stack, design.blocks) / root
     base = channel.base / root
     shared = steps @ base.T
     size = (steps**2).sum(axis=1)
     size = size - np.einsum("kb,bd,kd->k", shared, inverse(base @ base.T), shared)
     summed = np.cumsum(score[::-1])[::-1]
-    known = np.interp(np.arange(count), at, np.maximum(size, 1e-300))
+    known = np.interp(rows, at, np.maximum(size, 1e-300))
     return np.asarray(summed**2 / known)
 
 

@@ -137,7 +137,7 @@ def test_at_a_line_nothing_is_compared_and_beside_it_all_is(line: float) -> None
     run = motion()
     blocks = replace(observed(np.zeros((len(run.t), 6)), run), lines=(line,))
     at, beside = (np.cos(2.0 * np.pi * frequency * run.t) for frequency in (3.0, 3.2))
-    rows = in_band(weighted([at, beside], np.ones(len(run.t))), blocks)
+    rows = in_band(weighted([at, beside], np.ones(len(run.t)), blocks), blocks)
     kept = (rows**2).sum(axis=1)
     assert kept[0] < 0.05 * (at**2).sum()
     assert kept[1] > 0.95 * (beside**2).sum()

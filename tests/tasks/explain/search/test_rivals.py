@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from engine_run import NOISY, motion, noise, observed, read
+from labelled_rests import labelled_rests, recording_of
 
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import Recording
 from tasks.explain.explain import explain
 from tasks.explain.search.candidates import candidates_of, plausible_half_ranges
 from tasks.explain.search.design import banded_design
@@ -16,10 +17,7 @@ from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.timing import TIME_OFFSET
 
-GRAVITY = 9.8015
-UPS = ("+x", "-x", "+y", "-y", "+z", "-z")
-REST, GAP, RATE = 20.0, 14.0, 50.0  # s, s, Hz
-SIGMA = np.repeat([1.5e-3, 1.5e-2], 3)  # rad/s and m/s²
+REST, GAP = 20.0, 14.0  # s
 STEP = 1.2e-3  # rad/s
 
 
@@ -33,30 +31,11 @@ def searched(readings: np.ndarray, *terms: Term) -> Selection:
     return with_rivals(search(design, candidates, (), NOISY), design, candidates)
 
 
-def rests(step_at: float, seed: int) -> Recording:
-    """Six labelled rests, and a gyro whose bias jumps once."""
-    turn = REST + GAP
-    t = np.arange(round(len(UPS) * turn * RATE)) / RATE
-    force = np.zeros((len(t), 3))
-    segments = []
-    for k, up in enumerate(UPS):
-        sign, axis = (1.0 if up[0] == "+" else -1.0), "xyz".index(up[1])
-        force[(t >= k * turn) & (t < (k + 1) * turn), axis] = sign * GRAVITY
-        segments.append({
-            "name": f"rest{up}", "kind": "static", "up": up,
-            "t_start": k * turn, "t_end": k * turn + REST,
-        })  # fmt: skip
-    readings = np.hstack([np.zeros_like(force), force])
-    readings += np.random.default_rng(seed).standard_normal(readings.shape) * SIGMA
-    readings[t >= step_at, 0] += STEP
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "rests",
-        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-        "station": {"id": "test", "gravity_m_s2": GRAVITY}, "segments": segments,
-    })  # fmt: skip
-    return Recording(
-        manifest, Stream(t, {n: readings[:, c] for c, n in enumerate((*GYRO, *ACCEL))})
-    )
+def jumping(at: float, seed: int) -> Recording:
+    """Six labelled rests, and a gyro whose bias jumps once, at a time (s)."""
+    t, readings, segments = labelled_rests(seed, REST, GAP)
+    readings[t >= at, 0] += STEP
+    return recording_of(t, readings, segments)
 
 
 def test_what_differs_in_the_motion_has_no_rivals() -> None:
@@ -71,10 +50,10 @@ def test_what_differs_in_the_motion_has_no_rivals() -> None:
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_jump_between_two_positions_is_not_told_from_the_square_of_gravity(seed: int) -> None:
     """After +x and −x the square of the force jumps once as well, and no rest saw it happen."""
-    (found,) = explain(rests(2 * REST + GAP + 3.0, seed)).findings
+    (found,) = explain(jumping(2 * REST + GAP + 3.0, seed)).findings
     assert {found.effect, *found.indistinguishable} == {"bias_step", "gyro_g2_sensitivity"}
 
 
 def test_a_jump_within_a_rest_is_no_square_of_gravity() -> None:
-    (found,) = explain(rests(2 * (REST + GAP) + 8.0, 1)).findings
+    (found,) = explain(jumping(2 * (REST + GAP) + 8.0, 1)).findings
     assert (found.effect, found.indistinguishable) == ("bias_step", ())
