@@ -32,6 +32,7 @@ MIN_TORN = 15
 Z = 6.0  # by which rows before outnumber rows after: p = 1e-9
 MIN_RATIO = 3.0  # of rows that have it of the row before to those of the row after
 MAX_HELD = 0.2  # of the rows in which a change is expected
+ROUGHER = 1.5  # times what they are put right: a unit that lags is off by a byte as well, smoothly
 MAX_NOISE = 50.0  # codes, median: of noise that fills a byte it is 64
 
 
@@ -102,9 +103,17 @@ def torn_codes(code: np.ndarray, predicted: np.ndarray) -> np.ndarray | None:
     chance = int((from_after & ~from_before)[slow].sum())
     noise = float(np.median(np.abs(right - near)[slow]))
     clear = count - chance > Z * np.sqrt(count + chance) and count > MIN_RATIO * chance
-    if count < MIN_TORN or not clear or noise > MAX_NOISE:
+    torn = known & from_before
+    rougher = _deviation(read)[torn].sum() > ROUGHER * _deviation(right)[torn].sum()
+    if count < MIN_TORN or not clear or noise > MAX_NOISE or not rougher:
         return None
-    return np.asarray(np.where(known & from_before, BYTE * off, 0.0))
+    return np.asarray(np.where(torn, BYTE * off, 0.0))
+
+
+def _deviation(code: np.ndarray) -> np.ndarray:
+    """(n,) by how much each code lies off the middle of its neighbours."""
+    about = np.convolve(np.pad(code, 1, mode="edge"), [0.5, 0.0, 0.5], mode="valid")
+    return np.abs(code - about)
 
 
 def _held(read: np.ndarray, expected: np.ndarray) -> bool:

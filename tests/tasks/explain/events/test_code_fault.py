@@ -137,6 +137,21 @@ def test_held_rows_have_no_high_byte_of_their_own(share: float) -> None:
     assert fault(held) is None
 
 
+@pytest.mark.parametrize("seed", [2, 6, 7])
+def test_a_unit_that_lags_has_the_high_byte_of_an_earlier_row_and_the_low_one_as_well(
+    seed: int,
+) -> None:
+    """It is off by a byte wherever the prediction is well ahead, but smoothly."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(12_000) / 200.0
+    waves = [(rng.uniform(500, 2500), rng.uniform(0.1, 2.5), rng.uniform(0, 6)) for _ in range(5)]
+    early, late = (
+        sum(size * np.sin(2.0 * np.pi * f * at + phase) for size, f, phase in waves)
+        for at in (t, t - 0.033)
+    )
+    assert torn_codes(np.round(late + 8.0 * rng.standard_normal(len(t))), np.asarray(early)) is None
+
+
 def test_a_sign_that_was_not_extended_is_a_fault_of_the_whole_word() -> None:
     right = codes(3)
     right[:, 0] -= np.round(np.mean(right[:, 0])).astype(int)  # rests near zero, of either sign
