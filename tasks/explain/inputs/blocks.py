@@ -61,7 +61,7 @@ class Blocks:
         Zeros in their place would cut a drift into steps, and what of it lies in the gaps would be
         missing from its power.
         """
-        says = self.weight.any(axis=1)
+        says = np.count_nonzero(self.weight, axis=1) > 0
         edges = np.flatnonzero(np.diff(says, prepend=True, append=True)).reshape(-1, 2)
         kept = np.ones(len(says), bool)
         for start, stop in edges.tolist():
