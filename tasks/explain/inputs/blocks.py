@@ -16,6 +16,7 @@ from schemas.recording import Segment
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.motion.samples import bridged, longest_step
 from tasks.motion.whole import Motion
+from tasks.segments.summarise import runs
 
 MIN_BLOCKS = 200
 MIN_OF_POSES = 30  # blocks as long as poses ask for: half a minute of a body that moves slowly
@@ -61,12 +62,10 @@ class Blocks:
         Zeros in their place would cut a drift into steps, and what of it lies in the gaps would be
         missing from its power.
         """
-        says = np.count_nonzero(self.weight, axis=1) > 0
-        edges = np.flatnonzero(np.diff(says, prepend=True, append=True)).reshape(-1, 2)
-        kept = np.ones(len(says), bool)
-        for start, stop in edges.tolist():
-            kept[start:stop] = (stop - start) / self.rate < BRIEF
-        return np.flatnonzero(kept)
+        silent = np.count_nonzero(self.weight, axis=1) == 0
+        for start, stop in runs(silent).tolist():
+            silent[start:stop] = (stop - start) / self.rate >= BRIEF
+        return np.flatnonzero(~silent)
 
     @property
     def gap_ratio(self) -> float:
