@@ -33,7 +33,7 @@ OF_RUN = (
     *(tables.units.c[name] for name in ("manufacturer", "model", "serial")),
     *(RUN[name] for name in ("station", "procedure", "recorded_on")),
 )
-OF_RESULT = (RESULT.method, RESULT.code_version, RESULT.made_at)
+OF_RESULT = (RESULT.method, tables.outcomes.c.terms, RESULT.code_version, RESULT.made_at)
 
 
 def runs(home: Home) -> "pd.DataFrame":
@@ -44,8 +44,9 @@ def runs(home: Home) -> "pd.DataFrame":
 def results(home: Home) -> "pd.DataFrame":
     """A row for each element of each item of each result, the oldest result first.
 
-    result, run: their ids; then what is known of the run, and of the result method, code_version,
-    made_at, and newest: whether no other supersedes it; then item, element (the axis that reads,
+    result, run: their ids; then what is known of the run, and of the result method, terms (those
+    adopted beside the standard's; empty: none), code_version, made_at, and newest: whether no other
+    of its method and terms supersedes it; then item, element (the axis that reads,
     then the input axis), value, u, U, k and their unit. What the recording cannot determine is NaN.
     """
     return _frame(home, _results(home)).astype(dict.fromkeys(("value", "u", "U", "k"), float))
@@ -156,6 +157,7 @@ def _of_results(
     newest = database.newest_results().label("newest")
     first = (RESULT.id.label("result"), RESULT.run, *OF_RUN, *OF_RESULT, newest)
     joined = tables.results.join(tables.runs).join(tables.units).join(table)
+    joined = joined.join(tables.outcomes, tables.outcomes.c.result == RESULT.id)
     asked = sql.select(*first, *columns).select_from(joined)
     return asked.order_by(RESULT.made_at, RESULT.id, *table.primary_key)
 

@@ -41,7 +41,7 @@ def data(question: RunQuestion, home: Home) -> RunShown:
     _, (line,) = run_list([Condition(column="id", value=run.id)], [], 0, 1, home)
     manifest = runs.manifest(run, home)
     kept, entries = results.of_run(run, home), certificates.of_run(run, home)
-    newest = kept[-1] if kept else None
+    newest = results.newest(kept)
     made = newest.calibration if newest else None
     printing = next((e for e in reversed(entries) if newest and e.result == newest.id), None)
     validity = made.validity if made else None

@@ -26,11 +26,12 @@ def add(
 
 
 def outcome_of(calibration: Calibration) -> dict[str, Any]:
-    """The validity of the run, and how many elements have no value."""
+    """Terms beside the standard's, validity of the run, and how many elements have no value."""
     values = [value for item in calibration.items.values() for value in item.value.values()]
     return {
         "run": calibration.run,
         "method": calibration.method,
+        "terms": " ".join(term.name for term in calibration.terms),
         "verdict": calibration.validity.verdict,
         "missing": values.count(None),
     }

@@ -6,6 +6,7 @@ result with a further term stands beside the one without it, and neither superse
 
 import hashlib
 import json
+from collections.abc import Sequence
 from datetime import UTC, datetime
 
 import sqlalchemy as sql
@@ -84,11 +85,20 @@ def chain(result: str | None, home: Home) -> list[str]:
     return found
 
 
+def newest(kept: Sequence[Result]) -> Result | None:
+    """The one that speaks for a run: made last with the standard's terms alone."""
+    return next((each for each in reversed(kept) if not each.calibration.terms), None)
+
+
 def find(reference: str, home: Home) -> Result:
-    """The result with this id, or the newest of the run with this id; Unusable for neither."""
+    """The result with this id, or the newest of the run with this id; Unusable for neither.
+
+    Of a run that has only results with further terms, the last of them.
+    """
     table = tables.results.c
-    for result in reversed(_results(home, sql.or_(table.id == reference, table.run == reference))):
-        return result
+    kept = _results(home, sql.or_(table.id == reference, table.run == reference))
+    if kept:
+        return newest(kept) or kept[-1]
     raise Unusable(
         f"There is no result {reference!r} in {home.path} and no such file; give a file that "
         "`mimucal calibrate RUN --json` printed, the id of a run that was calibrated, or a "

@@ -1,8 +1,9 @@
 """The list of runs with the state of each step, filtered and sorted by the database.
 
-A run is joined with the outcome of the result made of it last, the certificate kept last, and the
-fault of its last re-processing where that failed. The tables that neither condition nor order
-names are joined for the rows that are shown alone: each adds one row or none to a run.
+A run is joined with the outcome of the result made of it last with the standard's terms alone, the
+certificate kept last, and the fault of its last re-processing where that failed. The tables that
+neither condition nor order names are joined for the rows that are shown alone: each adds one row
+or none to a run.
 """
 
 from collections.abc import Collection, Sequence
@@ -24,14 +25,15 @@ MADE = tables.outcomes.c
 DAY = timedelta(days=1)
 
 
-def _last(table: sql.Table, column: str, moment: str) -> sql.ScalarSelect[Any]:
-    """Of the rows of a run the last one."""
+def _last(table: sql.Table, column: str, moment: str, **having: str) -> sql.ScalarSelect[Any]:
+    """Of the rows of a run the last one that has these values."""
     row = table.alias().c
-    mine = sql.select(row[column]).where(row.run == RUN.id).order_by(row[moment].desc())
+    which = (row.run == RUN.id, *(row[name] == value for name, value in having.items()))
+    mine = sql.select(row[column]).where(*which).order_by(row[moment].desc())
     return mine.limit(1).scalar_subquery().correlate(tables.runs)
 
 
-LAST_RESULT = _last(tables.outcomes, "result", "made_at")
+LAST_RESULT = _last(tables.outcomes, "result", "made_at", terms="")
 LAST_CERTIFICATE = _last(tables.certificates, "number", "kept_at")
 FAULT = _last(tables.reprocessed, "fault", "done_at")
 COLUMNS: dict[str, sql.ColumnElement[Any]] = {

@@ -136,7 +136,7 @@ outcomes = sql.Table(  # each result in brief: SQLite finds no row fast that hol
     metadata,
     _column("result", sql.Text, sql.ForeignKey("results.id"), primary_key=True),
     _column("run", sql.Text, sql.ForeignKey("runs.id")),
-    *_texts("method"),
+    *_texts("method", "terms"),  # those adopted beside the standard's, a space between two
     _column("made_at", Utc),
     *_texts("verdict"),  # on the run
     _column("missing", sql.Integer),  # elements without a value

@@ -271,14 +271,15 @@ def _check_equipment(certificate: Certificate, home: Home) -> None:
 
 
 def _check_run(connection: sql.Connection, certificate: Certificate) -> None:
-    """A newer result that finds the run invalid."""
+    """A newer result, by the standard's terms alone, that finds the run invalid."""
     if certificate.calibration.validity.verdict == "invalid":
         return  # and it says so
     table, run = tables.results, certificate.calibration.run
     asked = sql.select(table).where(table.c.run == run, database.newest_results())
     for row in connection.execute(asked):
-        validity = calibration_of(row).validity
-        if validity.verdict == "invalid":
+        made = calibration_of(row)
+        validity = made.validity
+        if validity.verdict == "invalid" and not made.terms:
             raise Unusable(
                 f"{certificate.number} cannot be issued: by result {row.id} run {run} is invalid "
                 f"({validity.reasons[0].rstrip('.')}); measure again."

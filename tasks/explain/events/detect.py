@@ -20,7 +20,13 @@ from tasks.explain.events.jitter import find_jitter
 from tasks.explain.events.lines import find_lines
 from tasks.explain.events.lost_samples import find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
-from tasks.explain.events.quantisation import Quantiser, find_quantisation, quantiser_of
+from tasks.explain.events.quantisation import (
+    Quantiser,
+    find_quantisation,
+    noise_estimates,
+    quantiser_of,
+    quiet_channels,
+)
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import find_saturation
@@ -63,7 +69,8 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
     if events:
         corrected = Events(events, masked).corrected(t, readings, predicted)
         residual = corrected - plain_prediction(corrected, motion, masked)
-    steps = find_quantisation(used, readings - residual, quantisers)
+    noises = noise_estimates(used, readings - residual, quantisers)
+    steps = find_quantisation(noises)
     level = without_dead(noise_by_rate(used - predicted, motion))
     if steps is not None:
         level = steps.noise_floor(level)
@@ -75,7 +82,8 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
     # In the order in which they act: what is added, when a reading was taken, limit, rounding,
     # threshold.
     last = tuple(event for event in (steps, zone, spikes) if event is not None)
-    remarks = (*gap_remarks(t), *flat_remarks(flat))
+    quiet = quiet_channels(noises)
+    remarks = (*gap_remarks(t), *flat_remarks(flat), *quiet_remarks(quiet))
     return Events((*lines, *events, *last), masked | at_spikes, remarks)
 
 
@@ -96,6 +104,11 @@ def flat_remarks(flat: np.ndarray) -> tuple[Message, ...]:
         return ()
     names = channel_names(tuple(np.flatnonzero(flat).tolist()))
     return (message("events-constant", channels=names),)
+
+
+def quiet_remarks(quiet: tuple[int, ...]) -> tuple[Message, ...]:
+    """Which channels have lost most of their noise."""
+    return (message("events-quiet", channels=channel_names(quiet)),) if quiet else ()
 
 
 def _zone(

@@ -31,6 +31,7 @@ CODES = np.arange(-MAX_OFF, MAX_OFF + 1)[:, None]
 EDGES = np.arange(-MAX_OFF, MAX_OFF + 2)[:, None] - 0.5
 CELLS = 256  # between two codes
 MIN_INFORMATION = 0.3  # of a reading's without steps: one with less is left out
+QUIET = 0.5  # of the least noise of the others of a triad
 STEADY = 0.15  # steps: how far the predicted reading may move within a block
 MAX_BLOCKS = 400  # that are looked at
 SIGNIFICANT = 1e-4 / 6
@@ -150,17 +151,40 @@ def _response(
     )
 
 
-def find_quantisation(
+def noise_estimates(
     readings: np.ndarray, predicted: np.ndarray, quantisers: Sequence[Quantiser | None]
-) -> Quantisation | None:
-    """Steps that are visible above the noise; predicted: (n, 6), NaN where it is not known."""
+) -> tuple[NoiseEstimate, ...]:
+    """The noise per step of each channel with steps; predicted: (n, 6), NaN where not known."""
     every = (
         _noise_of(channel, quantiser, readings[:, channel], predicted[:, channel])
         for channel, quantiser in enumerate(quantisers) if quantiser is not None
     )  # fmt: skip
+    return tuple(each for each in every if each is not None)
+
+
+def quiet_channels(estimates: Sequence[NoiseEstimate]) -> tuple[int, ...]:
+    """The channels whose noise is a small part of that of the others of their triad with the same
+    step: steps show there because something took the noise away, as a limit does.
+    """
+    quiet = []
+    for one in estimates:
+        alike = [
+            other.ratio for other in estimates
+            if other.channel // 3 == one.channel // 3 and other is not one
+            and abs(other.quantiser.step / one.quantiser.step - 1.0) < OFF_CODE
+        ]  # fmt: skip
+        if alike and one.ratio < QUIET * min(alike) and one.ratio < FINE:
+            quiet.append(one.channel)
+    return tuple(quiet)
+
+
+def find_quantisation(every: Sequence[NoiseEstimate]) -> Quantisation | None:
+    """Steps that are visible above the noise, but where the channel has lost its noise."""
+    quiet = quiet_channels(every)
     estimates = [
-        each for each in every if each and each.ratio < FINE and each.p_value < SIGNIFICANT
-    ]
+        each for each in every
+        if each.ratio < FINE and each.p_value < SIGNIFICANT and each.channel not in quiet
+    ]  # fmt: skip
     if not estimates:
         return None
     parameters, texts = zip(*_by_triad(estimates), strict=True)

@@ -16,9 +16,11 @@ from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, leakage
 from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
+from tasks.explain.evidence.step_time import step_time
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.proposals import TIME
 from tasks.explain.search.refit import fitted
 from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
@@ -207,7 +209,10 @@ def _parameters(
             if 0.0 < u < largest:
                 found.append(_in_si(parameter, float(model.values[p]), u))
         for shape, value in zip(term.shapes, term.at, strict=True):
-            value += start if shape.name == "time" else 0.0
+            if shape.name == TIME:
+                time, u = step_time(evidence.fit, term, spread**2)
+                found.append(_in_si(shape, start + time, u))
+                continue
             found.append(_in_si(shape, value, float(spread * (model.shape_u[k] or 0.0))))
     return tuple(found)
 

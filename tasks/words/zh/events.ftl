@@ -19,6 +19,7 @@ events-jitter = 时间戳在均匀采样时刻附近散布 { $jitter } ms，而�
 events-lost-samples = 样本丢失，其后的时间戳随之滑移：{ $losses }
 events-lost-samples-at = { $time } s 处 { $lost } 个
 events-gaps = 时间戳有 { $gaps } 处间断，共缺 { $missing } 个采样间隔；其余时间戳正确，故不属模型不符
+events-quiet = { $channels }的噪声不到同组其他轴（分辨率相同）的一半：请检查是否超出量程、滤波设置不同或传感器卡死
 events-constant = { $channels }自始至终为同一读数，未予采用：请检查接线、记录程序及固件的抑制功能
 events-spikes = { $count } 个孤立读数偏离相邻读数超过噪声的 { $threshold } 倍，通道：{ $channels }
 events-spikes-in-rotation = { events-spikes }，仅在转台转动时出现

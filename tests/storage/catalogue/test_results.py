@@ -8,6 +8,7 @@ import sqlalchemy as sql
 from schemas.base import Unusable
 from schemas.calibration import AdoptedTerm, Calibration
 from schemas.recording import Recording
+from storage import dataframes
 from storage.catalogue import database, results, runs, tables
 from storage.home import Home
 
@@ -71,6 +72,21 @@ def test_a_result_with_further_terms_stands_beside_the_one_without(
     later = results.save(calibrated(run, 0.7, terms=(arm,)), fresh)
     kept = {result.id: result.supersedes for result in results.of_run(run, fresh)}
     assert kept == {plain: None, armed: None, both: None, later: armed}
+    newest = results.newest(results.of_run(run, fresh))
+    assert newest is not None
+    assert newest.id == results.find(run.id, fresh).id == plain
+    table = dataframes.results(fresh).groupby("result")["terms"].first()
+    assert dict(table) == {plain: "", armed: "arm", both: "arm tilt", later: "arm"}
+
+
+def test_a_run_with_nothing_but_further_terms_is_found_by_them(
+    fresh: Home, small: Build, calibrated: Calibrate
+) -> None:
+    run = runs.add(small(), fresh)[0]
+    arm = AdoptedTerm(name="arm", title="t", title_zh="t")
+    armed = results.save(calibrated(run, terms=(arm,)), fresh)
+    assert results.newest(results.of_run(run, fresh)) is None
+    assert results.find(run.id, fresh).id == armed
 
 
 def test_a_result_is_found_by_its_id(fresh: Home, small: Build, calibrated: Calibrate) -> None:

@@ -10,12 +10,14 @@ import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
+from schemas.calibration import AdoptedTerm
 from schemas.certificate import Laboratory, Order, Replaced
 from schemas.certificate_orders import AmendOrder
 from schemas.decision import Decision
 from schemas.equipment import MeasurementStandard
 from schemas.text import Remark
 from storage.catalogue import certificates, database, results, run_index, tables, trail
+from storage.catalogue.run_states import run_list
 from storage.home import Home
 from storage.verify import verify
 from tasks.stages.amend import amendment
@@ -206,6 +208,18 @@ def test_a_run_that_was_found_invalid_since_blocks_the_issue(home: Home) -> None
     wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
     results.save(calibration_of(run_index.all_runs(home)[0], remarks=(wrong,)), home)
     assert "is invalid (Two clocks); measure again" in refusal(issue, key, home, "Zhao")
+
+
+def test_a_result_with_a_term_beside_the_standard_s_does_not_judge_the_run(home: Home) -> None:
+    key = draft(home).certificate.number
+    check(key, home, "Li")
+    wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
+    arm = AdoptedTerm(name="lever_arm", title="t", title_zh="t")
+    run = run_index.all_runs(home)[0]
+    results.save(calibration_of(run, remarks=(wrong,), terms=(arm,)), home)
+    (line,) = run_list([], [], 0, 1, home)[1]
+    assert line.validity == "valid"
+    assert issue(key, home, "Zhao").certificate.state == "issued"
 
 
 def test_a_draft_whose_file_was_changed_is_not_issued(home: Home) -> None:

@@ -148,7 +148,7 @@ def test_two_steps_are_unnamed_jumps() -> None:
     assert jumps.indistinguishable == ()
     assert answer.verdict == "unexplained"
     times = [each.value for each in jumps.parameters if each.name == "time"]
-    assert times == [100.0, 250.0]
+    assert times == pytest.approx([100.0, 250.0], abs=1.0 / RATE)
     sizes = [each.value / WHITE[1] for each in jumps.parameters if each.name == "gyro_y"]
     assert sizes == pytest.approx([8.0, -6.0], abs=1.0)
 

@@ -1,0 +1,39 @@
+"""When a bias stepped, and how well the readings about the step say so."""
+
+import numpy as np
+
+from tasks.explain.search.fitted import FittedSelection
+from tasks.model.term import Term
+
+COVERED = 2.0  # standard deviations by which a step may be moved: k of the stated U
+
+
+def step_time(fit: FittedSelection, step: Term, dispersion: float) -> tuple[float, float]:
+    """The middle of the times at which a step fits nearly as well, and its standard uncertainty, s.
+
+    step: a term of the fitted model whose only shape is a time. dispersion: chi-squared per degree
+    of freedom of the residual, which the chi-squared that a displacement costs may exceed fourfold.
+    Times are on the clock of the blocks. Only white noise is counted: a drift hardly moves between
+    neighbouring blocks. Where no reading is compared a step may lie anywhere.
+    """
+    model, blocks = fit.model, fit.blocks
+    prediction = model.prediction(blocks.motion)
+    size = model.effect_of({step.key}, blocks.motion, prediction)[-1]
+    misfit, first = blocks.readings - prediction, int(np.searchsorted(blocks.t, step.at[0]))
+    # The step that a block has, or lacks, when the instant is moved past it.
+    moved = misfit + np.where(np.arange(len(misfit)) >= first, 1.0, -1.0)[:, None] * size
+    variance = np.array([noise.white for noise in fit.noises])
+    counted = np.divide(blocks.weight**2, variance, out=np.zeros_like(misfit), where=variance > 0)
+    cost = ((moved**2 - misfit**2) * counted).sum(axis=1)
+    limit = COVERED**2 * dispersion
+    later = _passed(cost[first:], limit)
+    earlier = _passed(cost[:first][::-1], limit)
+    lowest = blocks.t[max(first - earlier - 1, 0)]
+    highest = blocks.t[min(first + later, len(blocks.t) - 1)]
+    return float(lowest + highest) / 2.0, float(highest - lowest) / 2.0 / COVERED
+
+
+def _passed(cost: np.ndarray, limit: float) -> int:
+    """How many blocks the instant may pass before all that lie beyond cost too much."""
+    possible = np.flatnonzero(np.cumsum(cost) <= limit)
+    return int(possible[-1]) + 1 if len(possible) else 0

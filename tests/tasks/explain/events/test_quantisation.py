@@ -1,0 +1,43 @@
+"""Steps that show because a channel lost its noise are no coarse resolution."""
+
+import numpy as np
+import pytest
+from made_up import counted, mean_readings, motion, noisy
+
+from tasks.explain.events.detect import events_in_readings
+from tasks.explain.events.event import Events
+from tasks.words import say
+
+
+def found(noise: float, step: float) -> Events:
+    """Accelerometer z with a part of the others' noise, all in steps of the same size, m/s²."""
+    made = motion()
+    mean = mean_readings(made)
+    readings = noisy(mean, 21)
+    readings[:, 5] = mean[:, 5] + noise * (readings[:, 5] - mean[:, 5])
+    return events_in_readings(counted(readings, (1e-4, step)), made)
+
+
+def test_a_channel_that_lost_its_noise_is_a_remark() -> None:
+    events = found(0.2, 5e-3)
+    assert events.events == ()
+    assert "the accelerometer z have less than half" in say(events.remarks[-1], "en")
+
+
+@pytest.mark.parametrize("noise", [0.7, 1.0])
+def test_steps_that_all_channels_show_are_a_coarse_resolution(noise: float) -> None:
+    events = found(noise, 1.5e-2)
+    assert [(event.effect, event.channels) for event in events.events] == [
+        ("coarse_quantisation", (3, 4, 5))
+    ]
+    assert np.size(events.remarks) == 0
+
+
+def test_a_coarser_step_of_one_channel_is_its_resolution() -> None:
+    made = motion()
+    readings = counted(noisy(mean_readings(made), 22), (1e-4, 2e-3))
+    readings[:, 5] = np.round(readings[:, 5] / 1.5e-2) * 1.5e-2
+    events = events_in_readings(readings, made)
+    assert [(event.effect, event.channels) for event in events.events] == [
+        ("coarse_quantisation", (5,))
+    ]

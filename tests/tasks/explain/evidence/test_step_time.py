@@ -1,0 +1,58 @@
+"""The stated time of a step holds the true one, and a gap of the readings widens it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from engine_run import NOISY, QUIET, RATE, WHITE, motion, noise, observed, read
+
+from tasks.explain.evidence.step_time import step_time
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.design import NormalEquations
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.stepwise import Selected, Selection
+from tasks.model.terms.memory import bias_step
+
+RUN = motion()
+TRUE = 163.211  # s, between two blocks
+NOTHING = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
+
+
+def timed(made: np.ndarray, at: float, weight: np.ndarray | None = None) -> tuple[float, float]:
+    """The time of a step of gyro y that a search put at a time, s, and its u."""
+    step, blocks = bias_step(0, at), observed(made, RUN)
+    if weight is not None:
+        blocks = replace(blocks, weight=weight)
+    picked = Selected(Candidate(step, (1,), (1,), 1), 100.0, 90.0, ())
+    fit = FittedSelection.of(Selection((picked,), NOISY, 1e-9, NOTHING), blocks, RATE)
+    return step_time(fit, fit.model.terms[-1], 1.0)
+
+
+def stepped(size: float, seed: int) -> np.ndarray:
+    """Readings with a step of gyro y, in standard deviations of a block."""
+    made = read(RUN) + noise(len(RUN.t), seed, QUIET)
+    made[RUN.t >= TRUE, 1] += size * WHITE[1]
+    return made
+
+
+@pytest.mark.parametrize("size", [0.7, 1.5, 6.0])
+def test_the_expanded_uncertainty_covers_the_true_time(size: float) -> None:
+    inside = []
+    for seed in range(40):
+        time, u = timed(stepped(size, seed), TRUE)
+        inside.append(abs(time - TRUE) <= 2.0 * u)
+        assert 0.0 < 2.0 * u < 60.0 / RATE / size**2 + 2.0 / RATE
+    assert np.mean(inside) >= 0.9
+
+
+def test_a_smaller_step_is_timed_less_well() -> None:
+    u = [np.median([timed(stepped(size, seed), TRUE)[1] for seed in range(8)])
+         for size in (0.5, 1.0, 4.0)]  # fmt: skip
+    assert u[0] > 2.0 * u[1] > 4.0 * u[2]
+
+
+def test_in_a_gap_of_the_readings_it_may_lie_anywhere() -> None:
+    weight = np.where((RUN.t > 155.0) & (RUN.t < 175.0), 0.0, 1.0)[:, None].repeat(6, axis=1)
+    time, u = timed(stepped(6.0, 3), 175.0, weight)
+    assert time == pytest.approx(165.0, abs=0.2)
+    assert 2.0 * u == pytest.approx(10.0, abs=0.2)
