@@ -25,22 +25,42 @@ def calibrate(
     evaluation: Evaluation | None = None,
     own_latitude_deg: float | None = None,
 ) -> Calibration:
-    """Every item of the specification that the recording determines, with its remarks.
+    """Every item of the specification that the recording determines, with its remarks and what
+    else the recording tells.
 
     evaluation: of the uncertainties; by default the law of propagation with the limits of the
     recording's specification. own_latitude_deg: the laboratory's, if known. Raises Unusable for a
     recording that the specification's method cannot use.
     """
     specification.check(recording)
-    evaluation = evaluation or evaluation_for(recording)
     evidence = specification.gather(recording)
+    made = without_information(
+        specification, evidence, evaluation or evaluation_for(recording), run=run,
+        code_version=code_version, own_latitude_deg=own_latitude_deg,
+    )  # fmt: skip
+    more = information(evidence, made.items, specification.rate_sensor)
+    return made.model_copy(update={"information": more})
+
+
+def without_information(
+    specification: Specification,
+    evidence: ClauseEvidence,
+    evaluation: Evaluation,
+    *,
+    run: str = "",
+    code_version: str = "",
+    own_latitude_deg: float | None = None,
+) -> Calibration:
+    """The items and remarks of a recording's evidence alone, for one of many calibrations that
+    are compared item by item.
+    """
     result = specification.estimate(evidence, evaluation.equipment)
     items = {
         item.key: evaluation.item(item, result.items[item.key]) for item in specification.items
     }
     checked = (
         *run_remarks(evidence, specification.conditions, items),
-        *laboratory_remarks(recording, own_latitude_deg),
+        *laboratory_remarks(evidence.recording, own_latitude_deg),
     )
     missing = {key: result.unavailable[key] for key in items if key in result.unavailable}
     return Calibration(
@@ -56,7 +76,6 @@ def calibrate(
             **evaluation.settings,
         },
         items=items,
-        information=information(evidence, items, specification.rate_sensor),
         unavailable={key: say(why, "en") for key, why in missing.items()},
         unavailable_zh={key: say(why, "zh") for key, why in missing.items()},
         remarks=(*result.remarks, *evaluation.remarks, *checked),

@@ -11,7 +11,7 @@ from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.pruning import pruned, with_absorbed
 from tasks.explain.explanation import Explanation
-from tasks.explain.inputs.prepared import prepare
+from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
 from tasks.explain.search.fitted import FittedSelection, Searched, searched
@@ -37,6 +37,17 @@ def explain(
     """
     delay_sought = only is None or TIME_OFFSET.name in only
     prepared = prepare(recording, reference, delay_sought=delay_sought, progress=progress)
+    return explained(prepared, only=only, progress=progress, budget=budget)
+
+
+def explained(
+    prepared: Prepared,
+    *,
+    only: Sequence[str] | None = None,
+    progress: Progress = silent,
+    budget: float = SEARCH_BUDGET,
+) -> Explanation:
+    """The same of a recording that was prepared, with its delay sought where that may be found."""
     found = searched(prepared, only, progress, budget)
     if only is None:
         evidence = _selected(found, progress)

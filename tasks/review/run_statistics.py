@@ -12,7 +12,7 @@ import numpy as np
 from schemas.recording import Recording
 from schemas.review import Layout, PooledParameter, PooledTerm, RunStatistics
 from tasks.explain.channels import EVERY
-from tasks.explain.inputs.prepared import prepare
+from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.search.candidates import columns_of
 from tasks.explain.search.design import (
     BandedDesign,
@@ -42,7 +42,11 @@ def statistics_of(recording: Recording) -> RunStatistics:
     Events and faults of the logger are removed first, as by `explain`; a delay of the stamps stays
     in the readings, since it may be common to many runs.
     """
-    prepared = prepare(recording, delay_sought=False)
+    return statistics_from(prepare(recording, delay_sought=False))
+
+
+def statistics_from(prepared: Prepared) -> RunStatistics:
+    """The same of a prepared run, which was neither set against a reference nor shifted in time."""
     blocks = prepared.blocks(SEARCH_RATE)
     terms, columns = _terms_and_columns(prepared.recording, blocks.motion)
     every = [column for some in columns for column in some]

@@ -20,7 +20,7 @@ from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.whole_files import report_folder
 from tasks.explain.progress import Progress, silent, tell
-from tasks.review.run_statistics import VERSION, statistics_of
+from tasks.review.run_statistics import VERSION, statistics_from, statistics_of
 from tasks.stages import import_checks
 from tasks.stages.equipment_in_use import limits_in_use
 from tasks.stages.fan_out import fan_out, processors
@@ -28,6 +28,7 @@ from tasks.stages.stage import stage
 from tasks.words import Message, message
 
 if TYPE_CHECKING:
+    from tasks.explain.inputs.prepared import Prepared
     from tasks.explain.inputs.reference import ReferencePrediction
 
 WORTH_A_PROCESS = 4  # runs that take longer than a process takes to begin
@@ -61,7 +62,8 @@ def explain_run(
     """
     # Late: the other stages need none of it.
     from tasks.explain.correction.consequences import consequences
-    from tasks.explain.explain import explain
+    from tasks.explain.explain import explained
+    from tasks.explain.inputs.prepared import prepare
     from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
     from tasks.motion.angle_rates import as_mean_rates
@@ -72,7 +74,8 @@ def explain_run(
     unit = recording.manifest.unit
     tolerance = settings.tolerance_for(unit.manufacturer, unit.model, home)
     limits = limits_in_use(recording.manifest, home, settings.laboratory(home))
-    explanation = explain(recording, reference=reference, progress=progress)
+    prepared = prepare(recording, reference, progress=progress)
+    explanation = explained(prepared, progress=progress)
     tell(progress, "consequences")
     effects = consequences(recording, explanation, tolerance, limits)
     explanation = replace(explanation, remarks=(*doubts, *explanation.remarks, *effects.remarks))
@@ -84,7 +87,7 @@ def explain_run(
         html = report_html(discrepancy, explanation, pictures_of(discrepancy, explanation))
         with suppress(Unusable):
             discrepancies.keep(run, discrepancy, html, datetime.now(UTC), home)
-    keep_statistics(run, recording, home)
+    keep_statistics(run, recording, prepared, home)
     return Explained(discrepancy, files)
 
 
@@ -128,13 +131,17 @@ def all_kept_statistics(which: Sequence[Run], home: Home) -> list[RunStatistics 
         return list(threads.map(partial(kept_statistics, home=home), which))
 
 
-def keep_statistics(run: Run, recording: Recording, home: Home) -> None:
+def keep_statistics(run: Run, recording: Recording, prepared: "Prepared", home: Home) -> None:
     """Makes and keeps the statistics of a run, unless they are there; a run that has none, and a
     home that only reads, stay without.
+
+    prepared: the recording as it was explained.
     """
     if kept_statistics(run, home) is None:
+        as_stamped = prepared.reference is None and not prepared.delay
         with suppress(Unusable):
-            run_statistics.keep(run.digest, VERSION, statistics_of(recording), home)
+            made = statistics_from(prepared) if as_stamped else statistics_of(recording)
+            run_statistics.keep(run.digest, VERSION, made, home)
 
 
 def make_statistics(which: Sequence[Run], home: Home) -> Iterator[tuple[Run, str]]:

@@ -56,11 +56,17 @@ def engine(monkeypatch) -> Callable[[int], dict[str, Any]]:
     def finding(count: int) -> dict[str, Any]:
         asked: dict[str, Any] = {}
 
-        def explain(recording: Recording, **more: Any) -> Explanation:
-            asked.update(more, recording=recording)
+        def prepare(recording: Recording, reference: object, **more: Any) -> Recording:
+            asked.update(more, recording=recording, reference=reference)
+            return recording
+
+        def explained(recording: Recording, **more: Any) -> Explanation:
+            asked.update(more)
             return known_answer(recording, count)
 
-        monkeypatch.setattr("tasks.explain.explain.explain", explain)
+        monkeypatch.setattr("tasks.explain.inputs.prepared.prepare", prepare)
+        for name in ("explain", "explained"):
+            monkeypatch.setattr(f"tasks.explain.explain.{name}", explained)
         monkeypatch.setattr("tasks.stages.explain.keep_statistics", lambda *_: None)
         return asked
 

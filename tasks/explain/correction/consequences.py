@@ -16,7 +16,7 @@ from schemas.equipment import EquipmentLimit, LimitName
 from schemas.recording import ANGLE, Recording
 from schemas.tolerance import Tolerance
 from tasks import conformity
-from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.calibrate import without_information
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.explain.correction.adopt import Calibrate, Corrections, corrected
 from tasks.explain.explanation import Explanation
@@ -158,8 +158,9 @@ def by_clauses(
     limits: of the equipment, which go before those of the specification.
     """
     specification = specification_for(recording.manifest.standard)
+    specification.check(recording)
     evaluation = evaluation_for(recording, own=limits)
-    return calibrate(specification, recording, run="", code_version="", evaluation=evaluation)
+    return without_information(specification, specification.gather(recording), evaluation)
 
 
 def _verdict_changes(

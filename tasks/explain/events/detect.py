@@ -3,7 +3,7 @@
 Spikes: single outlying readings without a name in the catalogue.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.ndimage import binary_dilation, maximum_filter1d
@@ -22,10 +22,10 @@ from tasks.explain.events.lost_samples import find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
 from tasks.explain.events.quantisation import (
     Quantiser,
+    cut_off,
     find_quantisation,
     noise_estimates,
     quantiser_of,
-    quiet_channels,
 )
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
@@ -70,7 +70,8 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
         corrected = Events(events, masked).corrected(t, readings, predicted)
         residual = corrected - plain_prediction(corrected, motion, masked)
     noises = noise_estimates(used, readings - residual, quantisers)
-    steps = find_quantisation(noises)
+    short = cut_off(noises, used, np.hstack([motion.rate, motion.force]))
+    steps = find_quantisation(noises, short)
     level = without_dead(noise_by_rate(used - predicted, motion))
     if steps is not None:
         level = steps.noise_floor(level)
@@ -82,8 +83,7 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
     # In the order in which they act: what is added, when a reading was taken, limit, rounding,
     # threshold.
     last = tuple(event for event in (steps, zone, spikes) if event is not None)
-    quiet = quiet_channels(noises)
-    remarks = (*gap_remarks(t), *flat_remarks(flat), *quiet_remarks(quiet))
+    remarks = (*gap_remarks(t), *flat_remarks(flat), *cut_off_remarks(short))
     return Events((*lines, *events, *last), masked | at_spikes, remarks)
 
 
@@ -106,9 +106,12 @@ def flat_remarks(flat: np.ndarray) -> tuple[Message, ...]:
     return (message("events-constant", channels=names),)
 
 
-def quiet_remarks(quiet: tuple[int, ...]) -> tuple[Message, ...]:
-    """Which channels have lost most of their noise."""
-    return (message("events-quiet", channels=channel_names(quiet)),) if quiet else ()
+def cut_off_remarks(shares: Mapping[int, float]) -> tuple[Message, ...]:
+    """Which channels read what share of their input with little noise."""
+    return tuple(
+        message("events-cut-off", channel=channel_names((channel,)), share=f"{100.0 * share:.0f}")
+        for channel, share in shares.items()
+    )
 
 
 def _zone(

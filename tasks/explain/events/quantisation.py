@@ -6,7 +6,7 @@ x + Σ_k (−1)^k·(q/πk)·exp(−2π²k²σ²/q²)·sin(2πkx/q)
 no concern.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,8 @@ EDGES = np.arange(-MAX_OFF, MAX_OFF + 2)[:, None] - 0.5
 CELLS = 256  # between two codes
 MIN_INFORMATION = 0.3  # of a reading's without steps: one with less is left out
 QUIET = 0.5  # of the least noise of the others of a triad
+SHORT = 0.9  # of what an ideal unit reads: no scale factor is that far off
+MOSTLY = 0.5  # of the largest ideal reading, from which on readings are compared with it
 STEADY = 0.15  # steps: how far the predicted reading may move within a block
 MAX_BLOCKS = 400  # that are looked at
 SIGNIFICANT = 1e-4 / 6
@@ -162,28 +164,42 @@ def noise_estimates(
     return tuple(each for each in every if each is not None)
 
 
-def quiet_channels(estimates: Sequence[NoiseEstimate]) -> tuple[int, ...]:
-    """The channels whose noise is a small part of that of the others of their triad with the same
-    step: steps show there because something took the noise away, as a limit does.
+def cut_off(
+    estimates: Sequence[NoiseEstimate], readings: np.ndarray, ideal: np.ndarray
+) -> dict[int, float]:
+    """The channels that lost noise and signal, as beyond a limit: what share of what an ideal unit
+    would read, (n, 6), they read.
+
+    Noise is missing where it is a small part of that of the others of the triad with the same step.
     """
-    quiet = []
+    found = {}
     for one in estimates:
         alike = [
             other.ratio for other in estimates
             if other.channel // 3 == one.channel // 3 and other is not one
             and abs(other.quantiser.step / one.quantiser.step - 1.0) < OFF_CODE
         ]  # fmt: skip
-        if alike and one.ratio < QUIET * min(alike) and one.ratio < FINE:
-            quiet.append(one.channel)
-    return tuple(quiet)
+        if alike and one.ratio < min(FINE, QUIET * min(alike)):
+            share = _share_read(readings[:, one.channel], ideal[:, one.channel])
+            if share < SHORT:
+                found[one.channel] = share
+    return found
 
 
-def find_quantisation(every: Sequence[NoiseEstimate]) -> Quantisation | None:
-    """Steps that are visible above the noise, but where the channel has lost its noise."""
-    quiet = quiet_channels(every)
+def _share_read(readings: np.ndarray, ideal: np.ndarray) -> float:
+    """Median share that readings (n,) are of an ideal unit's where those are large; one without."""
+    size = np.abs(ideal)
+    large = np.isfinite(readings) & (size > MOSTLY * np.nanmax(size, initial=0.0))
+    return float(np.median(readings[large] / ideal[large])) if large.any() else 1.0
+
+
+def find_quantisation(
+    every: Sequence[NoiseEstimate], left_out: Collection[int] = ()
+) -> Quantisation | None:
+    """Steps that are visible above the noise, but for channels that are left out."""
     estimates = [
         each for each in every
-        if each.ratio < FINE and each.p_value < SIGNIFICANT and each.channel not in quiet
+        if each.ratio < FINE and each.p_value < SIGNIFICANT and each.channel not in left_out
     ]  # fmt: skip
     if not estimates:
         return None

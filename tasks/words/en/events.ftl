@@ -22,7 +22,7 @@ events-gaps = the time stamps have { $gaps ->
         [one] { $gaps } gap
        *[other] { $gaps } gaps
     }, { $missing } sample intervals in total; the other stamps are correct, so this is not a mismatch
-events-quiet = the { $channels } have less than half the noise of the others of their triad, which have the same resolution: check for a limit of the range, a filter and a stuck sensor
+events-cut-off = the { $channel } reads { $share } % of what its motion gives, with less than half the noise of the others of its triad: check whether a limit of its range cuts it off
 events-constant = the { $channels } read one value throughout and are not used: check the wiring, the logger and what the firmware suppresses
 events-spikes = { $count } isolated readings in the { $channels } deviate from their neighbours by more than { $threshold } times the noise
 events-spikes-in-rotation = { events-spikes }, only while the table turns

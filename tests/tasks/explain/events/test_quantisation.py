@@ -1,4 +1,4 @@
-"""Steps that show because a channel lost its noise are no coarse resolution."""
+"""Steps that show because a limit took a channel's noise away are no coarse resolution."""
 
 import numpy as np
 import pytest
@@ -9,19 +9,26 @@ from tasks.explain.events.event import Events
 from tasks.words import say
 
 
-def found(noise: float, step: float) -> Events:
-    """Accelerometer z with a part of the others' noise, all in steps of the same size, m/s²."""
+def found(noise: float, step: float, scale: float = 1.0) -> Events:
+    """Accelerometer z with a part of the others' noise and signal, all in the same steps, m/s²."""
     made = motion()
     mean = mean_readings(made)
     readings = noisy(mean, 21)
-    readings[:, 5] = mean[:, 5] + noise * (readings[:, 5] - mean[:, 5])
+    readings[:, 5] = scale * mean[:, 5] + noise * (readings[:, 5] - mean[:, 5])
     return events_in_readings(counted(readings, (1e-4, step)), made)
 
 
-def test_a_channel_that_lost_its_noise_is_a_remark() -> None:
-    events = found(0.2, 5e-3)
+def test_a_channel_that_lost_noise_and_signal_is_a_remark() -> None:
+    events = found(0.2, 5e-3, 0.7)
     assert events.events == ()
-    assert "the accelerometer z have less than half" in say(events.remarks[-1], "en")
+    assert "the accelerometer z reads 70 % of what its motion gives" in say(
+        events.remarks[-1], "en"
+    )
+
+
+def test_a_channel_that_is_quieter_than_the_others_shows_its_resolution() -> None:
+    (event,) = found(0.2, 5e-3).events
+    assert (event.effect, event.channels) == ("coarse_quantisation", (5,))
 
 
 @pytest.mark.parametrize("noise", [0.7, 1.0])
