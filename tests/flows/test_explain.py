@@ -19,10 +19,11 @@ from storage.formats.folder import read_folder
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explain import explain as as_it_is
 from tasks.explain.explanation import Explanation, Finding
-from tasks.words import say
+from tasks.words import LANGUAGES, say
 from tests.own_limits import laboratory_file
 
 SMALL = "real/ferraris_session"
+BLANK = {name: dict.fromkeys(LANGUAGES, "<svg/>") for name in ("where", "before_after", "shares")}
 EARTH = 7.292115e-5  # rad/s
 STEP = 0.01  # deg/s that the known answer adds to gyro x
 
@@ -67,6 +68,8 @@ def engine(monkeypatch) -> Callable[[int], dict[str, Any]]:
         monkeypatch.setattr("tasks.explain.inputs.prepared.prepare", prepare)
         for name in ("explain", "explained"):
             monkeypatch.setattr(f"tasks.explain.explain.{name}", explained)
+        # Of the page that is kept; a report that is asked for has its own.
+        monkeypatch.setattr("tasks.explain.report.pictures_of", lambda *_: BLANK)
         monkeypatch.setattr("tasks.stages.explain.keep_statistics", lambda *_: None)
         return asked
 

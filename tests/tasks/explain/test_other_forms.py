@@ -19,7 +19,7 @@ LONGER_DWELL = {"knock": 10.0}
         pytest.param("hysteresis", "play_of_force", 30.0, marks=pytest.mark.rehearsal),
         ("bias_step", "knock", 10.0),
         pytest.param("bias_step", "gradual_step", 100.0, marks=pytest.mark.rehearsal),
-        ("vibration_rectification", "rectified", 30.0),
+        pytest.param("vibration_rectification", "rectified", 30.0, marks=pytest.mark.rehearsal),
         pytest.param("gyro_scale_nonlinearity", "dead_band", 30.0, marks=pytest.mark.rehearsal),
         pytest.param(
             "accel_nonlinearity", "wave_of_a_converter", 30.0, marks=pytest.mark.rehearsal
