@@ -230,16 +230,17 @@ def _consequence(
 ) -> Message:
     same = [each for each in together
             if (each.item, each.element) == (moved.item, moved.element)]  # fmt: skip
+    joined: dict[str, str | int] = {"joint": len(joint), "others": ", ".join(map(str, joint))}
     if sum(each.change for each in same) / moved.change < TAKEN_BACK:
         return message(
             "report-moves-in-set", element=lower(element_title(moved.item, moved.element)),
             times=multiple(moved.in_U), together=multiple(sum(each.in_U for each in same)),
+            **joined,
         )  # fmt: skip
     made = before_and_after(moved)
     return message(
         "report-moves-most", element=element_title(moved.item, moved.element),
-        before=made.text(0), after=made.text(1), times=shift_text(moved), joint=len(joint),
-        others=", ".join(map(str, joint)),
+        before=made.text(0), after=made.text(1), times=shift_text(moved), **joined,
     )  # fmt: skip
 
 

@@ -53,7 +53,11 @@ report-moves-most = Largest change on the certificate{ $joint ->
         [one] , together with finding { $others }
        *[other] , together with findings { $others }
     }: { $element }, from { $before } without it to { $after } with it (± U), { $times } U (the larger of the two).
-report-moves-in-set = On its own it would change { $element } by { $times } U, but the other findings offset that: together they change it by { $together } U, which is what counts.
+report-moves-in-set = { $joint ->
+        [0] On its own
+        [one] Together with finding { $others }
+       *[other] Together with findings { $others }
+    } it would change { $element } by { $times } U, but the other findings offset that: together they change it by { $together } U, which is what counts.
 report-to-do = Next step: { $next }.
 report-verdict-changes = The verdict on { $item } changes from { $before } to { $after }.
 

@@ -52,7 +52,10 @@ report-moves-most = { $joint ->
         [0] {""}
        *[other] 与发现 { $others } 合计，
     }对证书影响最大的是：{ $element }，未计入时为 { $before }，计入后为 { $after }（± U），变化 { $times } U（取两者中较大者）。
-report-moves-in-set = 单独计入时，证书中的一个值（{ $element }）变化 { $times } U，但被其他发现抵消：全部计入后变化 { $together } U，应以此为准。
+report-moves-in-set = { $joint ->
+        [0] 单独计入时，
+       *[other] 与发现 { $others } 合计，
+    }证书中的一个值（{ $element }）变化 { $times } U，但被其他发现抵消：全部计入后变化 { $together } U，应以此为准。
 report-to-do = 下一步：{ $next }。
 report-verdict-changes = { $item }的结论由“{ $before }”变为“{ $after }”。
 

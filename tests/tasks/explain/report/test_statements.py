@@ -119,6 +119,15 @@ def test_what_findings_change_together_is_said_with_their_numbers() -> None:
     assert "与发现 1 合计" in third.zh
 
 
+def test_what_a_set_changes_and_the_others_offset_is_said_of_the_set() -> None:
+    whole = BIAS.model_copy(update={"after": BIAS.before})
+    effects = Consequences(((BIAS,),) * 2, ((),) * 2, (whole,), sets=((0, 1), (0, 1)))
+    both = explanation(finding(share=0.3), finding(share=0.2))
+    first, second = discrepancy_of(both, ((where(),),) * 2, effects).findings
+    assert "Together with finding 2 it would change bias of the X" in first.statement.en
+    assert "与发现 1 合计，证书中的一个值" in second.statement.zh
+
+
 def test_what_has_no_value_or_no_uncertainty_is_no_shift() -> None:
     gone = [BIAS.model_copy(update={name: None}) for name in ("before", "after", "U")]
     en, _ = texts(answer(explanation(finding()), tuple(gone)))
