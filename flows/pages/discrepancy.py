@@ -25,6 +25,7 @@ from schemas.pages.discrepancy import (
     UncertainTime,
 )
 from schemas.review import Moment
+from storage.catalogue.lineage import stated_day
 from tasks.explain.report.names import parameter_text
 from tasks.specifications.items import symbol
 from tasks.words import message
@@ -140,12 +141,17 @@ def _moment(moment: Moment | None, view: View) -> str | None:
     if moment is None:
         return None
     at, earliest, latest, without = (
-        day[:10] for day in (moment.at, moment.earliest, moment.latest, moment.without)
+        _day(each) for each in (moment.at, moment.earliest, moment.latest, moment.without)
     )
     if not without:
         return f"{at} (95 %: {earliest} … {latest})"
     low, high = (without, latest) if without < earliest else (earliest, without)
     return view.say(message("pages-mismatch-between", at=at, low=low, high=high))
+
+
+def _day(moment: str | None) -> str:
+    """The day of a moment; a recording of unknown day by its name, nothing where there is none."""
+    return str(stated_day(moment) or moment or "")
 
 
 def _uncertain(time: UncertainTime, view: View) -> Component:

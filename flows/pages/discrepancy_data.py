@@ -27,6 +27,7 @@ from storage import last_review
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_runs
 from storage.catalogue.discrepancies import explained_runs
+from storage.catalogue.lineage import stated_day
 from storage.home import Home
 from tasks.model.effect import effect_name
 from tasks.words import statement
@@ -86,7 +87,9 @@ def _carried(finding: ReviewFinding, home: Home) -> Carried:
         )
     model, _, serial = finding.carrier.rpartition(" ") if field == "serial" else ("", "", "")
     own = {field: serial or finding.carrier} | ({"model": model} if model else {})
-    since, until = (_day(each.at) if each else None for each in (finding.since, finding.until))
+    since, until = (
+        stated_day(each.at) if each else None for each in (finding.since, finding.until)
+    )
     return Carried(
         title=title, finding=finding, query=own | _asked_days(since, until),
         papers=_papers(_papers_of(_which(own, since, until), home)),
@@ -118,19 +121,11 @@ def _uncertain(own: dict[str, str], finding: ReviewFinding, home: Home) -> Itera
     ends = [(moment.without, moment.at) for moment in [finding.since] if moment]
     ends += [(moment.at, moment.without) for moment in [finding.until] if moment]
     for before, after in ends:
-        first, last = _day(before), _day(after)
+        first, last = stated_day(before), stated_day(after)
         if first is not None and last is not None and last - first > DAY:
             days = first + DAY, last - DAY
             papers = _papers(_papers_of(_which(own, *days), home))
             yield UncertainTime(query=own | _asked_days(*days), papers=papers)
-
-
-def _day(at: str | None) -> date | None:
-    """The day of a moment; None for one that is the name of a recording."""
-    try:
-        return date.fromisoformat(at[:10]) if at else None
-    except ValueError:
-        return None
 
 
 def _asked_days(since: date | None, until: date | None) -> dict[str, str]:

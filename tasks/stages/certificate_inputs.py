@@ -2,11 +2,13 @@
 
 import base64
 import json
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date, datetime
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, BeforeValidator, ValidationError
 
 from schemas.appearance import Appearance
 from schemas.base import Unusable, first_fault
@@ -40,10 +42,18 @@ class CertificateInputs:
     by: str | None = None
 
 
+def _day_or_moment(stated: object) -> object:
+    """A day or a moment in any form of ISO 8601 that imports know; anything else as it is."""
+    for kind in (date, datetime) if isinstance(stated, str) else ():
+        with suppress(ValueError):
+            return kind.fromisoformat(str(stated))
+    return stated
+
+
 class ManifestFields(BaseModel):
     """The free fields of a manifest that a certificate prints."""
 
-    recorded_at: datetime | date | None = None
+    recorded_at: Annotated[datetime | date | None, BeforeValidator(_day_or_moment)] = None
     equipment: tuple[MeasurementStandard, ...] = ()
 
 

@@ -56,8 +56,9 @@ def order(received: date, **more: Any) -> Order:
     return Order(client=PARTY, received=received, **more)
 
 
-def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept: Keep) -> None:
-    given = kept(recorded_at="2026-05-02T00:30:00+08:00")
+@pytest.mark.parametrize("moment", ["2026-05-02T00:30:00+08:00", "20260502T003000+0800"])
+def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept: Keep, moment: str) -> None:
+    given = kept(recorded_at=moment)
     agreed = order(date(2026, 5, 1), recalibration_agreed=True)
     certificate = certify(*given, Inputs(order=agreed)).certificate
     assert certificate.calibrated_on == date(2026, 5, 2)
