@@ -10,12 +10,13 @@ motion that was found, read by the same encoders or cameras and smoothed again, 
 (parametric bootstrap; Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 6).
 
 
-What smoothing removes from the motion of a tracked body, and its influence on a fit.
+What smoothing removes from the motion, and its influence on a fit.
 
-The filter that keeps the noise of poses out of their derivatives takes a little of the motion too,
-most of it near the end of the band. What it takes follows the motion, so that no scatter shows it:
-parameters that follow the same motion make up for it. How much it takes, the smoothed poses tell
-when they are smoothed again."""
+The filter that keeps the noise of poses or encoders out of their derivatives takes a little of the
+motion too, most of it near the end of the band. What it takes follows the motion, so that no
+scatter shows it: parameters that follow the same motion make up for it. How much it takes, the
+smoothed motion tells when it is smoothed again.
+"""
 
 from dataclasses import replace
 from functools import cache
@@ -30,12 +31,13 @@ from tasks.explain.evidence.groups import fitted_columns
 from tasks.explain.inputs.blocks import block_means
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import Prepared
-from tasks.explain.whitening import equations_of
+from tasks.explain.whitening import equations_of, scores_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.motion.pose import Tracking, motion_smoothed_twice
 from tasks.motion.pose_frames import PLACE, POSE
 from tasks.motion.reference_noise import EncoderNoise
+from tasks.motion.smoothing_error import lost_acceleration
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion, whole_motion
 
@@ -195,20 +197,46 @@ def dither(angle: np.ndarray, rest: np.ndarray, step: float) -> float:
 
 
 def with_smoothing_error(evidence: Evidence, prepared: Prepared) -> Evidence:
-    """The evidence, with u that covers what smoothing the poses moves its parameters by."""
-    recording, full, pose = prepared.recording, prepared.full, prepared.recording.reference
-    if full.motion.tracking is None or pose is None or not evidence.groups:
+    """The evidence, with u that covers what smoothing the reference moves its parameters by."""
+    if not evidence.groups:
         return evidence
-    again = motion_smoothed_twice(recording, pose, full.motion.t + full.start)
+    motion = prepared.full.motion
+    if motion.tracking is not None and prepared.recording.reference is not None:
+        normal, right = _lost_of_poses(evidence, prepared, prepared.recording.reference)
+    elif motion.axes is not None:
+        normal, right = _lost_of_encoders(evidence, prepared)
+    else:
+        return evidence
+    moved = inverse(normal + np.diag(evidence.prior)) @ right
+    return replace(evidence, smoothing_error=np.abs(moved))
+
+
+def _lost_of_poses(
+    evidence: Evidence, prepared: Prepared, pose: Stream
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal matrix and right side of the columns on what a second smoothing takes of readings."""
+    full = prepared.full
+    again = motion_smoothed_twice(prepared.recording, pose, full.motion.t + full.start)
     twice = replace(
         full.motion, up=again.up, north=again.north, rate=again.rate,
         translation=again.translation,
     )  # fmt: skip
     model = evidence.fit.model
     lost = model.prediction(full.motion) - model.prediction(twice)
-    normal, right = _equations_on(replace(full, readings=lost), prepared, evidence)
-    moved = inverse(normal + np.diag(evidence.prior)) @ right
-    return replace(evidence, smoothing_error=np.abs(moved))
+    return _equations_on(replace(full, readings=lost), prepared, evidence)
+
+
+def _lost_of_encoders(evidence: Evidence, prepared: Prepared) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the accelerations that encoders tell, in the blocks of the fit."""
+    fit, blocks = evidence.fit, evidence.fit.blocks
+    motion = blocks.motion
+    spun = lost_acceleration(prepared.recording, blocks.t + prepared.full.start)
+    change = np.einsum("nk,nki->ni", spun, motion.axes.directions) if motion.axes else 0.0
+    twice = replace(motion, acceleration=motion.acceleration - change)
+    lost = fit.model.prediction(motion) - fit.model.prediction(twice)
+    columns, _ = fitted_columns(fit.model, evidence.groups, motion)
+    right, _ = scores_of(columns, np.nan_to_num(lost), blocks, fit.noises)
+    return evidence.whole.normal()[0], right
 
 
 def _equations_on(
