@@ -14,7 +14,8 @@ def step_time(fit: FittedSelection, step: Term, dispersion: float) -> tuple[floa
     step: a term of the fitted model whose only shape is a time. dispersion: chi-squared per degree
     of freedom of the residual, which the chi-squared that a displacement costs may exceed fourfold.
     Times are on the clock of the blocks. Only white noise is counted: a drift hardly moves between
-    neighbouring blocks. Where no reading is compared a step may lie anywhere.
+    neighbouring blocks. Where no reading is compared a step may lie anywhere, and what is compared
+    only up to a frequency f shows no time more closely than 1/(2f).
     """
     model, blocks = fit.model, fit.blocks
     prediction = model.prediction(blocks.motion)
@@ -30,7 +31,8 @@ def step_time(fit: FittedSelection, step: Term, dispersion: float) -> tuple[floa
     earlier = _passed(cost[:first][::-1], limit)
     lowest = blocks.t[max(first - earlier - 1, 0)]
     highest = blocks.t[min(first + later, len(blocks.t) - 1)]
-    return float(lowest + highest) / 2.0, float(highest - lowest) / 2.0 / COVERED
+    half = float(highest - lowest) / 2.0 + 0.5 / blocks.band
+    return float(lowest + highest) / 2.0, half / COVERED
 
 
 def _passed(cost: np.ndarray, limit: float) -> int:

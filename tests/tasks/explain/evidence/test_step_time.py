@@ -1,6 +1,7 @@
 """The stated time of a step holds the true one, and a gap of the readings widens it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,11 +19,9 @@ TRUE = 163.211  # s, between two blocks
 NOTHING = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
 
 
-def timed(made: np.ndarray, at: float, weight: np.ndarray | None = None) -> tuple[float, float]:
+def timed(made: np.ndarray, at: float, **changes: Any) -> tuple[float, float]:
     """The time of a step of gyro y that a search put at a time, s, and its u."""
-    step, blocks = bias_step(0, at), observed(made, RUN)
-    if weight is not None:
-        blocks = replace(blocks, weight=weight)
+    step, blocks = bias_step(0, at), replace(observed(made, RUN), **changes)
     picked = Selected(Candidate(step, (1,), (1,), 1), 100.0, 90.0, ())
     fit = FittedSelection.of(Selection((picked,), NOISY, 1e-9, NOTHING), blocks, RATE)
     return step_time(fit, fit.model.terms[-1], 1.0)
@@ -53,6 +52,11 @@ def test_a_smaller_step_is_timed_less_well() -> None:
 
 def test_in_a_gap_of_the_readings_it_may_lie_anywhere() -> None:
     weight = np.where((RUN.t > 155.0) & (RUN.t < 175.0), 0.0, 1.0)[:, None].repeat(6, axis=1)
-    time, u = timed(stepped(6.0, 3), 175.0, weight)
+    time, u = timed(stepped(6.0, 3), 175.0, weight=weight)
     assert time == pytest.approx(165.0, abs=0.2)
     assert 2.0 * u == pytest.approx(10.0, abs=0.2)
+
+
+def test_a_band_of_poses_shows_no_time_more_closely_than_its_edge() -> None:
+    _, u = timed(stepped(30.0, 4), TRUE, band=2.0)
+    assert 2.0 * u == pytest.approx(0.25, abs=0.1)
