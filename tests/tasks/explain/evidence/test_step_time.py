@@ -37,7 +37,7 @@ def stepped(size: float, seed: int) -> np.ndarray:
 @pytest.mark.parametrize("size", [0.7, 1.5, 6.0])
 def test_the_expanded_uncertainty_covers_the_true_time(size: float) -> None:
     inside = []
-    for seed in range(40):
+    for seed in range(16):
         time, u = timed(stepped(size, seed), TRUE)
         inside.append(abs(time - TRUE) <= 2.0 * u)
         assert 0.0 < 2.0 * u < 60.0 / RATE / size**2 + 2.0 / RATE
