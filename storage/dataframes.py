@@ -157,7 +157,8 @@ def _of_results(
     newest = database.newest_results().label("newest")
     first = (RESULT.id.label("result"), RESULT.run, *OF_RUN, *OF_RESULT, newest)
     joined = tables.results.join(tables.runs).join(tables.units).join(table)
-    joined = joined.join(tables.outcomes, tables.outcomes.c.result == RESULT.id)
+    # A document that cannot be read has no outcome, but may have left its rows.
+    joined = joined.outerjoin(tables.outcomes, tables.outcomes.c.result == RESULT.id)
     asked = sql.select(*first, *columns).select_from(joined)
     return asked.order_by(RESULT.made_at, RESULT.id, *table.primary_key)
 

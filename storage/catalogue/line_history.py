@@ -1,6 +1,7 @@
 """Outcomes, values, limits and renewals of many runs at once, from the catalogue.
 
-Of a run count the result made last and the certificate kept last, as in `run_list`.
+Of a run count the result made last with the standard's terms alone and the certificate kept last,
+as in `run_list`.
 """
 
 from datetime import date
@@ -57,7 +58,7 @@ def items(model: str, home: Home) -> Rows:
     newest = (
         sql.select(MADE.result)
         .select_from(tables.outcomes.join(tables.runs).join(tables.units))
-        .where(UNIT.model == model)
+        .where(UNIT.model == model, MADE.terms == "")
         .order_by(MADE.made_at.desc(), MADE.result)
         .limit(1)
         .scalar_subquery()

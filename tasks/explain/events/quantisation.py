@@ -33,6 +33,7 @@ CELLS = 256  # between two codes
 MIN_INFORMATION = 0.3  # of a reading's without steps: one with less is left out
 QUIET = 0.5  # of the least noise of the others of a triad
 SHORT = 0.9  # of what an ideal unit reads: no scale factor is that far off
+LARGE = (0.1, 1.0)  # rad/s and m/s²: beside less a bias counts
 MOSTLY = 0.5  # of the largest ideal reading, from which on readings are compared with it
 STEADY = 0.15  # steps: how far the predicted reading may move within a block
 MAX_BLOCKS = 400  # that are looked at
@@ -180,16 +181,19 @@ def cut_off(
             and abs(other.quantiser.step / one.quantiser.step - 1.0) < OFF_CODE
         ]  # fmt: skip
         if alike and one.ratio < min(FINE, QUIET * min(alike)):
-            share = _share_read(readings[:, one.channel], ideal[:, one.channel])
-            if share < SHORT:
+            least = LARGE[one.channel // 3]
+            share = _share_read(readings[:, one.channel], ideal[:, one.channel], least)
+            if 0.0 < share < SHORT:
                 found[one.channel] = share
     return found
 
 
-def _share_read(readings: np.ndarray, ideal: np.ndarray) -> float:
-    """Median share that readings (n,) are of an ideal unit's where those are large; one without."""
+def _share_read(readings: np.ndarray, ideal: np.ndarray, least: float) -> float:
+    """Median share that readings (n,) are of an ideal unit's where those are large, and larger than
+    `least`; one without.
+    """
     size = np.abs(ideal)
-    large = np.isfinite(readings) & (size > MOSTLY * np.nanmax(size, initial=0.0))
+    large = np.isfinite(readings) & (size > max(least, MOSTLY * np.nanmax(size, initial=0.0)))
     return float(np.median(readings[large] / ideal[large])) if large.any() else 1.0
 
 

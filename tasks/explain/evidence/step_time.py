@@ -19,8 +19,10 @@ def step_time(fit: FittedSelection, step: Term, dispersion: float) -> tuple[floa
     """
     model, blocks = fit.model, fit.blocks
     prediction = model.prediction(blocks.motion)
-    size = model.effect_of({step.key}, blocks.motion, prediction)[-1]
-    misfit, first = blocks.readings - prediction, int(np.searchsorted(blocks.t, step.at[0]))
+    first = int(np.searchsorted(blocks.t, step.at[0]))
+    added = np.nan_to_num(model.effect_of({step.key}, blocks.motion, prediction)[first:])
+    size = added[np.abs(added).argmax(axis=0), np.arange(added.shape[1])]  # the same in each row
+    misfit = np.nan_to_num(blocks.readings - prediction)  # of no weight where the motion is unknown
     # The step that a block has, or lacks, when the instant is moved past it.
     moved = misfit + np.where(np.arange(len(misfit)) >= first, 1.0, -1.0)[:, None] * size
     variance = np.array([noise.white for noise in fit.noises])

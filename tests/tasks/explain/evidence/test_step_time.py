@@ -57,6 +57,18 @@ def test_in_a_gap_of_the_readings_it_may_lie_anywhere() -> None:
     assert 2.0 * u == pytest.approx(10.0, abs=0.2)
 
 
+@pytest.mark.parametrize("unknown", [(155.0, 175.0), (390.0, 400.0)])
+def test_unknown_motion_is_as_a_gap_of_the_readings(unknown: tuple[float, float]) -> None:
+    hidden = (RUN.t > unknown[0]) & (RUN.t < unknown[1])
+    weight = np.where(hidden, 0.0, 1.0)[:, None].repeat(6, axis=1)
+    lost = RUN.mapped(lambda values: np.where(hidden.reshape(-1, *[1] * (values.ndim - 1)),
+                                              np.nan, values))  # fmt: skip
+    lost = replace(lost, t=RUN.t)
+    at = 175.0 if hidden[np.searchsorted(RUN.t, TRUE)] else TRUE
+    known = timed(stepped(1.0, 6), at, weight=weight)
+    assert timed(stepped(1.0, 6), at, weight=weight, motion=lost) == pytest.approx(known, abs=0.02)
+
+
 def test_a_band_of_poses_shows_no_time_more_closely_than_its_edge() -> None:
     _, u = timed(stepped(30.0, 4), TRUE, band=2.0)
     assert 2.0 * u == pytest.approx(0.25, abs=0.1)
