@@ -70,7 +70,9 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
         corrected = Events(events, masked).corrected(t, readings, predicted)
         residual = corrected - plain_prediction(corrected, motion, masked)
     noises = noise_estimates(used, readings - residual, quantisers)
-    short = cut_off(noises, used, np.hstack([motion.rate, motion.force]))
+    short = cut_off(
+        noises, used, lambda c: np.asarray((motion.rate if c < 3 else motion.force)[:, c % 3])
+    )
     steps = find_quantisation(noises, short)
     level = without_dead(noise_by_rate(used - predicted, motion))
     if steps is not None:

@@ -6,7 +6,7 @@ x + Σ_k (−1)^k·(q/πk)·exp(−2π²k²σ²/q²)·sin(2πkx/q)
 no concern.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -166,10 +166,12 @@ def noise_estimates(
 
 
 def cut_off(
-    estimates: Sequence[NoiseEstimate], readings: np.ndarray, ideal: np.ndarray
+    estimates: Sequence[NoiseEstimate],
+    readings: np.ndarray,
+    ideal: Callable[[int], np.ndarray],
 ) -> dict[int, float]:
     """The channels that lost noise and signal, as beyond a limit: what share of what an ideal unit
-    would read, (n, 6), they read.
+    would read they read. ideal: that, (n,), of a channel.
 
     Noise is missing where it is a small part of that of the others of the triad with the same step.
     """
@@ -182,7 +184,7 @@ def cut_off(
         ]  # fmt: skip
         if alike and one.ratio < min(FINE, QUIET * min(alike)):
             least = LARGE[one.channel // 3]
-            share = _share_read(readings[:, one.channel], ideal[:, one.channel], least)
+            share = _share_read(readings[:, one.channel], ideal(one.channel), least)
             if 0.0 < share < SHORT:
                 found[one.channel] = share
     return found

@@ -200,11 +200,11 @@ def with_smoothing_error(evidence: Evidence, prepared: Prepared) -> Evidence:
     """The evidence, with u that covers what smoothing the reference moves its parameters by."""
     if not evidence.groups:
         return evidence
-    motion = prepared.full.motion
-    if motion.tracking is not None and prepared.recording.reference is not None:
+    axes = evidence.fit.blocks.motion.axes
+    if prepared.full.motion.tracking is not None and prepared.recording.reference is not None:
         normal, right = _lost_of_poses(evidence, prepared, prepared.recording.reference)
-    elif motion.axes is not None:
-        normal, right = _lost_of_encoders(evidence, prepared)
+    elif axes is not None:
+        normal, right = _lost_of_encoders(evidence, prepared, axes)
     else:
         return evidence
     moved = inverse(normal + np.diag(evidence.prior)) @ right
@@ -226,12 +226,14 @@ def _lost_of_poses(
     return _equations_on(replace(full, readings=lost), prepared, evidence)
 
 
-def _lost_of_encoders(evidence: Evidence, prepared: Prepared) -> tuple[np.ndarray, np.ndarray]:
-    """The same of the accelerations that encoders tell, in the blocks of the fit."""
+def _lost_of_encoders(
+    evidence: Evidence, prepared: Prepared, axes: TableAxes
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the accelerations that encoders tell, in the blocks of the fit; axes: there."""
     fit, blocks = evidence.fit, evidence.fit.blocks
     motion = blocks.motion
     spun = lost_acceleration(prepared.recording, blocks.t + prepared.full.start)
-    change = np.einsum("nk,nki->ni", spun, motion.axes.directions) if motion.axes else 0.0
+    change = np.einsum("nk,nki->ni", spun, axes.directions)
     twice = replace(motion, acceleration=motion.acceleration - change)
     lost = fit.model.prediction(motion) - fit.model.prediction(twice)
     columns, _ = fitted_columns(fit.model, evidence.groups, motion)

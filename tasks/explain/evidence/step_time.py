@@ -22,22 +22,17 @@ def step_time(fit: FittedSelection, step: Term, dispersion: float) -> tuple[floa
     first = int(np.searchsorted(blocks.t, step.at[0]))
     added = np.nan_to_num(model.effect_of({step.key}, blocks.motion, prediction)[first:])
     size = added[np.abs(added).argmax(axis=0), np.arange(added.shape[1])]  # the same in each row
-    misfit = np.nan_to_num(blocks.readings - prediction)  # of no weight where the motion is unknown
-    # The step that a block has, or lacks, when the instant is moved past it.
-    moved = misfit + np.where(np.arange(len(misfit)) >= first, 1.0, -1.0)[:, None] * size
+    # What is left of a block after the step, and of one before it; unknown motion has no weight.
+    after = np.nan_to_num(blocks.readings - prediction)
+    after[:first] -= size
+    before = after + size
     variance = np.array([noise.white for noise in fit.noises])
-    counted = np.divide(blocks.weight**2, variance, out=np.zeros_like(misfit), where=variance > 0)
-    cost = ((moved**2 - misfit**2) * counted).sum(axis=1)
-    limit = COVERED**2 * dispersion
-    later = _passed(cost[first:], limit)
-    earlier = _passed(cost[:first][::-1], limit)
-    lowest = blocks.t[max(first - earlier - 1, 0)]
-    highest = blocks.t[min(first + later, len(blocks.t) - 1)]
+    counted = np.divide(blocks.weight**2, variance, out=np.zeros_like(after), where=variance > 0)
+    # Chi-squared if the step comes before block j: what is before it, and after it.
+    passed = ((before**2 - after**2) * counted).sum(axis=1)
+    cost = np.concatenate([[0.0], passed.cumsum()])
+    possible = np.flatnonzero(cost <= cost[first] + COVERED**2 * dispersion)
+    lowest = blocks.t[max(possible[0] - 1, 0)]
+    highest = blocks.t[min(possible[-1], len(blocks.t) - 1)]
     half = float(highest - lowest) / 2.0 + 0.5 / blocks.band
     return float(lowest + highest) / 2.0, half / COVERED
-
-
-def _passed(cost: np.ndarray, limit: float) -> int:
-    """How many blocks the instant may pass before all that lie beyond cost too much."""
-    possible = np.flatnonzero(np.cumsum(cost) <= limit)
-    return int(possible[-1]) + 1 if len(possible) else 0

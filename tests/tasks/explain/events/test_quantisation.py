@@ -54,6 +54,6 @@ def test_a_coarser_step_of_one_channel_is_its_resolution() -> None:
 def test_a_bias_in_place_of_an_input_is_no_share_of_it() -> None:
     steps = [Quantiser(1e-3, 0.0)] * 3
     estimates = [NoiseEstimate(c, q, 0.1 if c == 0 else 0.7, 0.0) for c, q in enumerate(steps)]
-    readings, ideal = np.full((100, 6), -0.01), np.full((100, 6), 5e-5)
-    assert cut_off(estimates, readings, ideal) == {}
-    assert cut_off(estimates, np.full((100, 6), 0.7), np.ones((100, 6))) == {0: 0.7}
+    readings = np.full((100, 6), -0.01)
+    assert cut_off(estimates, readings, lambda _: np.full(100, 5e-5)) == {}
+    assert cut_off(estimates, np.full((100, 6), 0.7), lambda _: np.ones(100)) == {0: 0.7}
