@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from schemas.base import Unusable
 from schemas.recording import Recording
+from tasks.explain.confounding.bootstrap import ReferenceBootstrap
 from tasks.explain.confounding.compare import compared
 from tasks.explain.confounding.play import with_play
 from tasks.explain.evidence.assemble import explanation_of
@@ -84,7 +85,10 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
     if found.prepared.delay:
         evidence = pruned(found.as_stamped(evidence.fit), trials)
     tell(progress, "combinations")
-    fit = compared(evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit)
+    fit = compared(
+        evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit,
+        ReferenceBootstrap(found.prepared).rivals,
+    )  # fmt: skip
     fit = with_play(fit, candidates)
     fit = found.resolved(fit)
     return evidence if fit is evidence.fit else pruned(fit, trials)

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from tasks.explain.confounding.bootstrap import Rivals
 from tasks.explain.confounding.combinations import Combination
 from tasks.explain.confounding.families import FAMILIES, Form, forms_of, group_delays, shape_count
 from tasks.explain.confounding.linear_forms import (
@@ -22,6 +23,7 @@ from tasks.explain.confounding.linear_forms import (
     keys_of,
     marked,
     names_of,
+    shapes_signals,
 )
 from tasks.explain.confounding.special_case import HOLDS, with_general
 from tasks.explain.search.candidates import Candidate
@@ -35,12 +37,13 @@ Prune = Callable[[FittedSelection, Collection[str]], FittedSelection]
 
 
 def compared(
-    fit: FittedSelection, candidates: Sequence[Candidate], prune: Prune
+    fit: FittedSelection, candidates: Sequence[Candidate], prune: Prune, by_reference: Rivals
 ) -> FittedSelection:
     """The selection with the best combination of each family in place of its members, marked with
     the names that the data cannot distinguish from it.
 
     prune: a selection without what is unnecessary in it, but with effects of these names.
+    by_reference: single effects that may be the truth although they fit worse.
 
     A nuisance of every model is kept, and what compensates for it is left out: tracking smooths
     positions and attitudes differently, so that it is not certainly the unit's. It is marked with
@@ -56,7 +59,7 @@ def compared(
             fit = fit.without(selected)
         present = tuple(one.candidate for one in nuisances or selected)
         forms = tuple(forms_of(family, candidates, present))
-        of_family = _Family(family, forms, present, fit, prune)
+        of_family = _Family(family, forms, present, fit, prune, by_reference)
         fit = of_family.with_rivals() if nuisances else of_family.compared()
     return fit
 
@@ -70,9 +73,10 @@ class _Family:
     present: Form
     fit: FittedSelection
     prune: Prune
+    rivals_by_reference: Rivals
 
     def compared(self) -> FittedSelection:
-        if _shapes_signals(self.present):
+        if shapes_signals(self.present):
             return self._by_real_fits()
         found = self._fitted(self.present)
         if not found.plausible and (fitting := self._plausible_alone(found)):
@@ -83,7 +87,7 @@ class _Family:
         near = [one for one, cost in zip(alike, costs, strict=True)
                 if cost - min(costs) < self._linear.indistinguishable(one)]  # fmt: skip
         best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
-        if _shapes_signals(best):
+        if shapes_signals(best):
             return self._by_real_fits()
         chosen = self._fitted(best)
         if best is not self.present and not self._holds(chosen, found):
@@ -98,7 +102,14 @@ class _Family:
         names = with_general(
             chosen, near, self.forms, self.fit.selection.equations, others, self._linear.dispersion
         )
-        return marked(chosen, group_names(chosen.members, names))
+        group = group_names(chosen.members, names)
+        return marked(chosen, group, self.rivals_by_reference(chosen, self._near_forms(), group))
+
+    def _near_forms(self) -> list[Combination]:
+        """Forms that come near by their linear forms."""
+        enough = NEAR * max(map(self._linear.gain, self.forms))
+        forms = [form for form in self.forms if self._linear.gain(form) > enough]
+        return [one for one in map(self._fitted, forms) if one.plausible]
 
     def with_rivals(self) -> FittedSelection:
         """The given effects, marked with the names that fit no worse in their place.
@@ -108,14 +119,11 @@ class _Family:
         if min(group_delays(self.fit.model, self.names)) <= 0.0:
             return self.fit
         found = self._fitted(self.present)
-        rivals = [
-            one
-            for form in self._in_place_of(self.present)
-            if (one := self._fitted(form)).plausible
-            and self._cost(one) - self._cost(found) < DISTINGUISHABLE
-        ]
-        names = group_names(self.present, [names_of(one.members) for one in rivals])
-        return marked(found, names)
+        tried = [self._fitted(form) for form in self._in_place_of(self.present)]
+        plausible = [one for one in tried if one.plausible]
+        near = self._near(plausible, found)
+        group = group_names(self.present, [names_of(one.members) for one in near])
+        return marked(found, group, self.rivals_by_reference(found, plausible, group))
 
     def _in_place_of(self, present: Form) -> Iterator[Form]:
         """Delays and filters other than these that come near by their linear forms."""
@@ -151,37 +159,39 @@ class _Family:
         return chosen.plausible and self._cost(found) - self._cost(chosen) > INDISTINGUISHABLE
 
     def _by_real_fits(self) -> FittedSelection:
-        """Of one effect each that comes near, then of the best of them with each other."""
+        """Of one effect each that comes near, then of those that fit best with each other."""
         tried = [self._fitted(self.present)]
         tried += [
             self._fitted(form)
             for form in self._in_place_of(self.present)
             if self._linear.triads_differ or not is_by_triad(form)
         ]
-        alone = min((one for one in tried if len(names_of(one.members)) == 1), key=self._cost,
-                    default=tried[0])  # fmt: skip
+        singles = [one for one in tried if len(names_of(one.members)) == 1] or tried
+        alone = min(singles, key=self._cost)
         if self._linear.triads_differ or self._smooths(alone):
             tried += self._delay_with_filter()
-        tried += [self._fitted(pair) for pair in self._promising(alone)]
+        near = sorted(self._near(singles, alone), key=self._cost, reverse=True)
+        cheapest = {names_of(one.members): one for one in near}
+        tried += [self._fitted(pair) for one in cheapest.values() for pair in self._promising(one)]
         plausible = self._pruned([one for one in tried if one.plausible] or tried)
         best = self._fewest_effects(plausible)
         if len(names_of(best.members)) > 1:  # no likelier than a filter that a lead cancels
             plausible += [one for one in tried if one.is_cancelled]
-        names = [
-            names_of(one.members)
-            for one in plausible
-            if self._cost(one) - self._cost(best) < DISTINGUISHABLE
-        ]
+        names = [names_of(one.members) for one in self._near(plausible, best)]
         if set(names_of(best.members)) == {"time_offset", "bandwidth"}:
-            if (
-                best.with_filter(FILTER).chi2 - best.chi2
-                < DISTINGUISHABLE * self._linear.dispersion
-            ):
+            limit = best.chi2 + DISTINGUISHABLE * self._linear.dispersion
+            if best.with_filter(FILTER).chi2 < limit:
                 names += [("bandwidth",), ("time_offset",)]
         elif len(names_of(best.members)) == 1:
             first = {form[0].name: form for form in reversed(self.forms)}
             names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
-        return marked(best, group_names(best.members, names))
+        group = group_names(best.members, names)
+        return marked(best, group, self.rivals_by_reference(best, plausible, group))
+
+    def _near(self, tried: Iterable[Combination], best: Combination) -> list[Combination]:
+        """What fits as well as the best."""
+        limit = self._cost(best) + DISTINGUISHABLE
+        return [one for one in tried if self._cost(one) < limit]
 
     def _pruned(self, tried: Sequence[Combination]) -> list[Combination]:
         """Those that come near, without other effects that had only made up for what they are."""
@@ -288,8 +298,3 @@ class _Family:
     def _delay_was_taken_back(self) -> bool:
         """Whether the search was of readings without a delay that the model has."""
         return any(np.isinf(one.gain) for one in self.fit.selection.selected)
-
-
-def _shapes_signals(members: Form) -> bool:
-    """Whether a delay or a filter is among them, whose linear form is that of a small one."""
-    return any(one.term.stage == "signal" for one in members)

@@ -98,11 +98,15 @@ class LinearForms:
         return self.gain(both) - self.gain(whole) > DISTINGUISHABLE * self.dispersion
 
 
-def marked(chosen: Combination, group: tuple[str, ...]) -> FittedSelection:
-    """The chosen combination's selection, its members with the names of a group."""
+def marked(
+    chosen: Combination, group: tuple[str, ...], rivals: tuple[str, ...] = ()
+) -> FittedSelection:
+    """The chosen combination's selection, its members with the names of a group and of rivals."""
     own, selection = keys_of(chosen.members), chosen.fit.selection
     selected = tuple(
-        replace(one, group=group if one.candidate.key in own else one.group)
+        replace(one, group=group, rivals=tuple(dict.fromkeys((*one.rivals, *rivals))))
+        if one.candidate.key in own
+        else one
         for one in selection.selected
     )
     return replace(chosen.fit, selection=replace(selection, selected=selected))
@@ -133,3 +137,8 @@ def names_of(members: Form) -> tuple[str, ...]:
 def keys_of(members: Form) -> set[object]:
     """The candidates' keys."""
     return {one.key for one in members}
+
+
+def shapes_signals(members: Form) -> bool:
+    """Whether a delay or a filter is among them, whose linear form is that of a small one."""
+    return any(one.term.stage == "signal" for one in members)

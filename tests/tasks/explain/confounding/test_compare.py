@@ -92,7 +92,7 @@ def filtered_and_early() -> tuple[FittedSelection, list[Candidate]]:
 
 def compared(fit: FittedSelection, candidates: list[Candidate]) -> FittedSelection:
     """Where nothing else was selected that would be pruned."""
-    return compared_with(fit, candidates, lambda one, kept: one)
+    return compared_with(fit, candidates, lambda one, kept: one, lambda *of: ())
 
 
 def names(fit: FittedSelection) -> set[str]:
