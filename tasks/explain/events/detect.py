@@ -30,6 +30,7 @@ from tasks.explain.events.quantisation import (
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import find_saturation
+from tasks.explain.events.settling import find_settling
 from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
@@ -49,13 +50,15 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
     recording's own clock, s.
     """
     t, flat = motion.t, constant_channels(readings)
+    at_ends, settling = find_settling(readings, motion)
+    readings = np.where(at_ends, plain_prediction(readings, motion, at_ends), readings)
     quantisers = [quantiser_of(column) for column in readings.T]
     zone, zeroed = _zone(readings, motion, quantisers)
     if isinstance(zone, BiasAtRest):  # all other events act before it
         readings = readings - zone.applied(t, np.zeros(readings.shape))
     repeats = find_repeats(readings, motion, quantisers)
     limits, masked = find_saturation(readings, motion, quantisers)
-    masked |= zeroed | flat
+    masked |= zeroed | flat | at_ends
     predicted = plain_prediction(readings, motion, masked)
     used = np.where(masked, np.nan, readings)
     if masked.any():
@@ -85,7 +88,7 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
     # In the order in which they act: what is added, when a reading was taken, limit, rounding,
     # threshold.
     last = tuple(event for event in (steps, zone, spikes) if event is not None)
-    remarks = (*gap_remarks(t), *flat_remarks(flat), *cut_off_remarks(short))
+    remarks = (*settling, *gap_remarks(t), *flat_remarks(flat), *cut_off_remarks(short))
     return Events((*lines, *events, *last), masked | at_spikes, remarks)
 
 

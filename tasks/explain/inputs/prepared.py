@@ -15,6 +15,7 @@ from scipy.linalg import orth
 from schemas.recording import Recording
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.detect import events_in_readings
+from tasks.explain.events.empty_rows import without_empty_rows
 from tasks.explain.events.event import Events
 from tasks.explain.events.faults import Fault, find_faults
 from tasks.explain.events.lost_samples import LostSamples
@@ -46,11 +47,11 @@ RANK = 1e-9
 class Prepared:
     """A recording without faults of its logger, as it is, and without its events and delay.
 
-    recorded: with rates in place of angles. faults: of its logger, undone in all that follows.
-    recording, full: without them, at the unit's rows. clean: without events, and with the stamps
-    `delay` s earlier, by which they were late. masked: (n, 6) bool, readings that say nothing.
-    reference: the prediction by which the readings of `clean` were reduced to those of an ideal
-    unit.
+    recorded: with rates in place of angles, without empty rows. faults: of its logger, undone in
+    all that follows. recording, full: without them, at the unit's rows. clean: without events, and
+    with the stamps `delay` s earlier, by which they were late. masked: (n, 6) bool, readings that
+    say nothing. reference: the prediction by which the readings of `clean` were reduced to those of
+    an ideal unit.
     """
 
     recorded: Recording
@@ -92,8 +93,9 @@ def prepare(
     Raises Unusable where the recording tells no motion or is too short.
     """
     tell(progress, "motion")
-    recorded = as_mean_rates(recording)
+    recorded, on_empty = without_empty_rows(as_mean_rates(recording))
     faults, right, full = without_faults(recorded, reference)
+    full = replace(full, remarks=(*on_empty, *full.remarks))
     tell(progress, "events")
     delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     rows, events = _with_delay(right, full, delay)

@@ -24,6 +24,12 @@ events-gaps = the time stamps have { $gaps ->
     }, { $missing } sample intervals in total; the other stamps are correct, so this is not a mismatch
 events-cut-off = the { $channel } reads { $share } % of what its motion gives, with less than half the noise of the others of its triad: check whether a limit of its range cuts it off
 events-constant = the { $channels } read one value throughout and are not used: check the wiring, the logger and what the firmware suppresses
+events-empty-rows = { $count ->
+    [one] One row holds
+   *[other] { $count } rows hold
+ } no readings (zero in every channel, or values that no unit reads); not used.
+events-settling-start = For { $seconds } s from the start, the { $channels } read values far from those that follow; these readings are not used.
+events-settling-end = For the last { $seconds } s, the { $channels } read values far from those before; these readings are not used.
 events-spikes = { $count } isolated readings in the { $channels } deviate from their neighbours by more than { $threshold } times the noise
 events-spikes-in-rotation = { events-spikes }, only while the table turns
 events-folded-mains = spectral line at { $line } Hz, where sampling folds mains of { $frequency } Hz

@@ -1,0 +1,63 @@
+"""Rows without readings are left out, those of a unit at rest or on a fast table are not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from schemas.recording import Stream
+from tasks.explain.events.empty_rows import empty_rows, without_empty_rows
+from tasks.explain.explain import explain
+from tasks.words import texts
+from tests.on_shaft import swinging
+
+ROWS = 4000
+
+
+def at_rest() -> np.ndarray:
+    noise = np.random.default_rng(2).standard_normal((ROWS, 6)) * np.repeat([1e-3, 1e-2], 3)
+    return np.asarray(noise + np.array([0.0, 0.0, 0.0, 0.1, 0.0, 9.8]))
+
+
+@pytest.mark.parametrize("value", [0.0, 1e5, -1e5])
+def test_rows_of_zeros_and_of_what_no_unit_reads_are_none(value: float) -> None:
+    readings = at_rest()
+    readings[1000:1020] = value
+    assert np.flatnonzero(empty_rows(readings)).tolist() == list(range(1000, 1020))
+
+
+def test_gyros_alone_may_read_zero() -> None:
+    readings = at_rest()
+    readings[:, 3:] = np.nan
+    readings[::20, :3] = 0.0
+    assert not empty_rows(readings).any()
+
+
+def test_a_rate_of_a_centrifuge_is_read() -> None:
+    readings = at_rest()
+    readings[2000:, 2] += 300.0
+    assert not empty_rows(readings).any()
+
+
+def test_a_recording_keeps_its_rows_and_says_which_are_not_used() -> None:
+    recording = swinging(0.0)
+    columns = {name: signal.copy() for name, signal in recording.imu.columns.items()}
+    for signal in columns.values():
+        signal[3000:3010] = 0.0
+    torn = replace(recording, imu=Stream(recording.imu.t, columns))
+    whole, remarks = without_empty_rows(torn)
+    assert len(whole.imu.t) == len(torn.imu.t)
+    assert np.isnan(whole.imu.columns["gyro_x"]).sum() == 10
+    assert "10" in texts(remarks[0])["en"]
+    assert without_empty_rows(recording) == (recording, ())
+
+
+def test_a_low_pass_is_named_beside_a_dropout() -> None:
+    recording = swinging(1e-5, low_pass=5.0)
+    columns = {name: signal.copy() for name, signal in recording.imu.columns.items()}
+    for signal in columns.values():
+        signal[3000:3010] = 0.0
+    torn = replace(recording, imu=Stream(recording.imu.t, columns))
+    whole, with_dropout = explain(recording), explain(torn)
+    assert whole.findings[0].effect == with_dropout.findings[0].effect == "bandwidth"
+    assert with_dropout.verdict == whole.verdict
