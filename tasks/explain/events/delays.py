@@ -6,13 +6,14 @@ A delay is estimated from the slope of the signal, or by a grid search where the
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from tasks.motion.samples import in_blocks, interpolated, sample_interval
 from tasks.motion.whole import Motion
 
 SLOPE_WINDOW = 1.0  # s, within which the delay is read off the slope
-SLOPE_OUTLIER = 25.0  # chi-squared that one window may cost at most
-MAX_U = 0.1  # of a sample interval: windows that know the delay worse are left out
+SLOPE_OUTLIER = 50.0  # chi-squared that one window may cost at most
+MAX_U = 0.15  # of a sample interval: windows that know the delay worse are left out
 MODEL_U = 0.08  # of a sample interval: what else may look like a delay in a window
 MIN_INDEPENDENT = 0.1  # of a window's information that must remain beside a bias
 APART = 4  # rows: slopes that encoder noise makes are unrelated at this distance
@@ -73,7 +74,8 @@ def delays_by_slope(
 
     From the gyros where they are recorded, for levers disturb accelerometers. Beside the delay a
     window may have a scale factor and a bias of its own: those of the whole run are fitted to
-    readings that the losses have put off.
+    readings that the losses have put off. Rows about a corner of the motion count less, which a
+    delay moves past them.
     """
     channels = range(3) if np.isfinite(residual[:, :3]).any() else range(3, 6)
     window, count = _windows(t, SLOPE_WINDOW)
@@ -82,7 +84,8 @@ def delays_by_slope(
         rows = np.flatnonzero(np.isfinite(residual[:, c] + slope[:, c] + noise[:, c]))
         if not len(rows):
             continue
-        number, weight = window[rows], noise[rows, c] ** -2
+        corners = maximum_filter1d(np.abs(np.gradient(slope[rows, c])), 2 * APART + 1)
+        number, weight = window[rows], 1.0 / (noise[rows, c] ** 2 + corners**2)
         regressors = (slope[rows, c], residual[rows, c], predicted[rows, c], np.ones(len(rows)))
         gram = np.array([
             [np.bincount(number, weight * x * y, count) for x in regressors] for y in regressors

@@ -78,3 +78,29 @@ def test_dwells_and_rests_do_not_oscillate() -> None:
     steady = shaft()
     steady.rate[:] = 1.0
     assert not oscillates(steady)
+
+
+def ladder(t: np.ndarray) -> np.ndarray:
+    """Ten rates of both signs, each for 6 s, with ramps of 0.6 s."""
+    rates = np.array([-5.2, 0.9, -0.9, 1.8, -1.8, 3.5, -3.5, 5.2, -5.2, 1.8, -1.8])
+    number, within = np.minimum(t // 6.0, 9.0).astype(int), t % 6.0
+    share = np.minimum(within / 0.6, 1.0)
+    return np.asarray(rates[number] + (rates[number + 1] - rates[number]) * share)
+
+
+@pytest.mark.parametrize(("ramps", "is_found"), [(5, True), (3, True), (1, False)])
+def test_a_loss_with_three_ramps_on_either_side_is_found(ramps: int, *, is_found: bool) -> None:
+    at = 6.0 * ramps - 2.0
+    turning = shaft().rate.copy()
+    turning[:, 1] = ladder(T)
+    nothing = np.zeros((len(T), 6), bool)
+    motion = Motion(T, shaft().up, shaft().north, turning, np.gradient(turning, T, axis=0), 9.8)
+    readings = np.random.default_rng(3).standard_normal((len(T), 6)) * 1e-3
+    readings[:, 1] += ladder(np.clip(T + 0.02 * (at <= T), 0.0, T[-1]))
+    readings[:, 5] += 9.8
+    predicted = plain_prediction(readings, motion, nothing)
+    found = find_lost_samples(readings, motion, predicted, nothing)
+    assert (found is not None) is is_found
+    if found is not None:
+        assert found.lost.tolist() == [2]
+        assert found.times == pytest.approx([at], abs=4.0)
