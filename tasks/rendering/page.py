@@ -1,12 +1,14 @@
 """HTML pages from templates: `templates/base.html` has the style, a folder by each user content."""
 
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tasks.words import LANGUAGES, Sayable, message, texts
 
 if TYPE_CHECKING:
+    from jinja2 import Environment
     from markupsafe import Markup
 
 BASE = Path(__file__).parent / "templates"
@@ -18,11 +20,16 @@ def page(template: Path, **values: Any) -> str:
     Templates have `say(id, …)` for a message of the catalogues, and the filter `text` for anything
     sayable; both are escaped.
     """
-    # Late: only who writes a page needs them.
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    return _environment(template.parent).get_template(template.name).render(**values) + "\n"
+
+
+@cache
+def _environment(folder: Path) -> "Environment":
+    """Compiles each template of a folder once."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # late: only pages need them
 
     environment = Environment(
-        loader=FileSystemLoader([template.parent, BASE]),
+        loader=FileSystemLoader([folder, BASE]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -31,7 +38,7 @@ def page(template: Path, **values: Any) -> str:
     environment.filters |= {"text": _text}
     names = texts(message("language-name"))
     environment.globals |= {"say": _message, "languages": LANGUAGES, "language_name": names}
-    return environment.get_template(template.name).render(**values) + "\n"
+    return environment
 
 
 def inline(svg: str) -> "Markup":

@@ -4,7 +4,6 @@ Wall time, of the command as it is started, in Debian's chromium where that is i
 """
 
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -73,8 +72,10 @@ def dashboard(home: Home) -> Iterator[str]:
     environment = os.environ | {"MIMUCAL_HOME": str(home.path)}
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as serving:
         assert serving.stdout is not None
-        yield serving.stdout.readline().split()[0].rstrip("/")
-        serving.send_signal(signal.SIGINT)
+        try:
+            yield serving.stdout.readline().split()[0].rstrip("/")
+        finally:
+            serving.terminate()  # SIGINT is ignored by what a shell started in its background
 
 
 def _in_browser(address: str) -> list[Figure]:

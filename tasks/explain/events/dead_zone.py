@@ -147,8 +147,8 @@ def _set_to_zero(
         for c, (threshold, _) in holes.items():
             beyond = np.abs(predicted[:, c]) > 2.0 * threshold
             left = (whole - predicted)[beyond, c]
-            error[c] = float(np.nanstd(left))
-            noise[c] = max(float(np.nanstd(np.diff(left))) / np.sqrt(2.0), 1e-3 * threshold)
+            error[c] = _deviation(left)
+            noise[c] = max(_deviation(np.diff(left)) / np.sqrt(2.0), 1e-3 * threshold)
             masked[:, c] = zero[:, c] | (np.abs(predicted[:, c]) < threshold + WITHIN * noise[c])
         predicted = plain_prediction(whole, motion, masked)
     found = {
@@ -252,3 +252,9 @@ def _zeroed(
     )
     calm = np.median([part[:soon].std() for part in parts]) < RINGING * noise
     return bool(gone and calm and chi2.sf(float(early @ early), len(parts)) < SIGNIFICANT)
+
+
+def _deviation(values: np.ndarray) -> float:
+    """Standard deviation of the known values; NaN of fewer than two."""
+    known = values[np.isfinite(values)]
+    return float(known.std()) if len(known) > 1 else np.nan

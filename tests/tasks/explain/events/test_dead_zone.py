@@ -40,6 +40,13 @@ def test_small_rates_set_to_zero_are_told_with_their_threshold(
     assert not events.masked[:, 3:].any()
 
 
+def test_a_hole_that_no_motion_exceeds_says_nothing() -> None:
+    readings = noisy(mean_readings(MADE), 1)
+    alone = 0.05 * np.random.default_rng(5).standard_normal(len(readings))
+    readings[:, 0] = np.where(np.abs(alone) < 0.04, 0.0, alone)
+    assert "dead_zone" not in [event.effect for event in found(readings).events]
+
+
 def test_what_a_threshold_takes_is_the_mean_within_it() -> None:
     noise = np.random.default_rng(2).standard_normal(400_000)
     for mean in (-1.0, 0.2, 1.4):
