@@ -6,15 +6,14 @@ true one: chi-squared differences count only beyond what they are expected to be
 is the truth (Cox, Tests of separate families of hypotheses, 1961; by parametric bootstrap).
 """
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from tasks.explain.confounding.combinations import Combination, chi2_of
-from tasks.explain.confounding.families import shape_count
-from tasks.explain.inputs.blocks import Blocks, block_means
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.inputs.simulated_reading import simulated_reading
 from tasks.explain.search.refit import fitted
@@ -37,17 +36,15 @@ class ReferenceBootstrap:
         self, best: Combination, tried: Sequence[Combination], known: Collection[str]
     ) -> tuple[str, ...]:
         """Names of single effects that may be the truth in the place of the best's members,
-        although they fit worse by no more parameters. known: others that are not asked about; what
-        follows a temperature owes nothing to the reference.
+        although they fit worse by no more parameters. known: others that are not asked about.
         """
         asked = {one.name for each in tried for one in each.members}
         asked -= {*known, *(one.name for one in best.members)}
         rivals: list[str] = []
-        simple = [one for one in tried if _count(one) <= _count(best)]
+        simple = [one for one in tried if one.fitted_count <= best.fitted_count]
         for one in sorted(simple, key=lambda each: each.chi2):
             names = {member.name for member in one.members}
-            drifts = all(member.term.time_course == "drift" for member in one.members)
-            if len(names) == 1 and names <= asked and not drifts and self._may_be(one, best):
+            if len(names) == 1 and names <= asked and self._may_be(one, best):
                 rivals += names
                 asked -= names
         return tuple(rivals)
@@ -57,26 +54,23 @@ class ReferenceBootstrap:
         by as much as it does: whether one of a few draws of them makes it so.
         """
         difference = true.chi2 - other.chi2
-        for read in self._draws:
-            excess = AGAIN * self._excess(true, other, read)
+        for blocks in self._read_again(true):
+            excess = AGAIN * (_least_chi2(true, blocks) - _least_chi2(other, blocks))
             if excess > difference:
                 return True
             if excess < FAR * difference:
                 return False
         return False
 
-    def _excess(self, true: Combination, other: Combination, read: Motion) -> float:
-        blocks = self._read_of(true, read)
-        own, others = (_least_chi2(one, blocks) for one in (true, other))
-        return own - others
-
-    def _read_of(self, true: Combination, read: Motion) -> Blocks:
+    def _read_again(self, true: Combination) -> Iterator[Blocks]:
         """Blocks, as those of the fit, of readings that a form makes of the motion that was found,
-        beside that motion as the reference reads it.
+        beside that motion as the reference reads it in each draw.
         """
         full = self.prepared.full
-        made = replace(full, readings=true.fit.model.prediction(full.motion), motion=read)
-        return block_means(made, true.fit.blocks.rate, self.prepared.events.masked, fewest=1)
+        readings = true.fit.model.prediction(full.motion)
+        for read in self._draws:
+            made = replace(full, readings=readings, motion=read)
+            yield self.prepared.blocks_of_other(made, true.fit.blocks.rate)
 
     @cached_property
     def _draws(self) -> list[Motion]:
@@ -92,8 +86,3 @@ def _least_chi2(form: Combination, blocks: Blocks) -> float:
     """Chi-squared that a form leaves of other readings, fitted to them."""
     model = fitted(form.fit.model, blocks, form.fit.noises)
     return chi2_of(model, replace(form.fit, blocks=blocks))
-
-
-def _count(form: Combination) -> int:
-    """Of its parameters and shapes."""
-    return form.parameter_count + shape_count(form.members)

@@ -10,6 +10,7 @@ from tasks.explain.confounding.families import (
     Form,
     delay_of_low_pass,
     group_delays,
+    shape_count,
     starting_values,
 )
 from tasks.explain.search.candidates import Candidate
@@ -54,6 +55,11 @@ class Combination:
     def parameter_count(self) -> int:
         """Of all that is selected, the members and the rest."""
         return sum(len(one.own) for one in self.fit.selection.candidates)
+
+    @property
+    def fitted_count(self) -> int:
+        """Of these parameters and the members' shapes, each as free as a parameter."""
+        return self.parameter_count + shape_count(self.members)
 
     @property
     def effect_count(self) -> int:

@@ -14,10 +14,11 @@ import numpy as np
 
 from tasks.explain.confounding.bootstrap import Rivals
 from tasks.explain.confounding.combinations import Combination
-from tasks.explain.confounding.families import FAMILIES, Form, forms_of, group_delays, shape_count
+from tasks.explain.confounding.families import FAMILIES, Form, forms_of, group_delays
 from tasks.explain.confounding.linear_forms import (
     DISTINGUISHABLE,
     LinearForms,
+    drifts,
     group_names,
     is_by_triad,
     keys_of,
@@ -103,13 +104,16 @@ class _Family:
             chosen, near, self.forms, self.fit.selection.equations, others, self._linear.dispersion
         )
         group = group_names(chosen.members, names)
-        return marked(chosen, group, self.rivals_by_reference(chosen, self._near_forms(), group))
+        known = {*names_of(chosen.members), *group}
+        forms = [form for form in self.forms if form[0].name not in known and not drifts(form)]
+        tried = self._plausible(filter(self._comes_near, forms))
+        return marked(chosen, group, self.rivals_by_reference(chosen, tried, group))
 
-    def _near_forms(self) -> list[Combination]:
-        """Forms that come near by their linear forms."""
-        enough = NEAR * max(map(self._linear.gain, self.forms))
-        forms = [form for form in self.forms if self._linear.gain(form) > enough]
+    def _plausible(self, forms: Iterable[Form]) -> list[Combination]:
         return [one for one in map(self._fitted, forms) if one.plausible]
+
+    def _comes_near(self, form: Form) -> bool:
+        return self._linear.gain(form) > NEAR * self._linear.largest_gain
 
     def with_rivals(self) -> FittedSelection:
         """The given effects, marked with the names that fit no worse in their place.
@@ -119,24 +123,22 @@ class _Family:
         if min(group_delays(self.fit.model, self.names)) <= 0.0:
             return self.fit
         found = self._fitted(self.present)
-        tried = [self._fitted(form) for form in self._in_place_of(self.present)]
-        plausible = [one for one in tried if one.plausible]
+        plausible = self._plausible(self._in_place_of(self.present))
         near = self._near(plausible, found)
         group = group_names(self.present, [names_of(one.members) for one in near])
         return marked(found, group, self.rivals_by_reference(found, plausible, group))
 
     def _in_place_of(self, present: Form) -> Iterator[Form]:
         """Delays and filters other than these that come near by their linear forms."""
-        enough = NEAR * max(map(self._linear.gain, self.forms))
         for form in self.forms:
             if form[0].term.stage != "signal" or keys_of(form) == keys_of(present):
                 continue
-            if self._delay_was_taken_back or self._linear.gain(form) > enough:
+            if self._delay_was_taken_back or self._comes_near(form):
                 yield form
 
     def _plausible_alone(self, found: Combination) -> list[Combination]:
         """Plausible effects that fit no worse in their real forms than what is not plausible."""
-        tried = [one for one in map(self._fitted, self.forms) if one.plausible]
+        tried = self._plausible(self.forms)
         least = min(map(self._cost, (found, *tried)))
         return [one for one in tried if self._cost(one) - least < INDISTINGUISHABLE]
 
@@ -286,9 +288,7 @@ class _Family:
         return Combination.of(members, self.names, self.fit)
 
     def _cost(self, one: Combination) -> float:
-        return one.chi2 / self._linear.dispersion + self._linear.price * (
-            one.parameter_count + shape_count(one.members)
-        )
+        return one.chi2 / self._linear.dispersion + self._linear.price * one.fitted_count
 
     @cached_property
     def _linear(self) -> LinearForms:

@@ -54,22 +54,21 @@ class LinearForms:
         """Chi-squared that separates exact forms: more than the errors of their linear
         equations.
         """
-        return max(DISTINGUISHABLE, FORM**2 * self._largest_gain)
+        return max(DISTINGUISHABLE, FORM**2 * self.largest_gain / self.dispersion)
 
     def indistinguishable(self, members: Form) -> float:
         """Cost by which members must be dearer than others to be ruled out.
 
         What follows a temperature or its rate of change is known no better than these are.
         """
-        drifts = all(one.term.time_course == "drift" for one in members)
-        if not drifts or len({one.name for one in members}) > 1:
+        if not drifts(members) or len({one.name for one in members}) > 1:
             return INDISTINGUISHABLE
-        return max(INDISTINGUISHABLE, THERMOMETER**2 * self._largest_gain)
+        return max(INDISTINGUISHABLE, THERMOMETER**2 * self.largest_gain / self.dispersion)
 
     @cached_property
-    def _largest_gain(self) -> float:
-        """Of a form alone, counted against what is left."""
-        return max(map(self.gain, self.forms)) / self.dispersion
+    def largest_gain(self) -> float:
+        """Chi-squared that a form alone takes away."""
+        return max(map(self.gain, self.forms))
 
     @cached_property
     def dispersion(self) -> float:
@@ -137,6 +136,11 @@ def names_of(members: Form) -> tuple[str, ...]:
 def keys_of(members: Form) -> set[object]:
     """The candidates' keys."""
     return {one.key for one in members}
+
+
+def drifts(members: Form) -> bool:
+    """Whether they follow a temperature or a supply, and owe nothing to the reference."""
+    return all(one.term.time_course == "drift" for one in members)
 
 
 def shapes_signals(members: Form) -> bool:

@@ -51,7 +51,8 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
     """
     t, flat = motion.t, constant_channels(readings)
     at_ends, settling = find_settling(readings, motion)
-    readings = np.where(at_ends, plain_prediction(readings, motion, at_ends), readings)
+    if at_ends.any():
+        readings = np.where(at_ends, plain_prediction(readings, motion, at_ends), readings)
     quantisers = [quantiser_of(column) for column in readings.T]
     zone, zeroed = _zone(readings, motion, quantisers)
     if isinstance(zone, BiasAtRest):  # all other events act before it

@@ -55,6 +55,6 @@ def _settled_after(end: np.ndarray, others: np.ndarray) -> np.ndarray:
         known = sizes[np.isfinite(sizes)]
         usual = float(np.quantile(known, USUAL)) if len(known) else 0.0
         far = end[:, channel] > BEYOND * usual
-        if usual and far[0] and 2 * far.sum() <= len(far):
+        if usual and far[0]:
             settled[channel] = np.flatnonzero(far)[-1] + 1
     return np.where(2 * settled <= len(end), settled, 0)

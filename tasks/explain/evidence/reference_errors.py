@@ -19,7 +19,6 @@ import numpy as np
 from schemas.recording import Stream
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import fitted_columns
-from tasks.explain.inputs.blocks import block_means
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.inputs.simulated_reading import simulated_reading
@@ -148,6 +147,6 @@ def _equations_on(
     blocks as long as those of the fit.
     """
     fit = evidence.fit
-    blocks = block_means(other, fit.blocks.rate, prepared.events.masked, fewest=1)
+    blocks = prepared.blocks_of_other(other, fit.blocks.rate)
     columns, _ = fitted_columns(fit.model, evidence.groups, blocks.motion)
     return equations_of(columns, blocks.readings, blocks, fit.noises).normal()[:2]

@@ -74,6 +74,12 @@ class Prepared:
         """The same with the stamps as they were recorded."""
         return self._blocks_of(replace(self.clean, motion=self.full.motion), rate)
 
+    def blocks_of_other(self, rows: FullRate, rate: float) -> Blocks:
+        """At the very rate of other blocks, of other readings or another motion at the unit's rows:
+        where the recording's own say something.
+        """
+        return block_means(rows, rate, self.events.masked, fewest=1)
+
     def _blocks_of(self, rows: FullRate, rate: float) -> Blocks:
         share = min(1.0, LONG / float(self.full.motion.t[-1]))
         blocks = block_means(rows, share * rate, self.masked)

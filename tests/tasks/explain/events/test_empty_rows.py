@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from schemas.recording import Stream
+from schemas.recording import Recording, Stream
 from tasks.explain.events.empty_rows import empty_rows, without_empty_rows
 from tasks.explain.explain import explain
 from tasks.words import texts
@@ -17,6 +17,13 @@ ROWS = 4000
 def at_rest() -> np.ndarray:
     noise = np.random.default_rng(2).standard_normal((ROWS, 6)) * np.repeat([1e-3, 1e-2], 3)
     return np.asarray(noise + np.array([0.0, 0.0, 0.0, 0.1, 0.0, 9.8]))
+
+
+def with_dropout(recording: Recording) -> Recording:
+    """Ten rows of zeros."""
+    kept = ~((recording.imu.t >= 30.0) & (recording.imu.t < 30.095))
+    columns = {name: kept * signal for name, signal in recording.imu.columns.items()}
+    return replace(recording, imu=Stream(recording.imu.t, columns))
 
 
 @pytest.mark.parametrize("value", [0.0, 1e5, -1e5])
@@ -41,10 +48,7 @@ def test_a_rate_of_a_centrifuge_is_read() -> None:
 
 def test_a_recording_keeps_its_rows_and_says_which_are_not_used() -> None:
     recording = swinging(0.0)
-    columns = {name: signal.copy() for name, signal in recording.imu.columns.items()}
-    for signal in columns.values():
-        signal[3000:3010] = 0.0
-    torn = replace(recording, imu=Stream(recording.imu.t, columns))
+    torn = with_dropout(recording)
     whole, remarks = without_empty_rows(torn)
     assert len(whole.imu.t) == len(torn.imu.t)
     assert np.isnan(whole.imu.columns["gyro_x"]).sum() == 10
@@ -54,10 +58,7 @@ def test_a_recording_keeps_its_rows_and_says_which_are_not_used() -> None:
 
 def test_a_low_pass_is_named_beside_a_dropout() -> None:
     recording = swinging(1e-5, low_pass=5.0)
-    columns = {name: signal.copy() for name, signal in recording.imu.columns.items()}
-    for signal in columns.values():
-        signal[3000:3010] = 0.0
-    torn = replace(recording, imu=Stream(recording.imu.t, columns))
-    whole, with_dropout = explain(recording), explain(torn)
-    assert whole.findings[0].effect == with_dropout.findings[0].effect == "bandwidth"
-    assert with_dropout.verdict == whole.verdict
+    torn = with_dropout(recording)
+    whole, beside = explain(recording), explain(torn)
+    assert whole.findings[0].effect == beside.findings[0].effect == "bandwidth"
+    assert beside.verdict == whole.verdict
