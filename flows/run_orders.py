@@ -92,7 +92,7 @@ def explain(order: ExplainOrder) -> "Explained":
 
     place = home_of(order)
     if order.others:
-        from tasks.stages.explain_together import explain_together
+        from tasks.stages.explain_several import explain_together
 
         every = [run_of(each, place) for each in (order.run, *order.others)]
         return explain_together(every, place, order, describe)

@@ -12,7 +12,7 @@ from schemas.base import Unusable
 
 if TYPE_CHECKING:
     from schemas.station import StationFile
-    from tasks.station.check import Trial
+    from tasks.station.check_devices import Trial
 
 app = typer.Typer(
     help="Serve a virtual station, check and watch stations, load units.", rich_markup_mode=None
@@ -63,7 +63,7 @@ def check(
     from storage import settings
     from storage.home import home
     from storage.station_lock import one_run_on
-    from tasks.station.check import check_station
+    from tasks.station.check_devices import check_station
 
     station = settings.read(Path(station_file), StationFile)
     with one_run_on(station.station.id, home()):
@@ -92,7 +92,7 @@ def load(
     from storage.home import home
     from storage.station_lock import one_run_on
     from tasks.stages.correct import export_correction
-    from tasks.station.load import load_correction
+    from tasks.station.load_coefficients import load_correction
 
     station = settings.read(Path(station_file), StationFile)
     order = order_of(ExportOrder, calibration=result, **{"as": "json"})

@@ -124,7 +124,7 @@ def doctor(as_json: options.Json = False) -> None:
     """
     from flows.printing import print_rows
     from storage.home import home
-    from tasks.stages.diagnose import diagnose
+    from tasks.stages.doctor import diagnose
 
     diagnosis = diagnose(home())
     if as_json:

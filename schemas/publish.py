@@ -8,8 +8,8 @@ from pydantic import BaseModel
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
 from schemas.correction import Correction
-from schemas.diagnosis import Diagnosis
 from schemas.discrepancy import Discrepancy
+from schemas.doctor import Diagnosis
 from schemas.equipment import EquipmentFile
 from schemas.history import Impact, Pruned, Reprocessing
 from schemas.next_recording import NextRecording

@@ -112,7 +112,7 @@ def unprinted(monkeypatch: pytest.MonkeyPatch) -> None:
     def quick(certificate: Certificate, **_: object) -> bytes:
         return b"%PDF " + hashlib.sha256(record_of(certificate)).digest()
 
-    monkeypatch.setattr("tasks.certificate.faces.render", quick)
+    monkeypatch.setattr("tasks.certificate.documents.render", quick)
 
 
 @pytest.fixture(scope="session")

@@ -6,10 +6,10 @@ import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
 
-from flows.pages.asked import asks
 from flows.pages.discrepancy_data import data
 from flows.pages.page import Page, View
 from flows.pages.parts import Cell, facts, link, table
+from flows.pages.query_controls import asks
 from flows.pages.states import StepState, badge
 from schemas.discrepancy import FoundParameter, Moved, Verdict
 from schemas.pages.discrepancy import (

@@ -6,11 +6,11 @@ import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.asked import asks
 from flows.pages.due_data import data, due_state
 from flows.pages.page import Page, View
 from flows.pages.parts import GRID_OPTIONS, locale, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
+from flows.pages.query_controls import asks
 from flows.pages.states import Kind, StepState, badge
 from schemas.pages.due import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue
 from tasks.words import message

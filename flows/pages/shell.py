@@ -9,7 +9,7 @@ from dash.development.base_component import Component
 from flask_wtf.csrf import generate_csrf
 from pydantic import ValidationError
 
-from flows.pages import asked, pictures
+from flows.pages import pictures, query_controls
 from flows.pages.access import fault
 from flows.pages.page import Page, View, parameters, view_of_request
 from flows.pages.register import PAGES
@@ -121,7 +121,7 @@ def add_callbacks(app: Dash, home: Home) -> None:
         Input("theme", "value"),
         prevent_initial_call=True,
     )
-    asked.callbacks(app)
+    query_controls.callbacks(app)
     pictures.callbacks(app)
     for page in PAGES:
         if page.callbacks is not None:

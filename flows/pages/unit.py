@@ -7,11 +7,11 @@ import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.asked import asks
 from flows.pages.due_data import due_state
 from flows.pages.page import Page, View
 from flows.pages.parts import GRID_OPTIONS, facts, link, locale, table
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
+from flows.pages.query_controls import asks
 from flows.pages.run_lineage import certificate_table
 from flows.pages.states import StepState, badge
 from flows.pages.unit_data import data

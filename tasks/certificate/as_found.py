@@ -8,8 +8,8 @@ from schemas.certificate import AsFound, Certificate
 from schemas.decision import LimitDecision
 from schemas.tolerance import Quantity
 from tasks.certificate import cover
+from tasks.certificate.element_rows import Mark, mark
 from tasks.certificate.fields import Field, day, field, given
-from tasks.certificate.rows import Mark, mark
 from tasks.conformity.limits import quantity_title
 from tasks.specifications.items import ItemDefinition, item_title
 from tasks.specifications.specification import Specification

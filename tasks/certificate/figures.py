@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from schemas.certificate import Certificate
 from schemas.curve import Curve, FigureName
-from tasks.certificate.panels import PANELS
+from tasks.certificate.figure_panels import PANELS
 from tasks.rendering.chart import GREY, INK, draw
 from tasks.words import Message, clauses, message
 

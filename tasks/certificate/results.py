@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration, Item
 from schemas.decision import Decision, LimitDecision
 from schemas.text import Statement
+from tasks.certificate.element_rows import Row, rows
 from tasks.certificate.fields import first_known, slug
 from tasks.certificate.information import contained
-from tasks.certificate.rows import Row, rows
 from tasks.certificate.statements import determined, identifiers
 from tasks.conformity.limits import quantity_title, relative_text
 from tasks.conformity.reasons import unavailable

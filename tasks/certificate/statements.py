@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.decision import Decision
 from schemas.text import Remark
-from tasks.certificate.alike import alike
 from tasks.certificate.cover import by_document, by_method
 from tasks.certificate.equipment import whose_limits
 from tasks.certificate.fields import given, quoted, slug
+from tasks.certificate.merged_remarks import alike
 from tasks.conformity.deviations import NOT_RECORDED, Deviation
 from tasks.specifications.items import item_title
 from tasks.specifications.specification import Specification

@@ -9,8 +9,8 @@ from scipy.special import chdtrc, fdtrc
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
 from tasks.review.evidence import Evidence, ridged, solved
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import Spread, gains_of_each, spreads
 from tasks.review.pool import Pool
+from tasks.review.random_effects import Spread, gains_of_each, spreads
 from tasks.review.screening import Worth
 from tasks.review.windows import Window, rows_of, runs_of
 

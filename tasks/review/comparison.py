@@ -5,8 +5,8 @@ import numpy as np
 from tasks.review.carriers import Carried
 from tasks.review.evidence import Evidence, solved
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import BETWEEN_UNITS, Spread, spreads
 from tasks.review.pool import Pool
+from tasks.review.random_effects import BETWEEN_UNITS, Spread, spreads
 from tasks.review.windows import rows_of
 
 

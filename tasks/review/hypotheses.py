@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from schemas.review import Layout, PooledParameter, PooledTerm
 from tasks.explain.search.candidates import parts_of
-from tasks.review.ground import NAME as GROUND
+from tasks.review.earth_rotation import NAME as GROUND
 
 TermIdentity = tuple[str, tuple[float, ...], tuple[str, ...]]
 

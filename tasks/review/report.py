@@ -24,7 +24,7 @@ from tasks.model.effect import effect_name, separating_recording
 from tasks.model.regression import inverse
 from tasks.motion.table import EARTH_RATE
 from tasks.review.carriers import Carried, Change
-from tasks.review.ground import NAME
+from tasks.review.earth_rotation import NAME
 from tasks.review.hypotheses import Effect, identity
 from tasks.review.pool import Pool
 from tasks.review.search import FALSE_ALARMS, Found

@@ -28,7 +28,7 @@ from tasks.model.catalogue import catalogue
 from tasks.model.regression import inverse
 from tasks.model.term import Column, Term
 from tasks.motion.whole import Motion
-from tasks.review.ground import ground_rotation
+from tasks.review.earth_rotation import ground_rotation
 
 VERSION = 2  # of these statistics: another one is made again
 STEP = 32767  # of a correlation of one

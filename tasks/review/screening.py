@@ -9,9 +9,9 @@ from scipy.special import chdtrc
 
 from tasks.review.evidence import Evidence, at_unit_information
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import BETWEEN_RUNS, BETWEEN_UNITS, Spread, spreads
 from tasks.review.pool import Pool
-from tasks.review.sums import WindowSums
+from tasks.review.random_effects import BETWEEN_RUNS, BETWEEN_UNITS, Spread, spreads
+from tasks.review.window_sums import WindowSums
 from tasks.review.windows import LevelWindows, Window
 
 CARRIERS = 2  # of each level that are looked at closely

@@ -20,8 +20,8 @@ from tasks.review.carriers import (
 from tasks.review.comparison import likeliest
 from tasks.review.evidence import at_unit_information
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import BETWEEN_UNITS, spreads
 from tasks.review.pool import Pool
+from tasks.review.random_effects import BETWEEN_UNITS, spreads
 from tasks.review.rivals import (
     CONCLUSIVE,
     at_window_of,
@@ -33,7 +33,7 @@ from tasks.review.rivals import (
     with_the_same_runs,
 )
 from tasks.review.screening import Worth, screened, worth_a_look
-from tasks.review.sums import WindowSums, window_sums
+from tasks.review.window_sums import WindowSums, window_sums
 from tasks.review.windows import LevelWindows, Window, all_windows, rows_of
 
 FALSE_ALARMS = 0.01

@@ -23,9 +23,9 @@ from storage.whole_files import writing_in_home
 from tasks.stages.left_run import LeftRun, left_runs
 from tasks.stages.stage import stage
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
-from tasks.station.manifest import interrupted
 from tasks.station.ports import Ask
 from tasks.station.progress import Progress
+from tasks.station.run_manifest import interrupted
 
 WRITE_EVERY_S = 1.0
 

@@ -9,7 +9,7 @@ from schemas.certificate import Certificate
 from storage.catalogue import database, keep_certificate, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.home import Home
-from tasks.certificate.faces import faces_of
+from tasks.certificate.documents import faces_of
 from tasks.stages.published import Published, published
 
 DRAFT = "draft"  # the number of what has no key yet

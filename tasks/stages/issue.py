@@ -19,7 +19,7 @@ from storage.catalogue.results import calibration_of
 from storage.home import Home
 from storage.whole_files import is_as_kept
 from tasks import conformity
-from tasks.certificate.faces import faces_of
+from tasks.certificate.documents import faces_of
 from tasks.certificate.sign import Signing, signing_of
 from tasks.stages.certificate_inputs import day_of_moment
 from tasks.stages.certify import due_date

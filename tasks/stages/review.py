@@ -18,9 +18,9 @@ from storage.catalogue.run_index import Run
 from storage.catalogue.selection import check_known, select
 from storage.home import Home
 from storage.whole_files import report_folder, written_out
+from tasks.review.consequences import moved_elements, touched_of, with_touched
 from tasks.review.hypotheses import Effect
 from tasks.review.search import Found
-from tasks.review.touched import moved_elements, touched_of, with_touched
 from tasks.review.windows import rows_of
 from tasks.stages.equipment_in_use import limits_in_use
 from tasks.stages.fan_out import fan_out, processors
@@ -71,7 +71,7 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     from tasks.review.pool import pooled
     from tasks.review.report import review_of
     from tasks.review.search import search
-    from tasks.review.together import reviewed_runs
+    from tasks.review.several_recordings import reviewed_runs
     from tasks.stages.explain import all_kept_statistics, make_statistics
 
     out = report_folder(order.out)

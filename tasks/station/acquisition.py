@@ -12,15 +12,15 @@ from schemas.recording import Manifest
 from schemas.station import StationFile
 from schemas.text import Remark
 from tasks.station.anomalies import MEASURED, remarks_on
-from tasks.station.bench import Bench, connected
 from tasks.station.clock import StationClock
+from tasks.station.connected_station import Bench, connected
 from tasks.station.drivers.unit import UnitDriver
-from tasks.station.manifest import Interrupted, ManifestBuilder, remaining
 from tasks.station.plan import plan
 from tasks.station.ports import Ask, Table
 from tasks.station.progress import Progress, Tracker
 from tasks.station.recorder import Recorder
 from tasks.station.requirements import check_attended, check_limits, check_procedure
+from tasks.station.run_manifest import Interrupted, ManifestBuilder, remaining
 from tasks.station.sequencer import Sequencer
 from tasks.station.unit_recorder import Sink, UnitRecorder
 from tasks.words import Message, message, texts

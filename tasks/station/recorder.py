@@ -10,9 +10,9 @@ from schemas.recording import Segment
 from schemas.run_log import State
 from schemas.text import Statement
 from tasks.station.anomalies import Anomaly
-from tasks.station.bench import Bench
 from tasks.station.clock import StationClock
-from tasks.station.readers import ClimateReader, EncoderReader
+from tasks.station.connected_station import Bench
+from tasks.station.stream_readers import ClimateReader, EncoderReader
 from tasks.station.unit_recorder import UnitRecorder
 from tasks.words import Message, message, statement
 

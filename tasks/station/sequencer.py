@@ -8,8 +8,8 @@ from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
 from schemas.station import StationFile
 from tasks.station.anomalies import Anomaly
-from tasks.station.bench import Bench
 from tasks.station.clock import StationClock, wall_s
+from tasks.station.connected_station import Bench
 from tasks.station.plan import PlannedSegment, SetPoint, move_s, nearest_turn, rate_change_s
 from tasks.station.ports import TableState, check_trips
 from tasks.station.progress import Tracker

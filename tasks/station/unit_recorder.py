@@ -14,9 +14,9 @@ from schemas.text import Remark, Statement
 from tasks.station.anomalies import FAILURES, Anomaly, touches
 from tasks.station.clock import StationClock
 from tasks.station.drivers.unit import UnitDriver
-from tasks.station.manifest import ManifestBuilder
 from tasks.station.monitor import SegmentMonitor
-from tasks.station.readers import UnitReader
+from tasks.station.run_manifest import ManifestBuilder
+from tasks.station.stream_readers import UnitReader
 from tasks.words import Message, message, statement, texts
 
 ROWS = 400  # the last ones, of which the figures are

@@ -17,8 +17,8 @@ from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
 from schemas.validation import TARGET_SHARE, Check, Coverage
 from tasks.validation import run1536, run2003
-from tasks.validation.draw import SimulatedUnit, draw_simulated_unit
 from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH, checked, clause_item
+from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit
 from tasks.words import message
 
 Calibrate = Callable[..., Calibration]

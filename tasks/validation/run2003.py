@@ -6,9 +6,9 @@ from schemas.recording import ACCEL, AXES, GYRO, Recording
 from tasks.station.virtual.config import EARTH_RATE_RAD_S
 from tasks.station.virtual.unit import DEGREE
 from tasks.uncertainty.equipment import JJF2003
-from tasks.validation.draw import SimulatedUnit, recording_of
-from tasks.validation.journey import Journey, Site, TableErrors, sensed_rates
 from tasks.validation.record import WITHOUT_EARTH
+from tasks.validation.simulated_calibration import Journey, Site, TableErrors, sensed_rates
+from tasks.validation.simulated_units import SimulatedUnit, recording_of
 
 RATE_HZ = 20.0
 DWELL_S, WHOLE_TURNS_S = 30.0, 36.0  # of a point; in which every rate makes whole turns

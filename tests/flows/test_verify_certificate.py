@@ -8,7 +8,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "tasks" / "certificate"))
 from sample_certificate import certificate
 
-from tasks.certificate.faces import faces_of
+from tasks.certificate.documents import faces_of
 
 
 @pytest.fixture

@@ -3,7 +3,8 @@
 A rotation takes vectors of the inner frame to the outer one: v_outer = R(q)·v_inner.
 
 Written out because scipy's Rotation (1.17) takes thirteen times as long for the tracks of
-`tasks.validation.journey`, which are made by the thousand; the tests hold it against scipy.
+`tasks.validation.simulated_calibration`, which are made by the thousand; the tests hold it against
+scipy.
 """
 
 import numpy as np

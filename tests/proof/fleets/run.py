@@ -18,7 +18,7 @@ from tasks.review.pool import pooled
 from tasks.review.report import review_of
 from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.review.search import search
-from tasks.review.together import reviewed_runs
+from tasks.review.several_recordings import reviewed_runs
 from tasks.stages.fan_out import processors
 from tests.proof.fleets.draw import Fleet, FleetRun, draw, drawn_runs
 from tests.proof.fleets.judge import Judged, judged

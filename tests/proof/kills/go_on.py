@@ -10,7 +10,7 @@ from storage.home import Home
 from tasks.stages.acquire import acquire_run
 from tasks.stages.left_run import left_runs
 from tasks.station.acquisition import Acquired
-from tasks.station.manifest import interrupted
+from tasks.station.run_manifest import interrupted
 from tasks.station.virtual.config import VirtualStation
 from tests.proof.faults.outcome import comes_to_rest
 from tests.proof.kills.kill import acquire_and_kill

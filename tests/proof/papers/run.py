@@ -5,7 +5,7 @@ from pathlib import Path
 import pypdfium2  # type: ignore[import-untyped]
 
 from schemas.certificate import PRINTED_IN
-from tasks.certificate.faces import faces_of
+from tasks.certificate.documents import faces_of
 from tests.proof.papers.cases import FOLDERS, cases
 
 DOTS_PER_POINT = 2.0

@@ -13,7 +13,7 @@ from schemas.certificate import Contact
 from schemas.configuration import Configuration
 from schemas.text import Remark
 from tasks.certificate.content import Content
-from tasks.certificate.faces import faces_of
+from tasks.certificate.documents import faces_of
 from tasks.certificate.pdf import render
 
 DCC = "{https://ptb.de/dcc}"

@@ -19,7 +19,7 @@ from schemas.calibration import EnvironmentSeen
 from schemas.certificate import AsFound, Certificate, Contact, Replaced
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
-from tasks.certificate.faces import Faces, faces_of
+from tasks.certificate.documents import Faces, faces_of
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
 from tasks.curves import curves_of_run

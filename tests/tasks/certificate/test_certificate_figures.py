@@ -10,8 +10,8 @@ from sample_certificate import calibration, certificate, content, item, items
 
 from schemas.certificate import Certificate
 from schemas.curve import Curve
+from tasks.certificate.figure_panels import _power
 from tasks.certificate.figures import drawn
-from tasks.certificate.panels import _power
 from tasks.certificate.pdf import render
 from tasks.curves import history
 

@@ -29,7 +29,7 @@ from schemas.certificate import Certificate, Party
 from schemas.equipment import MeasurementStandard
 from schemas.text import Remark
 from schemas.tolerance import Limit
-from tasks.certificate.faces import faces_of
+from tasks.certificate.documents import faces_of
 from tasks.certificate.pdf import render
 from tasks.certificate.verify_file import verify_file
 from tasks.conformity import decide

@@ -7,7 +7,7 @@ from sample_certificate import calibration, certificate, content, laboratory
 
 from schemas.certificate import Step, StepName
 from schemas.text import Remark
-from tasks.certificate.alike import alike
+from tasks.certificate.merged_remarks import alike
 
 NAMES = [f"rate_{axis}_{rate:+d}" for axis in "xyz" for rate in (-300, -100, -10, 10, 100, 300)]
 MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)

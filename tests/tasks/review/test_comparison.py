@@ -10,8 +10,8 @@ from tasks.review.carriers import Carried, carried, chance
 from tasks.review.comparison import explains, gain_beside, likeliest, usual
 from tasks.review.evidence import Evidence, at_unit_information
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import BETWEEN_UNITS, IN_EVERY_RUN, spreads
 from tasks.review.pool import Pool, ReviewedRun, pooled
+from tasks.review.random_effects import BETWEEN_UNITS, IN_EVERY_RUN, spreads
 from tasks.review.screening import Worth
 from tasks.review.windows import Window, rows_of
 from tests.tasks.review.fleet import ROWS, SIZES, of, place, statistics

@@ -8,7 +8,7 @@ from schemas.review import Review
 from tasks.motion.table import EARTH_RATE
 from tasks.review.report import estimated, review_of
 from tasks.review.search import search
-from tasks.review.together import reviewed_runs
+from tasks.review.several_recordings import reviewed_runs
 from tests.tasks.review.fleet import NOTHING, fleet, of
 
 SIZE = 3.0

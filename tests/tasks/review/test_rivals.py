@@ -8,8 +8,8 @@ import pytest
 from tasks.review.carriers import Carried, carried, scored
 from tasks.review.evidence import at_unit_information
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import spreads
 from tasks.review.pool import Pool
+from tasks.review.random_effects import spreads
 from tasks.review.rivals import CONCLUSIVE, is_of_a_spread, other_names
 from tasks.review.screening import Worth
 from tasks.review.windows import Window, rows_of

@@ -9,8 +9,8 @@ import numpy as np
 from schemas.procedure import Procedure, Refix
 from schemas.station import StationFile
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, run
-from tasks.station.bench import Bench, ByHand
 from tasks.station.clock import wall_s
+from tasks.station.connected_station import Bench, ByHand
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import (
     TRIPS,

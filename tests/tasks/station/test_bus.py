@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from tasks.station import readers
-from tasks.station.bench import Bus, BusTable, bus
+from tasks.station import stream_readers
 from tasks.station.clock import StationClock, wall_s
+from tasks.station.connected_station import Bus, BusTable, bus
 from tasks.station.ports import EncoderBlock
-from tasks.station.readers import EncoderReader
+from tasks.station.stream_readers import EncoderReader
 
 
 class Endless:
@@ -60,7 +60,7 @@ def test_encoders_are_fetched_while_the_runs_loop_is_held_up():
 
 
 def test_no_more_is_fetched_than_may_wait(monkeypatch):
-    monkeypatch.setattr(readers, "MOST_BLOCKS", 10)
+    monkeypatch.setattr(stream_readers, "MOST_BLOCKS", 10)
 
     async def run() -> tuple[int, int]:
         with bus() as devices:

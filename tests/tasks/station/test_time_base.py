@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.station.readers import compared
+from tasks.station.stream_readers import compared
 
 OFFSET_S, SKEW, DELAY_S = 0.2, 4e-5, 5e-3
 STAMPS_S = np.arange(0.0, 600.0, 0.2)

@@ -1,17 +1,12 @@
 """Ends that settle or are torn are not used; drifts, ramps and single spikes are none of them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from made_up import mean_readings, motion, noisy
 
-from schemas.recording import Stream
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.settling import find_settling
-from tasks.explain.explain import explain
 from tasks.words import texts
-from tests.on_shaft import swinging
 
 MADE = motion()
 ROWS = len(MADE.t)
@@ -59,11 +54,3 @@ def test_readings_that_are_late_at_every_ramp_are_used() -> None:
     made = np.roll(readings(), 8, axis=0)
     made[:8] = made[8]
     assert not find_settling(made, MADE)[0].any()
-
-
-def test_a_low_pass_is_named_though_a_logger_begins_with_an_empty_row() -> None:
-    recording = swinging(1e-5, low_pass=5.0)
-    columns = {name: np.append(0.0, signal[1:]) for name, signal in recording.imu.columns.items()}
-    torn = replace(recording, imu=Stream(recording.imu.t, columns))
-    names = [[one.effect for one in explain(each).findings] for each in (recording, torn)]
-    assert names[0] == names[1]

@@ -10,7 +10,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.joint import JOINT
 from tasks.uncertainty.equipment import JJF2003, ErrorLimit
 from tasks.validation import run2003
-from tasks.validation.draw import SimulatedUnit, draw_simulated_unit
+from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit
 
 LIMITS = {
     limit.symbol: limit

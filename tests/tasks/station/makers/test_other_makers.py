@@ -15,7 +15,7 @@ import pytest
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from tasks.station.acquisition import Acquired
-from tasks.station.check import check_station
+from tasks.station.check_devices import check_station
 from tests.tasks.station.makers import modbus_maker, text_maker
 from tests.tasks.station.over_sockets import over_sockets
 from tests.tasks.station.sample_stations import sample

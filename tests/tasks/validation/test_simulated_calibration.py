@@ -6,8 +6,8 @@ import pytest
 from tasks.station.virtual.config import EARTH_RATE_RAD_S
 from tasks.station.virtual.unit import DEGREE
 from tasks.validation import run1536, run2003
-from tasks.validation.draw import GRAVITY, LATITUDE, SimulatedUnit, draw_simulated_unit
-from tasks.validation.journey import Journey, Site, TableErrors, sensed_rates
+from tasks.validation.simulated_calibration import Journey, Site, TableErrors, sensed_rates
+from tasks.validation.simulated_units import GRAVITY, LATITUDE, SimulatedUnit, draw_simulated_unit
 
 SITE = Site(GRAVITY, LATITUDE)
 

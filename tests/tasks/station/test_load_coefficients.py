@@ -8,8 +8,8 @@ import pytest
 from schemas.base import Unusable
 from schemas.correction import Correction
 from schemas.station import StationFile
-from tasks.station import load
-from tasks.station.load import load_correction
+from tasks.station import load_coefficients
+from tasks.station.load_coefficients import load_correction
 from tests.tasks.station.listening_unit import unit
 from tests.tasks.station.sample_stations import sample
 
@@ -47,7 +47,7 @@ def test_each_line_is_told_in_the_units_own_units_with_its_check_sum():
 
 
 def test_a_unit_that_does_not_acknowledge_a_line_is_told_no_more(monkeypatch):
-    monkeypatch.setattr(load, "ANSWER_S", 0.3)
+    monkeypatch.setattr(load_coefficients, "ANSWER_S", 0.3)
     refused = re.escape("did not acknowledge “$WRITE,74,+1.0000*6A” with “$OK”")
     with unit(lambda line: b"$OK" if b"84" in line else b"$ERR") as (url, document):
         with pytest.raises(Unusable, match=refused + r".*acknowledged before it: 1"):

@@ -11,7 +11,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 from schemas.base import Unusable
-from schemas.diagnosis import Diagnosis, Examined
+from schemas.doctor import Diagnosis, Examined
 from storage import settings
 from storage.catalogue import run_index, trail
 from storage.home import Home

@@ -8,7 +8,7 @@ from schemas.base import Unusable
 from schemas.orders import ExplainOrder
 from storage.catalogue import runs
 from storage.home import Home
-from tasks.stages.explain_together import explain_together
+from tasks.stages.explain_several import explain_together
 from tests.drafts import recording_of
 
 

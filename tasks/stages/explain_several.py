@@ -34,8 +34,8 @@ def explain_together(
     from tasks.explain.explain import explain
     from tasks.review.pool import pooled
     from tasks.review.run_statistics import statistics_of
-    from tasks.review.together import found_together, reviewed_runs
-    from tasks.review.together_report import discrepancy_together, held_out_gain
+    from tasks.review.several_recordings import found_together, reviewed_runs
+    from tasks.review.several_recordings_report import discrepancy_together, held_out_gain
 
     recordings = [runs.load(run, home) for run in which]
     _refuse(which, recordings, order)

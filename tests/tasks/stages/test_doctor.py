@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from schemas.diagnosis import Examined
+from schemas.doctor import Examined
 from schemas.validation import ValidationRecord
 from storage.catalogue import database, trail
 from storage.home import Home
-from tasks.stages import diagnose as stage
-from tasks.stages.diagnose import diagnose
+from tasks.stages import doctor as stage
+from tasks.stages.doctor import diagnose
 from tasks.validation import record
 
 

@@ -11,7 +11,7 @@ from tasks.station.virtual.sensors import SensorNoise
 from tasks.station.virtual.unit import UnitTruth, draw_unit
 from tasks.uncertainty.distributions import draw
 from tasks.uncertainty.equipment import ErrorLimit
-from tasks.validation.journey import Journey, Site
+from tasks.validation.simulated_calibration import Journey, Site
 
 GRAVITY, LATITUDE = 9.8015, float(np.radians(39.9))  # what the manifest says
 NO_FLICKER = 0.25  # share of the units that have white noise alone

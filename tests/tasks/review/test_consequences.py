@@ -5,11 +5,11 @@ import pytest
 
 from schemas.discrepancy import Consequence
 from tasks.calibrate.calibrate import calibrate
+from tasks.review.consequences import moved_elements, touched_of, with_touched
 from tasks.review.hypotheses import Effect
 from tasks.review.report import review_of
 from tasks.review.run_statistics import statistics_of
 from tasks.review.search import search
-from tasks.review.touched import moved_elements, touched_of, with_touched
 from tasks.specifications.register import specification_for
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate

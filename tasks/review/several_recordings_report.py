@@ -21,7 +21,7 @@ from tasks.explain.report.names import parameter_text, sentence
 from tasks.explain.report.statements import sentences
 from tasks.model.effect import effect_name, separating_recording
 from tasks.review.search import FALSE_ALARMS
-from tasks.review.together import FoundTogether
+from tasks.review.several_recordings import FoundTogether
 from tasks.words import Sayable, clauses, message, statement
 from tasks.words.quantities import plain, probability
 

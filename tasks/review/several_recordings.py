@@ -17,8 +17,8 @@ from schemas.review import Level
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
 from tasks.review.evidence import at_unit_information, ridged, solved
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import spreads
 from tasks.review.pool import Pool, ReviewedRun
+from tasks.review.random_effects import spreads
 from tasks.review.search import FALSE_ALARMS, MOST_FINDINGS
 
 OF_STATION = (

@@ -16,7 +16,7 @@ from itertools import groupby
 import numpy as np
 
 from tasks.review.evidence import Evidence, ridged
-from tasks.review.sums import inverses, quadratic_forms
+from tasks.review.window_sums import inverses, quadratic_forms
 
 BETWEEN_RUNS = (0.0, 0.7, 1.5, 4.0)  # σ that are tried, in units of what one run determines
 BETWEEN_UNITS = (0.0, 0.5, 1.0, 2.0, 5.0)  # τ
