@@ -14,14 +14,20 @@ import numpy as np
 
 from schemas.recording import ACCEL, Recording, Stream
 from tasks.motion.band import band_edge, derivatives, response
-from tasks.motion.pose_frames import Frames, Stretch, added_turns, frames_of
-from tasks.motion.samples import interpolated
+from tasks.motion.pose_frames import (
+    Frames,
+    Stretch,
+    added_turns,
+    attitudes_at,
+    frames_of,
+    splined,
+)
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 POINTS = 512
-MARGIN = 0.5  # periods of the band's edge at either end that are not
+MARGIN = 1.5  # periods of the band's edge at either end whose motion is not known well enough
 RESTING = 0.02  # rad that a body at rest turns at most within RESTING_TIME
 RESTING_TIME = 1.0  # s
 QUIET, QUIETEST = 3.0, 0.1  # times the accelerometers' scatter in the quietest tenth: still at rest
@@ -117,7 +123,8 @@ def _motion_of(recording: Recording, course: "Course", at: np.ndarray) -> Tracke
             translation = np.where(np.isfinite(rate), 0.0, np.nan)
         else:
             rests = _rests(recording, course.frames)
-            translation = np.where(_at(rests, recording.imu.t, at)[:, None], 0.0, np.nan)
+            still = _at(rests, recording.imu.t, at)
+            translation = np.where(still[:, None], np.zeros(3), np.nan)
     return TrackedMotion(up, north, rate, acceleration, translation, tracking)
 
 
@@ -146,14 +153,10 @@ class SmoothStretch:
 
     def at(self, at: np.ndarray) -> tuple[np.ndarray, ...]:
         """Vertical, north, rate, its change and translation (m, 3) each, at times (m,) s."""
-        from scipy.spatial.transform import Slerp
-
-        inwards = Slerp(self.t, self.attitude)(at).inv()
-        moved = np.full((len(at), 3), np.nan)
-        if np.isfinite(self.bend).any():
-            moved = inwards.apply(interpolated(at, self.t, self.bend))
+        inwards = attitudes_at(at, self.t, self.attitude).inv()
+        moved = inwards.apply(splined(at, self.t, self.bend))
         columns = inwards.as_matrix()
-        rate, change = (interpolated(at, self.t, each) for each in (self.rate, self.change))
+        rate, change = (splined(at, self.t, each) for each in (self.rate, self.change))
         return columns[:, :, 2], columns[:, :, 1], rate, change, moved
 
 

@@ -69,7 +69,7 @@ def _even_stamps(t: np.ndarray) -> np.ndarray:
 
 
 def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:
-    from scipy.spatial.transform import Rotation, Slerp  # late: few recordings have a pose
+    from scipy.spatial.transform import Rotation  # late: few recordings have a pose
 
     gaps = np.flatnonzero(np.diff(pose.t) > BRIDGED * interval) + 1
     for first, end in pairwise([0, *gaps.tolist(), len(pose.t)]):
@@ -79,9 +79,33 @@ def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:
         # Stamps are rounded: the last of an even grid can lie a hair behind the last frame.
         t = np.minimum(np.arange(part.t[0], part.t[-1], interval), part.t[-1])
         measured = Rotation.from_quat(part.stack(POSE), scalar_first=True)
-        attitude = Slerp(part.t, measured)(t)
-        place = interpolated(t, part.t, part.stack(PLACE))
+        attitude = attitudes_at(t, part.t, measured)
+        place = splined(t, part.t, part.stack(PLACE))
         yield Stretch(t, attitude, added_turns(attitude), place)
+
+
+def attitudes_at(at: np.ndarray, t: np.ndarray, attitude: "Rotation") -> "Rotation":
+    """Attitudes at times `at` (m,) s between those at t (n,) s, along a cubic spline of the turns.
+
+    A turn at a constant rate from one to the next would take dt²ω²/12 from what swings at ω.
+    """
+    from scipy.spatial.transform import Rotation, Slerp
+
+    turned = added_turns(attitude)
+    bent = splined(at, t, turned) - interpolated(at, t, turned)
+    return Slerp(t, attitude)(at) * Rotation.from_rotvec(bent)
+
+
+def splined(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(m, k) at times `at` (m,) s, by a cubic spline through values (n, k) at times t (n,) s.
+
+    Unknown where one of the values is, as positions are that were not recorded.
+    """
+    from scipy.interpolate import CubicSpline
+
+    if not np.isfinite(values).all():
+        return np.full((len(at), values.shape[1]), np.nan)
+    return np.asarray(CubicSpline(t, values)(at))
 
 
 def added_turns(attitude: "Rotation") -> np.ndarray:

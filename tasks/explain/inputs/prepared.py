@@ -26,8 +26,10 @@ from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.labels import disturbed_rows
 from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
+from tasks.explain.inputs.tracked_body import in_unit_axes
 from tasks.explain.progress import Progress, silent, tell
 from tasks.model.fit import plain_prediction
+from tasks.model.terms.timing import shifted_within
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.motion.samples import bridged, interpolated
 from tasks.motion.whole import Motion
@@ -72,7 +74,7 @@ class Prepared:
 
     def blocks_as_stamped(self, rate: float) -> Blocks:
         """The same with the stamps as they were recorded."""
-        return self._blocks_of(replace(self.clean, motion=self.full.motion), rate)
+        return self._blocks_of(replace(self.clean, motion=self.full.motion), rate, self.delay)
 
     def blocks_of_other(self, rows: FullRate, rate: float) -> Blocks:
         """At the very rate of other blocks, of other readings or another motion at the unit's rows:
@@ -80,10 +82,24 @@ class Prepared:
         """
         return block_means(rows, rate, self.events.masked, fewest=1)
 
-    def _blocks_of(self, rows: FullRate, rate: float) -> Blocks:
+    def _blocks_of(self, rows: FullRate, rate: float, delay: float = 0.0) -> Blocks:
         share = min(1.0, LONG / float(self.full.motion.t[-1]))
         blocks = block_means(rows, share * rate, self.masked)
-        return replace(blocks, lines=self.events.lines)
+        weight = np.where(known_before(blocks.motion, delay), blocks.weight, 0.0)
+        return replace(blocks, weight=weight, lines=self.events.lines)
+
+
+def known_before(motion: Motion, late: float) -> np.ndarray:
+    """(n, 6) bool: what each axis felt is known, and what it felt about `late` s before as well.
+
+    Beside a gap of encoders or poses a late reading has no prediction; there a fit that has found a
+    delay would compare nothing with something.
+    """
+    felt = motion.felt
+    if motion.axes is None and motion.tracking is None:
+        return felt
+    earlier = shifted_within(motion, np.where(felt, 0.0, np.nan), late + 0.5 * motion.interval)
+    return np.asarray(felt & np.isfinite(earlier))
 
 
 def prepare(
@@ -101,7 +117,11 @@ def prepare(
     tell(progress, "motion")
     recorded, on_empty = without_empty_rows(as_mean_rates(recording))
     faults, right, full = without_faults(recorded, reference)
-    full = replace(full, remarks=(*on_empty, *full.remarks))
+    pose, on_turn = in_unit_axes(right, full.motion)
+    if pose is not None:
+        recorded, right = (replace(one, reference=pose) for one in (recorded, right))
+        full = full_rate(right)
+    full = replace(full, remarks=(*on_empty, *full.remarks, *on_turn))
     tell(progress, "events")
     delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     rows, events = _with_delay(right, full, delay)

@@ -11,5 +11,5 @@ reference-labels-against-rate = 速率与{ $table ->
    *[no] 陀螺
 }相矛盾的标注未予采用：{ $segments }。
 reference-nuisances = 位姿的延迟和铅垂方向的倾斜在跟踪系统与单元之间属常见现象：在此类记录的每个模型中均予以拟合，并非单元的故障。
-reference-turned = 被跟踪体的轴相对单元的轴偏转 { $degrees }°。此属常见；该偏转包含在标度因数与交叉耦合矩阵中，故此矩阵不单属于单元。
+reference-turned = 被跟踪体的轴相对单元的轴偏转 { $degrees }°。此属常见；位姿已按此转换到单元的轴系。
 reference-unit-clock = 采集时按数据帧的到达时刻比对了单元时钟与转台时钟：读数延迟中由时钟引起的部分为 { $delay } ms ± { $U } ms（k = 2），其余为单元自身的延迟。

@@ -34,6 +34,11 @@ def test_a_clean_unit_on_a_body_moved_by_hand_has_no_effects() -> None:
     assert [finding.effect for finding in explanation.findings] == []
 
 
+def test_a_clean_unit_whose_poses_have_no_positions_has_no_effects() -> None:
+    explanation = explain(recording(readings(moving=False), poses(places=False)))
+    assert [finding.effect for finding in explanation.findings] == []
+
+
 def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart() -> None:
     arm = (0.03, -0.02, 0.05)
     explanation = explain(recording(readings(arm=arm), poses(delay=-0.005)))

@@ -32,6 +32,19 @@ def test_exact_poses_give_an_exact_motion() -> None:
     assert rms((motion.acceleration - true.acceleration)[INNER]) < 0.05
 
 
+@pytest.mark.parametrize("noise", [0.0, 2e-4])
+def test_neither_the_smoothing_nor_the_time_between_frames_makes_a_swing_smaller(
+    noise: float,
+) -> None:
+    """At 120 Hz a straight line from frame to frame takes 3e-4 of a swing at 1.2 Hz."""
+    motion, true = whole_motion(recording(reference=poses(1, noise, noise))), by_hand(T)
+    inner = (T > 2.0) & (T < SECONDS - 2.0)
+    for found, was in ((motion.rate, true.rate), (motion.translation, true.translation)):
+        assert found is not None
+        gain = (found * was)[inner].sum() / (was[inner] ** 2).sum()
+        assert gain == pytest.approx(1.0, abs=5e-5)
+
+
 def test_noisier_positions_are_smoothed_more() -> None:
     quiet, noisy = (
         whole_motion(recording(reference=poses(1, 2e-4, noise))).tracking for noise in (1e-5, 1e-3)

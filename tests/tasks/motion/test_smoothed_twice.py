@@ -8,7 +8,7 @@ from tests.moved_by_hand import by_hand, poses, recording
 
 
 def test_smoothing_again_takes_about_what_smoothing_took() -> None:
-    reference = poses(turn_noise=0.02, place_noise=0.02)
+    reference = poses(turn_noise=0.05, place_noise=0.05)
     of = recording(reference=reference)
     once = tracked_motion(of, reference, of.imu.t)
     twice = motion_smoothed_twice(of, reference, of.imu.t)

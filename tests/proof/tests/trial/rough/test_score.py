@@ -63,10 +63,8 @@ def test_a_name_that_is_neither_hidden_nor_of_the_reference_is_wrong(
     assert scores(declared, STEP).wrong == ("hysteresis", "time_offset")
 
 
-def test_a_lever_arm_is_compared_along_the_tracked_body_s_axes(
-    scores: Scores, finding: Finds
-) -> None:
-    stated = {"r_x": 0.0995, "r_y": 0.00998, "r_z": 0.0}
+def test_a_lever_arm_is_compared_along_the_unit_s_axes(scores: Scores, finding: Finds) -> None:
+    stated = {"r_x": 0.1, "r_y": 0.0, "r_z": 0.0}
     declared = finding("lever_arm") | {
         "parameters": [
             {"name": name, "value": value, "unit": "m", "u": 1e-5} for name, value in stated.items()

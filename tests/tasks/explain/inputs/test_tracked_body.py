@@ -1,0 +1,65 @@
+"""Poses of a body whose axes are not the unit's become poses of the unit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from schemas.recording import Recording, Stream
+from tasks.explain.explain import explain
+from tasks.explain.inputs.tracked_body import in_unit_axes
+from tasks.motion.whole import whole_motion
+from tasks.words import say
+from tests.moved_by_hand import by_hand, poses, readings, recording
+
+SECONDS = 40.0
+QUATERNION = ("qw", "qx", "qy", "qz")
+TURN = Rotation.from_rotvec([0.1, -0.12, 0.15])  # 12.4°
+
+
+def marked_askew(of: Recording, turn: Rotation = TURN) -> Recording:
+    """The recording as if the markers had been stuck on turned."""
+    pose = of.reference
+    assert pose is not None
+    attitude = Rotation.from_quat(pose.stack(QUATERNION), scalar_first=True) * turn
+    columns = dict(zip(QUATERNION, attitude.as_quat(scalar_first=True).T, strict=True))
+    return replace(of, reference=replace(pose, columns={**pose.columns, **columns}))
+
+
+def moved(**more: tuple[float, ...]) -> Recording:
+    return recording(readings(seconds=SECONDS, **more), poses(seconds=SECONDS))
+
+
+def test_the_turn_of_the_markers_is_taken_back() -> None:
+    askew = marked_askew(moved())
+    pose, (remark,) = in_unit_axes(askew, whole_motion(askew))
+    assert pose is not None
+    found = Rotation.from_quat(pose.stack(QUATERNION), scalar_first=True)
+    true = Rotation.from_quat(by_hand(pose.t).attitude, scalar_first=True)
+    assert (true.inv() * found).mean().magnitude() < 2e-4
+    assert "12.4°" in say(remark, "en")
+
+
+def test_a_turn_that_a_delay_may_feign_goes_without_a_remark() -> None:
+    askew = marked_askew(moved(), Rotation.from_rotvec([0.02, 0.0, 0.01]))
+    pose, remarks = in_unit_axes(askew, whole_motion(askew))
+    assert pose is not None
+    assert remarks == ()
+
+
+def test_gyros_that_turn_about_one_axis_do_not_say_how_the_markers_sit() -> None:
+    t = np.arange(0.0, SECONDS, 0.005)
+    angle = np.sin(t)
+    turned = Rotation.from_rotvec(np.outer(angle, [0.0, 0.0, 1.0])).as_quat(scalar_first=True)
+    columns = {"gyro_x": 0.0 * t, "gyro_y": 0.0 * t, "gyro_z": np.cos(t)}
+    flat = recording(Stream(t, columns), Stream(t, dict(zip(QUATERNION, turned.T, strict=True))))
+    assert in_unit_axes(flat, whole_motion(flat)) == (None, ())
+
+
+def test_a_lever_arm_is_named_and_told_along_the_units_axes() -> None:
+    arm = (0.05, -0.03, 0.02)
+    (finding,) = explain(marked_askew(moved(arm=arm))).findings
+    assert finding.effect == "lever_arm"
+    values = {one.name: one.value for one in finding.parameters}
+    assert [values[f"r_{axis}"] for axis in "xyz"] == pytest.approx(arm, abs=2e-3)
