@@ -4,6 +4,7 @@ import fcntl
 import gc
 import hashlib
 import os
+import shutil
 import signal
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
@@ -230,8 +231,17 @@ def ideal_run() -> Callable[..., Recording]:
 
 
 @pytest.fixture(scope="session")
-def line_store(tmp_path_factory: pytest.TempPathFactory) -> tuple[Home, Line]:
-    """The store of a line of two units with sixty runs over three years; four have recordings."""
+def line_store(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> tuple[Home, Line]:
+    """The store of a line of two units with sixty runs over three years; four have recordings.
+
+    It is made once for all workers; each has a copy.
+    """
+    base = tmp_path_factory.getbasetemp()
+    made = Home((base if worker_id == "master" else base.parent) / "line_store")
     home, line = Home(tmp_path_factory.mktemp("line") / "home"), draw_line(3, 60, 2)
-    fill(home, line, Recorded(4), lambda done, of: None)
+    with made.path.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not made.path.exists():
+            fill(made, line, Recorded(4), lambda done, of: None)
+        shutil.copytree(made.path, home.path)
     return home, line

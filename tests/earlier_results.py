@@ -2,26 +2,25 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from schemas.calibration import Calibration
+from schemas.orders import CalibrateOrder
 from schemas.recording import Recording
 from storage.catalogue import results, run_index, runs
 from storage.home import Home
+from tasks.stages.estimate import estimate
 
 EARLIER = "0.0.9+earlier"
 
 
-def two_calibrated(
-    home: Path, mimucal: Callable[..., Any], ideal_run: Callable[..., Recording]
-) -> Home:
+def two_calibrated(home: Path, ideal_run: Callable[..., Recording]) -> Home:
     """A store of two runs, calibrated."""
     kept = Home(home)
     for off in (1.0, 1.01):
         run, _ = runs.add(ideal_run(dwell=2.0, Kg=off * np.eye(3)), kept)
-        assert mimucal("calibrate", run.id).code == 0
+        estimate(run, kept, CalibrateOrder(run=run.id))
     return kept
 
 

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,7 +19,10 @@ import pyarrow.parquet as pq
 import pytest
 import typer.main
 
-from flows import cli
+from flows import cli, run_orders
+from schemas.orders import CalibrateOrder
+from storage.catalogue import run_index
+from storage.home import Home
 from tasks.validation import record
 
 MAKE_DATABASE = """
@@ -48,11 +52,12 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, validated) -> Path:
 
 
 @pytest.fixture(scope="session")
-def prefect_database(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """The database of a Prefect server before its first flow, made once for all workers."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base if worker_id == "master" else base.parent) / "prefect"
-    folder.mkdir(exist_ok=True)
+def prefect_database(pytestconfig: pytest.Config) -> Path:
+    """The database of a Prefect server before its first flow, kept in pytest's cache.
+
+    Prefect makes it in seven seconds of a processor; each of its versions has its own.
+    """
+    folder = pytestconfig.cache.mkdir(f"prefect-{version('prefect')}")
     with (folder / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "made").exists():
@@ -129,6 +134,35 @@ def plant_on_earth(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 
 @pytest.fixture(scope="session")
+def ahrs_clean(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same of an AHRS, with what is true of it."""
+    source = shared / "plant/ahrs_clean"
+    folder = every_nth_row(source, tmp_path_factory, 5)
+    shutil.copy(source / "truth.json", folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def calibrated_once(plant_on_earth: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A home with one run, `plant_on_earth`, that is calibrated."""
+    folder = tmp_path_factory.mktemp("calibrated") / "home"
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("MIMUCAL_DATABASE", "MIMUCAL_STORE"):
+            patch.delenv(name, raising=False)
+        patch.setenv("MIMUCAL_HOME", str(folder))
+        run_orders.calibrate(CalibrateOrder(run=str(plant_on_earth)))
+    return folder
+
+
+@pytest.fixture
+def run_on_earth(calibrated_once: Path, home: Path) -> str:
+    """The id of that run, which this home holds as well."""
+    shutil.copytree(calibrated_once, home)
+    (run,) = run_index.all_runs(Home(home))
+    return run.id
+
+
+@pytest.fixture(scope="session")
 def plant_arm(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Every second row of a unit off the axes, with what is true of it.
 
@@ -144,7 +178,8 @@ def every_nth_row(source: Path, folders: pytest.TempPathFactory, n: int) -> Path
     target = folders.mktemp("every_nth_row") / source.name
     target.mkdir()
     for name in ("manifest.json", "environment.parquet"):
-        (target / name).write_bytes((source / name).read_bytes())
+        if (source / name).exists():
+            shutil.copy(source / name, target)
     for name in ("imu.parquet", "table.parquet"):
         rows = pq.read_table(source / name)
         pq.write_table(rows.take(pa.array(range(0, len(rows), n))), target / name)

@@ -70,7 +70,7 @@ def test_calibrate_by_run_id_gives_the_same_document(mimucal, shared) -> None:
 
 
 def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
-    mimucal, home, plant_on_earth, tmp_path
+    mimucal, home, plant_on_earth, tmp_path, unprinted
 ) -> None:
     laboratory_file(home)
     tolerance = tmp_path / "limits.toml"
@@ -108,7 +108,7 @@ def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
 
 
 def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(
-    mimucal, plant_clean, tmp_path
+    mimucal, plant_clean, tmp_path, unprinted
 ) -> None:
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
@@ -120,11 +120,11 @@ def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(
 
 
 def test_a_value_that_just_passes_is_told_with_its_risk(
-    mimucal, home, plant_on_earth, tmp_path
+    mimucal, home, run_on_earth, tmp_path, unprinted
 ) -> None:
     """The limit is put half of U above the largest value: one element is conditional."""
+    run = run_on_earth
     laboratory_file(home)
-    run = mimucal("import", plant_on_earth, "--json").json["runs"][0]["run"]
     bias = mimucal("calibrate", run, "--json").json["items"]["gyro_bias"]
     axis, most = max(bias["value"].items(), key=lambda each: each[1])
     tolerance = tmp_path / "limits.toml"
@@ -155,12 +155,12 @@ def test_limits_of_another_model_are_refused(mimucal, plant_clean, tmp_path) -> 
     assert "Plant other" in done.err
 
 
-def test_a_run_without_limits_is_inconclusive(mimucal, shared) -> None:
+def test_a_run_without_limits_is_inconclusive(mimucal, shared, unprinted) -> None:
     done = mimucal("certify", shared / SMALL, "--invalid-run", "--json")
     assert (done.code, done.json["verdict"]) == (0, "inconclusive")
 
 
-def test_show_tells_a_run_its_results_and_its_certificates(mimucal, shared) -> None:
+def test_show_tells_a_run_its_results_and_its_certificates(mimucal, shared, unprinted) -> None:
     run = mimucal("calibrate", shared / SMALL, "--json").json["run"]
     mimucal("certify", run, "--invalid-run")
     document = mimucal("show", run, "--json").json
@@ -374,7 +374,7 @@ def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:
 
 
 @pytest.mark.parametrize("text", ["[/bold]x", "[red]x", "{x}", ":smile:"])
-def test_text_of_a_recording_is_printed_as_it_is(mimucal, copied, text: str) -> None:
+def test_text_of_a_recording_is_printed_as_it_is(mimucal, copied, text: str, unprinted) -> None:
     folder = copied(SMALL)
     document = json.loads((folder / "manifest.json").read_text())
     document["unit"]["serial"] = text
@@ -468,19 +468,17 @@ def test_calibrating_by_the_standard_starts_without_what_other_recordings_need(
     assert heavy == {"numpy", "pyarrow", "sqlalchemy", "fluent"}
 
 
-def test_a_certificate_is_drafted_without_prefect_where_no_server_is_named(
-    mimucal, plant_clean
-) -> None:
-    run = mimucal("import", plant_clean).out.split()[0]
-    text, heavy = loaded("certify", run, "--by", "Li")
+def test_a_certificate_is_drafted_without_prefect_where_no_server_is_named(mimucal, shared) -> None:
+    run = mimucal("import", shared / SMALL).out.split()[0]
+    text, heavy = loaded("certify", run, "--by", "Li", "--invalid-run")
     assert "mimucal check draft-" in text
     assert heavy & {"prefect", "pandas", "alembic", "pymodbus"} == set()
 
 
-def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, shared) -> None:
-    done = mimucal("calibrate", shared / "plant/ahrs_clean", "--json")
+def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, ahrs_clean) -> None:
+    done = mimucal("calibrate", ahrs_clean, "--json")
     assert (done.code, done.json["method"]) == (0, "jjf1536")
-    truth = json.loads((shared / "plant/ahrs_clean/truth.json").read_text())
+    truth = json.loads((ahrs_clean / "truth.json").read_text())
     item = done.json["items"]["ahrs_scale_factor"]
     for axis, true in zip("xyz", truth["K"], strict=True):
         assert abs(item["value"][axis] - true) < 3 * item["u"][axis]
@@ -489,8 +487,10 @@ def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, share
     assert "JJF 1536" in by_other.err
 
 
-def test_an_ahrs_certificate_is_due_after_two_years_where_that_was_agreed(mimucal, shared) -> None:
-    certify = ("certify", shared / "plant/ahrs_clean", "--calibrated-on", "2026-01-31", "--json")
+def test_an_ahrs_certificate_is_due_after_two_years_where_that_was_agreed(
+    mimucal, ahrs_clean, unprinted
+) -> None:
+    certify = ("certify", ahrs_clean, "--calibrated-on", "2026-01-31", "--json")
     agreed = mimucal(*certify, "--order", "flows/demo_papers/ahrs/order.toml")
     assert (agreed.json["verdict"], agreed.json["due"]) == ("inconclusive", "2028-01-31")
     assert mimucal(*certify).json["due"] is None

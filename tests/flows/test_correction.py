@@ -13,8 +13,8 @@ K_AND_B = ("gyro_scale_factor", "gyro_cross_coupling", "gyro_bias", "accel_scale
 
 
 @pytest.fixture
-def run(mimucal, plant_on_earth) -> str:
-    return mimucal("calibrate", plant_on_earth, "--json").json["run"]
+def run(run_on_earth: str) -> str:
+    return run_on_earth
 
 
 def test_a_corrected_recording_calibrates_to_an_ideal_unit(
@@ -50,7 +50,7 @@ def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_res
 
 
 def test_before_and_after_an_adjustment_stand_on_one_certificate(
-    mimucal, home, plant_on_earth, run, tmp_path
+    mimucal, home, plant_on_earth, run, tmp_path, unprinted
 ) -> None:
     """The corrected recording is what the adjusted unit would have read."""
     laboratory_file(home)
@@ -104,12 +104,12 @@ def test_a_result_in_a_file_needs_no_store_but_for_kalibr(
 
 
 def test_what_cannot_be_corrected_is_one_sentence(
-    mimucal, run, shared, plant_on_earth, tmp_path
+    mimucal, run, shared, plant_on_earth, ahrs_clean, tmp_path
 ) -> None:
     taken, other = tmp_path / "taken", shared / "real/ln100_two_position"
     taken.mkdir()
     (taken / "mine").write_text("kept", encoding="utf-8")
-    ahrs = mimucal("calibrate", shared / "plant/ahrs_clean", "--json").json["run"]
+    ahrs = mimucal("calibrate", ahrs_clean, "--json").json["run"]
     out = tmp_path / "corrected"
     for arguments, says in (
         (("export", run, "--as", "matlab"), "choose one of json, yaml, c, ros, kalibr, csv"),

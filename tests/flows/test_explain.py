@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
 
@@ -76,12 +77,12 @@ def engine(monkeypatch) -> Callable[[int], dict[str, Any]]:
     return finding
 
 
-def test_json_is_the_document_of_the_contract(mimucal, plant_clean, engine) -> None:
+def test_json_is_the_document_of_the_contract(mimucal, shared, engine) -> None:
     engine(1)
-    done = mimucal("explain", plant_clean, "--json")
+    done = mimucal("explain", shared / SMALL, "--json")
     assert done.code == 0, done.err
     assert done.json["format"] == "mimu-discrepancy/1"
-    assert (done.json["recording_id"], done.json["verdict"]) == ("plant_clean", "explained")
+    assert (done.json["recording_id"], done.json["verdict"]) == ("ferraris_session", "explained")
     (finding,) = done.json["findings"]
     assert finding["effect"] == "bias_step"
     assert finding["channels"] == ["gyro_x"]
@@ -93,10 +94,10 @@ def test_json_is_the_document_of_the_contract(mimucal, plant_clean, engine) -> N
 
 
 def test_a_person_reads_the_verdict_the_finding_and_what_it_matters(
-    mimucal, plant_clean, engine
+    mimucal, shared, engine
 ) -> None:
     engine(1)
-    done = mimucal("explain", plant_clean)
+    done = mimucal("explain", shared / SMALL)
     assert done.code == 0, done.err
     assert "explained" in done.out
     assert "bias_step" in done.out
@@ -206,10 +207,10 @@ def test_run_that_does_not_exist_is_refused(mimucal, engine) -> None:
 
 
 def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
-    mimucal, plant_clean, engine
+    mimucal, shared, engine
 ) -> None:
     asked = engine(1)
-    plain = mimucal("calibrate", plant_clean, "--json").json
+    plain = mimucal("calibrate", shared / SMALL, "--json").json
     done = mimucal("calibrate", plain["run"], "--terms", "bias_step", "--json")
     assert done.code == 0, done.err
     assert "only" not in asked  # what explain found is taken off as it found it
@@ -230,16 +231,17 @@ def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
     assert mimucal("verify", "--json").json["faults"] == []
 
 
-def test_what_explain_did_not_find_is_fitted_alone(mimucal, plant_clean, engine) -> None:
+def test_what_explain_did_not_find_is_fitted_alone(mimucal, shared, engine) -> None:
     asked = engine(1)
-    assert mimucal("calibrate", plant_clean, "--terms", "lever_arm").code == 2
+    assert mimucal("calibrate", shared / SMALL, "--terms", "lever_arm").code == 2
     assert asked["only"] == ("lever_arm",)
 
 
 def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
-    mimucal, home, plant_on_earth, engine, tmp_path
+    mimucal, home, run_on_earth, engine, tmp_path, unprinted
 ) -> None:
     engine(1)
+    run = run_on_earth
     laboratory_file(home)
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
@@ -247,7 +249,6 @@ def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
         'document = "d"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 90\n',
         encoding="utf-8",
     )
-    run = mimucal("import", plant_on_earth).out.strip()
     assert mimucal("calibrate", run, "--terms", "bias_step").code == 0
     order = ("--order", "flows/demo_papers/order.toml")  # waives the largest rate
     limits = ("--tolerance", tolerance, *order, "--json")
@@ -269,11 +270,9 @@ def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
         (("--terms", "bias_step", "--uncertainty", "montecarlo"), "propagation"),
     ],
 )
-def test_what_cannot_be_adopted_is_one_sentence(
-    mimucal, plant_clean, engine, arguments, says
-) -> None:
+def test_what_cannot_be_adopted_is_one_sentence(mimucal, shared, engine, arguments, says) -> None:
     engine(1)
-    done = mimucal("calibrate", plant_clean, *arguments)
+    done = mimucal("calibrate", shared / SMALL, *arguments)
     assert (done.code, done.out) == (2, "")
     assert done.err.strip().count("\n") == 0
     assert says in done.err
@@ -302,15 +301,30 @@ def true_rate_sensitivity(folder: Path) -> dict[str, float]:
     return {a + b: truth[i][j] for i, a in enumerate("xyz") for j, b in enumerate("xyz") if i != j}
 
 
+@pytest.fixture
+def first_half(plant_on_earth: Path, tmp_path: Path) -> Path:
+    """All positions, and one axis of three turned about."""
+    folder, end = tmp_path / plant_on_earth.name, 807.0
+    folder.mkdir()
+    manifest = json.loads((plant_on_earth / "manifest.json").read_text(encoding="utf-8"))
+    manifest["segments"] = [each for each in manifest["segments"] if each["t_end"] <= end]
+    (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    for file in plant_on_earth.glob("*.parquet"):
+        rows = pq.read_table(file)
+        pq.write_table(rows.filter(pc.less_equal(rows["t"], end)), folder / file.name)
+    return folder
+
+
 def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
-    mimucal, plant_on_earth, tmp_path
+    mimucal, first_half, tmp_path, monkeypatch
 ) -> None:
-    done = mimucal("explain", plant_on_earth, "--out", tmp_path / "report", "--json")
+    monkeypatch.setattr("tasks.explain.report.pictures_of", lambda *_: BLANK)  # of the kept page
+    done = mimucal("explain", first_half, "--out", tmp_path / "report", "--json")
     assert done.code == 0, done.err
     assert done.json["verdict"] == "explained"
     assert done.json["findings"][0]["effect"] == "earth_rotation"
     moved = {(c["item"], c["element"]): c for c in done.json["findings"][0]["consequences"]}
-    latitude = np.radians(read_folder(plant_on_earth).manifest.station.latitude_deg)
+    latitude = np.radians(read_folder(first_half).manifest.station.latitude_deg)
     vertical = np.degrees(EARTH * np.sin(latitude))  # deg/s, that stands still with a vertical axis
     change = moved["gyro_g_sensitivity", "zz"]
     assert change["before"] - change["after"] == pytest.approx(vertical, rel=0.05)

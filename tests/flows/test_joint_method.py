@@ -21,8 +21,8 @@ def test_a_joint_calibration_and_its_certificate_are_ordered_by_method(
     assert Path(certificate.json["pdf"]).read_bytes().startswith(b"%PDF")
 
 
-def test_accumulated_angles_are_sent_to_their_own_method(mimucal, shared: Path) -> None:
-    refused = mimucal("calibrate", shared / "plant/ahrs_clean", "--method", "joint")
+def test_accumulated_angles_are_sent_to_their_own_method(mimucal, ahrs_clean: Path) -> None:
+    refused = mimucal("calibrate", ahrs_clean, "--method", "joint")
     assert refused.code == 2
     assert "--method jjf1536" in refused.err
     assert "Traceback" not in refused.err

@@ -4,6 +4,7 @@ import asyncio
 import os
 import signal
 import socket
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -50,6 +51,32 @@ def test_only_its_command_ends_a_server(tmp_path: Path, monkeypatch: pytest.Monk
     assert server.is_alive()
     prefect_server._end(server)
     assert server.exitcode == -signal.SIGTERM
+
+
+SERVING = """
+import os, socket, sys, time
+from flows import prefect_server
+def serve(listener):
+    print("serves", os.getpid(), flush=True)
+    time.sleep(600)
+prefect_server.serve = serve
+with open(sys.argv[1], "ab") as log, socket.create_server(("127.0.0.1", 0)) as listener:
+    prefect_server._fork(listener, log)
+time.sleep(600)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the kernel of Linux ends it")
+def test_a_server_ends_with_a_command_that_is_killed(tmp_path: Path) -> None:
+    log = tmp_path / prefect_server.LOG
+    with subprocess.Popen([sys.executable, "-c", SERVING, log]) as command:
+        while not (log.exists() and log.read_text().endswith("\n")):
+            assert command.poll() is None
+            time.sleep(0.01)
+        command.kill()
+    server = Path("/proc", log.read_text().split()[1])
+    while server.exists() and "\nState:\tZ" not in (server / "status").read_text():
+        time.sleep(0.01)
 
 
 def test_a_setting_of_prefect_that_it_refuses_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

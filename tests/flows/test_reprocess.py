@@ -2,6 +2,7 @@
 
 import errno
 import json
+import shutil
 from collections.abc import Callable
 from datetime import date
 from pathlib import Path
@@ -25,10 +26,19 @@ from tests.earlier_results import EARLIER, newest, plant, two_calibrated
 from tests.keep import keep, take_number
 
 
-@pytest.fixture
-def store(home: Path, mimucal, ideal_run: Callable[..., Recording]) -> Home:
+@pytest.fixture(scope="module")
+def calibrated(
+    tmp_path_factory: pytest.TempPathFactory, ideal_run: Callable[..., Recording]
+) -> Home:
     """Two runs, calibrated."""
-    return two_calibrated(home, mimucal, ideal_run)
+    return two_calibrated(tmp_path_factory.mktemp("calibrated") / "home", ideal_run)
+
+
+@pytest.fixture
+def store(home: Path, calibrated: Home) -> Home:
+    """A copy of them, where commands look."""
+    shutil.copytree(calibrated.path, home)
+    return Home(home)
 
 
 def reprocess(**order: Any) -> Reprocessing:

@@ -34,17 +34,20 @@ def bucket(monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
 
 
 @pytest.fixture
-def scheduler(home: Path, bucket: Store, tmp_path: Path) -> Iterator[tuple[str, list[int]]]:
-    """The address of a dask scheduler, and the process ids of its two workers."""
+def scheduler(
+    home: Path, bucket: Store, tmp_path: Path, request: pytest.FixtureRequest
+) -> Iterator[tuple[str, list[int]]]:
+    """The address of a dask scheduler, and the process ids of as many workers."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     worker = (
         "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
         "--local-directory", str(tmp_path / "dask"), "--death-timeout", "300",
     )  # fmt: skip
-    commands = (
-        ("distributed.cli.dask_scheduler", "--host", address, "--no-dashboard"), worker, worker,
-    )  # fmt: skip
+    commands = [
+        ("distributed.cli.dask_scheduler", "--host", address, "--no-dashboard"),
+        *[worker] * request.param,
+    ]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     environment = os.environ | {"PYTHONPATH": str(Path.cwd())}
     started = [
@@ -57,6 +60,7 @@ def scheduler(home: Path, bucket: Store, tmp_path: Path) -> Iterator[tuple[str, 
         process.wait(60)
 
 
+@pytest.mark.parametrize("scheduler", [2], indirect=True)
 def test_a_cluster_makes_the_same_results_though_a_worker_is_killed(
     home: Path,
     scheduler: tuple[str, list[int]],
@@ -89,6 +93,7 @@ def test_a_cluster_makes_the_same_results_though_a_worker_is_killed(
     assert bucket.faults > 2
 
 
+@pytest.mark.parametrize("scheduler", [1], indirect=True)
 def test_a_worker_on_another_store_makes_nothing(
     home: Path, scheduler: tuple[str, list[int]], ideal_run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -54,9 +54,9 @@ def test_calibrate_as_the_example_is_another_result_of_the_same_run(mimucal, pla
 
 
 def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_intervals(
-    mimucal, shared
+    mimucal, ahrs_clean
 ) -> None:
-    ordered = ("calibrate", shared / "plant/ahrs_clean", "--uncertainty", "montecarlo", "--json")
+    ordered = ("calibrate", ahrs_clean, "--uncertainty", "montecarlo", "--json")
     done = mimucal(*ordered).json
     assert done == mimucal(*ordered).json
     assert done["settings"]["uncertainty"] == "Monte Carlo"
@@ -80,16 +80,15 @@ def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared) ->
 
 
 def test_certify_prints_the_budgets_and_uses_the_laboratory_it_is_given(
-    mimucal, plant_clean, laboratory
+    mimucal, shared, laboratory
 ) -> None:
-    done = mimucal("certify", plant_clean, "--budget", "--laboratory", laboratory, "--json").json
+    certify = ("certify", shared / "real/ferraris_session", "--invalid-run", "--json")
+    done = mimucal(*certify, "--budget", "--laboratory", laboratory).json
     words = words_of(done["pdf"])
     assert "Uncertainty budgets" in words
     assert "laboratory limit, table rate" in words
     assert "±0.0002 (certificate 7)" in words
-    assert "Uncertainty budgets" not in words_of(
-        mimucal("certify", plant_clean, "--json").json["pdf"]
-    )
+    assert "Uncertainty budgets" not in words_of(mimucal(*certify).json["pdf"])
     assert mimucal("verify", "--json").json["faults"] == []
 
 

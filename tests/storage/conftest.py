@@ -1,9 +1,10 @@
 """A fresh home, small recordings and results, and processes that do a thing at the same time."""
 
 import json
+import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -15,11 +16,13 @@ from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
 from schemas.decision import Decision
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
+from storage.catalogue import database
 from storage.catalogue.run_index import Run
 from storage.home import Home
 
 AT_ONCE = """
 import json
+import os
 import sys
 from contextlib import redirect_stdout
 from datetime import date
@@ -31,10 +34,7 @@ from storage.catalogue import certificates, results, runs
 from storage.formats import recordings
 from storage.home import Home
 
-home, script, processes = Home(Path(sys.argv[1])), sys.argv[2], int(sys.argv[3])
-arguments = sys.argv[4:]
 forked = get_context("fork")  # one import for all of them
-everybody = forked.Barrier(processes)
 
 def run(_):
     everybody.wait()
@@ -42,9 +42,14 @@ def run(_):
         exec(script, globals())
     return printed.getvalue()
 
-with forked.Pool(processes) as pool:
-    said = pool.map(run, range(processes), chunksize=1)
-print(json.dumps(said))
+for line in sys.stdin:
+    folder, script, processes, arguments, database = json.loads(line)
+    home, everybody = Home(Path(folder)), forked.Barrier(processes)
+    os.environ.pop("MIMUCAL_DATABASE", None)
+    os.environ.update(database)
+    with forked.Pool(processes) as pool:
+        said = pool.map(run, range(processes), chunksize=1)
+    print(json.dumps(said), flush=True)
 """
 
 
@@ -127,18 +132,37 @@ def certified() -> Callable[..., Certificate]:
     return build
 
 
+@pytest.fixture(scope="session")
+def forking() -> Iterator[subprocess.Popen[str]]:
+    """A process that carries out AT_ONCE, with all of its imports."""
+    with subprocess.Popen(
+        [sys.executable, "-W", "error", "-c", AT_ONCE],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        yield process
+
+
 @pytest.fixture
-def at_once() -> Callable[..., list[str]]:
+def at_once(forking: subprocess.Popen[str]) -> Callable[..., list[str]]:
     """Runs a script in several processes that all start it at the same moment.
 
-    The script knows store, Home, Path, date, home and arguments; gives what each printed.
+    The script knows store, Home, Path, date, home and arguments; gives what each printed. The
+    catalogue is there already, unless the processes are to make it.
     """
 
-    def run(script: str, home: Home, *arguments: str, processes: int = 2) -> list[str]:
-        command = [sys.executable, "-W", "error", "-c", AT_ONCE, str(home.path), script]
-        done = subprocess.run(
-            [*command, str(processes), *arguments], stdout=subprocess.PIPE, timeout=600, check=True
-        )
-        return list(json.loads(done.stdout))
+    def run(
+        script: str, home: Home, *arguments: str, processes: int = 2, has_catalogue: bool = True
+    ) -> list[str]:
+        if has_catalogue:
+            with database.changing(home):
+                pass
+        named = {k: v for k, v in os.environ.items() if k == "MIMUCAL_DATABASE"}
+        assert forking.stdin is not None
+        assert forking.stdout is not None
+        order = [str(home.path), script, processes, arguments, named]
+        print(json.dumps(order), file=forking.stdin, flush=True)
+        printed = forking.stdout.readline()
+        assert printed, "a process failed: see its messages"
+        return list(json.loads(printed))
 
     return run

@@ -109,4 +109,19 @@ def linearised(
             columns[p] = design.columns[first + q]
             for channel, signal in columns[p].items():
                 readings[:, channel] += model.values[first + q] * signal
-    return columns, np.nan_to_num(readings)
+    return columns, _known_without(readings, model, blocks, selected)
+
+
+def _known_without(
+    readings: np.ndarray, model: Model, blocks: Blocks, selected: Sequence[Candidate]
+) -> np.ndarray:
+    """The linear model's readings (n, 6), where the candidates are unknown those beside the rest.
+
+    As beside a gap, where what happened before is not known: their columns say nothing there, but
+    those of the standard's model do.
+    """
+    if not (np.isnan(readings) & (blocks.weight > 0.0)).any():
+        return np.nan_to_num(readings)
+    rest = model.without({one.term.key for one in selected})
+    beside = blocks.readings - rest.prediction(blocks.motion)
+    return np.nan_to_num(np.where(np.isnan(readings), beside, readings))

@@ -54,8 +54,6 @@ def test_head_is_the_newest_migration() -> None:
 
 
 def test_second_opening_needs_no_alembic(fresh: Home, at_once: Callable[..., list[str]]) -> None:
-    with database.changing(fresh):
-        pass
     script = f"{TAKE_NUMBER}\nprint('alembic' in sys.modules)"
     assert at_once(script, fresh, processes=1) == ["False\n"]
 
@@ -97,7 +95,8 @@ def test_row_that_points_nowhere_is_refused(fresh: Home) -> None:
 def test_processes_that_open_a_fresh_home_at_once_make_one_catalogue(
     fresh: Home, at_once: Callable[..., list[str]]
 ) -> None:
-    printed = at_once(f"{TAKE_NUMBER}\nprint(len(number))", fresh, processes=4)
+    script = f"{TAKE_NUMBER}\nprint(len(number))"
+    printed = at_once(script, fresh, processes=4, has_catalogue=False)
     assert printed == ["14\n"] * 4
 
 

@@ -12,11 +12,11 @@ from schemas.calibration import Calibration
 from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from schemas.uncertainty import Budget
-from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
 from tasks.uncertainty.examples import acquisition
 from tasks.uncertainty.type_b import EARTH_RATE
+from tests.tasks.items_only import items_only
 
 EXAMPLE = "as the specification's example"
 AGREES = 1e-6
@@ -25,7 +25,7 @@ AGREES = 1e-6
 def calibrated(recording: Recording, **how) -> Calibration:
     specification = specification_for(recording.manifest.standard)
     evaluation = evaluation_for(recording, **how)
-    return calibrate(specification, recording, run="r", code_version="v", evaluation=evaluation)
+    return items_only(specification, recording, evaluation)
 
 
 def restated(recording: Recording, **manifest) -> Recording:
@@ -246,9 +246,8 @@ def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(
     recording = plant("plant_clean")
     polled = restated(recording, table_time={"encoder": "polled", "half_width_s": 0.01})
     evaluation = evaluation_for(polled)
-    item = calibrate(
-        specification_for("other", method), polled, run="r", code_version="v", evaluation=evaluation
-    ).items["gyro_scale_factor"]
+    specification = specification_for("other", method)
+    item = items_only(specification, polled, evaluation).items["gyro_scale_factor"]
     for element in "xyz":
         (line,) = (each for each in item.budgets[element].inputs if each.symbol == "τ")
         assert (line.half_width, line.unit, line.distribution) == (0.01, "s", "rectangular")

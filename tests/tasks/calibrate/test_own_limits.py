@@ -14,9 +14,11 @@ from hypothesis import strategies as st
 
 from schemas.equipment import LimitShape
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.calibrate import without_information
 from tasks.calibrate.evaluation import evaluation_for
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536 import JJF1536
+from tasks.specifications.jjf1536.evidence import AhrsEvidence
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
 from tasks.specifications.specification import Specification
@@ -28,13 +30,13 @@ SHOWN = 1 - 1e-9  # rounding
 
 
 @pytest.fixture(scope="module")
-def recording(ideal_run: Callable[..., Recording]) -> Recording:
-    return ideal_run(dwell=1.0, noise=1e-6)
+def evidence(ideal_run: Callable[..., Recording]) -> ClauseEvidence:
+    return JJF2003.gather(ideal_run(dwell=1.0, noise=1e-6))
 
 
 @pytest.fixture(scope="module")
-def ahrs_recording() -> Recording:
-    return simulate("jjf1536", 3)[0]
+def ahrs_evidence() -> AhrsEvidence:
+    return JJF1536.gather(simulate("jjf1536", 3)[0])
 
 
 @pytest.mark.parametrize("specification", [JJF2003, JOINT], ids=["clauses", "joint"])
@@ -45,15 +47,17 @@ def ahrs_recording() -> Recording:
     gravity=st.floats(1e-6, 1e-1),
 )
 def test_an_error_at_its_limit_stays_within_u(
-    recording: Recording, specification: Specification, rate: float, fixture: float, gravity: float
+    evidence: ClauseEvidence,
+    specification: Specification,
+    rate: float,
+    fixture: float,
+    gravity: float,
 ) -> None:
     own = as_table_1(rate=rate, fixture=fixture)
     own["gravity"] = own["rate"].model_copy(update={"half_width": gravity})
-    evaluation = evaluation_for(recording, own=own)
-    items = calibrate(
-        specification, recording, run="r", code_version="v", evaluation=evaluation
-    ).items  # fmt: skip
-    local = recording.manifest.station.gravity_m_s2
+    evaluation = evaluation_for(evidence.recording, own=own)
+    items = without_information(specification, evidence, evaluation).items
+    local = evidence.recording.manifest.station.gravity_m_s2
     for axis in AXES:
         gyro, accel = items["gyro_scale_factor"], items["accel_scale_factor"]
         assert gyro.U[axis] >= rate * abs(gyro.value[axis]) * SHOWN
@@ -70,14 +74,12 @@ def test_an_error_at_its_limit_stays_within_u(
     shape=st.sampled_from(["normal", "rectangular"]),
 )
 def test_the_same_holds_of_a_unit_that_accumulates_angles(
-    ahrs_recording: Recording, rate: float, fixture: float, shape: LimitShape
+    ahrs_evidence: AhrsEvidence, rate: float, fixture: float, shape: LimitShape
 ) -> None:
     own = as_table_1(rate=rate, fixture=fixture)
     own = {name: limit.model_copy(update={"distribution": shape}) for name, limit in own.items()}
-    evaluation = evaluation_for(ahrs_recording, own=own)
-    items = calibrate(
-        JJF1536, ahrs_recording, run="r", code_version="v", evaluation=evaluation
-    ).items  # fmt: skip
+    evaluation = evaluation_for(ahrs_evidence.recording, own=own)
+    items = without_information(JJF1536, ahrs_evidence, evaluation).items
     for axis in AXES:
         scale = items["ahrs_scale_factor"]
         assert scale.U[axis] >= rate * abs(scale.value[axis]) * SHOWN

@@ -13,14 +13,14 @@ from tasks.explain.whitening import flicker_over_gaps
 )
 @pytest.mark.parametrize("gap", [0.0, 14.0, 40.0])
 def test_an_unstable_bias_is_noise_however_far_the_rests_lie_apart(seed: int, gap: float) -> None:
-    made = recording_of(*labelled_rests(seed, 20.0, gap, turns=4, flicker=0.2))
+    made = recording_of(*labelled_rests(seed, 20.0, gap, turns=3, flicker=0.2))
     explanation = explain(made)
     assert (explanation.verdict, explanation.findings) == ("no_mismatch", ())
 
 
 def test_a_drift_between_rests_is_still_seen() -> None:
     """Far beyond what flicker does, and named by nothing that was recorded."""
-    t, readings, segments = labelled_rests(4, 20.0, 14.0, turns=4, flicker=0.2)
+    t, readings, segments = labelled_rests(4, 20.0, 14.0, turns=2, flicker=0.2)
     readings[:, 1] += SIGMA[1] * np.sin(2.0 * np.pi * t / 330.0)
     explanation = explain(recording_of(t, readings, segments))
     assert explanation.findings

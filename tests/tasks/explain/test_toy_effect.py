@@ -15,7 +15,7 @@ from tasks.words import say
 
 TOY = Path(__file__).parent / "toy"
 TRUE = np.array([2e-3, -3e-3, 1e-3])
-GRAVITY, RATE_HZ, DWELL = 9.8, 50.0, 10.0
+GRAVITY, RATE_HZ, DWELL = 9.8, 50.0, 6.0
 NOISE = np.repeat([1e-4, 1e-3], 3)  # of a sample, rad/s and m/s²
 
 

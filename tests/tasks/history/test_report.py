@@ -1,6 +1,7 @@
 """The report of a re-processing as files."""
 
 import csv
+from functools import cache
 from io import StringIO
 from xml.etree import ElementTree
 
@@ -20,6 +21,11 @@ def reprocessing(*changed: Change) -> Reprocessing:
     )  # fmt: skip
 
 
+@cache
+def texts_of(*changed: Change) -> dict[str, str]:
+    return report_texts(reprocessing(*changed))
+
+
 def test_json_table_and_picture_hold_the_same_changes() -> None:
     moved = CHANGE.model_copy(update={"after": 0.5, "in_U": 12.5, "element": "y"})
     report = reprocessing(CHANGE, moved)
@@ -36,7 +42,7 @@ def test_json_table_and_picture_hold_the_same_changes() -> None:
 
 def test_what_is_no_longer_determined_stands_apart_from_the_smallest_steps() -> None:
     kept = CHANGE.model_copy(update={"after": 0.25, "in_U": 0.0})
-    assert "determined before or now only" in report_texts(reprocessing(CHANGE))["changed.svg"]
+    assert "determined before or now only" in texts_of(CHANGE)["changed.svg"]
     assert "determined" not in report_texts(reprocessing(kept))["changed.svg"]
 
 
@@ -45,6 +51,6 @@ def test_a_report_without_changes_has_a_picture_that_says_so() -> None:
 
 
 def test_the_picture_is_drawn_in_chinese_too() -> None:
-    drawn = report_texts(reprocessing(CHANGE))["changed-zh.svg"]
+    drawn = texts_of(CHANGE)["changed-zh.svg"]
     assert "值的变化 / U" in drawn
     assert "What moved" not in drawn

@@ -64,6 +64,14 @@ def felt(attitudes: np.ndarray) -> np.ndarray:
     return np.hstack([padded, GRAVITY * attitudes[:, 2]])
 
 
+@cache
+def undisturbed() -> np.ndarray:
+    """What a perfect unit reads (n, 6) where the axes stand as the encoders say."""
+    readings = felt(attitude())
+    readings.setflags(write=False)
+    return readings
+
+
 def _slope(series: np.ndarray) -> np.ndarray:
     return np.gradient(series, T, axis=0, edge_order=2)
 

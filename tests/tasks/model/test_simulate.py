@@ -57,8 +57,8 @@ def test_earth_rotation_and_lever_arm_act_before_the_sensor() -> None:
     assert read[:, :3] == pytest.approx(expected[:, :3], abs=1e-12)
 
 
-@pytest.mark.parametrize("terms", [STANDARD_TERMS, (LEVER_ARM, *STANDARD_TERMS)])
-def test_every_column_is_the_difference_it_makes(terms: tuple) -> None:
+def test_every_column_is_the_difference_it_makes() -> None:
+    terms = (LEVER_ARM, *STANDARD_TERMS)
     values = drawn(terms)
     design = linearise(terms, MOTION, values)
     for p, column in enumerate(design.columns):

@@ -13,7 +13,7 @@ from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
 
 TRUTH = {"ST-01": (39.9, 37.0), "ST-02": (-22.5, -120.0)}  # latitude, heading
-RUNS = 6
+RUNS = 4
 
 Kept = dict[str, list[RunStatistics]]
 

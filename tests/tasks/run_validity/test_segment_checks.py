@@ -12,14 +12,14 @@ from schemas.recording import Manifest, Recording, Stream
 from schemas.text import Remark
 from storage.catalogue import runs
 from storage.home import Home
-from tasks.calibrate.calibrate import calibrate
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 from tasks.specifications.jjf2003 import JJF2003
+from tests.tasks.items_only import items_only
 
 
 def remarks(recording: Recording, code: str) -> list[Remark]:
-    calibration = calibrate(JJF2003, recording, run="r", code_version="v")
+    calibration = items_only(JJF2003, recording)
     return [remark for remark in calibration.remarks if remark.code == code]
 
 
@@ -39,7 +39,7 @@ def edited(recording: Recording, name: str, edit: Callable[[dict, slice], None])
 
 
 def test_of_a_clean_run_without_encoders_the_turns_alone_are_not_known(ideal_run) -> None:
-    calibration = calibrate(JJF2003, ideal_run(), run="r", code_version="v")
+    calibration = items_only(JJF2003, ideal_run())
     assert [r.code for r in calibration.remarks if r.blocks_pass] == ["no_reference"]
 
 
@@ -56,7 +56,7 @@ def test_a_rate_the_gyro_contradicts_is_left_out_where_no_table_tells(ideal_run)
     recording = relabelled(ideal_run(), "rate_y_+100", rate_deg_s=150.0)
     (remark,) = remarks(recording, "rate_contradicted")
     assert "gyro_y shows +100.0000 deg/s" in remark.en
-    scale = calibrate(JJF2003, recording, run="r", code_version="v").items["gyro_scale_factor"]
+    scale = items_only(JJF2003, recording).items["gyro_scale_factor"]
     assert scale.value["y"] == pytest.approx(1.0, abs=1e-6)
 
 
@@ -64,8 +64,8 @@ def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant) -> None:
     recording = relabelled(plant("plant_clean"), "rate_y_+100", rate_deg_s=101.0)
     (remark,) = remarks(recording, "rate_contradicted")
     assert "the table shows +100.0000 deg/s" in remark.en
-    honest = calibrate(JJF2003, plant("plant_clean"), run="r", code_version="v")
-    result = calibrate(JJF2003, recording, run="r", code_version="v")
+    honest = items_only(JJF2003, plant("plant_clean"))
+    result = items_only(JJF2003, recording)
     found, known = result.items["gyro_scale_factor"], honest.items["gyro_scale_factor"]
     assert found.value == known.value
     # What comes back once a turn is taken from the noise at the rate of the label.

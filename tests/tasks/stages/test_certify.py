@@ -1,8 +1,10 @@
 """A certificate's inputs and dates: what is refused leaves no draft, and no day is invented."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import date
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +16,19 @@ from schemas.certificate import Laboratory, Order, Party
 from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.tolerance import Limit, Tolerance
-from storage.catalogue import certificates, runs
+from storage.catalogue import certificates, results, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
+from tasks.certificate import documents
+from tasks.certificate.pdf import render
 from tasks.stages.certificate_inputs import CertificateInputs as Inputs
 from tasks.stages.certify import certify, due_date
 from tasks.stages.estimate import estimate
 from tasks.validation import record
 from tasks.validation.fingerprint import fingerprint
 from tests.keep import keep
+
+pytestmark = pytest.mark.usefixtures("unprinted")
 
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
 STANDARD = {"name": "Table", "name_zh": "台", "serial": "1", "accuracy": "1″", "certificate": "C",
@@ -31,17 +37,36 @@ Given = tuple[Run, Calibration, Home]
 Keep = Callable[..., Given]
 
 
+@pytest.fixture(scope="module")
+def estimated(
+    ideal_run: Callable[..., Recording], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[str], tuple[Recording, Calibration]]:
+    """An ideal run whose manifest says what is given beside, in JSON, and its result."""
+
+    @cache
+    def build(statement: str) -> tuple[Recording, Calibration]:
+        made = ideal_run(dwell=1.0)
+        fields = made.manifest.model_dump() | json.loads(statement)
+        recording = replace(made, manifest=made.manifest.model_validate(fields))
+        home = Home(tmp_path_factory.mktemp("estimated"))
+        run, _ = runs.add(recording, home)
+        return recording, estimate(run, home)
+
+    return build
+
+
 @pytest.fixture
-def kept(ideal_run: Callable[..., Recording], tmp_path: Path, monkeypatch) -> Keep:
-    """Takes in and estimates an ideal run whose manifest says what is given beside."""
+def kept(estimated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Keep:
+    """Keeps such a run and its result in a home of the test's own."""
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     home = Home(tmp_path / "home")
 
     def build(**statement: Any) -> Given:
-        recording = ideal_run(dwell=1.0)
-        manifest = recording.manifest.model_validate(recording.manifest.model_dump() | statement)
-        run, _ = runs.add(replace(recording, manifest=manifest), home)
-        return run, estimate(run, home), home
+        recording, calibration = estimated(json.dumps(statement, sort_keys=True))
+        run, _ = runs.add(recording, home)
+        assert run.id == calibration.run
+        results.save(calibration, home)
+        return run, calibration, home
 
     return build
 
@@ -233,7 +258,8 @@ def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) ->
     assert "the run is invalid: no decision is made on the unit" in reported.decision.reasons
 
 
-def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep) -> None:
+def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep, monkeypatch) -> None:
+    monkeypatch.setattr(documents, "render", render)  # typeset after all
     run, result, home = kept()
     (home.path / "logo.png").write_bytes(b"no picture")
     laboratory = Laboratory(party=PARTY, logo="logo.png", operator="Li")

@@ -160,7 +160,7 @@ class InMemoryStation:
     """
 
     def __init__(
-        self, config: VirtualStation, speed: float = 20.0, faults: Iterable[StationFault] = ()
+        self, config: VirtualStation, speed: float = 50.0, faults: Iterable[StationFault] = ()
     ) -> None:
         lines = range(1, 2 + len(config.neighbours))
         self.file: StationFile = station_file(config, speed, "in-memory", 1, *lines)

@@ -21,5 +21,8 @@ def unit(answer: Callable[[bytes], bytes]) -> Iterator[tuple[str, list[bytes]]]:
     with socket.create_server(("127.0.0.1", 0)) as server:
         thread = threading.Thread(target=serve, args=(server,), daemon=True)
         thread.start()
-        yield f"socket://127.0.0.1:{server.getsockname()[1]}", received
-        thread.join(5.0)
+        try:
+            yield f"socket://127.0.0.1:{server.getsockname()[1]}", received
+        finally:  # where nobody connected, an empty connection ends the wait for one
+            socket.create_connection(server.getsockname()).close()
+            thread.join(5.0)

@@ -17,6 +17,7 @@ from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import (
     MEASURED,
     SPEED,
@@ -182,7 +183,7 @@ def test_table_is_left_at_rest_with_the_watchdog_off(real):
 def test_unit_with_a_clock_of_its_own_is_put_on_station_time(short, kept):
     sound = VirtualStation()
     late = sound.unit.model_copy(update={"clock_offset_s": 4.0})
-    station = InMemoryStation(sound.model_copy(update={"unit": late}))
+    station = InMemoryStation(sound.model_copy(update={"unit": late}), speed=20.0)
     acquired = station.acquire(short, kept)
     shift = acquired.manifest.model_extra["unit_clock_shift_s"]
     assert shift == pytest.approx(4.0, abs=1.0)
@@ -204,7 +205,7 @@ def test_station_that_is_not_there_is_named(short, kept, real):
 
 @pytest.mark.real_time
 def test_unit_line_that_is_not_there_is_named(short, kept):
-    with running(VirtualStation(), SPEED) as station:
+    with serving(VirtualStation(), SPEED) as station:
         link = station.unit_link.model_copy(update={"url": "socket://127.0.0.1:1"})
         with pytest.raises(Unusable, match=r"socket://127\.0\.0\.1:1 cannot be opened"):
             over_sockets(station.model_copy(update={"unit_link": link}), short, kept)

@@ -6,8 +6,8 @@ import pytest
 
 from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import MEASURED, SPEED, over_sockets, table_and_watchdog
 
 
@@ -17,7 +17,7 @@ def test_interrupt_stops_the_table_and_keeps_what_was_recorded(short, kept):
         if progress.now.startswith("rate"):
             signal.raise_signal(signal.SIGINT)
 
-    with running(VirtualStation(), SPEED) as station:
+    with serving(VirtualStation(), SPEED) as station:
         with pytest.raises(KeyboardInterrupt):
             over_sockets(station, short, kept, interrupt)
         state, watchdog = table_and_watchdog(station)

@@ -15,8 +15,8 @@ from tasks.station.acquisition import check_run
 from tasks.station.requirements import check_procedure
 from tasks.station.virtual.config import virtual_station
 from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import over_sockets
 from tests.tasks.station.sample_stations import rates_link
 from tests.tasks.station.short_ahrs import bench, part, run_of, settled
@@ -82,7 +82,7 @@ def test_while_it_is_turned_over_no_attitude_is_claimed(tmp_path):
 @pytest.mark.real_time
 def test_a_fixture_is_turned_and_the_supply_switched_through_its_registers(new_sink):
     sink = new_sink()
-    with running(settled(), 20.0) as station:  # faster, a busy machine loses whole rests
+    with serving(settled(), 20.0) as station:  # faster, a busy machine loses whole rests
         procedure = part("fix_x_up", "rest_x", "fix_y_up", "rest_y")
         acquired = over_sockets(station, procedure, sink)
     imu = sink.stream("imu")

@@ -9,9 +9,9 @@ from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquir
 from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
 from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import MEASURED, SPEED, ignore
 
 TWO = VirtualStation(unit=draw_unit(1), neighbours=(draw_unit(2),))
@@ -56,8 +56,16 @@ def test_each_unit_has_a_recording_of_its_own_with_the_tables_data_in_it(short, 
         assert rest == pytest.approx(unit.gyro.bias[1], abs=2e-4)
 
 
-def test_a_unit_that_falls_silent_is_given_up_and_its_neighbour_measured_to_the_end(short, sinks):
-    first, second = run(short, sinks, [StationFault("unit_silent", 8.0)])
+@pytest.fixture(scope="module")
+def one_silent(short, new_sink):
+    """A run in which the first unit falls silent: what was acquired, sinks, progress."""
+    sinks, found = (new_sink(), new_sink()), []
+    acquired = run(short, sinks, [StationFault("unit_silent", 8.0)], found.append)
+    return acquired, sinks, found
+
+
+def test_a_unit_that_falls_silent_is_given_up_and_its_neighbour_measured_to_the_end(one_silent):
+    (first, second), sinks, _ = one_silent
     assert "has sent nothing for 3 s" in first.given_up
     assert second.given_up is None
     assert second.warnings == ()
@@ -67,9 +75,8 @@ def test_a_unit_that_falls_silent_is_given_up_and_its_neighbour_measured_to_the_
     assert "The unit was abandoned" in causes[-1]
 
 
-def test_who_watches_hears_which_unit_was_given_up(short, sinks):
-    found: list[Progress] = []
-    run(short, sinks, [StationFault("unit_silent", 8.0)], found.append)
+def test_who_watches_hears_which_unit_was_given_up(one_silent):
+    _, _, found = one_silent
     assert found[-1].state == "done"
     assert any(alarm.en.startswith("V00001: The unit was abandoned") for alarm in found[-1].alarms)
 
@@ -102,7 +109,7 @@ def test_a_segment_is_repeated_for_the_unit_that_needs_it_alone(short, sinks):
 
 @pytest.mark.real_time
 def test_two_units_over_sockets(short, sinks):
-    with running(TWO, SPEED) as station:
+    with serving(TWO, SPEED) as station:
         acquired = acquire(request(station, short, sinks))
     for sink in sinks:
         assert_whole(sink)

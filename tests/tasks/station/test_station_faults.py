@@ -11,8 +11,8 @@ from schemas.procedure import Procedure
 from tasks.station.sequencer import GUARD_WALL_S, Sequencer
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import MEASURED, SPEED, let_the_watchdog_bite, over_sockets
 
 STOPS = {
@@ -30,7 +30,7 @@ LINK_STOPS = {
 
 @pytest.fixture
 def long(short: Procedure) -> Procedure:
-    """Still in its rates at 60 s of station time."""
+    """In its rates from 20 s of station time on, and still at 80 s."""
     update = {"rates_deg_s": (-50, 100, -30, 60), "dwell_s": 60.0}
     return short.model_copy(
         update={"steps": (*short.steps[:2], short.steps[2].model_copy(update=update))}
@@ -51,10 +51,10 @@ def kept_until(
 
 @pytest.mark.parametrize("name", STOPS)
 def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name, long, kept):
-    station = InMemoryStation(VirtualStation(), faults=[StationFault(name, 60.0)])
+    station = InMemoryStation(VirtualStation(), faults=[StationFault(name, 25.0)])
     with pytest.raises(Unusable, match=STOPS[name]) as stop:
         station.acquire(long, kept)
-    kept_until(stop, kept, 56.0)  # 60 s of the station, which began with the run; a flush is 4 s
+    kept_until(stop, kept, 20.0)  # 25 s of the station, which began with the run; a flush is 4 s
     assert station.table.has_been_left
 
 
@@ -62,7 +62,7 @@ def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name,
 @pytest.mark.parametrize("name", LINK_STOPS)
 def test_fault_of_the_link_stops_the_run_and_keeps_what_was_recorded(name, long, kept):
     with (
-        running(VirtualStation(), SPEED, (StationFault(name, 80.0),)) as station,
+        serving(VirtualStation(), SPEED, (StationFault(name, 80.0),)) as station,
         pytest.raises(Unusable, match=LINK_STOPS[name]) as stop,
     ):
         over_sockets(station, long, kept)
@@ -82,7 +82,8 @@ WARNS = {
 
 @pytest.mark.parametrize("name", WARNS)
 def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short, kept):
-    steps = [step.model_copy(update={"dwell_s": 16.0}) for step in short.steps[::2]]
+    dwell_s = {"spike": 16.0, "unit_drops": 12.0}.get(name, 4.0)  # they come every 15 and 10 s
+    steps = [step.model_copy(update={"dwell_s": dwell_s}) for step in short.steps[::2]]
     patient = short.model_copy(update={"steps": tuple(steps)})
     acquired = InMemoryStation(VirtualStation(), faults=[StationFault(name)]).acquire(patient, kept)
     remarks = [each for each in acquired.warnings if each.code != "segment_repeated"]
@@ -99,7 +100,7 @@ def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short,
 
 @pytest.mark.real_time
 def test_emergency_stop_is_never_reset_by_a_new_run(short, kept):
-    with running(VirtualStation(), SPEED, (StationFault("emergency_stop"),)) as station:
+    with serving(VirtualStation(), SPEED, (StationFault("emergency_stop"),)) as station:
         asyncio.run(let_the_watchdog_bite(station))
         for _ in range(2):
             with pytest.raises(Unusable, match="reports emergency_stop"):

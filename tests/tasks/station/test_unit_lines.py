@@ -16,8 +16,8 @@ import pytest
 
 from schemas.station import StationFile
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
 from tests.proof.fuzz.frames import KINDS, Kind
+from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import MEASURED, SPEED, over_sockets
 
 pytestmark = pytest.mark.real_time
@@ -97,7 +97,7 @@ def through_a_file(kind: Kind, folder: Path) -> Iterator[str]:
     ids=["big-endian frames over TCP", "lines of text over a serial line", "a growing file"],
 )  # fmt: skip
 def test_a_run_has_every_reading_that_the_unit_sent(line, kind, short, kept, tmp_path):
-    with running(VirtualStation(), SPEED) as virtual, line(kind, tmp_path) as url:
+    with serving(VirtualStation(), SPEED) as virtual, line(kind, tmp_path) as url:
         link = {"url": url, "rate_hz": RATE_HZ, "frame": kind.frame.model_dump(mode="json")}
         station = StationFile.model_validate(virtual.model_dump() | {"unit_link": link})
         acquired = over_sockets(station, short, kept)

@@ -78,7 +78,7 @@ def test_cable_drag_shows_at_its_angle_only(
 def test_every_effect_says_what_it_is_and_changes_what_is_recorded(
     case_of: Cases, noise_free: Play, name: str
 ) -> None:
-    run = noise_free(case_of(name))
+    run = noise_free(case_of(name, fields={"rate_hz": 25}))
     assert set(run.effects[0].parameters) == set(EFFECTS[name].units)
     assert json.dumps(dict(run.effects[0].parameters))
     assert np.isfinite(run.truth).all()

@@ -43,7 +43,7 @@ def test_an_effect_is_judged_beside_the_others(case_of: Cases) -> None:
     ("encoder_eccentricity", 10.0), ("coarse_quantisation", 10.0), ("x_cable_drag", 30.0),
 ])  # fmt: skip
 def test_the_strength_is_set_to_a_visibility(case_of: Cases, name: str, z: float) -> None:
-    case = at_visibility(case_of(name), name, z)
+    case = at_visibility(case_of(name, fields={"rate_hz": 25}), name, z)
     assert visibility_of(case, name).z == pytest.approx(z, rel=0.05)
 
 

@@ -1,5 +1,6 @@
 """Two very short cases, one of them clean, recorded and sealed once."""
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -31,13 +32,19 @@ def two_cases() -> list[Drawn]:
     ]
 
 
-@pytest.fixture
-def sealed(two_cases: list[Drawn], tmp_path: Path) -> Path:
-    """The folder of a trial that waits to be explained."""
+@pytest.fixture(scope="session")
+def sealed_once(two_cases: list[Drawn], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("sealed")
     for drawn in two_cases:
-        record_and_seal(drawn, tmp_path)
-    set_seals(tmp_path)
-    return tmp_path
+        record_and_seal(drawn, folder)
+    set_seals(folder)
+    return folder
+
+
+@pytest.fixture
+def sealed(sealed_once: Path, tmp_path: Path) -> Path:
+    """The folder of a trial that waits to be explained; of each test its own."""
+    return shutil.copytree(sealed_once, tmp_path, dirs_exist_ok=True)
 
 
 @pytest.fixture(scope="session")

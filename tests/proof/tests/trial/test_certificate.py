@@ -13,7 +13,7 @@ from tests.proof.plant.simulate import simulate
 from tests.proof.trial.certificate import certificate_less, certificate_of
 from tests.proof.trial.cost import cost_of
 
-CASE: dict[str, Any] = {"seed": 5, "dwell_s": 6.0, "rates_deg_s": (50.0, 200.0)}
+CASE: dict[str, Any] = {"seed": 5, "rate_hz": 25, "dwell_s": 6.0, "rates_deg_s": (50.0, 200.0)}
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,8 @@
 """What makes up for each other: which stands, and what is left as it is."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -25,7 +27,8 @@ RUN = motion()
 DELAY, ARM = 0.006, (0.012, -0.018, 0.007)
 
 
-def found(*nuisances: str) -> tuple[FittedSelection, list[Candidate]]:
+@cache
+def found(*nuisances: str) -> tuple[FittedSelection, tuple[Candidate, ...]]:
     """A delay and a lever arm, read; a delay, a low-pass and a lever arm, fitted to it."""
     made = read(RUN, (TIME_OFFSET, (DELAY,)), (LEVER_ARM, ARM)) + noise(len(RUN.t), 3, NOISY)
     blocks = observed(made, RUN)
@@ -40,7 +43,7 @@ def found(*nuisances: str) -> tuple[FittedSelection, list[Candidate]]:
     design = banded_design(blocks, made, columns, np.full(len(columns), np.inf))
     kept = tuple(Selected(one, 1.0, 1.0, ()) for one in whole)
     selection = replace(search(design, whole, (), NOISY), selected=kept)
-    return FittedSelection.of(selection, blocks, blocks.rate), whole
+    return FittedSelection.of(selection, blocks, blocks.rate), tuple(whole)
 
 
 def warmed(
@@ -90,7 +93,7 @@ def filtered_and_early() -> tuple[FittedSelection, list[Candidate]]:
     return FittedSelection.of(selection, blocks, blocks.rate), whole
 
 
-def compared(fit: FittedSelection, candidates: list[Candidate]) -> FittedSelection:
+def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
     """Where nothing else was selected that would be pruned."""
     return compared_with(fit, candidates, lambda one, kept: one, lambda *of: ())
 

@@ -9,7 +9,7 @@ GRAVITY = 9.8
 SIGMA = np.array([1e-3] * 3 + [5e-3] * 3)
 
 
-def motion(minutes: float = 6.0, top: float = 5.0) -> Motion:
+def motion(minutes: float = 3.0, top: float = 5.0) -> Motion:
     """Body rate about each axis in turn, up and down to `top` rad/s, between rests of 6 s."""
     t = np.arange(round(60 * minutes * RATE)) / RATE
     period = 20.0  # s: rest 6, ramp 2, turn 10, ramp 2

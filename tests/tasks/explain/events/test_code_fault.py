@@ -11,7 +11,7 @@ from tasks.words import texts
 STEP = np.repeat([1.0 / 131.0 * np.pi / 180.0, 9.8 / 16384.0], 3)
 
 
-MADE = motion(minutes=4.0, top=4.0)  # 30,000 codes either way
+MADE = motion(minutes=2.0, top=4.0)  # 30,000 codes either way
 
 
 def codes(seed: int) -> np.ndarray:

@@ -36,7 +36,7 @@ def _readings(t: np.ndarray, hum: float) -> np.ndarray:
 
 @pytest.mark.parametrize("jitter", [0.0, 4e-3])
 def test_a_hum_that_dominates_is_found_beside_the_lines_of_a_late_clock(jitter: float) -> None:
-    t = np.arange(20_000) / RATE
+    t = np.arange(12_000) / RATE
     t += jitter * (np.random.default_rng(8).random(len(t)) - 0.5)
     t = np.round(t, 3)  # s, as a logger writes it
     events = events_in_readings(_readings(t, 2.3), _motion(t))
@@ -47,12 +47,12 @@ def test_a_hum_that_dominates_is_found_beside_the_lines_of_a_late_clock(jitter: 
 
 
 def test_what_a_late_clock_leaves_of_a_periodic_motion_is_no_line() -> None:
-    t = np.arange(20_000) / RATE
+    t = np.arange(12_000) / RATE
     assert events_in_readings(_readings(t, 0.0), _motion(t)).lines == ()
 
 
 def test_what_a_lever_arm_makes_of_a_periodic_motion_is_no_line() -> None:
-    t = np.arange(20_000) / RATE
+    t = np.arange(12_000) / RATE
     motion, readings = _motion(t), _readings(t, 0.0)
     readings[:, 3] -= 0.08 * motion.rate[:, 2] ** 2
     readings[:, 4] += 0.08 * motion.acceleration[:, 2]
@@ -60,13 +60,13 @@ def test_what_a_lever_arm_makes_of_a_periodic_motion_is_no_line() -> None:
 
 
 def test_poses_do_not_show_how_a_body_hums() -> None:
-    t = np.arange(20_000) / RATE
+    t = np.arange(12_000) / RATE
     tracked = replace(_motion(t), tracking=Tracking(8.0, 8.0, 0.01, 1e-8, 1e-8))
     assert events_in_readings(_readings(t, 2.3), tracked).lines == ()
 
 
 def test_a_line_removed_before_is_found_again_beside_the_fit() -> None:
-    t = np.arange(20_000) / RATE
+    t = np.arange(12_000) / RATE
     motion, readings = _motion(t), _readings(t, 2.3)
     late = np.column_stack([0 * t, 0 * t, _speed(t - DELAY)])
     predicted = np.hstack([late, 9.8 * motion.up])

@@ -24,7 +24,7 @@ def _found(events: Events, name: str) -> float:
     return next(each.value for each in event.parameters if each.name == name)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_clean_run_has_no_events(seed: int) -> None:
     made = motion()
     events = events_in_readings(counted(noisy(mean_readings(made), seed)), made)
@@ -96,17 +96,17 @@ def test_what_a_limit_cuts_off_is_the_mean_beyond_it() -> None:
 def test_lost_samples_are_counted_and_placed() -> None:
     made = motion()
     mean = mean_readings(made)
-    gone = np.r_[12_710, 24_711, 24_712]  # one within a ramp, two within another
+    gone = np.r_[6_710, 14_711, 14_712]  # one within a ramp, two within another
     arrived = np.delete(counted(noisy(mean, 7)), gone, axis=0)
     t = made.t[: len(arrived)]
     observed = made.taken(np.arange(len(arrived)))
     events = events_in_readings(arrived, observed)
     assert _effects(events) == ["dropped_samples"]
     assert [_found(events, name) for name in ("lost_1", "lost_2")] == [1, 2]
-    assert _found(events, "time_1") == pytest.approx(127.1, abs=0.1)
-    assert _found(events, "time_2") == pytest.approx(247.1, abs=0.1)
+    assert _found(events, "time_1") == pytest.approx(67.1, abs=0.1)
+    assert _found(events, "time_2") == pytest.approx(147.1, abs=0.1)
     off = arrived - events.applied(t, mean[: len(t)])
-    assert off[26_000:-10].std(axis=0) == pytest.approx(SIGMA, rel=0.1)
+    assert off[15_000:-10].std(axis=0) == pytest.approx(SIGMA, rel=0.1)
 
 
 @pytest.mark.parametrize("late", [0.0123, 1e-4])
@@ -119,7 +119,7 @@ def test_delays_that_do_not_jump_are_left_to_the_regression(late: float) -> None
 
 def test_gaps_in_the_stamps_are_a_remark() -> None:
     made = motion()
-    kept = np.delete(np.arange(len(made.t)), np.r_[900:905, 20_000])
+    kept = np.delete(np.arange(len(made.t)), np.r_[900:905, 12_000])
     readings = counted(noisy(mean_readings(made), 9))[kept]
     events = events_in_readings(readings, made.taken(kept))
     assert events.events == ()
@@ -129,7 +129,7 @@ def test_gaps_in_the_stamps_are_a_remark() -> None:
 def test_spikes_are_counted_and_masked() -> None:
     made = motion()
     readings = noisy(mean_readings(made), 12)
-    at = np.array([300, 5_100, 12_345, 30_300])
+    at = np.array([300, 5_100, 12_345, 15_300])
     readings[at, 4] += 0.1
     events = events_in_readings(counted(readings), made)
     assert _effects(events) == ["unnamed"]

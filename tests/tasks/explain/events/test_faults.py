@@ -10,11 +10,12 @@ from tasks.explain.events.faults import AxisMapping, RangeSetting, Setting, find
 from tasks.words import texts
 
 SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+MADE = motion(minutes=6.0)
 QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 def settings(readings: np.ndarray, tracked: bool = False) -> tuple[Setting, ...]:
-    found = find_settings(readings, motion(), tracked)
+    found = find_settings(readings, MADE, tracked)
     assert all(all(texts(setting.description).values()) for setting in found)
     return found
 
@@ -23,11 +24,11 @@ def settings(readings: np.ndarray, tracked: bool = False) -> tuple[Setting, ...]
 def test_a_working_unit_has_no_wrong_setting(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scale = 1.0 + rng.normal(0.0, 0.02, 6)
-    assert settings(noisy(mean_readings(motion()) * scale, seed)) == ()
+    assert settings(noisy(mean_readings(MADE) * scale, seed)) == ()
 
 
 def test_a_poor_unit_ten_percent_off_on_every_axis_has_no_wrong_setting() -> None:
-    assert settings(noisy(1.1 * mean_readings(motion()), 1)) == ()
+    assert settings(noisy(1.1 * mean_readings(MADE), 1)) == ()
 
 
 @pytest.mark.parametrize(
@@ -36,7 +37,7 @@ def test_a_poor_unit_ten_percent_off_on_every_axis_has_no_wrong_setting() -> Non
      (1, 1.0 / 9.80665), (1, 9.80665), (1, 0.5), (1, 1000.0)],
 )  # fmt: skip
 def test_a_factor_common_to_a_triad_is_a_setting(triad: int, factor: float) -> None:
-    readings = noisy(mean_readings(motion()), 2)
+    readings = noisy(mean_readings(MADE), 2)
     right = readings.copy()
     readings[:, 3 * triad : 3 * triad + 3] *= factor
     (found,) = settings(readings)
@@ -46,17 +47,17 @@ def test_a_factor_common_to_a_triad_is_a_setting(triad: int, factor: float) -> N
     assert abs(parameter.value - factor) <= 2.0 * parameter.u + 1e-12
     undone = found.undone(readings)
     np.testing.assert_allclose(undone, right, rtol=0.01, atol=1e-9)
-    np.testing.assert_allclose(found.applied(motion().t, undone), readings, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(found.applied(MADE.t, undone), readings, rtol=1e-6, atol=1e-12)
 
 
 def test_one_axis_off_by_a_factor_is_no_setting_of_the_triad() -> None:
-    readings = noisy(mean_readings(motion()), 3)
+    readings = noisy(mean_readings(MADE), 3)
     readings[:, 1] *= 2.0
     assert settings(readings) == ()
 
 
 def test_an_unusual_factor_about_one_axis_alone_may_be_the_tables() -> None:
-    made = motion()
+    made = MADE
     rate = made.rate.copy()
     rate[:, :2] = 0.0
     about_z = replace(made, rate=rate)
@@ -69,7 +70,7 @@ def test_an_unusual_factor_about_one_axis_alone_may_be_the_tables() -> None:
 
 
 def test_readings_that_do_not_follow_the_motion_have_no_setting() -> None:
-    readings = noisy(mean_readings(motion()), 5)
+    readings = noisy(mean_readings(MADE), 5)
     readings[:, :3] = 0.4 * np.roll(readings[:, :3], 900, axis=0)
     assert settings(readings) == ()
 
@@ -77,7 +78,7 @@ def test_readings_that_do_not_follow_the_motion_have_no_setting() -> None:
 @pytest.mark.parametrize("triad", [0, 1])
 @pytest.mark.parametrize("matrix", [SWAPPED, np.diag([1.0, -1.0, 1.0]), QUARTER])
 def test_axes_of_one_triad_exchanged_or_inverted_are_told(triad: int, matrix: np.ndarray) -> None:
-    right = noisy(mean_readings(motion()), 6)
+    right = noisy(mean_readings(MADE), 6)
     readings = right.copy()
     own = slice(3 * triad, 3 * triad + 3)
     readings[:, own] = right[:, own] @ matrix.T
@@ -89,7 +90,7 @@ def test_axes_of_one_triad_exchanged_or_inverted_are_told(triad: int, matrix: np
 
 
 def test_both_triads_turned_alike_may_be_the_mount_and_of_a_tracked_body_is_its_own() -> None:
-    right = noisy(mean_readings(motion()), 7)
+    right = noisy(mean_readings(MADE), 7)
     readings = np.hstack([right[:, :3] @ QUARTER.T, right[:, 3:] @ QUARTER.T])
     found = settings(readings)
     assert [setting.effect for setting in found] == ["axis_mapping", "axis_mapping"]
@@ -98,7 +99,7 @@ def test_both_triads_turned_alike_may_be_the_mount_and_of_a_tracked_body_is_its_
 
 
 def test_axes_and_range_are_undone_together() -> None:
-    right = counted(noisy(mean_readings(motion()), 8))
+    right = counted(noisy(mean_readings(MADE), 8))
     readings = right.copy()
     readings[:, :3] = 4.0 * right[:, :3] @ SWAPPED.T
     found = settings(readings)

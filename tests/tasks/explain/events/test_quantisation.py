@@ -12,7 +12,7 @@ from tasks.words import say
 
 def found(noise: float, step: float, scale: float = 1.0) -> Events:
     """Accelerometer z with a part of the others' noise and signal, all in the same steps, m/s²."""
-    made = motion()
+    made = motion(minutes=6.0)
     mean = mean_readings(made)
     readings = noisy(mean, 21)
     readings[:, 5] = scale * mean[:, 5] + noise * (readings[:, 5] - mean[:, 5])
@@ -42,7 +42,7 @@ def test_steps_that_all_channels_show_are_a_coarse_resolution(noise: float) -> N
 
 
 def test_a_coarser_step_of_one_channel_is_its_resolution() -> None:
-    made = motion()
+    made = motion(minutes=6.0)
     readings = counted(noisy(mean_readings(made), 22), (1e-4, 2e-3))
     readings[:, 5] = np.round(readings[:, 5] / 1.5e-2) * 1.5e-2
     events = events_in_readings(readings, made)

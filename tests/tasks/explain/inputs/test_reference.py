@@ -16,7 +16,7 @@ from tasks.motion.whole import whole_motion
 
 @pytest.fixture(scope="module")
 def clean() -> Recording:
-    return short_run(3).recording
+    return short_run(3, dwell_s=5.0).recording
 
 
 @pytest.fixture(scope="module")

@@ -27,11 +27,16 @@ from schemas.discrepancy import Consequence, Discrepancy
 from schemas.recording import Stream
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
-from tasks.explain.report import write_report
+from tasks.explain.report import report_html, write_report
+from tasks.explain.report.before_after import before_after_svg
+from tasks.explain.report.cells import cells_of
+from tasks.explain.report.shares import shares_svg
+from tasks.explain.report.where import where_svg
+from tasks.words import LANGUAGES
 
-PICTURES = tuple(
-    f"{name}{ending}.svg" for ending in ("", "-zh") for name in ("where", "before_after", "shares")
-)
+DRAWN = ("where", "before_after", "shares")
+PICTURES = tuple(f"{name}{ending}.svg" for ending in ("", "-zh") for name in DRAWN)
+BLANK = {name: dict.fromkeys(LANGUAGES, "<svg/>") for name in DRAWN}
 CHINESE = re.compile("[\u4e00-\u9fff]")
 SVG_TEXT = "{http://www.w3.org/2000/svg}text"
 NAMES = {"report.html", "report.json", "prediction.parquet", *PICTURES}
@@ -47,6 +52,22 @@ def written(explained: Explanation, folder) -> str:
     discrepancy = answer(explained, (BIAS,), (CHANGE,))
     write_report(discrepancy, explained, folder)
     return (folder / "report.html").read_text(encoding="utf-8")
+
+
+def in_english(discrepancy: Discrepancy, explained: Explanation) -> dict[str, str]:
+    """The pictures by name, without the files."""
+    cells = cells_of(explained)
+    return {
+        "where": where_svg(discrepancy, cells, "en"),
+        "before_after": before_after_svg(explained, cells, "en"),
+        "shares": shares_svg(discrepancy, "en"),
+    }
+
+
+@pytest.fixture
+def unpictured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures are not drawn, for tests of what stands beside them."""
+    monkeypatch.setattr("tasks.explain.report.page.pictures_of", lambda *_: BLANK)
 
 
 @pytest.fixture(scope="module")
@@ -135,6 +156,7 @@ def test_the_page_names_the_recording_its_digest_and_the_code(page_of) -> None:
     assert re.search(r"mimucal \d+\.\d+\.\d+\+[0-9a-f]{12}", page)
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_the_prediction_has_a_row_for_each_row_and_keeps_what_is_not_known(tmp_path) -> None:
     run = CASES["explained"]
     nominal = run.nominal.copy()
@@ -161,6 +183,7 @@ def test_a_report_written_again_is_the_same_and_leaves_no_drafts(report) -> None
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == first
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_a_place_that_cannot_be_written_is_refused_with_a_sentence(tmp_path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(Unusable, match="name another folder"):
@@ -176,54 +199,53 @@ def test_no_known_row_at_all_still_makes_a_report(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e6])
-def test_residuals_of_every_size_fit_into_the_pictures(size, tmp_path) -> None:
+def test_residuals_of_every_size_fit_into_the_pictures(size) -> None:
     run = CASES["explained"]
     readings = run.recording.imu.stack(CHANNELS) * size
     imu = Stream(run.recording.imu.t, dict(zip(CHANNELS, readings.T, strict=True)))
-    written(replace(run, recording=replace(run.recording, imu=imu), found=run.found * size,
-                    noise=run.noise * size), tmp_path)  # fmt: skip
-    root = ElementTree.fromstring((tmp_path / "before_after.svg").read_bytes())
-    words = [each.text or "" for each in root.iter("{http://www.w3.org/2000/svg}text")]
+    scaled = replace(run, recording=replace(run.recording, imu=imu), found=run.found * size,
+                     noise=run.noise * size)  # fmt: skip
+    root = ElementTree.fromstring(before_after_svg(scaled, cells_of(scaled), "en"))
+    words = [each.text or "" for each in root.iter(SVG_TEXT)]
     assert max(map(len, words)) < 50
     numbers = re.findall(r"[\d.]+", " ".join(
         each.get("d", "") for each in root.iter("{http://www.w3.org/2000/svg}path")))  # fmt: skip
     assert 0 <= min(map(float, numbers)) <= max(map(float, numbers)) <= 1040
 
 
-def test_a_finding_is_marked_in_its_segments_and_its_share_stands_beside(tmp_path) -> None:
+def test_a_finding_is_marked_in_its_segments_and_its_share_stands_beside() -> None:
     run = CASES["explained"]
     places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
-    write_report(located(run, places), run, tmp_path)
-    svg = (tmp_path / "where.svg").read_text()
+    svg = where_svg(located(run, places), cells_of(run), "en")
     assert "38 %" in svg
     assert "62 %" in svg
     assert "axis_tilt" in svg
 
 
-def test_what_is_spread_over_channels_still_makes_a_picture(tmp_path) -> None:
+def test_what_is_spread_over_channels_still_makes_a_picture() -> None:
     run = CASES["explained"]
     spread = where("gyro_x, gyro_z", 0.02, dimension="level", segments=())
-    write_report(located(run, (where(share=0.98), spread)), run, tmp_path)
-    assert "98 %" in (tmp_path / "where.svg").read_text()
-    assert "gyro x, gyro z" in (tmp_path / "report.html").read_text()
+    discrepancy = located(run, (where(share=0.98), spread))
+    assert "98 %" in where_svg(discrepancy, cells_of(run), "en")
+    assert "gyro x, gyro z" in report_html(discrepancy, run, BLANK)
 
 
-def test_small_values_of_the_certificate_have_a_unit_of_their_size(tmp_path) -> None:
+def test_small_values_of_the_certificate_have_a_unit_of_their_size() -> None:
     run = CASES["explained"]
     lever = Consequence(item="accel_rate_sensitivity", element="yz", before=4.56e-4, after=None,
                         U=3.7e-5, unit="m")  # fmt: skip
-    write_report(answer(run, (lever,)), run, tmp_path)
-    page = (tmp_path / "report.html").read_text()
+    page = report_html(answer(run, (lever,)), run, BLANK)
     assert '<td class="number">456</td>' in page
     assert ">µm</td>" in page
 
 
-def test_segments_are_found_where_none_are_labelled(tmp_path) -> None:
+def test_segments_are_found_where_none_are_labelled() -> None:
     run = replace(CASES["no_mismatch"], recording=recording(labelled=False))
-    assert written(run, tmp_path).count("<svg") == 4
+    assert all("<svg" in svg for svg in in_english(answer(run), run).values())
 
 
-def test_more_findings_than_colours_still_make_a_report(tmp_path) -> None:
+def test_more_findings_than_colours_still_make_a_report() -> None:
     run = explanation(*(finding(0.1 * finding().contribution) for _ in range(8)))
-    page = written(run, tmp_path)
-    assert page.count('class="card"') == 8
+    discrepancy = answer(run, (BIAS,), (CHANGE,))
+    assert all("<svg" in svg for svg in in_english(discrepancy, run).values())
+    assert report_html(discrepancy, run, BLANK).count('class="card"') == 8

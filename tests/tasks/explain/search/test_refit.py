@@ -1,5 +1,7 @@
 """Everything found is fitted together in its real form: values, uncertainties, shapes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from engine_run import GRAVITY, NOISY, QUIET, motion, noise, observed, read, with_weight
@@ -171,6 +173,25 @@ def test_linearised_columns_and_readings_leave_what_the_real_form_leaves() -> No
                 readings[:, channel] -= value * series
     left = made - predict(model.terms, RUN, model.values)
     np.testing.assert_allclose(readings, left, atol=1e-9 * GRAVITY)
+
+
+def test_beside_a_gap_linearised_readings_are_what_the_rest_of_the_model_leaves() -> None:
+    """There a late reading has no prediction, though the standard's columns are known."""
+    gap = (RUN.t > 30.0) & (RUN.t < 33.0)
+    seen = RUN.mapped(
+        lambda values: np.where(gap.reshape(-1, *[1] * (values.ndim - 1)), np.nan, values)
+    )
+    seen = replace(seen, t=RUN.t)
+    made = read(RUN, (TIME_OFFSET, DELAY)) + noise(len(RUN.t), 16, QUIET)
+    weight = {channel: np.where(gap, 0.0, 1.0) for channel in range(6)}
+    blocks = with_weight(observed(made, seen), weight)
+    offset = whole(TIME_OFFSET)
+    model = fitted(model_of([(offset, np.zeros(1))], blocks), blocks, QUIET)
+    _, readings = linearised(model, blocks, [offset])
+    beside = ~gap & np.isnan(model.prediction(seen)).any(axis=1)
+    assert beside.sum() == 9
+    rest = made - model.without({TIME_OFFSET.key}).prediction(RUN)
+    np.testing.assert_allclose(readings[beside], rest[beside], atol=1e-12)
 
 
 def test_no_time_constant_is_negative() -> None:

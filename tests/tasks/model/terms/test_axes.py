@@ -17,6 +17,7 @@ from table_run import (
     read,
     recording,
     turns,
+    undisturbed,
 )
 
 from tasks.model.term import Term
@@ -30,7 +31,7 @@ def added(term: Term, values: list[float], between: dict) -> tuple[np.ndarray, n
     """What a term adds, and what the attitudes say."""
     return (
         (read((term,), values) - read((), []))[INSIDE],
-        (felt(attitude(between=between)) - felt(attitude()))[INSIDE],
+        (felt(attitude(between=between)) - undisturbed())[INSIDE],
     )
 
 
@@ -45,7 +46,7 @@ def test_a_base_out_of_level_turns_all_about_east_and_north() -> None:
 def test_without_a_heading_the_tilt_is_about_the_tables_own_axes() -> None:
     turn = 2e-4 * EAST - 1e-4 * NORTH
     term = read((AXIS_TILT,), [2e-4, -1e-4], BLIND) - read((), [], BLIND)
-    real = felt(attitude(between={-1: HEADED[0] @ turn})) - felt(attitude())
+    real = felt(attitude(between={-1: HEADED[0] @ turn})) - undisturbed()
     assert term[INSIDE, 3:] == pytest.approx(real[INSIDE, 3:], abs=1e-6)
 
 
@@ -89,6 +90,6 @@ def test_parallel_axes_have_no_angle_between_them() -> None:
 
 
 def test_the_made_up_run_is_consistent() -> None:
-    ideal = felt(attitude())
+    ideal = undisturbed()
     assert ideal[INSIDE] == pytest.approx(read((), [])[INSIDE], abs=1e-4)
     assert turns(np.zeros((1, 3)))[0] == pytest.approx(np.eye(3))

@@ -2,7 +2,15 @@
 
 import numpy as np
 import pytest
-from table_run import RATE_HZ, T, attitude, felt, motion, read
+from table_run import (
+    RATE_HZ,
+    T,
+    attitude,
+    felt,
+    motion,
+    read,
+    undisturbed,
+)
 
 from tasks.model.terms.geometry import (
     LEVER_ARM,
@@ -48,7 +56,7 @@ def test_a_fixture_that_bends_turns_gyros_and_accelerometers_together() -> None:
     x, y, z = motion().rate.T ** 2
     bend = np.column_stack([xy * y + xz * z, yx * x + yz * z, zx * x + zy * y])
     added = read((STRUCTURAL_COMPLIANCE,), values) - read((), [])
-    expected = felt(attitude(between={3: bend})) - felt(attitude())
+    expected = felt(attitude(between={3: bend})) - undisturbed()
     assert added[INSIDE] == pytest.approx(expected[INSIDE], abs=3e-7)
     assert np.abs(added[INSIDE, :3]).max() > 1e-5
 
@@ -57,7 +65,7 @@ def test_a_fixture_that_sags_turns_with_the_attitude() -> None:
     matrix = 1e-6 * np.array([[1.0, -2.0, 3.0], [0.5, 4.0, -1.0], [2.0, 1.0, -3.0]])
     added = read((SAG,), matrix.ravel()) - read((), [])
     force = 9.80665 * motion().up
-    expected = felt(attitude(between={3: force @ matrix.T})) - felt(attitude())
+    expected = felt(attitude(between={3: force @ matrix.T})) - undisturbed()
     assert added[INSIDE] == pytest.approx(expected[INSIDE], abs=3e-7)
     assert np.abs(added[INSIDE, :3]).max() > 1e-5
 
@@ -68,7 +76,7 @@ def test_each_fixing_but_the_first_has_a_turn_of_its_own() -> None:
     second, third = 1e-4 * np.array([1.0, -2.0, 3.0]), 1e-4 * np.array([-2.0, 1.0, 0.5])
     turn = np.where((fixing == 1)[:, None], second, np.where((fixing == 2)[:, None], third, 0.0))
     added = read((remount_misalignment(fixing),), np.concatenate([second, third])) - read((), [])
-    expected = felt(attitude(between={3: turn})) - felt(attitude())
+    expected = felt(attitude(between={3: turn})) - undisturbed()
     whole = np.isfinite(expected).all(axis=1) & (np.abs(T - 7) > 0.01) & (np.abs(T - 14) > 0.01)
     assert added[whole] == pytest.approx(expected[whole], abs=2e-6)
     assert not added[fixing == 0].any()

@@ -2,7 +2,15 @@
 
 import numpy as np
 import pytest
-from table_run import ANGLES, attitude, felt, motion, read, recording
+from table_run import (
+    ANGLES,
+    attitude,
+    felt,
+    motion,
+    read,
+    recording,
+    undisturbed,
+)
 
 from tasks.model.terms.table import (
     TABLE_SCALE,
@@ -15,7 +23,7 @@ INSIDE = slice(2, -2)
 
 
 def difference(shaft: np.ndarray) -> np.ndarray:
-    return (felt(attitude(shaft)) - felt(attitude()))[INSIDE]
+    return (felt(attitude(shaft)) - undisturbed())[INSIDE]
 
 
 @pytest.mark.parametrize("axis", [1, 2, 3])

@@ -12,7 +12,6 @@ import pytest
 
 from schemas.calibration import Calibration, Item, UncertaintyKind
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.fields import slug
 from tasks.certificate.statements import readings, uncertainty
 from tasks.motion.table import EARTH_RATE
@@ -21,6 +20,7 @@ from tasks.specifications.readings import READINGS
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.examples import acquisition, combine_as_example
 from tasks.words import say
+from tests.tasks.items_only import items_only
 
 AXES = "xyz"
 DEG = float(np.degrees(1.0))
@@ -34,7 +34,7 @@ Build = Callable[..., Recording]
 
 
 def result(recording: Recording) -> Calibration:
-    return calibrate(JJF2003, recording, run="r", code_version="v")
+    return items_only(JJF2003, recording)
 
 
 def item(recording: Recording, name: str) -> Item:

@@ -8,10 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
-from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.joint import JOINT
 from tasks.specifications.joint.gravity_fit import fit_gravity
 from tasks.specifications.joint.moves import Moves, fit_moves
+from tests.tasks.items_only import items_only
 
 GRAVITY = 9.8
 RATE = 100.0
@@ -22,7 +22,7 @@ B_GYRO = np.array([0.01, -0.02, 0.005])
 
 
 def by_joint(recording: Recording) -> Calibration:
-    return calibrate(JOINT, recording, run="r", code_version="v")
+    return items_only(JOINT, recording)
 
 
 def held_by_hand(rests: int = 30, seed: int = 1, **station: float | None) -> Recording:

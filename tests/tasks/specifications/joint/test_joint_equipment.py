@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.joint import JOINT
 from tasks.uncertainty.equipment import JJF2003, ErrorLimit
 from tasks.validation import run2003
 from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit
+from tests.tasks.items_only import items_only
 
 LIMITS = {
     limit.symbol: limit
@@ -38,7 +38,7 @@ class Planted(SimulatedUnit):
 def calibrated(symbol: str = "", axis: int = 0) -> Calibration:
     simulated = draw_simulated_unit(4, run2003.RATE_HZ)
     recording, _ = run2003.record(Planted(simulated.unit, simulated.random, False, symbol, axis))
-    return calibrate(JOINT, recording, run="r", code_version="v")
+    return items_only(JOINT, recording)
 
 
 @pytest.fixture(scope="module")

@@ -8,16 +8,16 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Recording, Segment, Stream
-from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
 from tasks.validation.coverage import errors_of, simulate
+from tests.tasks.items_only import items_only
 
 METHODS = pytest.mark.parametrize("method", [JOINT, JJF2003])
 
 
 def by(method, recording: Recording) -> Calibration:
-    return calibrate(method, recording, run="r", code_version="v")
+    return items_only(method, recording)
 
 
 def joined(calibration: Calibration, code: str) -> str:

@@ -25,13 +25,6 @@ def test_the_truth_is_that_of_the_unit():
     assert true["station"]["latitude_deg"] == 39.9
 
 
-def test_a_station_ends_with_its_block(consoles):
-    with running(VirtualStation(), 1.0) as found:
-        assert consoles(found).read("ident") == 0x4D54
-    with pytest.raises(OSError, match="refused"):
-        socket.create_connection(host_and_port(found.table.url), timeout=1)
-
-
 def test_a_station_ends_when_its_starter_dies(tmp_path):
     script = (
         "import os\n"
@@ -57,7 +50,7 @@ def test_a_speed_that_is_none_is_refused_in_one_sentence():
         pass
 
 
-def test_a_station_ends_quietly_with_clients_on_the_line(consoles, capfd):
+def test_a_station_ends_with_its_block_and_quietly_with_clients_on_the_line(consoles, capfd):
     with running(VirtualStation(), 20.0, [StationFault("modbus_silent", 2.0)]) as found:
         host, port = found.unit_link.url.removeprefix("socket://").split(":")
         with socket.create_connection((host, int(port))) as line:
@@ -66,3 +59,5 @@ def test_a_station_ends_quietly_with_clients_on_the_line(consoles, capfd):
             with pytest.raises(ModbusIOException):
                 console.wait(5.0)
     assert capfd.readouterr().err == ""
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(host_and_port(found.table.url), timeout=1)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
 from tasks.station.virtual.protocol import CAPTURE_REGISTERS, MODES, TABLE_DEVICE, TABLE_REGISTERS
+from tests.tasks.station.in_thread import serving
 
 SETTLED, MOVING, WATCHDOG = 4, 2, 64
 
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.real_time
 
 @pytest.fixture(scope="module")
 def station():
-    with running(VirtualStation(), 20.0) as found:
+    with serving(VirtualStation(), 20.0) as found:
         yield found
 
 
