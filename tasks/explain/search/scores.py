@@ -1,7 +1,7 @@
 """The gain of each candidate beside those already selected.
 
 A candidate's gain is the chi-squared it takes away; its price is two for each parameter and twice
-the logarithm of how many of its name were tried.
+the logarithm of how many of its name were tried, and for an empirical form a share of the gain.
 """
 
 from collections.abc import Sequence
@@ -18,6 +18,7 @@ from tasks.model.regression import inverse
 INDISTINGUISHABLE = 6.0  # of score: two that differ by less cannot be told apart
 PER_PARAMETER = 2.0
 OBSERVABLE = 1e-4  # of a column's power: less is left of it beside what was selected
+FREE_FORM = 2e-3  # of its gain: free factors also fit what the reference errs by, in proportion
 SINGULAR = 1e-6  # of a column's power: keeps columns that are the same from dividing by nothing
 
 
@@ -124,6 +125,7 @@ def _fixed_effect(
     fit = gain - PER_PARAMETER * count
     price = PER_PARAMETER * count + 2.0 * np.log(trials) + candidate.term.rarity
     price -= 2.0 * np.log(2.0) if one_sided else 0.0  # half the room for a chance estimate
+    price += FREE_FORM * gain if candidate.name == UNNAMED else 0.0
     # What is known to be there needs no other that imitates it, as a sensitivity to the field of
     # Earth does its rotation.
     price -= INDISTINGUISHABLE if candidate.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
