@@ -3,7 +3,7 @@
 set -euo pipefail
 export DO_NOT_TRACK=1 PREFECT_SERVER_ANALYTICS_ENABLED=false
 unset PYTHONDONTWRITEBYTECODE # every worker and every command would compile this code again
-export OPENBLAS_NUM_THREADS=1 # four workers share two cores: some tests wait
+export OPENBLAS_NUM_THREADS=1 # three workers share two cores: some tests wait
 .venv/bin/ruff check .
 .venv/bin/ruff format --check .
 # Types and arrows are checked while tests wait; their report stands below that of the tests.
@@ -12,7 +12,7 @@ report=$(mktemp)
 checks=$!
 trap 'kill "$checks" 2> /dev/null || true; rm -f "$report"' EXIT
 failed=0
-.venv/bin/pytest -n 4 --dist loadfile --no-loadscope-reorder "$@" || failed=$?
+.venv/bin/pytest -n 3 --dist loadfile --no-loadscope-reorder "$@" || failed=$?
 wait "$checks" || failed=$?
 cat "$report"
 exit "$failed"

@@ -30,12 +30,13 @@ def parameters(explanation: Explanation, effect: str) -> dict[str, FoundParamete
 
 
 def test_a_clean_unit_on_a_body_moved_by_hand_has_no_effects() -> None:
-    explanation = explain(recording())
+    explanation = explain(recording(readings(seconds=40.0), poses(seconds=40.0)))
     assert [finding.effect for finding in explanation.findings] == []
 
 
 def test_a_clean_unit_whose_poses_have_no_positions_has_no_effects() -> None:
-    explanation = explain(recording(readings(moving=False), poses(places=False)))
+    imu, reference = readings(moving=False, seconds=40.0), poses(places=False, seconds=40.0)
+    explanation = explain(recording(imu, reference))
     assert [finding.effect for finding in explanation.findings] == []
 
 
@@ -50,16 +51,17 @@ def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart() -> None:
 
 def test_a_slow_filter_of_the_unit_is_not_called_a_delay_alone() -> None:
     """Before poses a delay is nothing of the unit's for certain; a filter is as late."""
-    corner, imu = 4.0, readings()
+    corner, imu, reference = 4.0, readings(seconds=32.0), poses(seconds=32.0)
     coefficients = butter(2, corner, fs=200.0)
     columns = {name: lfilter(*coefficients, column) for name, column in imu.columns.items()}
-    explanation = explain(recording(Stream(imu.t, columns)))
+    explanation = explain(recording(Stream(imu.t, columns), reference))
     (late,) = (one for one in explanation.findings if one.effect == "time_offset")
     assert set(late.group) == {"time_offset", "bandwidth"}
 
 
 def test_a_room_that_is_not_level_is_no_fault_of_the_unit() -> None:
-    explanation = explain(recording(reference=tilted(poses(), np.radians(0.8))))
+    leaning = tilted(poses(seconds=32.0), np.radians(0.8))
+    explanation = explain(recording(readings(seconds=32.0), leaning))
     names = {finding.effect for finding in explanation.findings}
     assert names <= {"reference_frame"}
 
