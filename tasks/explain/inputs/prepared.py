@@ -96,7 +96,7 @@ def known_before(motion: Motion, late: float) -> np.ndarray:
     delay would compare nothing with something.
     """
     felt = motion.felt
-    if motion.axes is None and motion.tracking is None:
+    if felt.all() or (motion.axes is None and motion.tracking is None):
         return felt
     earlier = shifted_within(motion, np.where(felt, 0.0, np.nan), late + 0.5 * motion.interval)
     return np.asarray(felt & np.isfinite(earlier))

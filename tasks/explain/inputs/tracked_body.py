@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from schemas.recording import GYRO, Recording, Stream
+from tasks.explain.inputs.gyro_acceleration import by_rates
 from tasks.model.parameters import DEG
 from tasks.motion.pose_frames import POSE
 from tasks.motion.whole import Motion
@@ -47,10 +48,7 @@ def _turn(motion: Motion, gyro: np.ndarray) -> "Rotation | None":
     from scipy.spatial.transform import Rotation
 
     known = motion.felt[:, 0] & np.isfinite(gyro).all(axis=1)
-    columns = np.column_stack([motion.rate, np.ones(len(gyro))])[known]
-    if len(columns) < columns.shape[1]:
-        return None
-    fitted, _, rank, _ = np.linalg.lstsq(columns, gyro[known], rcond=None)
+    columns, fitted, rank = by_rates(motion, gyro, known)
     left, gains, right = np.linalg.svd(fitted[:3])
     nearest = left @ right
     if rank < columns.shape[1] or gains[-1] < DISTINCT * gains[0] or np.linalg.det(nearest) < 0.0:
