@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from flows.progress import counting, describe
 from flows.signals import ending_as_ctrl_c, pausing
+from schemas.base import Unusable
 from schemas.certificate_orders import (
     AmendOrder,
     CertifyOrder,
@@ -73,6 +74,11 @@ def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | No
     from schemas.station import StationFile
 
     station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
+    if order.units:
+        try:
+            station = station.with_units(order.units)
+        except ValueError as fault:
+            raise Unusable(f"units: {fault}; order one for each place") from fault
     return station, procedure, refix_prompt.at_terminal() if order.attended else None
 
 

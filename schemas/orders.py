@@ -14,6 +14,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from schemas.base import Frozen, Unusable
 from schemas.calibration import Method
 from schemas.correction import Form
+from schemas.recording import Unit
 
 UncertaintyName = Literal["gum", "montecarlo", "example"]
 
@@ -61,12 +62,14 @@ class Estimation(OrderModel):
 class AcquireOrder(OrderModel):
     """A run from the station of a station file.
 
-    procedure: a name, or a file. attended: whether a person at the terminal, if there is one,
+    procedure: a name, or a file. units: those mounted, in the order of the station's places; those
+    of the station file unless given. attended: whether a person at the terminal, if there is one,
     may be asked to turn the unit over. resume: go on with the run that was interrupted last.
     """
 
     station: str
     procedure: str = "jjf2003"
+    units: tuple[Unit, ...] = ()
     attended: bool = True
     resume: bool = False
 

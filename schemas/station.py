@@ -69,3 +69,17 @@ class StationFile(Frozen):
             for one in (self, *self.other_units)
         )
         return tuple(self.model_copy(update=fields | {"other_units": ()}) for fields in alone)
+
+    def with_units(self, units: tuple[Unit, ...]) -> Self:
+        """The station with these units mounted, in the order of its places.
+
+        Raises ValueError for another number of units than the station has places.
+        """
+        places = 1 + len(self.other_units)
+        if len(units) != places:
+            raise ValueError(f"station {self.station.id} has {places} places, not {len(units)}")
+        others = zip(self.other_units, units[1:], strict=True)
+        moved = tuple(place.model_copy(update={"unit": unit}) for place, unit in others)
+        return self.model_validate(
+            self.model_copy(update={"unit": units[0], "other_units": moved}).model_dump()
+        )

@@ -8,7 +8,7 @@ import sqlalchemy as sql
 from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
 from dash.development.base_component import Component
 
-from flows.pages.orders import FIELDS, Orders, station_files
+from flows.pages.orders import FIELDS, Orders
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.parts import table
 from flows.pages.states import Kind, StepState, badge
@@ -18,6 +18,7 @@ from schemas.certificate import LIVE
 from schemas.pages.do import DoQuestion, DoShown, GivenOrder, WaitingCertificate
 from storage.catalogue import database, tables
 from storage.home import Home
+from storage.stations import station_files
 from tasks.station import procedures
 from tasks.words import message
 

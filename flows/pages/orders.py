@@ -21,6 +21,7 @@ from schemas.pages.do import GivenOrder, OrderState
 from storage.catalogue import database, trail
 from storage.catalogue.run_index import find
 from storage.home import Home
+from storage.stations import folder_of, station_files
 from storage.whole_files import writing_in_home
 from tasks.station import procedures
 
@@ -115,8 +116,8 @@ class Orders:
         """
         name, procedure = fields.get("station", ""), fields.get("procedure", "jjf2003")
         if name not in station_files(self._home):
-            raise Unusable(f"there is no station file {name!r} in {stations(self._home)}")
-        path = str(stations(self._home) / name)
+            raise Unusable(f"there is no station file {name!r} in {folder_of(self._home)}")
+        path = str(folder_of(self._home) / name)
         procedures.load(procedure)
         order = AcquireOrder(
             home=str(self._home.path), station=path, procedure=procedure, attended=False
@@ -143,14 +144,3 @@ class Orders:
             )  # fmt: skip
         self._running.append(Running(action, subject, person, now, process, log))
         return subject
-
-
-def stations(home: Home) -> Path:
-    """Where a home keeps the files of the stations that the pages may start."""
-    return home.path / "stations"
-
-
-def station_files(home: Home) -> tuple[str, ...]:
-    """The names of those files."""
-    found = (path.name for path in stations(home).glob("*") if path.suffix in (".toml", ".json"))
-    return tuple(sorted(name for name in found if not name.startswith(".")))

@@ -1,0 +1,39 @@
+"""The stations of a home: their station files, in its `stations` folder."""
+
+from pathlib import Path
+
+from schemas.base import Unusable
+from schemas.station import StationFile
+from storage import settings
+from storage.home import Home
+
+
+def folder_of(home: Home) -> Path:
+    """Where a home keeps the files of its stations."""
+    return home.path / "stations"
+
+
+def station_files(home: Home) -> tuple[str, ...]:
+    """The names of those files."""
+    found = (path.name for path in folder_of(home).glob("*") if path.suffix in (".toml", ".json"))
+    return tuple(sorted(name for name in found if not name.startswith(".")))
+
+
+def file_of(station: str, home: Home) -> Path:
+    """The station file of the station with this id.
+
+    Raises Unusable for one that is not among the home's, or is there twice.
+    """
+    files = [folder_of(home) / name for name in station_files(home)]
+    found = [path for path in files if settings.read(path, StationFile).station.id == station]
+    if not found:
+        raise Unusable(
+            f"{folder_of(home)} has no file of station {station}; add it with "
+            "`mimucal station add FILE`"
+        )
+    if len(found) > 1:
+        raise Unusable(
+            f"{' and '.join(map(str, found))} are both of station {station}; keep the one that "
+            "counts"
+        )
+    return found[0]
