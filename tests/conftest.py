@@ -36,6 +36,7 @@ from tests.proof.line.draw import Line, draw_line
 from tests.proof.line.recorded import Recorded
 from tests.proof.line.store import fill
 from tests.shared import ABSENT, shared_path
+from tests.surroundings import leave_production
 
 settings.register_profile("unhurried", deadline=None)  # machines are busy; pytest limits tests
 settings.load_profile("unhurried")
@@ -48,11 +49,13 @@ ENDINGS = tuple((one, signal.SIG_DFL) for one in (signal.SIGHUP, signal.SIGQUIT,
 
 
 def pytest_configure() -> None:
-    """Imports and collected tests live to the end: the garbage collector need not look at them.
+    """Nothing that the environment names is touched: see tests/surroundings.py.
 
-    A shell ignores the keyboard's signals for what it starts in the background, and children
-    inherit that: the tests raise them.
+    Imports and collected tests live to the end: the garbage collector need not look at them. A
+    shell ignores the keyboard's signals for what it starts in the background, and children inherit
+    that: the tests raise them.
     """
+    leave_production()
     gc.disable()
     for one, usual in ((signal.SIGINT, signal.default_int_handler), *ENDINGS):
         if signal.getsignal(one) == signal.SIG_IGN:

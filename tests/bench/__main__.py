@@ -19,10 +19,12 @@ from tests.bench import (
     bench_review,
     report,
 )
+from tests.surroundings import leave_production
 
 
 def main() -> None:
     """Measure, print and write the report."""
+    leave_production()
     parser = argparse.ArgumentParser(prog="python -m tests.bench")
     parser.add_argument("--out", type=Path, default=Path("bench"), help="folder of the report")
     parser.add_argument("--rows", type=int, default=1_440_000, help="of the run in store")

@@ -22,6 +22,7 @@ from tests.proof.papers.run import run_papers
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.run import run_throughput
 from tests.proof.trial.rough.run import run_rough
+from tests.surroundings import leave_production
 
 UNUSABLE = 2
 
@@ -193,4 +194,5 @@ def main(
 
 
 if __name__ == "__main__":
+    leave_production()
     typer.run(main)

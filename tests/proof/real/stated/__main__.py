@@ -14,6 +14,7 @@ from tests.proof.real.stated.judge import judged
 from tests.proof.real.stated.known import KNOWN
 from tests.proof.real.stated.page import Answered, data, markdown
 from tests.proof.real.stated.run import Cost, explained
+from tests.surroundings import leave_production
 
 
 def main(
@@ -53,4 +54,5 @@ def _cost(line: str) -> tuple[str, Cost]:
 
 
 if __name__ == "__main__":
+    leave_production()
     typer.run(main)
