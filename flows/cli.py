@@ -98,7 +98,9 @@ def _fault_of(fault: TyperException) -> str:
 
 
 def _fail(failure: Exception) -> None:
-    if os.environ.get("MIMUCAL_DEBUG"):
+    from storage.environment import environment
+
+    if environment().debug:
         raise failure
     _say_and_leave(
         f"mimucal itself failed ({type(failure).__name__}: {failure}); MIMUCAL_DEBUG=1 shows where",

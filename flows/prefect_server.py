@@ -23,6 +23,7 @@ from typing import IO, TYPE_CHECKING
 from pydantic import ValidationError
 
 from schemas.base import Unusable
+from storage.environment import environment
 from storage.home import Home
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ OWN_SERVER = {
 
 def server_named() -> bool:
     """Whether the operator named a Prefect server; every order is then a flow run on it."""
-    return bool(os.environ.get("PREFECT_API_URL"))
+    return environment().prefect_server is not None
 
 
 def connect(home: Home) -> None:

@@ -20,6 +20,7 @@ from typing import Any, Protocol
 from urllib.parse import parse_qsl, urlsplit
 
 from schemas.base import Unusable
+from storage.environment import environment
 from storage.home import Home
 from storage.whole_files import writing_in_home, writing_to
 
@@ -77,7 +78,7 @@ class Blobs(Protocol):
 
 def blobs_of(home: Home) -> Blobs:
     """The place where a home keeps its recordings; raises Unusable for an invalid MIMUCAL_STORE."""
-    url = os.environ.get("MIMUCAL_STORE")
+    url = environment().store
     return _bucket(url) if url else Folder(home.path)
 
 

@@ -1,18 +1,21 @@
 """The home folder, which holds everything."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-DEFAULT = "mimucal-data"
+from storage.environment import environment
 
 
 @dataclass(frozen=True)
 class Home:
-    """Where everything is kept; nothing is made before something is stored."""
+    """Where everything is kept; nothing is made before something is stored.
+
+    catalogue: the URL of a copy of the catalogue, in place of the one that the environment names.
+    """
 
     path: Path
+    catalogue: str | None = None
 
     @property
     def raw(self) -> Path:
@@ -63,9 +66,9 @@ class Home:
     def database_url(self) -> str:
         """The catalogue: MIMUCAL_DATABASE, else a SQLite file in the home."""
         file = quote(str(self.path / "catalog.sqlite"))
-        return os.environ.get("MIMUCAL_DATABASE") or f"sqlite:///{file}"
+        return self.catalogue or environment().database or f"sqlite:///{file}"
 
 
 def home() -> Home:
     """The home that MIMUCAL_HOME names, else `mimucal-data` in the current folder."""
-    return Home(Path(os.environ.get("MIMUCAL_HOME") or DEFAULT).expanduser().absolute())
+    return Home(environment().home.expanduser().absolute())

@@ -1,6 +1,5 @@
 """The Line page: what each station is doing, today's output, and the queue."""
 
-import os
 import time
 from collections import Counter
 from datetime import UTC, date, datetime
@@ -20,6 +19,7 @@ from schemas.pages.line import LineNow, LineQuestion, Output, Queue, Queued, Sta
 from schemas.pages.runs import Condition
 from storage.catalogue import database, tables
 from storage.catalogue.run_states import run_list
+from storage.environment import environment
 from storage.home import Home
 from storage.station_lock import statuses
 from tasks.words import message
@@ -152,7 +152,7 @@ def queue() -> Queue:
     """The flow runs that wait or run, the next one first; none where no server is named."""
     if not server_named():
         return Queue(server=False)
-    return _asked(os.environ["PREFECT_API_URL"], int(time.monotonic() / FRESH_S))
+    return _asked(str(environment().prefect_server), int(time.monotonic() / FRESH_S))
 
 
 @lru_cache(maxsize=1)

@@ -14,6 +14,7 @@ from schemas.base import Unusable
 from schemas.doctor import Diagnosis, Examined
 from storage import settings
 from storage.catalogue import run_index, trail
+from storage.environment import environment
 from storage.home import Home
 from tasks.validation import record
 
@@ -170,7 +171,7 @@ def _interrupted(home: Home) -> Iterator[Examined]:
 
 
 def _prefect(_: Home) -> Iterator[Examined]:
-    url = os.environ.get("PREFECT_API_URL")
+    url = environment().prefect_server
     if not url:
         yield Examined(what="Prefect", found="no server named: a command starts its own")
         return

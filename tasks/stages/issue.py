@@ -4,7 +4,6 @@ Each is one transaction, and what is printed is made within it: a process that e
 leaves a certificate issued whole, or not at all and its number still to be given.
 """
 
-import os
 import unicodedata
 from datetime import UTC, datetime
 
@@ -16,6 +15,7 @@ from storage import settings
 from storage.catalogue import certificates, database, equipment, keep_certificate, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.results import calibration_of
+from storage.environment import environment
 from storage.home import Home
 from storage.whole_files import is_as_kept
 from tasks import conformity
@@ -28,7 +28,6 @@ from tasks.stages.stage import stage
 from tasks.words import say
 
 AGAIN = "certify the run again"
-PASSPHRASE = "MIMUCAL_SIGNING_PASSPHRASE"
 DONE: dict[StepName, str] = {"draft": "drafted", "check": "checked", "issue": "issued"}
 
 
@@ -232,7 +231,7 @@ def signing_for(home: Home, at: datetime) -> Signing | None:
     laboratory = settings.laboratory(home)
     if laboratory is None or laboratory.signing is None:
         return None
-    return signing_of(laboratory.signing, home.path, os.environ.get(PASSPHRASE), at)
+    return signing_of(laboratory.signing, home.path, environment().signing_passphrase, at)
 
 
 def check_issuable(

@@ -1,0 +1,68 @@
+"""The environment variables of the program, which is all of its configuration outside the home."""
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from schemas.base import Frozen
+
+OWN = "MIMUCAL_"  # what begins with it and is no variable here is a slip of the pen
+
+
+class Environment(Frozen):
+    """Every variable that the program reads; one that is empty counts as not set."""
+
+    model_config = ConfigDict(validate_by_name=True)
+
+    home: Path = Field(
+        default=Path("mimucal-data"), alias="MIMUCAL_HOME",
+        description="Folder that holds everything; on a line one that all computers share.",
+    )  # fmt: skip
+    database: str | None = Field(
+        default=None, alias="MIMUCAL_DATABASE", repr=False,
+        description="The catalogue's PostgreSQL, as postgresql://user@host/name; "
+        "unset: SQLite in the home.",
+    )  # fmt: skip
+    store: str | None = Field(
+        default=None, alias="MIMUCAL_STORE",
+        description="S3 bucket of the recordings, as s3://BUCKET/PREFIX?endpoint=HOST:PORT&scheme="
+        "http (scheme and region where needed); unset: in the home. Keys are named as AWS does.",
+    )  # fmt: skip
+    station: Path | None = Field(
+        default=None, alias="MIMUCAL_STATION",
+        description="Folder of the station's own computer for lock, status, stop and the recording "
+        "of a run that is going on; unset: the home.",
+    )  # fmt: skip
+    user: str | None = Field(
+        default=None, alias="MIMUCAL_USER",
+        description="Person who drafts, checks, issues, amends, withdraws or deletes where --by "
+        "names none.",
+    )  # fmt: skip
+    log: Literal["json"] | None = Field(
+        default=None, alias="MIMUCAL_LOG",
+        description="json: events as one line of JSON each on standard error; unset: none.",
+    )  # fmt: skip
+    debug: str | None = Field(
+        default=None, alias="MIMUCAL_DEBUG",
+        description="Set to anything: a failure of the program shows where it happened.",
+    )  # fmt: skip
+    signing_passphrase: str | None = Field(
+        default=None, alias="MIMUCAL_SIGNING_PASSPHRASE", repr=False,
+        description="Passphrase or PIN of the key that signs certificates.",
+    )  # fmt: skip
+    prefect_server: str | None = Field(
+        default=None, alias="PREFECT_API_URL",
+        description="Prefect server, as http://HOST:4200/api; unset: a command that needs one "
+        "starts its own.",
+    )  # fmt: skip
+    prefect_login: str | None = Field(
+        default=None, alias="PREFECT_API_AUTH_STRING", repr=False,
+        description="NAME:PASSWORD with which that server is asked (the server's own "
+        "PREFECT_SERVER_API_AUTH_STRING).",
+    )  # fmt: skip
+
+
+def variables() -> dict[str, str]:
+    """The variable of each field."""
+    return {name: str(field.alias) for name, field in Environment.model_fields.items()}
