@@ -16,6 +16,7 @@ from flows import (
     equipment_commands,
     explain_commands,
     history_commands,
+    operating_commands,
     options,
     station,
     store_commands,
@@ -43,6 +44,7 @@ app.add_typer(explain_commands.app)
 app.add_typer(correction_commands.app)
 app.add_typer(store_commands.app)
 app.add_typer(history_commands.app)
+app.add_typer(operating_commands.app)
 app.add_typer(equipment_commands.app, name="equipment")
 app.add_typer(station.app, name="station")
 app.add_typer(user_commands.app, name="user")

@@ -205,6 +205,16 @@ DeletedBy = Annotated[
 ]  # fmt: skip
 WouldBeDone = Annotated[bool, typer.Option("--dry-run", help="Only print what would be done.")]
 
+BackupFolder = Annotated[
+    Path, typer.Argument(metavar="DIR", help="Folder of the backups, outside the home.")
+]
+BackupName = Annotated[
+    str | None, _option("NAME", "Name of the backup; default: the newest.", "--backup")
+]
+Confirm = Annotated[bool, typer.Option("--confirm", help="Give up the way back.")]
+Back = Annotated[bool, typer.Option("--back", help="Put back the catalogue of before.")]
+AlertText = Annotated[str, typer.Argument(metavar="TEXT", help="The sentence.")]
+
 SPEED = "Simulated seconds per second of real time"
 DEMO_SPEED = f"{SPEED}; default: as fast as the procedure allows."
 PORT = "Modbus/TCP port; the unit uses the next one. 0: any two free ports."

@@ -1,5 +1,6 @@
 """The environment variables of the program, which is all of its configuration outside the home."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -61,6 +62,34 @@ class Environment(Frozen):
         description="NAME:PASSWORD with which that server is asked (the server's own "
         "PREFECT_SERVER_API_AUTH_STRING).",
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Row:
+    """A variable as it is shown: a secret as ***, nothing for one that is not set."""
+
+    variable: str
+    value: str | None
+    source: Literal["environment", "default"]
+    what: str
+
+
+def in_rows(environment: Environment) -> list[Row]:
+    """Each variable with its value and where that comes from."""
+    rows = []
+    for name, field in Environment.model_fields.items():
+        value = getattr(environment, name)
+        shown = "***" if value is not None and not field.repr else value
+        is_set = name in environment.model_fields_set
+        rows.append(
+            Row(
+                variable=str(field.alias),
+                value=None if shown is None else str(shown),
+                source="environment" if is_set else "default",
+                what=str(field.description),
+            )
+        )
+    return rows
 
 
 def variables() -> dict[str, str]:

@@ -36,12 +36,23 @@ class RecallClient(Frozen):
     channels: dict[str, Annotated[str, Field(description=CHANNEL)]]
 
 
+class Operators(Frozen):
+    """Who is alerted when something of the line or the program fails, at any hour."""
+
+    language: Literal["en", "zh"] = "en"
+    channels: dict[str, Annotated[str, Field(description=CHANNEL)]] = Field(min_length=1)
+
+
 class RecallFile(Frozen):
-    """Reminders of recalibration: who gets them on which channels, and when none is sent."""
+    """Reminders of recalibration: who gets them on which channels, and when none is sent.
+
+    operators: who gets alerts.
+    """
 
     format: Literal["mimu-recall/1"] = "mimu-recall/1"
     silent: SilentHours | None = None
     clients: tuple[RecallClient, ...] = ()
+    operators: Operators | None = None
 
     @model_validator(mode="after")
     def _each_client_once(self) -> Self:

@@ -6,6 +6,8 @@ from urllib.parse import quote
 
 from storage.environment import environment
 
+RESTORING = "restoring"  # a file in a home into which a backup is being put: its name
+
 
 @dataclass(frozen=True)
 class Home:

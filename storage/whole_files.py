@@ -55,8 +55,8 @@ def writing_to(path: Path) -> Iterator[Path]:
         with drafted(path) as draft:
             yield draft
             draft.chmod(0o444)
-            _to_disk(draft)
-        _to_disk(path.parent)
+            to_disk(draft)
+        to_disk(path.parent)
 
 
 @contextmanager
@@ -99,7 +99,8 @@ def _rename(draft: Path, path: Path) -> None:
         raise
 
 
-def _to_disk(path: Path) -> None:
+def to_disk(path: Path) -> None:
+    """Waits until a file, or the names in a folder, are on the disk."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

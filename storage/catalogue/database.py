@@ -19,7 +19,7 @@ import sqlalchemy as sql
 from schemas.base import Frozen, Unusable
 from storage.catalogue.connection import engine_of, explained, url_of
 from storage.catalogue.tables import results, units
-from storage.home import Home
+from storage.home import RESTORING, Home
 
 HEAD = "0010"  # the newest revision in storage/catalogue/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
@@ -30,7 +30,7 @@ Model = TypeVar("Model", bound=Frozen)
 
 def rows(home: Home, statement: sql.Select[Any]) -> Sequence[sql.Row[Any]]:
     """The rows of a query; a home without a catalogue has none, and none is created."""
-    made = _for_reading(home)
+    made = for_reading(home)
     if made is None:
         return []
     with explained(made), _connected(made) as connection:
@@ -65,10 +65,11 @@ def newest_results() -> sql.ColumnElement[bool]:
     return ~sql.exists().where(newer.c.supersedes == results.c.id)
 
 
-def _for_reading(home: Home) -> sql.Engine | None:
+def for_reading(home: Home) -> sql.Engine | None:
     """The engine for reading, None if there is no catalogue; a read-only file is not changed."""
     if home.path.exists() and not home.path.is_dir():
         raise Unusable(f"{home.path} is not a folder; set MIMUCAL_HOME to the folder of the home.")
+    _check_whole(home)
     url = url_of(home)
     if url.get_backend_name() != "sqlite":
         return engine_of(url, BUSY_S)
@@ -86,6 +87,15 @@ def _for_reading(home: Home) -> sql.Engine | None:
     if os.access(file, os.W_OK) and os.access(file.parent, os.W_OK):
         return engine_of(url, BUSY_S)
     return _read_only(file)
+
+
+def _check_whole(home: Home) -> None:
+    """Raises Unusable for a home into which a backup was put in part."""
+    if (home.path / RESTORING).exists():
+        raise Unusable(
+            f"{home.path} is being restored, or a restore was broken off: wait for its end, or run "
+            "the same `mimucal restore` again."
+        )
 
 
 def _is_lost(file: Path, home: Home) -> bool:
@@ -113,6 +123,7 @@ def _read_only(file: Path) -> sql.Engine:
 @contextmanager
 def changing(home: Home) -> Iterator[sql.Connection]:
     """A transaction that writes: all of it or nothing."""
+    _check_whole(home)
     made = engine_of(url_of(home), BUSY_S)
     if made.dialect.name == "sqlite":
         _make_folder(home)
@@ -146,23 +157,17 @@ def dialect(connection: sql.Connection) -> Any:
 
 @contextmanager
 def _connected(made: sql.Engine) -> Iterator[sql.Connection]:
-    """A connection to a catalogue at HEAD, which is migrated first if needed; in no transaction.
+    """A connection to a catalogue at HEAD, which is made if there is none; in no transaction.
 
-    Raises Unusable for another revision that cannot be written.
+    Raises Unusable for another revision.
     """
     connection = made.connect()
     try:
         if connection.info.get("revision") != HEAD:  # not known of this one of the pool
-            revision = _revision(connection)
-            if revision == HEAD:
-                connection.rollback()
-            elif "mode" in made.url.query:
-                file = unquote(str(made.url.database).removeprefix("file:"))
-                raise Unusable(
-                    f"{file} has revision {revision}, this program needs {HEAD}, and it cannot be "
-                    "written; copy the home to where it can be written."
-                )
-            else:
+            revision = revision_of(connection)
+            connection.rollback()
+            check_revision(made, revision)
+            if revision is None:
                 connection.close()
                 _migrate(made)
                 connection = made.connect()
@@ -182,26 +187,57 @@ def _make_folder(home: Home) -> None:
         ) from error
 
 
-def _revision(connection: sql.Connection) -> str | None:
+def check_revision(made: sql.Engine, revision: str | None) -> None:
+    """Raises Unusable for a catalogue of another revision than HEAD; a new one has none.
+
+    Nothing but `mimucal upgrade` changes a catalogue that is there: programs of the version that
+    made it go on using it.
+    """
+    where, is_read_only = repr(made.url), "mode" in made.url.query
+    if is_read_only:
+        where = unquote(str(made.url.database).removeprefix("file:"))
+    if revision is not None and revision > HEAD:
+        raise Unusable(
+            f"The catalogue {where} has revision {revision}, which this program (revision {HEAD}) "
+            "does not know; update mimucal."
+        )
+    if revision != HEAD and is_read_only:
+        raise Unusable(
+            f"{where} has revision {revision}, this program needs {HEAD}, and it cannot be "
+            "written; copy the home to where it can be written."
+        )
+    if revision is not None and revision != HEAD:
+        raise Unusable(
+            f"The catalogue {where} has revision {revision}, this program needs {HEAD}: run "
+            "`mimucal upgrade`, or go on with the version of mimucal that made it."
+        )
+
+
+def revision_of(connection: sql.Connection) -> str | None:
+    """The revision of a catalogue; None: it has no tables yet."""
     if not sql.inspect(connection).has_table("alembic_version"):
         return None
     return connection.scalar(sql.text("SELECT version_num FROM alembic_version"))
 
 
 def _migrate(made: sql.Engine) -> None:
-    """Brings the catalogue to HEAD in one transaction; others wait and find it done."""
-    from alembic import command, config, util
+    """Makes the tables in one transaction; others wait and find it done."""
+    with explained(made), made.execution_options(writes=True).begin() as connection:
+        if made.dialect.name == "postgresql":
+            lock_migrations(connection)
+        bring_to(connection, HEAD)
+
+
+def lock_migrations(connection: sql.Connection) -> None:
+    """Lets one transaction at a time of a PostgreSQL change tables."""
+    connection.execute(sql.select(sql.func.pg_advisory_xact_lock(MIGRATION_LOCK)))
+
+
+def bring_to(connection: sql.Connection, revision: str) -> None:
+    """Migrates the catalogue of a transaction to a revision, from none or from an older one."""
+    from alembic import command, config
 
     settings = config.Config()
     settings.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
-    with explained(made), made.execution_options(writes=True).begin() as connection:
-        if made.dialect.name == "postgresql":
-            connection.execute(sql.select(sql.func.pg_advisory_xact_lock(MIGRATION_LOCK)))
-        settings.attributes["connection"] = connection
-        try:
-            command.upgrade(settings, "head")
-        except util.CommandError as error:
-            raise Unusable(
-                f"The catalogue {made.url!r} has revision {_revision(connection)}, which this "
-                f"program (revision {HEAD}) does not know; update mimucal."
-            ) from error
+    settings.attributes["connection"] = connection
+    command.upgrade(settings, revision)

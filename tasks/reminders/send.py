@@ -47,10 +47,10 @@ def check_channel(name: str, url: str) -> str:
     return whole
 
 
-def send(url: str, title: str, body: str, entry: bytes) -> str | None:
+def send(url: str, title: str, body: str, entry: bytes | None) -> str | None:
     """Sends a message; gives why it could not be sent, None where it was.
 
-    entry: a calendar, which goes with it where the channel takes files.
+    entry: a calendar, if any, which goes with it where the channel takes files.
     """
     from apprise import Apprise, AppriseAttachment, NotifyFormat
     from apprise.attachment.memory import AttachMemory
@@ -59,7 +59,7 @@ def send(url: str, title: str, body: str, entry: bytes) -> str | None:
     if channel is None:
         return "the channel is not an Apprise URL"
     attached = None
-    if channel.attachment_support:
+    if entry is not None and channel.attachment_support:
         attached = AppriseAttachment()
         attached.add(AttachMemory(content=entry, name=ENTRY, mimetype="text/calendar"))
     with _warnings() as warned:

@@ -16,7 +16,7 @@ from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
 from tasks.words import Message, message
 
-Send = Callable[[str, str, str, bytes], str | None]
+Send = Callable[[str, str, str, bytes | None], str | None]
 
 
 def due_units(home: Home, until: date = date.max) -> list[DueUnit]:

@@ -1,4 +1,4 @@
-"""A home that an earlier version left: one is kept for each format on disk, and stays readable.
+"""A home that an earlier version left, upgraded: one is kept for each format on disk.
 
 `homes/2026-11-22.tar.xz` was written by the version of that day: an ideal run of JJF 2003, two
 results of it and a certificate whose PDF is a line of text.
@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Recording
+from storage.backup.upgrade import upgrade
 from storage.catalogue import certificates, results, run_index, runs
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
@@ -27,7 +28,9 @@ def earlier(request, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     with tarfile.open(request.param) as archive:
         archive.extractall(tmp_path / "home", filter="data")
-    return Home(tmp_path / "home")
+    home = Home(tmp_path / "home")
+    upgrade(home, "1")
+    return home
 
 
 def test_recording_is_read_from_its_columns_and_from_raw(

@@ -14,3 +14,4 @@ reminder-advice =
     .keep = { $unit }: within its limits after { $conforming } of { $intervals } intervals. 95 % reliability lasts { $days } days (between { $shortest } and { $longest } with 90 % probability), which does not contradict the agreed { $agreed } days: keep them.
     .shorten = { $unit }: within its limits after { $conforming } of { $intervals } intervals. 95 % reliability lasts { $days } days (between { $shortest } and { $longest } with 90 % probability), less than the agreed { $agreed } days: shorten them.
     .may-be-longer = { $unit }: within its limits after { $conforming } of { $intervals } intervals. 95 % reliability lasts { $days } days (between { $shortest } and { $longest } with 90 % probability), more than the agreed { $agreed } days: they may be longer, up to { $shortest }.
+alert-title = mimucal: something needs attention

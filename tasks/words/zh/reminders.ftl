@@ -14,3 +14,4 @@ reminder-advice =
     .keep = { $unit }：{ $intervals } 个间隔中 { $conforming } 个结束时合格。95 % 可靠度对应 { $days } 天（90 % 概率介于 { $shortest } 与 { $longest } 天之间），与约定的 { $agreed } 天不矛盾：维持不变。
     .shorten = { $unit }：{ $intervals } 个间隔中 { $conforming } 个结束时合格。95 % 可靠度对应 { $days } 天（90 % 概率介于 { $shortest } 与 { $longest } 天之间），短于约定的 { $agreed } 天：应予缩短。
     .may-be-longer = { $unit }：{ $intervals } 个间隔中 { $conforming } 个结束时合格。95 % 可靠度对应 { $days } 天（90 % 概率介于 { $shortest } 与 { $longest } 天之间），长于约定的 { $agreed } 天：可延长至 { $shortest } 天。
+alert-title = mimucal：需要处理

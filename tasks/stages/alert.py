@@ -1,0 +1,41 @@
+"""Stage: a sentence to whoever operates the line, by the channels of recall.toml."""
+
+import logging
+from dataclasses import dataclass
+
+from schemas.base import Unusable
+from storage import settings
+from storage.home import Home
+from tasks.reminders import send as sending
+from tasks.stages.remind import Send
+from tasks.words import message, say
+
+LOG = logging.getLogger("mimucal.alert")
+
+
+@dataclass(frozen=True)
+class Sent:
+    """What became of an alert on a channel; fault: why it was not taken, None where it was."""
+
+    channel: str
+    fault: str | None
+
+
+def alert(home: Home, sentence: str, send: Send = sending.send) -> list[Sent]:
+    """Sends a sentence to the operators on each of their channels, in silent hours too.
+
+    Raises Unusable where recall.toml names no operators, and for an invalid channel.
+    """
+    asked = settings.reminders(home)
+    if asked is None or asked.operators is None:
+        raise Unusable(
+            f"{home.path / settings.REMINDERS} names no operators; add [operators] with channels."
+        )
+    urls = {
+        name: sending.check_channel(name, url) for name, url in asked.operators.channels.items()
+    }
+    title = say(message("alert-title"), asked.operators.language)
+    done = [Sent(name, send(url, title, sentence, None)) for name, url in urls.items()]
+    for each in done:
+        LOG.warning("alert", extra={"channel": each.channel, "fault": each.fault})
+    return done
