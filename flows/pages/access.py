@@ -27,6 +27,7 @@ from storage.whole_files import writing_in_home
 KEY = "pages.key"
 SESSION = timedelta(hours=12)
 OPEN = ("/login", "/assets/", "/_dash-component-suites/", "/_favicon.ico")
+WATCHED = ("/health", "/metrics")  # by what watches the line; health.py says who may
 SHELL = ("/_dash-layout", "/_dash-dependencies")
 UPDATE, OF_THE_FRAME = "/_dash-update-component", "..page.children."
 ASK_AGAIN: dict[str, Any] = {  # as Dash has it for what a callback sets beside its outputs
@@ -57,7 +58,7 @@ def guard(server: Flask, home: Home) -> Gate:
 
     @server.before_request
     def let_in() -> AnyResponse | None:
-        if request.path.startswith(OPEN):
+        if request.path.startswith(OPEN) or request.path in WATCHED:
             return None
         try:
             g.visitor = _identified(users(home), gate, home)
@@ -95,10 +96,10 @@ def _identified(known: dict[str, User], gate: Gate, home: Home) -> Visitor | Non
     user = known.get(session.get("name", ""))
     if user and session.get("password") == _mark(user):
         return _visitor(user)
-    return _visitor(_by_password(known, gate)) if request.path.startswith(PREFIX) else None
+    return _visitor(by_password(known, gate)) if request.path.startswith(PREFIX) else None
 
 
-def _by_password(known: dict[str, User], gate: Gate) -> User | None:
+def by_password(known: dict[str, User], gate: Gate) -> User | None:
     """A script says its name and password with each request (HTTP basic authentication)."""
     given, address = request.authorization, request.remote_addr or ""
     if given is None or given.username is None or gate.is_shut(given.username, address):

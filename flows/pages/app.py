@@ -9,7 +9,7 @@ from flask_talisman import Talisman
 from flask_wtf.csrf import generate_csrf
 from werkzeug.wrappers import Response
 
-from flows.pages import api, shell
+from flows.pages import api, health, shell
 from flows.pages.access import guard, log_in
 from flows.pages.compressed import compress
 from flows.pages.files import files as certificate_files
@@ -86,7 +86,9 @@ def make_app(home: Home) -> Application:
     app.server.register_blueprint(certificate_files(home))
     app.server.before_request(_to_first_page)
     _keep_at_home(app, is_https=settings.pages(home).https)
-    app.server.register_blueprint(login(home, guard(app.server, home)))
+    gate = guard(app.server, home)
+    app.server.register_blueprint(login(home, gate))
+    app.server.register_blueprint(health.endpoints(home, gate))
     compress(app.server)
     return app
 

@@ -14,9 +14,10 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
-from storage.catalogue import certificates, database, dump, run_index, tables
+from storage.catalogue import certificates, database, run_index, tables
 from storage.catalogue import connection as connections
 from storage.catalogue.connection import Busy
+from storage.catalogue.dump import alone
 from storage.home import Home
 from tests.keep import take_number
 from tests.migrated import as_migrated, dump, every_revision
@@ -180,7 +181,7 @@ def test_home_of_the_first_revision_is_migrated_with_what_it_holds(
         connection.exec_driver_sql("INSERT INTO numbers VALUES ('A', 2026, 7)")
     with pytest.raises(Unusable, match=r"revision 0001.*`mimucal upgrade`"):
         database.rows(fresh, sql.select(tables.certificates))
-    with dump.alone(fresh) as connection:
+    with alone(fresh) as connection:
         database.bring_to(connection, database.HEAD)
     (row,) = database.rows(fresh, sql.select(tables.certificates))
     assert (row.calibrated_on, row.due) == (date(2026, 1, 2), date(2027, 1, 2))

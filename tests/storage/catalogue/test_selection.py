@@ -12,7 +12,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.orders import Selection
 from schemas.recording import Manifest, Recording
-from storage.catalogue import database, results, run_index, runs, tables
+from storage.catalogue import database, dump, results, run_index, runs, tables
 from storage.catalogue.completion import complete_runs
 from storage.catalogue.selection import select
 from storage.home import Home
@@ -68,6 +68,10 @@ def test_a_run_of_the_earlier_revision_gets_the_day_of_its_first_row(fresh: Home
     with database.changing(fresh) as connection:
         connection.execute(sql.update(tables.runs).values(recorded_on=None))
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '0008'"))
+    with dump.alone(fresh) as connection:
+        database.bring_to(connection, "0009")
+        connection.execute(sql.text("UPDATE alembic_version SET version_num = :head"),
+                           {"head": database.HEAD})  # fmt: skip
     assert chosen(fresh, until=date(2026, 3, 1)) == [run]
 
 
