@@ -79,7 +79,8 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     """
     _check_pool(order)
     drafts = run_orders.produce(order)
-    _show(lambda: [_show_certificate(each) for each in drafts])
+    for each in drafts:
+        _show(partial(_show_certificate, each))
     return drafts
 
 

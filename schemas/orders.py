@@ -212,7 +212,7 @@ class RemindOrder(OrderModel):
     within_days: int = Field(default=30, ge=0)
 
 
-AnyOrder = TypeVar("AnyOrder", bound=OrderModel)
+AnyOrder = TypeVar("AnyOrder", bound=Frozen)
 
 
 def order_of(kind: type[AnyOrder], **fields: Any) -> AnyOrder:

@@ -96,6 +96,15 @@ class ProductionOrders(Frozen):
     orders: tuple[ProductionOrder, ...]
 
 
+class GivenOrders(ProductionOrders):
+    """Orders that were given. new: the numbers of those that were not there before. fault: why
+    nothing can carry out one of them just now; it waits.
+    """
+
+    new: tuple[str, ...] = ()
+    fault: str | None = None
+
+
 class OrdersQuestion(Frozen):
     """Which orders are listed: those of a station, those in a state; null: all."""
 

@@ -16,6 +16,8 @@ from storage.home import Home
 
 ORDER = tables.orders.c
 JSON = ("units", "runs", "certificates")
+WAITING: tuple[State, ...] = ("waiting",)
+RUNNING: tuple[State, ...] = ("running",)
 WAITING_AGAIN: dict[str, Any] = {
     "state": "waiting", "flow_run": None, "host": None, "process": None, "ended_at": None,
 }  # fmt: skip
@@ -41,6 +43,12 @@ def _added(order: ProductionOrder, connection: sql.Connection) -> tuple[Producti
         procedure=order.procedure,
     )  # fmt: skip
     return order, True
+
+
+def check_number(order: ProductionOrder, home: Home) -> None:
+    """Raises Unusable where another order has the number of this one."""
+    for kept in numbered([order.number], home):
+        check_same(order, kept)
 
 
 def check_same(order: ProductionOrder, kept: ProductionOrder) -> None:
@@ -80,7 +88,7 @@ def listed(
 
 def waiting(home: Home, station: str | None = None) -> list[ProductionOrder]:
     """The orders that wait, the one to be taken first at the beginning."""
-    return listed(home, station, ("waiting",))
+    return listed(home, station, WAITING)
 
 
 def claim(number: str, home: Home) -> ProductionOrder | None:
@@ -153,7 +161,7 @@ def put_back(station: str, home: Home) -> list[ProductionOrder]:
     For whoever holds the station's lock of orders: every order that runs is then one whose process
     is dead.
     """
-    left = listed(home, station, ("running",))
+    left = listed(home, station, RUNNING)
     for order in left:
         changed = sql.update(tables.orders).where(
             ORDER.number == order.number, ORDER.state == "running"
