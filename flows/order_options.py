@@ -31,7 +31,7 @@ OrderState = Annotated[str | None, option("STATE", ORDER_STATES, "--state")]
 GivenNumber = Annotated[str, typer.Argument(metavar="NUMBER", help="Number of the order.")]
 VirtualId = Annotated[
     str | None,
-    option("NAME", "Id of the station; default: VIRTUAL- and the port, or 1 for port 5020.",
+    option("NAME", "Id of the station; default: VIRTUAL-PORT, or VIRTUAL-1 on port 5020.",
             "--id"),
 ]  # fmt: skip
 MountedSerial = Annotated[

@@ -18,16 +18,19 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Serve a virtual station, check and watch stations, load units.", rich_markup_mode=None
 )
+USUAL_PORT = 5020
 
 
 @app.command(epilog="Example: mimucal station serve --speed 60")
-def serve(
+def serve(  # noqa: PLR0913 (its parameters are its options)
     host: options.Host = "127.0.0.1",
-    port: options.Port = 5020,
+    port: options.Port = USUAL_PORT,
     speed: options.Speed = 1.0,
     fault: options.Faults = None,
     seed: options.Seed = 1,
     ahrs: options.Ahrs = False,
+    id_: order_options.VirtualId = None,
+    serial: order_options.MountedSerial = None,
     station_file: options.StationFile = Path("station.json"),
     truth: options.Truth = None,
 ) -> None:
@@ -37,6 +40,9 @@ def serve(
     from tasks.station.virtual.servers import serve
 
     station = virtual.virtual_station(seed, ahrs)
+    label = station.unit.model_copy(update={"label": serial})
+    own = id_ or (station.id if port == USUAL_PORT else None)
+    station = station.model_copy(update={"id": own, "unit": label})
     faults = [StationFault.parse(text) for text in fault or ()]
     if truth is not None:
         _write(truth, json.dumps(virtual.truth(station), indent=1))
