@@ -16,8 +16,8 @@ from schemas.recording import Unit
 Name = Annotated[
     str, Field(min_length=1, max_length=100, pattern=r"^[^\p{C}\p{Z}]([^\p{C}]*[^\p{C}\p{Z}])?$")
 ]
-State = Literal["waiting", "running", "done", "failed", "cancelled"]
-OPEN: tuple[State, ...] = ("waiting", "running")
+ProductionState = Literal["waiting", "running", "done", "failed", "cancelled"]
+OPEN: tuple[ProductionState, ...] = ("waiting", "running")
 
 
 class OrderedUnit(Frozen):
@@ -63,7 +63,7 @@ class ProductionOrder(Frozen):
     client_order: Order | None = None
     person: str
     ordered_at: AwareDatetime
-    state: State = "waiting"
+    state: ProductionState = "waiting"
     is_interrupted: bool = False
     attempts: int = 0
     submissions: int = 0
@@ -109,4 +109,4 @@ class OrdersQuestion(Frozen):
     """Which orders are listed: those of a station, those in a state; null: all."""
 
     station: str | None = None
-    state: State | None = None
+    state: ProductionState | None = None

@@ -10,14 +10,14 @@ from typing import Any
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.production import OPEN, ProductionOrder, State
+from schemas.production import OPEN, ProductionOrder, ProductionState
 from storage.catalogue import database, tables, trail
 from storage.home import Home
 
 ORDER = tables.orders.c
 JSON = ("units", "runs", "certificates")
-WAITING: tuple[State, ...] = ("waiting",)
-RUNNING: tuple[State, ...] = ("running",)
+WAITING: tuple[ProductionState, ...] = ("waiting",)
+RUNNING: tuple[ProductionState, ...] = ("running",)
 WAITING_AGAIN: dict[str, Any] = {
     "state": "waiting", "flow_run": None, "host": None, "process": None, "ended_at": None,
 }  # fmt: skip
@@ -75,7 +75,10 @@ def numbered(numbers: Collection[str], home: Home) -> list[ProductionOrder]:
 
 
 def listed(
-    home: Home, station: str | None = None, states: Collection[State] = (), last: int | None = None
+    home: Home,
+    station: str | None = None,
+    states: Collection[ProductionState] = (),
+    last: int | None = None,
 ) -> list[ProductionOrder]:
     """Orders, the oldest first: those of a station, in some states, the last so many; else all."""
     asked = sql.select(tables.orders).order_by(ORDER.ordered_at.desc(), ORDER.number.desc())
@@ -118,7 +121,7 @@ def note(number: str, home: Home, **what: Any) -> None:
         connection.execute(sql.update(tables.orders).where(ORDER.number == number).values(**values))
 
 
-def finish(number: str, state: State, home: Home, fault: str | None = None) -> None:
+def finish(number: str, state: ProductionState, home: Home, fault: str | None = None) -> None:
     """End an order that runs: done, or failed with its fault as a sentence."""
     ended = {"state": state, "fault": fault, "ended_at": datetime.now(UTC)}
     changed = sql.update(tables.orders).where(ORDER.number == number, ORDER.state == "running")
