@@ -19,6 +19,11 @@ from tasks.station.virtual.protocol import (
     FIXTURE_STATUS,
     FRAMES,
     MODES,
+    MOUNT_ANSWER,
+    MOUNT_REQUEST,
+    REFUSAL,
+    SERIAL_ANSWER,
+    SERIAL_REQUEST,
     TABLE_DEVICE,
     TABLE_REGISTERS,
     TABLE_STATUS,
@@ -101,6 +106,23 @@ and the acquisition asks at the terminal.
 """
 
 
+LINES = f"""\
+## Lines of text on the unit's connection
+
+Each ends with CR LF, and the answer comes among the frames. `station serve` describes the first in
+`unit_link.identify` of its station file: by it a run confirms the unit before anything turns.
+
+| sent | answered | what happens |
+|---|---|---|
+| `{SERIAL_REQUEST}` | `{SERIAL_ANSWER}V00012` | the unit tells its serial number |
+| `{MOUNT_REQUEST}SERIAL,SEED` | `{MOUNT_ANSWER}SERIAL` | another unit is mounted in its place |
+
+A unit without supply tells nothing. The unit that is mounted has the errors that the seed draws;
+its clock and counter begin at 0, so that a run that is going on stops. What cannot be done is
+answered with `{REFUSAL}` and the reason, and any other line with nothing.
+"""
+
+
 def _rows(registers: Iterable[Register]) -> list[str]:
     lines = [
         "| address | words | name | type | unit | access | meaning |",
@@ -166,6 +188,7 @@ def text() -> str:
         BEHAVIOUR,
         "The station file describes the frame in `unit_link.frame`.\n",
         *(row for kind in FRAMES for row in _frame_rows(kind)),
+        LINES,
         "## Faults of the virtual station\n",
         "`station serve --fault NAME`, or `NAME@SECONDS` of station time, from which it holds.",
         "",

@@ -18,6 +18,7 @@ from flows import (
     history_commands,
     operating_commands,
     options,
+    order_commands,
     station,
     store_commands,
     user_commands,
@@ -47,6 +48,7 @@ app.add_typer(history_commands.app)
 app.add_typer(operating_commands.app)
 app.add_typer(equipment_commands.app, name="equipment")
 app.add_typer(station.app, name="station")
+app.add_typer(order_commands.app, name="order")
 app.add_typer(user_commands.app, name="user")
 
 

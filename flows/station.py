@@ -7,26 +7,30 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flows import options
+from flows import options, order_options
 from schemas.base import Unusable
 
 if TYPE_CHECKING:
+    from schemas.production import ProductionOrder
     from schemas.station import StationFile
     from tasks.station.check_devices import Trial
 
 app = typer.Typer(
     help="Serve a virtual station, check and watch stations, load units.", rich_markup_mode=None
 )
+USUAL_PORT = 5020
 
 
 @app.command(epilog="Example: mimucal station serve --speed 60")
-def serve(
+def serve(  # noqa: PLR0913 (its parameters are its options)
     host: options.Host = "127.0.0.1",
-    port: options.Port = 5020,
+    port: options.Port = USUAL_PORT,
     speed: options.Speed = 1.0,
     fault: options.Faults = None,
     seed: options.Seed = 1,
     ahrs: options.Ahrs = False,
+    id_: order_options.VirtualId = None,
+    serial: order_options.MountedSerial = None,
     station_file: options.StationFile = Path("station.json"),
     truth: options.Truth = None,
 ) -> None:
@@ -36,6 +40,9 @@ def serve(
     from tasks.station.virtual.servers import serve
 
     station = virtual.virtual_station(seed, ahrs)
+    label = station.unit.model_copy(update={"label": serial})
+    own = id_ or (station.id if port == USUAL_PORT else None)
+    station = station.model_copy(update={"id": own, "unit": label})
     faults = [StationFault.parse(text) for text in fault or ()]
     if truth is not None:
         _write(truth, json.dumps(virtual.truth(station), indent=1))
@@ -125,6 +132,23 @@ def status(as_json: options.Json = False) -> None:
         stands = "its process died: " * is_dead + "; ".join(filter(None, shown.values()))
         rows.append((each.station, each.procedure, f"{each.at:%F %T}", stands))
     print_rows("Stations", ("station", "procedure", "UTC", "how it stands"), rows)
+
+
+@app.command(epilog="Example: mimucal station work LINE-1")
+def work(station: order_options.OrderedStation) -> None:
+    """Take the orders of a station one by one until none waits.
+
+    Without a Prefect server, `mimucal order` and the pages begin it where an order needs it.
+    """
+    from flows.production import work_at
+    from storage.home import home
+
+    def report(order: "ProductionOrder") -> None:
+        outcome = order.fault or ", ".join(order.certificates)
+        print(f"{order.number} {order.serials}: {order.state} {outcome}", flush=True)
+
+    if not work_at(station, home(), report):
+        print(f"another process takes the orders of station {station} already")
 
 
 def _as_data(trial: "Trial") -> dict[str, Any]:

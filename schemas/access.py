@@ -9,7 +9,7 @@ from schemas.base import Frozen
 
 Role = Literal["viewer", "operator", "verifier", "issuer", "administrator"]
 ROLES: tuple[Role, ...] = get_args(Role)
-Action = Literal["acquire", "reprocess", "certify", "check", "issue", "withdraw"]
+Action = Literal["acquire", "reprocess", "certify", "check", "issue", "amend", "withdraw"]
 
 # That three different persons draft, check and issue is a rule of the certificate, whatever their
 # roles: an administrator who drafted does not check.
@@ -19,6 +19,7 @@ MAY: Mapping[Action, tuple[Role, ...]] = {
     "certify": ("operator", "administrator"),
     "check": ("verifier", "administrator"),
     "issue": ("issuer", "administrator"),
+    "amend": ("operator", "administrator"),
     "withdraw": ("issuer", "administrator"),
 }
 

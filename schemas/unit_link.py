@@ -178,10 +178,23 @@ class CoefficientLines(Frozen):
     acknowledge: str = Field(min_length=1)
 
 
+class SerialQuery(Frozen):
+    """How a unit tells its own serial number, among the frames that it goes on sending.
+
+    request: the line that asks for it. answer: the text before the serial number in the unit's
+    answer, as `$SERIAL,`; the number ends at `,`, `*` or the end of the line.
+    """
+
+    request: str = Field(min_length=1)
+    terminator: str = Field(default="\r\n", min_length=1)
+    answer: str = Field(min_length=1)
+
+
 class UnitLink(Frozen):
     """The unit's data link: the source of the frames, their rate and their content.
 
-    load: how the unit receives the coefficients of its correction, if it does. url:
+    load: how the unit receives the coefficients of its correction, if it does. identify: how it
+    tells its serial number, if it does; a run then begins only where that is the one ordered. url:
     `socket://host:port`, a serial device, `udp://host:port` on which to listen, or `file:///path`
     of a file that is being written.
     """
@@ -191,3 +204,12 @@ class UnitLink(Frozen):
     rate_hz: Finite = Field(gt=0)
     frame: Annotated[AnyFrame, Field(discriminator="kind")]
     load: CoefficientLines | None = None
+    identify: SerialQuery | None = None
+
+    @model_validator(mode="after")
+    def _can_be_asked(self) -> Self:
+        if self.identify is not None and self.url.startswith(("udp://", "file://")):
+            raise ValueError(
+                f"identify asks the unit, and url {self.url} can only be read from: leave it out"
+            )
+        return self

@@ -1,5 +1,6 @@
 """The stations of a home: their station files, in its `stations` folder."""
 
+from contextlib import suppress
 from pathlib import Path
 
 from schemas.base import Unusable
@@ -17,6 +18,15 @@ def station_files(home: Home) -> tuple[str, ...]:
     """The names of those files."""
     found = (path.name for path in folder_of(home).glob("*") if path.suffix in (".toml", ".json"))
     return tuple(sorted(name for name in found if not name.startswith(".")))
+
+
+def station_ids(home: Home) -> tuple[str, ...]:
+    """The ids of the home's stations, as far as their files can be read."""
+    found = set()
+    for name in station_files(home):
+        with suppress(Unusable):
+            found.add(settings.read(folder_of(home) / name, StationFile).station.id)
+    return tuple(sorted(found))
 
 
 def file_of(station: str, home: Home) -> Path:
@@ -37,3 +47,9 @@ def file_of(station: str, home: Home) -> Path:
             "counts"
         )
     return found[0]
+
+
+def file_named(station: str, home: Home) -> Path:
+    """A station file by its path, or by the id of its station; raises Unusable as `file_of`."""
+    path = Path(station)
+    return path if path.suffix.lower() in settings.READERS else file_of(station, home)

@@ -14,7 +14,8 @@ from flask import Flask, Response, g, jsonify, redirect, request, session
 from flask_wtf.csrf import CSRFError, CSRFProtect, generate_csrf
 from werkzeug.wrappers import Response as AnyResponse
 
-from flows.pages.api import PREFIX, refusal
+from flows.pages.api import PREFIX
+from flows.pages.json_answers import refusal
 from flows.pages.passwords import Gate
 from schemas.access import User, Visitor
 from schemas.base import Unusable
@@ -52,6 +53,7 @@ def guard(server: Flask, home: Home) -> Gate:
         SESSION_COOKIE_HTTPONLY=True,
         SESSION_COOKIE_SAMESITE="Lax",
         SESSION_COOKIE_SECURE=pages.https,
+        WTF_CSRF_CHECK_DEFAULT=False,  # `not_forged` does, but for a script with its password
         WTF_CSRF_TIME_LIMIT=None,  # as long as the session: a tablet stays on its page
         WTF_CSRF_SSL_STRICT=False,  # Talisman's referrer policy sends none
     )
@@ -66,7 +68,14 @@ def guard(server: Flask, home: Home) -> Gate:
             return _without_database(str(error))
         return None if g.visitor else _turned_away()
 
-    CSRFProtect(server)
+    tokens = CSRFProtect(server)
+
+    @server.before_request
+    def not_forged() -> None:
+        # A browser that knows a password sends it by itself, but no form of another site JSON.
+        if not (g.get("by_password") and request.is_json):
+            tokens.protect()
+
     server.register_error_handler(CSRFError, lambda error: refusal(400, str(error.description)))
 
     @server.after_request
@@ -96,7 +105,11 @@ def _identified(known: dict[str, User], gate: Gate, home: Home) -> Visitor | Non
     user = known.get(session.get("name", ""))
     if user and session.get("password") == _mark(user):
         return _visitor(user)
-    return _visitor(by_password(known, gate)) if request.path.startswith(PREFIX) else None
+    if not request.path.startswith(PREFIX):
+        return None
+    user = by_password(known, gate)
+    g.by_password = user is not None
+    return _visitor(user)
 
 
 def by_password(known: dict[str, User], gate: Gate) -> User | None:

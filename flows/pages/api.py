@@ -1,17 +1,20 @@
 """The JSON endpoint of each page, and their OpenAPI description."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from flask import Blueprint, Response, request
 from pydantic import ValidationError
 from pydantic.json_schema import models_json_schema
 
+from flows.pages import orders_api
+from flows.pages.json_answers import json_answer, refusal
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.pages.unanswered import Unanswered
+from schemas.production import OrderRequest, OrdersQuestion, ProductionOrder, ProductionOrders
 from storage.catalogue.connection import Busy
 from storage.home import Home
 from tasks.version import code_version
@@ -25,11 +28,13 @@ REFUSALS = {
 
 
 def endpoints(home: Home) -> Blueprint:
-    """GET /api/v1/NAME for each page, and /api/v1/openapi.json."""
+    """GET /api/v1/NAME for each page, /api/v1/orders and /api/v1/openapi.json."""
     made = Blueprint("api", __name__, url_prefix=PREFIX)
     for page in PAGES:
         made.add_url_rule(f"/{page.name}", page.name, _answering(page, home), methods=["GET"])
-    made.add_url_rule("/openapi.json", "openapi", lambda: _json(json.dumps(openapi())))
+    made.add_url_rule("/orders", "orders", lambda: orders_api.listed(home), methods=["GET"])
+    made.add_url_rule("/orders", "order", lambda: orders_api.give(home), methods=["POST"])
+    made.add_url_rule("/openapi.json", "openapi", lambda: json_answer(json.dumps(openapi())))
     return made
 
 
@@ -37,7 +42,7 @@ def _answering(page: Page, home: Home) -> Callable[[], Response]:
     def answer() -> Response:
         try:
             question = page.question.model_validate(request.args.to_dict())
-            return _json(page.data(question, home).model_dump_json())
+            return json_answer(page.data(question, home).model_dump_json())
         except ValidationError as error:
             return refusal(400, first_fault(error))
         except Busy as error:
@@ -48,40 +53,70 @@ def _answering(page: Page, home: Home) -> Callable[[], Response]:
     return answer
 
 
-def refusal(status: int, sentence: str) -> Response:
-    """An answer that gives nothing but the reason."""
-    return _json(Unanswered(error=sentence).model_dump_json(), status)
-
-
-def _json(text: str, status: int = 200) -> Response:
-    return Response(text, status, mimetype="application/json")
-
-
 def openapi() -> dict[str, Any]:
     """The description of all endpoints (OpenAPI 3.1), made of the models of the pages."""
     models: list[tuple[type[Frozen], Any]] = [(page.answer, "serialization") for page in PAGES]
+    of_orders: list[tuple[type[Frozen], Any]] = [
+        (OrderRequest, "validation"), (ProductionOrder, "serialization"),
+        (ProductionOrders, "serialization"),
+    ]  # fmt: skip
     _, schemas = models_json_schema(
-        [*models, (Unanswered, "serialization")], ref_template="#/components/schemas/{model}"
+        [*models, *of_orders, (Unanswered, "serialization")],
+        ref_template="#/components/schemas/{model}",
     )
     return {
         "openapi": "3.1.0",
         "info": {"title": "mimucal", "version": code_version()},
-        "paths": {f"{PREFIX}/{page.name}": {"get": _operation(page)} for page in PAGES},
+        "paths": {f"{PREFIX}/{page.name}": {"get": _operation(page)} for page in PAGES}
+        | {f"{PREFIX}/orders": {"get": _orders_listed(), "post": _order_given()}},
         "components": {"schemas": schemas["$defs"]},
     }
 
 
 def _operation(page: Page) -> dict[str, Any]:
-    refused = {
-        str(status): {"description": text, "content": _content(Unanswered)}
-        for status, text in REFUSALS.items()
-    }
-    given = {"200": {"description": "What the page shows.", "content": _content(page.answer)}}
     return {
         "operationId": page.name,
         "summary": page.about(View()),
         "parameters": list(_parameters(page.question)),
-        "responses": given | refused,
+        "responses": _answers({200: ("What the page shows.", page.answer)}, REFUSALS),
+    }
+
+
+def _orders_listed() -> dict[str, Any]:
+    return {
+        "operationId": "orders",
+        "summary": "Production orders, the oldest first, and what became of them",
+        "parameters": list(_parameters(OrdersQuestion)),
+        "responses": _answers({200: ("The orders.", ProductionOrders)}, REFUSALS),
+    }
+
+
+def _order_given() -> dict[str, Any]:
+    given = {
+        201: ("The order is in the queue of its station.", ProductionOrder),
+        200: ("It was there already: the same content under the same number.", ProductionOrder),
+    }
+    refused = REFUSALS | {
+        400: "The order cannot be carried out; every fault of the document is named.",
+        403: "The role does not allow orders.",
+    }
+    return {
+        "operationId": "order",
+        "summary": "Order the calibration of a unit, by HTTP basic authentication",
+        "requestBody": {"required": True, "content": _content(OrderRequest)},
+        "responses": _answers(given, refused),
+    }
+
+
+def _answers(
+    given: Mapping[int, tuple[str, type[Frozen]]], refused: Mapping[int, str]
+) -> dict[str, Any]:
+    every: dict[int, tuple[str, type[Frozen]]] = {**given} | {
+        status: (text, Unanswered) for status, text in refused.items()
+    }
+    return {
+        str(status): {"description": text, "content": _content(model)}
+        for status, (text, model) in every.items()
     }
 
 

@@ -8,7 +8,8 @@ import sqlalchemy as sql
 from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
 from dash.development.base_component import Component
 
-from flows.pages.orders import FIELDS, Orders
+from flows import order_queue
+from flows.pages.orders import FIELDS, Orders, tolerance_files
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.parts import table
 from flows.pages.states import Kind, StepState, badge
@@ -16,15 +17,22 @@ from schemas.access import MAY, Action
 from schemas.base import Unusable
 from schemas.certificate import LIVE
 from schemas.pages.do import DoQuestion, DoShown, GivenOrder, WaitingCertificate
-from storage.catalogue import database, tables
+from schemas.production import OPEN, ProductionOrder, ProductionState
+from storage.catalogue import database, orders, tables
 from storage.home import Home
-from storage.stations import station_files
+from storage.stations import station_ids
 from tasks.station import procedures
 from tasks.words import message
 
 REFRESH_MS = 3000
 SHOWN = 500  # certificates to choose from, the last ones
-STEP_OF = {"check": "draft", "issue": "checked", "withdraw": "issued"}
+STEP_OF = {"check": "draft", "issue": "checked", "amend": "issued", "withdraw": "issued"}
+ENDED: tuple[ProductionState, ...] = ("done", "failed", "cancelled")
+ENDED_SHOWN = 50  # production orders that ended, the last ones
+KINDS: dict[str, Kind] = {
+    "waiting": "none", "running": "open", "done": "good", "failed": "bad", "cancelled": "none",
+}  # fmt: skip
+STEPS = {"waiting": "cancel", "failed": "retry", "cancelled": "retry"}
 
 
 @cache
@@ -40,8 +48,11 @@ def data(_: DoQuestion, home: Home) -> DoShown:
     asked = sql.select(*named).join_from(tables.certificates, tables.units)
     newest = asked.where(paper.state.in_(LIVE)).order_by(paper.kept_at.desc()).limit(SHOWN)
     return DoShown(
-        stations=station_files(home),
+        stations=station_ids(home),
         procedures=procedures.names(),
+        client_orders=order_queue.client_orders_of(home),
+        tolerances=tolerance_files(home),
+        production=production(home),
         certificates=tuple(
             WaitingCertificate(
                 number=row.number,
@@ -54,6 +65,12 @@ def data(_: DoQuestion, home: Home) -> DoShown:
     )
 
 
+def production(home: Home) -> tuple[ProductionOrder, ...]:
+    """Orders of the stations: every one that is open, and the last ones that ended."""
+    ended = orders.listed(home, states=ENDED, last=ENDED_SHOWN)
+    return (*ended, *orders.listed(home, states=OPEN))
+
+
 def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
     """A form for each order that the role allows; the orders given here; who may give which."""
     allowed = [action for action in FIELDS if view.visitor.may(action)]
@@ -64,6 +81,8 @@ def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
         [
             dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
             dmc.Box(id="do-answer"),
+            dmc.Title(view.say(message("pages-do-queue")), order=3),
+            dmc.Box(_production(shown.production, view), id="do-production"),
             dmc.Title(view.say(message("pages-do-orders")), order=3),
             dmc.Box(_orders(shown.orders, view), id="do-orders"),
             dcc.Interval(id="do-again", interval=REFRESH_MS),
@@ -86,11 +105,13 @@ def _field(
     chosen: dict[str, list[str]] = {
         "procedure": list(shown.procedures),
         "certificate": [c.number for c in shown.certificates if c.state == STEP_OF.get(action)],
+        "client_order": list(shown.client_orders),
+        "tolerance": list(shown.tolerances),
     }
     if action == "acquire":
         chosen["station"] = list(shown.stations)
     id_ = {"of": action, "field": name}
-    label = view.say(message(f"pages-do-field.{name}"))
+    label = view.say(message(f"pages-do-field.{name.replace('_', '-')}"))
     if name not in chosen:
         return dmc.TextInput(id=id_, label=label, value=getattr(question, name, None) or "")
     given = getattr(question, name, None)
@@ -101,20 +122,51 @@ def _field(
 def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
     if not given:
         return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
-    kinds: dict[str, Kind] = {"running": "open", "done": "good", "failed": "bad"}
     rows = [
         (
             f"{each.at:%F %T}",
             each.person,
             view.say(message(f"pages-action.{each.action}")),
             each.subject,
-            badge(StepState(message(f"pages-order.{each.state}"), kinds[each.state]), view),
+            badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
             each.fault,
         )
         for each in given
     ]
     names = ("at", "person", "action", "subject", "state", "fault")
     return table([message(f"pages-order-column.{name}") for name in names], rows, view)
+
+
+def _production(ordered: tuple[ProductionOrder, ...], view: View) -> Component:
+    """The queue by station, unit and procedure, with what can be done about each order."""
+    if not ordered:
+        return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
+    rows = [
+        (
+            each.station,
+            each.serials,
+            each.procedure,
+            badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
+            each.person,
+            f"{each.ordered_at:%F %T}",
+            each.number,
+            each.fault or ", ".join(each.certificates),
+            _step(each, view),
+        )
+        for each in ordered
+    ]
+    names = (
+        "station", "unit", "procedure", "state", "person", "at", "number", "outcome", "step",
+    )  # fmt: skip
+    return table([message(f"pages-order-column.{name}") for name in names], rows, view)
+
+
+def _step(order: ProductionOrder, view: View) -> Component | None:
+    step = STEPS.get(order.state)
+    if step is None or not view.visitor.may("acquire"):
+        return None
+    id_ = {"step": step, "number": order.number}
+    return dmc.Button(view.say(message(f"pages-order-step.{step}")), id=id_, size="xs")
 
 
 def _roles(view: View) -> Component:
@@ -136,9 +188,24 @@ def _roles(view: View) -> Component:
 def callbacks(app: Dash, home: Home) -> None:
     """A button gives its order, in the name of whoever is logged in."""
 
-    @app.callback(Output("do-orders", "children"), Input("do-again", "n_intervals"))
-    def refresh(_: int | None) -> Component:
-        return _orders(orders_of(home).given(), view_of_request())
+    @app.callback(
+        Output("do-production", "children"),
+        Output("do-orders", "children"),
+        Input("do-again", "n_intervals"),
+    )
+    def refresh(_: int | None) -> tuple[Component, Component]:
+        view = view_of_request()
+        return _production(production(home), view), _orders(orders_of(home).given(), view)
+
+    @app.callback(
+        Output("do-answer", "children", allow_duplicate=True),
+        Input({"step": ALL, "number": ALL}, "n_clicks"),
+        prevent_initial_call=True,
+    )
+    def take_step(clicks: list[int | None]) -> Any:
+        if not any(clicks) or not isinstance(ctx.triggered_id, dict):
+            return no_update
+        return step_answer(ctx.triggered_id, view_of_request(), home)
 
     @app.callback(
         Output("do-answer", "children"),
@@ -171,6 +238,19 @@ def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Compo
         return dmc.Alert(str(error), title=title, color="red")
     done = message("pages-do-done", action=message(f"pages-action.{action}"), subject=subject)
     return dmc.Alert(view.say(done), color="green")
+
+
+def step_answer(button: dict[str, str], view: View, home: Home) -> Component:
+    """Cancels an order of a queue or repeats it; what became of it, as a sentence."""
+    try:
+        subject = orders_of(home).queue_step(button["step"], button["number"], view.visitor)
+    except Unusable as error:
+        title = view.say(message("pages-do-refused"))
+        return dmc.Alert(str(error), title=title, color="red")
+    step = message(f"pages-order-step.{button['step']}")
+    return dmc.Alert(
+        view.say(message("pages-do-done", action=step, subject=subject)), color="green"
+    )
 
 
 PAGE = Page("do", DoQuestion, DoShown, data, layout, callbacks=callbacks)

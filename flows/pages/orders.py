@@ -1,7 +1,8 @@
 """Orders given on the pages: checked against the role, then carried out as by the command line.
 
-The steps of a certificate are taken at once. A run, a re-processing and a draft take minutes: each
-is a process of the command line with a log in the home, and outlives the server of the pages.
+The steps of a certificate are taken at once. A run goes into the queue of its station. A
+re-processing, a draft and an amendment take minutes: each is a process of the command line with a
+log in the home, and outlives the server of the pages.
 """
 
 import os
@@ -12,25 +13,27 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from flows import run_orders
+from flows import order_queue, run_orders
+from flows.order_files import client_order_named, request_of
 from schemas.access import MAY, Action, Visitor
 from schemas.base import Unusable
 from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder
-from schemas.orders import AcquireOrder, ReprocessOrder, order_of
+from schemas.orders import ReprocessOrder, order_of
 from schemas.pages.do import GivenOrder, OrderState
-from storage.catalogue import database, trail
+from storage import settings
+from storage.catalogue import certificates, database, trail
 from storage.catalogue.run_index import find
 from storage.home import Home
-from storage.stations import folder_of, station_files
 from storage.whole_files import writing_in_home
 from tasks.station import procedures
 
 LAST_LINE = 500  # characters of the log that a failed order shows
 FIELDS: Mapping[Action, tuple[str, ...]] = {  # of each order; whatever else is sent is left out
-    "acquire": ("station", "procedure"),
+    "acquire": ("station", "serial", "manufacturer", "model", "procedure", "client_order"),
     "certify": ("run",),
     "check": ("certificate", "reason"),
     "issue": ("certificate", "reason"),
+    "amend": ("certificate", "reason", "tolerance"),
     "withdraw": ("certificate", "reason"),
     "reprocess": ("since", "until", "model", "serial", "station"),
 }
@@ -78,16 +81,13 @@ class Orders:
 
         Raises Unusable where the role does not allow it, and for what cannot be carried out.
         """
-        if not visitor.may(action):
-            raise Unusable(
-                f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not do this: "
-                f"{action} is for {' and '.join(MAY[action])}"
-            )
+        check_may(action, visitor)
         given = {name: fields.get(name, "").strip() for name in FIELDS[action]}
         kept = {name: value for name, value in given.items() if value}
         steps: dict[Action, Callable[[Fields, str], str]] = {
             "acquire": self._acquire, "reprocess": self._reprocess, "certify": self._certify,
-            "check": self._check, "issue": self._issue, "withdraw": self._withdraw,
+            "check": self._check, "issue": self._issue, "amend": self._amend,
+            "withdraw": self._withdraw,
         }  # fmt: skip
         return steps[action](kept, visitor.name)
 
@@ -109,21 +109,44 @@ class Orders:
         run = find(fields.get("run", ""), self._home).id
         return self._begin("certify", run, person, [run])
 
-    def _acquire(self, fields: Fields, person: str) -> str:
-        """A station file of the home, and a procedure that comes with the program.
+    def _amend(self, fields: Fields, person: str) -> str:
+        """An issued certificate of the catalogue, with limits of the home."""
+        number = certificates.entry_of(fields.get("certificate", ""), self._home).number
+        options = [number, f"--why={fields.get('reason', '')}"]
+        if name := fields.get("tolerance"):
+            if name not in tolerance_files(self._home):
+                raise Unusable(f"there are no limits {name!r} in {self._home.tolerances}")
+            options.append(f"--tolerance={self._home.tolerances / name}")
+        return self._begin("amend", number, person, options)
 
-        What a person at a terminal would be asked is refused beforehand.
-        """
-        name, procedure = fields.get("station", ""), fields.get("procedure", "jjf2003")
-        if name not in station_files(self._home):
-            raise Unusable(f"there is no station file {name!r} in {folder_of(self._home)}")
-        path = str(folder_of(self._home) / name)
-        procedures.load(procedure)
-        order = AcquireOrder(
-            home=str(self._home.path), station=path, procedure=procedure, attended=False
+    def _acquire(self, fields: Fields, person: str) -> str:
+        """An order for the queue of a station, by a procedure that comes with the program."""
+        procedures.load(fields.get("procedure", "jjf2003"))
+        name = fields.get("client_order", "")
+        if name and name not in order_queue.client_orders_of(self._home):
+            folder = order_queue.client_order_folder(self._home)
+            raise Unusable(f"there is no client's order {name!r} in {folder}")
+        named = {each: fields[each] for each in ("manufacturer", "model") if each in fields}
+        serials = [each.strip() for each in fields.get("serial", "").split(",")]
+        request = request_of(
+            station=fields.get("station", ""),
+            units=[named | {"serial": serial} for serial in serials],
+            client_order=client_order_named(name, order_queue.client_order_folder(self._home)),
+            **({"procedure": fields["procedure"]} if "procedure" in fields else {}),
         )
-        run_orders.check_acquisition(order)
-        return self._begin("acquire", name, person, [path, "--procedure", procedure])
+        given = order_queue.give(request, person, self._home)
+        about = f"{given.order.serials} ({given.order.number})"
+        return f"{about}; {given.fault}" if given.fault else about
+
+    def queue_step(self, step: str, number: str, visitor: Visitor) -> str:
+        """Cancels an order of a queue, or has it carried out again; gives what it is about.
+
+        Raises Unusable as `give` does.
+        """
+        check_may("acquire", visitor)
+        if step == "cancel":
+            return order_queue.cancel(number, visitor.name, self._home).serials
+        return order_queue.retry(number, visitor.name, self._home).order.serials
 
     def _reprocess(self, fields: Fields, person: str) -> str:
         order_of(ReprocessOrder, **fields)
@@ -144,3 +167,18 @@ class Orders:
             )  # fmt: skip
         self._running.append(Running(action, subject, person, now, process, log))
         return subject
+
+
+def check_may(action: Action, visitor: Visitor) -> None:
+    """Raises Unusable for whom the role does not allow an action."""
+    if not visitor.may(action):
+        raise Unusable(
+            f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not do this: "
+            f"{action} is for {' and '.join(MAY[action])}"
+        )
+
+
+def tolerance_files(home: Home) -> tuple[str, ...]:
+    """The limits of the home, by the names of their files."""
+    found = (path for path in home.tolerances.glob("*") if path.suffix in settings.READERS)
+    return tuple(sorted(path.name for path in found))

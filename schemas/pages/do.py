@@ -7,6 +7,7 @@ from pydantic import AwareDatetime
 from schemas.access import Action
 from schemas.base import Frozen
 from schemas.certificate import State
+from schemas.production import ProductionOrder
 
 OrderState = Literal["running", "done", "failed"]
 
@@ -38,9 +39,16 @@ class GivenOrder(Frozen):
 
 
 class DoShown(Frozen):
-    """Station files of the home, procedures, certificates that wait, and the orders given here."""
+    """What there is to choose from, the queue of the stations, and the other orders given here.
+
+    stations: ids. client_orders, tolerances: names of the home's files. production: the orders that
+    wait or run, and the last ones that ended, the oldest first.
+    """
 
     stations: tuple[str, ...]
     procedures: tuple[str, ...]
+    client_orders: tuple[str, ...]
+    tolerances: tuple[str, ...]
+    production: tuple[ProductionOrder, ...]
     certificates: tuple[WaitingCertificate, ...]
     orders: tuple[GivenOrder, ...]

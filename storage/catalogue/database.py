@@ -21,7 +21,7 @@ from storage.catalogue.connection import engine_of, explained, url_of
 from storage.catalogue.tables import results, units
 from storage.home import RESTORING, Home
 
-HEAD = "0010"  # the newest revision in storage/catalogue/migrations/versions
+HEAD = "0011"  # the newest revision in storage/catalogue/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
 

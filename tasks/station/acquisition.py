@@ -108,8 +108,8 @@ def acquire(request: RunRequest) -> tuple[Acquired, ...]:
 
 
 async def _acquire(request: RunRequest) -> tuple[Acquired, ...]:
-    links = [recording.station.unit_link for recording in request.recordings]
-    async with connected(request.station, links, request.ask) as bench:
+    places = [recording.station for recording in request.recordings]
+    async with connected(request.station, places, request.ask) as bench:
         return await run(request, bench)
 
 

@@ -14,6 +14,7 @@ from schemas.station import StationFile
 from schemas.text import Statement
 from tasks.station.clock import wall_s
 from tasks.station.drivers.devices import Devices
+from tasks.station.drivers.identity import serial_of
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
 from tasks.station.plan import SetPoint, move_s
@@ -59,6 +60,8 @@ async def _check(station: StationFile, move: bool) -> tuple[Trial, ...]:
             await trials.of("fixture", "found", fixture, _is_one)
         for alone in station.per_unit():
             name = f"unit {alone.unit.serial}" if station.other_units else "unit"
+            if alone.unit_link.identify is not None:
+                await trials.of(name, "serial", _serial(alone), _itself)
             await trials.of(name, "samples", _unit(alone), _itself)
     finally:
         await devices.hang_up()
@@ -165,6 +168,14 @@ async def _unit(station: StationFile) -> Message:
         bad=unit.bad_frames,
         means=tuple(f"{name} {mean:.4g}" for name, mean in channels),
     )
+
+
+async def _serial(station: StationFile) -> Message:
+    """The serial number that the unit tells, whichever the station file names."""
+    link = station.unit_link
+    assert link.identify is not None
+    serial = serial_of(link, link.identify)
+    return message("station-check-serial", serial=serial, named=station.unit.serial)
 
 
 async def _climate_of(devices: Devices, station: StationFile) -> Climate:

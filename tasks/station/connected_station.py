@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 
 from schemas.procedure import Refix
 from schemas.station import StationFile
-from schemas.unit_link import UnitLink
 from tasks.station.drivers.devices import Devices
+from tasks.station.drivers.identity import confirm
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
 from tasks.station.ports import Ask, Chamber, Climate, EncoderBlock, Fixture, Table, TableState
@@ -148,12 +148,14 @@ class Bench:
 
 @asynccontextmanager
 async def connected(
-    station: StationFile, links: Sequence[UnitLink], ask: Ask | None
+    station: StationFile, places: Sequence[StationFile], ask: Ask | None
 ) -> AsyncIterator[Bench]:
-    """The bench of a station file with the units at some links, for the length of the block.
+    """The bench of a station file for the length of the block.
 
-    Raises Unusable where the table or a unit's line cannot be reached, and where the chamber is to
-    be set and its driver cannot set it.
+    places: the station once for each unit that is measured, as if it were alone.
+    Raises Unusable where the table or a unit's line cannot be reached, where another unit is
+    mounted than the one that is named, and where the chamber is to be set and its driver cannot
+    set it.
     """
     names = tuple(axis.name for axis in station.station.table_axes or ())
     devices = Devices(names)
@@ -166,9 +168,12 @@ async def connected(
             is_set = station.limits.chamber is not None
             found = await drivers.do(devices.chamber(station.chamber, is_set))
             chamber = BusChamber(found, drivers)
+            for place in places:
+                confirm(place.unit, place.unit_link)
             with ExitStack() as lines:
                 units = tuple(
-                    UnitDriver(link, lines.enter_context(closing(UnitLine(link)))) for link in links
+                    UnitDriver(link, lines.enter_context(closing(UnitLine(link))))
+                    for link in (place.unit_link for place in places)
                 )
                 yield Bench(table, chamber, fixture, units, drivers.do)
         finally:

@@ -18,7 +18,7 @@ from tasks.station.plan import PlannedSegment
 from tasks.station.requirements import mount_in
 
 GAP_INTERVALS = 1.5
-NOT_OF_THE_FRAMES = {"url", "baudrate", "load"}
+NOT_OF_THE_FRAMES = {"url", "baudrate", "load", "identify"}
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from schemas.limits import ChamberLimits
 from schemas.recording import Mount, TableAxis
 from schemas.station import StationFile
 from tasks.station import stations
-from tasks.station.virtual.protocol import FRAMES, TRIADS
+from tasks.station.virtual.protocol import FRAMES, SERIAL_ANSWER, SERIAL_REQUEST, TRIADS
 from tasks.station.virtual.unit import G, UnitTruth, draw_ahrs, draw_unit
 from tasks.words import Message, message, say
 
@@ -64,10 +64,11 @@ class Air(Frozen):
 class VirtualStation(Frozen):
     """Everything that is so at the station, whether the program knows it or not.
 
-    neighbours: further units on the table, seated as `unit` is; faults are of `unit` alone.
+    id: null is one made of the port. neighbours: further units on the table, seated as `unit` is;
+    faults are of `unit` alone.
     """
 
-    id: str = "VIRTUAL-1"
+    id: str | None = "VIRTUAL-1"
     latitude_deg: Finite = Field(default=39.9, ge=-90, le=90)
     gravity_m_s2: Finite = Field(default=9.8015, gt=9.7, lt=9.9)
     heading_deg: Finite = 0.0
@@ -102,6 +103,7 @@ def station_file(
         _unit(truth, config.mount, f"socket://{host}:{port}")
         for truth, port in zip((config.unit, *config.neighbours), unit_ports, strict=True)
     ]
+    name = config.id or f"VIRTUAL-{modbus_port}"
     devices = tomllib.loads((files(stations) / "mimucal.toml").read_text(encoding="utf-8"))
     devices = {name: devices[name] for name in ("table", "chamber", "fixture")}
     for device in devices.values():
@@ -111,7 +113,7 @@ def station_file(
         **units[0],
         "other_units": units[1:],
         "station": {
-            "id": config.id,
+            "id": name,
             "latitude_deg": config.latitude_deg,
             "gravity_m_s2": config.gravity_m_s2,
             "heading_deg": config.heading_deg,
@@ -119,20 +121,20 @@ def station_file(
             "clock_speed": speed,
         },
         "limits": {"chamber": config.chamber},
-        "equipment": _equipment(len(config.table.axes)),
+        "equipment": _equipment(name, len(config.table.axes)),
     })  # fmt: skip
 
 
 def _unit(truth: UnitTruth, mount: Mount, url: str) -> dict[str, Any]:
     """A unit and its line, as a station file has them."""
-    letter, model = ("V", "V-MIMU") if truth.angle_lsb is None else ("A", "V-AHRS")
+    link = {"url": url, "rate_hz": truth.rate_hz, "frame": _frame(truth)}
     return {
-        "unit_link": {"url": url, "rate_hz": truth.rate_hz, "frame": _frame(truth)},
+        "unit_link": link | {"identify": {"request": SERIAL_REQUEST, "answer": SERIAL_ANSWER}},
         "mount": mount,
         "unit": {
             "manufacturer": "Virtual",
-            "model": model,
-            "serial": f"{letter}{truth.seed:05d}",
+            "model": "V-MIMU" if truth.angle_lsb is None else "V-AHRS",
+            "serial": truth.serial,
             "rate_range_deg_s": round(math.degrees(truth.gyro.full_scale), 6),
             "accel_range_g": round(truth.accel.full_scale / G, 6),
             "output_rate_hz": truth.rate_hz,
@@ -175,7 +177,7 @@ def _frame(unit: UnitTruth) -> dict[str, Any]:
     }
 
 
-def _equipment(axes: int) -> tuple[MeasurementStandard, ...]:
+def _equipment(station: str, axes: int) -> tuple[MeasurementStandard, ...]:
     """The measurement standards, with made-up numbers that say so."""
     table = LIMITS if axes == 1 else LIMITS | LIMITS_BETWEEN_AXES
     rows: tuple[tuple[str, Message, str, dict[LimitName, float]], ...] = (
@@ -187,7 +189,7 @@ def _equipment(axes: int) -> tuple[MeasurementStandard, ...]:
         MeasurementStandard(
             name=say(name, "en"),
             name_zh=say(name, "zh"),
-            serial=f"VIRTUAL-{serial}",
+            serial=f"{station}-{serial}",
             accuracy=accuracy,
             certificate="VIRTUAL",
             traceable=False,

@@ -141,3 +141,7 @@ FRAMES = {
     "rates": Frame(sync=0x55AA, triads=(("gyro", "i"), ("accel", "i"))),
     "angles": Frame(sync=0x55AB, triads=(("angle", "q"), ("accel", "i"))),
 }
+
+# Lines of text on a unit's connection, each ended by CR LF; answers come among the frames.
+SERIAL_REQUEST, SERIAL_ANSWER = "$SERIAL?", "$SERIAL,"
+MOUNT_REQUEST, MOUNT_ANSWER, REFUSAL = "$MOUNT,", "$MOUNTED,", "$REFUSED,"

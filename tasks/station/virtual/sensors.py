@@ -51,9 +51,9 @@ class SensorNoise:
 class Thermometer:
     """The unit's inside warms toward the air plus its own heat."""
 
-    def __init__(self, unit: UnitTruth, air_degc: float) -> None:
+    def __init__(self, unit: UnitTruth, air_degc: float, on_s: float) -> None:
         self._unit = unit
-        self._last = (0.0, air_degc)
+        self._last = (on_s, air_degc)
 
     def read(self, t: np.ndarray, air_degc: float) -> np.ndarray:
         """Temperature (n,) degC at station times t (s) behind the last ones, the air held."""
@@ -77,20 +77,23 @@ def to_counts(triad: TriadTruth, values: np.ndarray) -> np.ndarray:
 
 
 class UnitUnderTest:
-    """Takes the plant's motion, gives samples at the unit's own times."""
+    """Takes the plant's motion, gives samples at the unit's own times.
 
-    def __init__(self, unit: UnitTruth, air_degc: float) -> None:
+    step: of the plant at which it was mounted.
+    """
+
+    def __init__(self, unit: UnitTruth, air_degc: float, step: int = 0) -> None:
         self._unit = unit
         self._gyro = LowPass(unit.gyro.bandwidth_hz)
         self._accel = LowPass(unit.accel.bandwidth_hz)
         self._noise = SensorNoise(unit)
-        self._thermometer = Thermometer(unit, air_degc)
+        self._thermometer = Thermometer(unit, air_degc, step * STEP_S)
         self._rows = np.array(unit.accel.scale)
         self._places = np.array(unit.places_m)
         self._last = np.empty((6, 0))
-        self._step = 0  # of the first value that comes next
+        self._step = step  # of the first value that comes next
         self._number = 0  # of the sample that comes next
-        self._on_s = unit.clock_offset_s  # station time of its power-on
+        self._on_s = step * STEP_S + unit.clock_offset_s  # station time of its power-on
         self._is_on = True
 
     def switch_off(self) -> None:
@@ -193,8 +196,8 @@ class Ahrs(UnitUnderTest):
     It has no gyro low-pass.
     """
 
-    def __init__(self, unit: UnitTruth, air_degc: float) -> None:
-        super().__init__(unit, air_degc)
+    def __init__(self, unit: UnitTruth, air_degc: float, step: int = 0) -> None:
+        super().__init__(unit, air_degc, step)
         self._begin_angles()
 
     def switch_on(self, air_degc: float) -> None:

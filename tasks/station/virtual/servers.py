@@ -13,6 +13,7 @@ from tasks.station.virtual.config import STEP_S, VirtualStation, station_file
 from tasks.station.virtual.controller import Controller, ControllerServer
 from tasks.station.virtual.faults import Condition, StationFault
 from tasks.station.virtual.simulation import Simulation
+from tasks.station.virtual.unit_line import attend
 
 SLICE_WALL_S = 0.005
 BREATH_WALL_S = 0.0005  # where it is behind: not 0, for a request takes several turns of the loop
@@ -102,7 +103,7 @@ async def serve(
         raise Unusable(f"port {modbus_port} of {host} is not available for Modbus: choose another")
     try:
         units = [
-            await _unit_server(each, host, unit_port and unit_port + place)
+            await _unit_server(simulation, place, each, host, unit_port and unit_port + place)
             for place, each in enumerate(clients)
         ]
     except Unusable:
@@ -130,10 +131,17 @@ async def serve(
             client.close()
 
 
-async def _unit_server(clients: set[asyncio.StreamWriter], host: str, port: int) -> asyncio.Server:
-    """Takes in who wants a unit's frames; what a client sends is ignored."""
+async def _unit_server(
+    simulation: Simulation, place: int, clients: set[asyncio.StreamWriter], host: str, port: int
+) -> asyncio.Server:
+    """Takes in who wants a unit's frames, and answers the lines that they send."""
+
+    async def take_in(lines: asyncio.StreamReader, client: asyncio.StreamWriter) -> None:
+        clients.add(client)
+        await attend(simulation, place, lines, client)
+
     try:
-        return await asyncio.start_server(lambda _, client: clients.add(client), host, port)
+        return await asyncio.start_server(take_in, host, port)
     except OSError as error:
         raise Unusable(
             f"port {port} of {host} is not available for the unit: choose another"

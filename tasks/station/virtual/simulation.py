@@ -15,6 +15,7 @@ from tasks.station.virtual.fixture import VirtualChamber, VirtualFixture
 from tasks.station.virtual.protocol import FRAMES
 from tasks.station.virtual.sensors import Ahrs, UnitUnderTest
 from tasks.station.virtual.table import VirtualTable
+from tasks.station.virtual.unit import UnitTruth, draw_ahrs, draw_unit
 
 UP = np.array([0.0, 0.0, 1.0])
 STILL_AFTER_S = 1.0  # by then servo and filters are where they are going, to 1e-15
@@ -92,7 +93,7 @@ class Simulation:
         self._clock_errs_from: int | None = None  # number of a sample
         self._body = Body(config)
         self._unit, *self._neighbours = (
-            (UnitUnderTest if truth.angle_lsb is None else Ahrs)(truth, config.air.temperature_degc)
+            _mounted(truth, config.air.temperature_degc, 0)
             for truth in (config.unit, *config.neighbours)
         )
         self._neighbours_sent = [bytearray() for _ in self._neighbours]
@@ -157,6 +158,24 @@ class Simulation:
                 each.switch_off()
         self.is_supplied = on
 
+    def mount(self, place: int, serial: str, seed: int) -> None:
+        """Take the unit off a place and put another of its kind there, whose errors are drawn anew.
+
+        place: 0 that of the unit, then those of its neighbours.
+        """
+        truths = [self.config.unit, *self.config.neighbours]
+        draw = draw_unit if truths[place].angle_lsb is None else draw_ahrs
+        truths[place] = draw(seed).model_copy(update={"label": serial})
+        unit = _mounted(truths[place], self.air_degc, self.table.steps)
+        if not self.is_supplied:
+            unit.switch_off()
+        if place:
+            self._neighbours[place - 1] = unit
+        else:
+            self._unit, self._clock_errs_from = unit, None
+        changed = {"unit": truths[0], "neighbours": tuple(truths[1:])}
+        self.config = self.config.model_copy(update=changed)
+
     def _apply_faults(self) -> None:
         before, self.condition = self.condition, condition(self.faults, self.table.now)
         self.table.hunting_rad = self.condition.hunting_rad
@@ -196,6 +215,11 @@ class Simulation:
         for change in self.condition.stamps:
             numbers, stamps = change(numbers, stamps, self._clock_errs_from or 0)
         return numbers, stamps
+
+
+def _mounted(truth: UnitTruth, air_degc: float, step: int) -> UnitUnderTest:
+    kind = UnitUnderTest if truth.angle_lsb is None else Ahrs
+    return kind(truth, air_degc, step)
 
 
 def frames(

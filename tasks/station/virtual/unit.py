@@ -32,10 +32,12 @@ class UnitTruth(Frozen):
     gyro, accel: the two triads. g_sensitivity: (rad/s) per (m/s²). places_m: where each
     accelerometer sits, from the intersection of the table's axes, in the body frame. The
     biases hold at `settled_degc`; the unit warms up toward the air plus `self_heating_k`.
-    angle_lsb: rad in a count, of a unit that accumulates angles (an AHRS).
+    angle_lsb: rad in a count, of a unit that accumulates angles (an AHRS). label: its serial number
+    where that is not made of the seed.
     """
 
     seed: int
+    label: str | None = None
     gyro: TriadTruth
     accel: TriadTruth
     g_sensitivity: Matrix
@@ -52,6 +54,11 @@ class UnitTruth(Frozen):
     def frame(self) -> Literal["rates", "angles"]:
         """The frame that it sends, of tasks.station.virtual.protocol.FRAMES."""
         return "rates" if self.angle_lsb is None else "angles"
+
+    @property
+    def serial(self) -> str:
+        """Its serial number, which it tells whoever asks."""
+        return self.label or f"{'V' if self.angle_lsb is None else 'A'}{self.seed:05d}"
 
     @property
     def rate_sensitivity_m(self) -> np.ndarray:

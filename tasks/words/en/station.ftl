@@ -35,6 +35,7 @@ station-check-captured = One sample every { $every } ms, captured by the table.
 station-check-polled = One sample every { $every } ms, polled, timed to within ±{ $half_width } ms.
 station-check-moved = Turned by { $angle }° and back, within { $within }″.
 station-check-unit = { $rate } Hz, frames with a wrong checksum: { $bad }; mean { $means }.
+station-check-serial = The unit says that it is { $serial }; the station file names { $named }.
 station-check-state =
     { $axes }{ $count ->
         [0] .

@@ -38,6 +38,7 @@ station-check-captured = 每 { $every } ms 一个采样，由转台锁存。
 station-check-polled = 每 { $every } ms 一个采样，由查询得到，时刻误差不超过 ±{ $half_width } ms。
 station-check-moved = 转动 { $angle }° 后返回，偏差不超过 { $within }″。
 station-check-unit = { $rate } Hz，校验错误帧：{ $bad }；均值 { $means }。
+station-check-serial = 被测单元自报编号 { $serial }；工位文件中为 { $named }。
 station-check-state =
     { $axes }{ $count ->
         [0] 。

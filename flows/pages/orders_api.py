@@ -1,0 +1,68 @@
+"""/api/v1/orders: a manufacturing system gives orders, and sees what became of them."""
+
+from flask import Response, g, request
+from pydantic import ValidationError
+
+from flows import order_queue
+from flows.pages.json_answers import json_answer, refusal
+from flows.pages.orders import check_may
+from schemas.access import Visitor
+from schemas.base import Unusable, first_fault
+from schemas.production import OrderRequest, OrdersQuestion, ProductionOrders
+from storage.catalogue import orders
+from storage.catalogue.connection import Busy
+from storage.home import Home
+from tasks.station import procedures
+
+LONGEST = 1_000_000  # bytes of an order
+
+
+def listed(home: Home) -> Response:
+    """The orders of a station, or in a state; else all."""
+    try:
+        asked = OrdersQuestion.model_validate(request.args.to_dict())
+        states = [asked.state] if asked.state else []
+        found = orders.listed(home, asked.station, states)
+    except ValidationError as error:
+        return refusal(400, first_fault(error))
+    except Busy as error:
+        return refusal(503, str(error))
+    return json_answer(ProductionOrders(orders=tuple(found)).model_dump_json())
+
+
+def give(home: Home) -> Response:
+    """Keep an order: 201, or 200 where it is there already; it needs a number."""
+    visitor: Visitor = g.get("visitor") or Visitor()
+    try:
+        check_may("acquire", visitor)
+    except Unusable as error:
+        return refusal(403, str(error))
+    try:
+        asked = _asked()
+        procedures.load(asked.procedure)  # and no file of this computer
+        given = order_queue.give(asked, visitor.name, home)
+    except ValidationError as error:
+        return refusal(400, "; ".join(_faults(error)))
+    except Busy as error:
+        return refusal(503, str(error))
+    except Unusable as error:
+        return refusal(400, str(error))
+    return json_answer(given.order.model_dump_json(), 201 if given.is_new else 200)
+
+
+def _asked() -> OrderRequest:
+    """The order of the request; raises Unusable or ValidationError for what is none."""
+    if (request.content_length or 0) > LONGEST:
+        raise Unusable(f"the order has more than {LONGEST} bytes; give one order at a time")
+    asked = OrderRequest.model_validate_json(request.get_data())
+    if asked.number is None:
+        raise Unusable("number is missing: by it an order that is sent twice is one order")
+    return asked
+
+
+def _faults(error: ValidationError) -> list[str]:
+    """Every fault of a document, with its place."""
+    return [
+        f"{'.'.join(map(str, each['loc'])) or 'document'}: {each['msg']}"
+        for each in error.errors(include_url=False, include_input=False)
+    ]
