@@ -25,6 +25,7 @@ from prefect.context import FlowRunContext
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
 from flows import run_orders
+from flows.signed_orders import accepted, sign
 from schemas.base import BrokenOff
 from schemas.calibration import Calibration
 from schemas.certificate_orders import (
@@ -76,9 +77,10 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
 
     Raises BrokenOff for units that were abandoned, once the others have theirs.
     """
-    read_inputs(order)  # bad files are refused before it turns
-    acquired = acquire(order)
-    drafts = tuple(certify(order.certify(run.id)) for run, _ in acquired.kept)
+    with accepted("produce", order):
+        read_inputs(order)  # bad files are refused before it turns
+        acquired = acquire(order)
+        drafts = tuple(certify(sign("certify", order.certify(r.id))) for r, _ in acquired.kept)
     if acquired.given_up:
         raise BrokenOff("; ".join(acquired.given_up))
     return drafts
@@ -236,7 +238,8 @@ def _ordered(
     # all but the module: the flow is one of this file
     @wraps(getattr(run_orders, function), assigned=("__name__", "__qualname__", "__doc__"))
     def carried_out(order: OrderModel) -> Any:
-        answer = getattr(run_orders, function)(order)
+        with accepted(function, order):
+            answer = getattr(run_orders, function)(order)
         _show(lambda: show(answer))
         return answer
 
