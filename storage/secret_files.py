@@ -23,7 +23,7 @@ def made(path: Path) -> str:
     """
     if not os.path.lexists(path):
         draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-        with writing_in_home(path):
+        with writing_in_home(draft):  # which is gone then: only what is new is shared by the home
             file = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
             try:
                 with open(file, "w", encoding="ascii") as out:
