@@ -17,6 +17,7 @@ from flows import (
     explain_commands,
     history_commands,
     options,
+    order_commands,
     station,
     store_commands,
     user_commands,
@@ -45,6 +46,7 @@ app.add_typer(store_commands.app)
 app.add_typer(history_commands.app)
 app.add_typer(equipment_commands.app, name="equipment")
 app.add_typer(station.app, name="station")
+app.add_typer(order_commands.app, name="order")
 app.add_typer(user_commands.app, name="user")
 
 

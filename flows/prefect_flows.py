@@ -25,8 +25,9 @@ from prefect.context import FlowRunContext
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
 from flows import run_orders
-from flows.signed_orders import accepted, sign
-from schemas.base import BrokenOff
+from flows.production import station_of
+from flows.signed_orders import accepted
+from schemas.base import BrokenOff, Unusable
 from schemas.calibration import Calibration
 from schemas.certificate_orders import (
     ProduceOrder,
@@ -40,7 +41,6 @@ from schemas.orders import (
 from schemas.reminders import DueUnit
 from tasks.conformity.limits import verdict_title
 from tasks.stages import remind as reminding
-from tasks.stages.certificate_inputs import read_inputs
 from tasks.stages.stage import without_loss
 from tasks.words import say
 
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from tasks.stages.review import Reviewed
 
 PROGRESS_EVERY_S, UNANSWERED_S = 5.0, 60.0  # between two updates
+POOL = "station-"  # how the names of the stations' work pools begin
 MOST_ROWS = 1000  # of an artifact's table
 
 Show = Callable[[Any], None]
@@ -78,12 +79,23 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     Raises BrokenOff for units that were abandoned, once the others have theirs.
     """
     with accepted("produce", order):
-        read_inputs(order)  # bad files are refused before it turns
-        acquired = acquire(order)
-        drafts = tuple(certify(sign("certify", order.certify(r.id))) for r, _ in acquired.kept)
-    if acquired.given_up:
-        raise BrokenOff("; ".join(acquired.given_up))
+        _check_pool(order)
+        drafts = run_orders.produce(order)
+    for each in drafts:
+        _show(partial(_show_certificate, each))
     return drafts
+
+
+def _check_pool(order: ProduceOrder) -> None:
+    """Raises Unusable where the worker is one of another station's pool."""
+    context = FlowRunContext.get()
+    pool = context and context.flow_run and context.flow_run.work_pool_name
+    station = station_of(order, run_orders.home_of(order)).station.id
+    if pool and pool.startswith(POOL) and pool != f"{POOL}{station}":
+        raise Unusable(
+            f"the order is for station {station}, and this worker is one of pool {pool}: run "
+            f"produce/{station}"
+        )
 
 
 @flow(name="reprocess")

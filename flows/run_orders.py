@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 
 from flows.progress import counting, describe
 from flows.signals import ending_as_ctrl_c, pausing
-from schemas.base import Unusable
+from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import (
     AmendOrder,
     CertifyOrder,
     CheckOrder,
     IssueOrder,
+    ProduceOrder,
     WithdrawOrder,
 )
 from schemas.orders import (
@@ -30,10 +31,12 @@ from schemas.orders import (
 )
 from storage import settings
 from storage.home import Home, home
+from storage.stations import file_named
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from flows.production import Production
     from schemas.calibration import Calibration
     from schemas.certificate import Replaced
     from schemas.history import Reprocessing
@@ -73,13 +76,40 @@ def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | No
     from flows import refix_prompt
     from schemas.station import StationFile
 
-    station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
+    file = file_named(order.station, home_of(order))
+    station, procedure = settings.read(file, StationFile), procedure_of(order)
     if order.units:
         try:
             station = station.with_units(order.units)
         except ValueError as fault:
             raise Unusable(f"units: {fault}; order one for each place") from fault
     return station, procedure, refix_prompt.at_terminal() if order.attended else None
+
+
+def produce(order: ProduceOrder) -> "tuple[Published, ...]":
+    """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
+
+    Raises BrokenOff for units that were abandoned, once the others have theirs.
+    """
+    from flows.production import carry_out
+
+    return carry_out(order, _produced)
+
+
+def _produced(production: "Production") -> "tuple[Published, ...]":
+    from tasks.stages.certificate_inputs import read_inputs
+
+    order, runs = production.order, production.runs
+    read_inputs(order)  # bad files are refused before it turns
+    given_up: tuple[str, ...] = ()
+    if not runs:
+        acquired = acquire(order)
+        runs, given_up = tuple(run.id for run, _ in acquired.kept), acquired.given_up
+        production.note_runs(runs)
+    drafts = tuple(certify(order.certify(run)) for run in runs)
+    if given_up:
+        raise BrokenOff("; ".join(given_up))
+    return drafts
 
 
 def calibrate(order: CalibrateOrder) -> "Calibration":

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flows import options
+from flows import options, order_options
 from schemas.base import Unusable
 
 if TYPE_CHECKING:
+    from schemas.production import ProductionOrder
     from schemas.station import StationFile
     from tasks.station.check_devices import Trial
 
@@ -125,6 +126,23 @@ def status(as_json: options.Json = False) -> None:
         stands = "its process died: " * is_dead + "; ".join(filter(None, shown.values()))
         rows.append((each.station, each.procedure, f"{each.at:%F %T}", stands))
     print_rows("Stations", ("station", "procedure", "UTC", "how it stands"), rows)
+
+
+@app.command(epilog="Example: mimucal station work LINE-1")
+def work(station: order_options.OrderedStation) -> None:
+    """Take the orders of a station one by one until none waits.
+
+    Without a Prefect server, `mimucal order` and the pages begin it where an order needs it.
+    """
+    from flows.production import work_at
+    from storage.home import home
+
+    def report(order: "ProductionOrder") -> None:
+        outcome = order.fault or ", ".join(order.certificates)
+        print(f"{order.number} {order.serials}: {order.state} {outcome}", flush=True)
+
+    if not work_at(station, home(), report):
+        print(f"another process takes the orders of station {station} already")
 
 
 def _as_data(trial: "Trial") -> dict[str, Any]:

@@ -5,6 +5,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from schemas.certificate import Order
 from schemas.orders import AcquireOrder, CalibrateOrder, OrderModel
 from schemas.signature import Signature
 
@@ -14,17 +15,18 @@ Person = Annotated[str, Field(min_length=1, pattern=r"\S")]
 class CertificateOptions(OrderModel):
     """Inputs of a certificate beside the result; null leaves the choice to the home.
 
-    tolerance, laboratory and client_order are files; client_order describes the client's order
-    (`mimu-order/1`). calibrated_on: for a recording without a date of its own. as_found: the run
-    (an id, or the path of a recording) of the unit before adjustment, whose results the certificate
-    shows beside these. budget: whether the certificate prints the uncertainty budgets. invalid_run:
-    whether to report an invalid run all the same. by: who drafts it; null means the operator in the
-    laboratory's file. signature: what a flow wants to see of an order that names a person.
+    tolerance, laboratory and client_order are files; client_order, the client's order
+    (`mimu-order/1`), may also stand here itself. calibrated_on: for a recording without a date of
+    its own. as_found: the run (an id, or the path of a recording) of the unit before adjustment,
+    whose results the certificate shows beside these. budget: whether the certificate prints the
+    uncertainty budgets. invalid_run: whether to report an invalid run all the same. by: who drafts
+    it; null means the operator in the laboratory's file. signature: what a flow wants to see of an
+    order that names a person.
     """
 
     tolerance: str | None = None
     laboratory: str | None = None
-    client_order: str | None = None
+    client_order: str | Order | None = None
     calibrated_on: date | None = None
     as_found: str | None = None
     budget: bool = False
@@ -38,7 +40,13 @@ class CertifyOrder(CalibrateOrder, CertificateOptions):
 
 
 class ProduceOrder(AcquireOrder, CertificateOptions):
-    """A run from a station, and its certificate."""
+    """A run from a station, and its certificate.
+
+    number: of the production order in the catalogue, which then says what is measured for whom;
+    null makes an order of its own, as for a schedule.
+    """
+
+    number: str | None = None
 
     def certify(self, run: str) -> CertifyOrder:
         """The order of the certificate, once the run exists; it is signed for its own flow."""

@@ -60,7 +60,7 @@ class Estimation(OrderModel):
 
 
 class AcquireOrder(OrderModel):
-    """A run from the station of a station file.
+    """A run from a station: a station file, or the id of one of the home's stations.
 
     procedure: a name, or a file. units: those mounted, in the order of the station's places; those
     of the station file unless given. attended: whether a person at the terminal, if there is one,
@@ -212,7 +212,7 @@ class RemindOrder(OrderModel):
     within_days: int = Field(default=30, ge=0)
 
 
-AnyOrder = TypeVar("AnyOrder", bound=OrderModel)
+AnyOrder = TypeVar("AnyOrder", bound=Frozen)
 
 
 def order_of(kind: type[AnyOrder], **fields: Any) -> AnyOrder:

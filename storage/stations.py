@@ -37,3 +37,9 @@ def file_of(station: str, home: Home) -> Path:
             "counts"
         )
     return found[0]
+
+
+def file_named(station: str, home: Home) -> Path:
+    """A station file by its path, or by the id of its station; raises Unusable as `file_of`."""
+    path = Path(station)
+    return path if path.suffix.lower() in settings.READERS else file_of(station, home)

@@ -254,6 +254,25 @@ reminders = sql.Table(  # `days`: after the due date, negative before it; sent_a
     sql.Column("fault", sql.Text),
 )
 
+orders = sql.Table(  # of production; `units`, `client_order`, `runs`, `certificates`: JSON
+    "orders",
+    metadata,
+    _column("number", sql.Text, primary_key=True),
+    *_texts("station", "units", "procedure"),
+    sql.Column("client_order", sql.Text),
+    *_texts("person"),
+    _column("ordered_at", Utc),
+    *_texts("state"),
+    _column("is_interrupted", sql.Boolean),
+    *(_column(name, sql.Integer) for name in ("attempts", "submissions")),
+    *(sql.Column(name, sql.Text) for name in ("flow_run", "host")),
+    sql.Column("process", sql.Integer),
+    *(sql.Column(name, Utc) for name in ("began_at", "ended_at")),
+    *_texts("runs", "certificates"),
+    sql.Column("fault", sql.Text),
+    sql.Index("ix_orders_state_station", "state", "station"),
+)
+
 trail = sql.Table(  # who did what; the database refuses to change or delete a row
     "trail",
     metadata,

@@ -62,12 +62,16 @@ def read_inputs(options: CertificateOptions) -> CertificateInputs:
     return CertificateInputs(
         _read(options.tolerance, Tolerance),
         _read(options.laboratory, Laboratory),
-        _read(options.client_order, Order),
+        _client_order(options.client_order),
         options.calibrated_on,
         options.budget,
         options.invalid_run,
         options.by,
     )
+
+
+def _client_order(given: str | Order | None) -> Order | None:
+    return given if isinstance(given, Order) else _read(given, Order)
 
 
 def _read(path: str | None, model: type[settings.Model]) -> settings.Model | None:

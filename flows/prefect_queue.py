@@ -1,0 +1,105 @@
+"""Orders as flow runs of a Prefect server: one of `produce/STATION` for each."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
+from uuid import UUID
+
+from flows.prefect_server import connect
+from schemas.base import Unusable
+from schemas.production import ProductionOrder
+from storage.catalogue import orders
+from storage.home import Home
+
+if TYPE_CHECKING:
+    from prefect.client.orchestration import SyncPrefectClient
+
+MOST = 200  # flow runs that the server gives in one answer
+
+
+def submit(waiting: Sequence[ProductionOrder], home: Home) -> str | None:
+    """A flow run for each order that has none, or one that ended before it took the order.
+
+    Why some have none yet, as a sentence.
+    """
+    faults = {}
+    try:
+        with _client(home) as client:
+            alive = _alive([order.flow_run for order in waiting if order.flow_run], client)
+            for order in waiting:
+                if order.flow_run not in alive:
+                    faults[order.station] = _submitted(order, client, home)
+    except Unusable as fault:
+        return str(fault)
+    return "; ".join(filter(None, faults.values())) or None
+
+
+def _alive(flow_runs: Sequence[str], client: "SyncPrefectClient") -> set[str]:
+    """Those of some flow runs that have not ended."""
+    from prefect.client.schemas.filters import FlowRunFilter, FlowRunFilterId
+
+    found = set()
+    for at in range(0, len(flow_runs), MOST):
+        ids = [UUID(each) for each in flow_runs[at : at + MOST]]
+        asked = FlowRunFilter(id=FlowRunFilterId(any_=ids))
+        for run in client.read_flow_runs(flow_run_filter=asked, limit=MOST):
+            if run.state is None or not run.state.is_final():
+                found.add(str(run.id))
+    return found
+
+
+def cancel(flow_run: str, home: Home) -> None:
+    """Take a flow run back, as well as it can be: what begins all the same finds no order."""
+    with suppress(Unusable), _client(home) as client:
+        from prefect.exceptions import ObjectNotFound
+        from prefect.states import Cancelled
+
+        with suppress(ObjectNotFound):
+            client.set_flow_run_state(UUID(flow_run), Cancelled())
+
+
+def _submitted(order: ProductionOrder, client: "SyncPrefectClient", home: Home) -> str | None:
+    """The order as a flow run; why it cannot be one. Twice the same order is one flow run."""
+    from prefect.exceptions import ObjectNotFound
+
+    name = f"produce/{order.station}"
+    try:
+        deployment = client.read_deployment_by_name(name)
+    except ObjectNotFound:
+        return (
+            f"Prefect's server has no deployment {name}: add station {order.station} with "
+            "`mimucal station add FILE`; the order waits until then"
+        )
+    usual = dict((deployment.parameters or {}).get("order") or {})
+    run = client.create_flow_run_from_deployment(
+        deployment.id,
+        parameters={"order": {"station": order.station} | usual | {"number": order.number}},
+        name=f"{order.serials} {order.procedure}",
+        tags=[order.station, *(unit.serial for unit in order.units)],
+        idempotency_key=_key(order),
+    )
+    orders.note(order.number, home, flow_run=str(run.id), submissions=order.submissions + 1)
+    return None
+
+
+def _key(order: ProductionOrder) -> str:
+    """The same for all who give it to the server at the same time."""
+    again = f"/{order.submissions}" if order.submissions else ""
+    return f"{order.number}{again}"
+
+
+@contextmanager
+def _client(home: Home) -> "Iterator[SyncPrefectClient]":
+    """A client of the server; what it does not answer raises Unusable."""
+    connect(home)
+    from httpx import HTTPError
+    from prefect.client.orchestration import get_client
+
+    try:
+        with get_client(sync_client=True) as client:
+            yield client
+    except (HTTPError, RuntimeError) as error:  # the latter where it cannot be reached
+        raise Unusable(
+            f"Prefect's server did not answer ({error}): the order waits, and is given to it with "
+            "the next one"
+        ) from error

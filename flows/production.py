@@ -1,0 +1,179 @@
+"""Carries out production orders, each once: from the claim to the drafts of its certificates.
+
+A station carries out one order at a time. One whose process died goes on where it was: with the
+certificate where its run is in the store, with the run where that was interrupted.
+"""
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flows import order_queue, run_orders
+from schemas.base import BrokenOff, Unusable
+from schemas.certificate_orders import ProduceOrder
+from schemas.production import ProductionOrder
+from schemas.station import StationFile
+from storage import settings
+from storage.catalogue import orders
+from storage.catalogue.connection import Busy
+from storage.home import Home
+from storage.order_lock import one_order_at, only_worker_of
+from storage.station_lock import is_held
+from storage.stations import file_named, file_of
+from tasks.stages.left_run import left_runs
+
+if TYPE_CHECKING:
+    from tasks.stages.published import Published
+
+SCHEDULE = "schedule"  # the person of an order that nobody gave
+BUSY_S = 1.0  # between two looks at a station where a run goes on that was no order
+SECOND = timedelta(seconds=1)  # to which a recording says when it began
+
+
+@dataclass(frozen=True)
+class Production:
+    """What is being carried out. order: of the run and the certificate, with what the queue says of
+    it. runs: those that are in the store already, after which only the certificate is missing.
+    """
+
+    kept: ProductionOrder
+    order: ProduceOrder
+    runs: tuple[str, ...]
+    home: Home
+
+    def note_runs(self, runs: tuple[str, ...]) -> None:
+        """From now on this order measures nothing again."""
+        orders.note(self.kept.number, self.home, runs=runs)
+
+
+Work = Callable[[Production], "tuple[Published, ...]"]
+
+
+def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
+    """Do the work of an order of the queue, once the station is free; its drafts.
+
+    An order without a number, as of a schedule, is one of its own for the units of the station
+    file. Nothing is done of one that waits no more. Raises Unusable for an order of another
+    station, and what the work raises; the order has then failed.
+    """
+    home = run_orders.home_of(order)
+    station = station_of(order, home)
+    number = order.number or _own_order(order, station, home)
+    _check_station(number, station.station.id, home)
+    with one_order_at(station.station.id, home):
+        if orders.put_back(station.station.id, home):
+            order_queue.submit(home)
+        while is_held(station.station.id, home):
+            time.sleep(BUSY_S)
+        kept = orders.claim(number, home)
+        return _finished(_production(kept, order, station, home), work) if kept else ()
+
+
+def station_of(order: ProduceOrder, home: Home) -> StationFile:
+    """The station of an order, by its file or its id."""
+    return settings.read(file_named(order.station, home), StationFile)
+
+
+def _own_order(order: ProduceOrder, station: StationFile, home: Home) -> str:
+    """The record of an order that nobody gave; its number."""
+    now = datetime.now(UTC)
+    units = order.units or tuple(each.unit for each in station.per_unit())
+    made = ProductionOrder(
+        number=order_queue.drawn_number(now), station=station.station.id, units=units,
+        procedure=order.procedure, person=order.by or SCHEDULE, ordered_at=now,
+    )  # fmt: skip
+    orders.add([made], home)
+    return made.number
+
+
+def _check_station(number: str, station: str, home: Home) -> None:
+    ordered = orders.find(number, home).station
+    if ordered != station:
+        raise Unusable(
+            f"order {number} is for station {ordered}, and this is {station}: let a worker of "
+            f"{ordered} take it"
+        )
+
+
+def _production(
+    kept: ProductionOrder, order: ProduceOrder, station: StationFile, home: Home
+) -> Production:
+    """What is left to be done of an order that was claimed."""
+    runs = kept.runs
+    if not runs and kept.is_interrupted:
+        runs = orders.stored_since(kept, home)
+    own: dict[str, Any] = {
+        "number": kept.number, "units": kept.units, "procedure": kept.procedure,
+        "client_order": kept.client_order or order.client_order,
+        "by": order.by if kept.person == SCHEDULE else kept.person,
+        "resume": not runs and kept.is_interrupted and _is_left(kept, station, home),
+    }  # fmt: skip
+    return Production(kept, order.model_copy(update=own), runs, home)
+
+
+def _is_left(kept: ProductionOrder, station: StationFile, home: Home) -> bool:
+    """Whether every unit of an order has an interrupted run that began for this order."""
+    from tasks.stages.procedure_input import procedure_named
+
+    assert kept.began_at is not None
+    try:
+        left = left_runs(station.with_units(kept.units), procedure_named(kept.procedure), home)
+    except Unusable:
+        return False
+    began = [
+        datetime.fromisoformat(str((run.recording.manifest.model_extra or {})["recorded_at"]))
+        for run in left.values()
+    ]
+    return len(began) == len(kept.units) and min(began) + SECOND > kept.began_at
+
+
+def _finished(production: Production, work: Work) -> "tuple[Published, ...]":
+    number, home = production.kept.number, production.home
+    try:
+        drafts = work(production)
+    except BaseException as fault:
+        with suppress(Busy):  # then whoever comes next finds that this process ended
+            orders.finish(number, "failed", home, str(fault) or type(fault).__name__)
+        raise
+    orders.note(number, home, certificates=tuple(each.certificate.number for each in drafts))
+    orders.finish(number, "done", home)
+    return drafts
+
+
+def work_at(station: str, home: Home, report: Callable[[ProductionOrder], None]) -> bool:
+    """Take the orders of a station one by one until none waits; False where another process does.
+
+    An order that fails keeps none after it from being taken, unless the operator stopped it: then
+    BrokenOff says that the others wait.
+    """
+    file = file_of(station, home)
+    while True:
+        with only_worker_of(station, home) as is_alone:
+            if not is_alone:
+                return False
+            with one_order_at(station, home):
+                orders.put_back(station, home)
+            while waiting := orders.waiting(home, station):
+                _take(waiting[0].number, file, home)
+                report(orders.find(waiting[0].number, home))
+        if not orders.waiting(home, station):  # given while this process was about to end
+            return True
+
+
+def _take(number: str, file: Path, home: Home) -> None:
+    """Carry out one order; raises what kept it from being begun, which the next would meet too."""
+    order = ProduceOrder(home=str(home.path), station=str(file), number=number, attended=False)
+    try:
+        run_orders.produce(order)
+    except (Unusable, BrokenOff) as fault:
+        if isinstance(fault.__cause__, KeyboardInterrupt):
+            raise BrokenOff(
+                f"{fault}; `mimucal order retry {number}` goes on with it, and `mimucal station "
+                "work` takes the orders that wait"
+            ) from fault
+        if orders.find(number, home).state == "waiting":
+            raise

@@ -1,0 +1,112 @@
+"""Production orders: which unit is measured on which station, by which procedure, for whom.
+
+`OrderRequest` is what a person or a manufacturing system asks for, as JSON or as a row of a CSV
+file; `ProductionOrder` is the order as the catalogue keeps it, with what became of it.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import AwareDatetime, Field
+
+from schemas.base import Frozen
+from schemas.certificate import Order
+from schemas.recording import Unit
+
+# Visible characters, with spaces between them: what a label, a scanner or a form can give.
+Name = Annotated[
+    str, Field(min_length=1, max_length=100, pattern=r"^[^\p{C}\p{Z}]([^\p{C}]*[^\p{C}\p{Z}])?$")
+]
+State = Literal["waiting", "running", "done", "failed", "cancelled"]
+OPEN: tuple[State, ...] = ("waiting", "running")
+
+
+class OrderedUnit(Frozen):
+    """A unit by its serial number.
+
+    manufacturer, model: null means those of the station file's unit at the same place.
+    """
+
+    serial: Name
+    manufacturer: Name | None = None
+    model: Name | None = None
+
+
+class OrderRequest(Frozen):
+    """An order as it is given.
+
+    number: by which the order is known; the same content under the same number is the same order.
+    Null draws one. station: its id. units: those to be mounted, in the order of the station's
+    places. procedure: a name. client_order: the client's order, which the certificate needs.
+    """
+
+    number: Name | None = None
+    station: Name
+    units: tuple[OrderedUnit, ...] = Field(min_length=1, max_length=64)
+    procedure: Name = "jjf2003"
+    client_order: Order | None = None
+
+
+class ProductionOrder(Frozen):
+    """An order of the catalogue, and what became of it.
+
+    person: who ordered. is_interrupted: a run of it has begun and not ended; whoever takes it next
+    goes on with that run. attempts: how often it was begun. submissions: how often it was given to
+    Prefect; flow_run: the last of them, null where there is none that counts. host, process: where
+    it was begun last. runs, certificates: ids and keys of drafts, in the order of the units. fault:
+    why it failed.
+    """
+
+    number: str
+    station: str
+    units: tuple[Unit, ...]
+    procedure: str
+    client_order: Order | None = None
+    person: str
+    ordered_at: AwareDatetime
+    state: State = "waiting"
+    is_interrupted: bool = False
+    attempts: int = 0
+    submissions: int = 0
+    flow_run: str | None = None
+    host: str | None = None
+    process: int | None = None
+    began_at: AwareDatetime | None = None
+    ended_at: AwareDatetime | None = None
+    runs: tuple[str, ...] = ()
+    certificates: tuple[str, ...] = ()
+    fault: str | None = None
+
+    @property
+    def serials(self) -> str:
+        """The serial numbers of its units, as they are shown."""
+        return ", ".join(unit.serial for unit in self.units)
+
+    def differs_from(self, other: "ProductionOrder") -> str | None:
+        """In what another order asks for something else, whoever ordered and whenever."""
+        for name in ("station", "units", "procedure", "client_order"):
+            if getattr(self, name) != getattr(other, name):
+                return name.replace("_", " ")
+        return None
+
+
+class ProductionOrders(Frozen):
+    """Orders as the command line and the pages list them, the oldest first."""
+
+    format: Literal["mimu-orders/1"] = "mimu-orders/1"
+    orders: tuple[ProductionOrder, ...]
+
+
+class GivenOrders(ProductionOrders):
+    """Orders that were given. new: the numbers of those that were not there before. fault: why
+    nothing can carry out one of them just now; it waits.
+    """
+
+    new: tuple[str, ...] = ()
+    fault: str | None = None
+
+
+class OrdersQuestion(Frozen):
+    """Which orders are listed: those of a station, those in a state; null: all."""
+
+    station: str | None = None
+    state: State | None = None

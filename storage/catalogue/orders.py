@@ -1,0 +1,221 @@
+"""Production orders: kept under their number, begun once, and listed for each station."""
+
+import json
+import os
+import socket
+from collections.abc import Collection, Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.production import OPEN, ProductionOrder, State
+from storage.catalogue import database, tables, trail
+from storage.home import Home
+
+ORDER = tables.orders.c
+JSON = ("units", "runs", "certificates")
+WAITING: tuple[State, ...] = ("waiting",)
+RUNNING: tuple[State, ...] = ("running",)
+WAITING_AGAIN: dict[str, Any] = {
+    "state": "waiting", "flow_run": None, "host": None, "process": None, "ended_at": None,
+}  # fmt: skip
+
+
+def add(new: Sequence[ProductionOrder], home: Home) -> list[tuple[ProductionOrder, bool]]:
+    """Keep orders that wait, all or none; each as it is kept, and whether it is new.
+
+    Raises Unusable where another order has the number of one.
+    """
+    with database.changing(home) as connection:
+        return [_added(order, connection) for order in new]
+
+
+def _added(order: ProductionOrder, connection: sql.Connection) -> tuple[ProductionOrder, bool]:
+    if not database.add_new(connection, tables.orders, **_row_of(order)):
+        kept = _kept(connection, order.number)
+        check_same(order, kept)
+        return kept, False
+    trail.add(
+        connection, order.person, "order acquire", order.number, at=order.ordered_at,
+        station=order.station, units=[unit.serial for unit in order.units],
+        procedure=order.procedure,
+    )  # fmt: skip
+    return order, True
+
+
+def check_number(order: ProductionOrder, home: Home) -> None:
+    """Raises Unusable where another order has the number of this one."""
+    for kept in numbered([order.number], home):
+        check_same(order, kept)
+
+
+def check_same(order: ProductionOrder, kept: ProductionOrder) -> None:
+    """Raises Unusable where an order asks for something else than the one that has its number."""
+    differing = order.differs_from(kept)
+    if differing is not None:
+        raise Unusable(
+            f"order {order.number} is there already ({kept.serials} by {kept.procedure} on station "
+            f"{kept.station}) and this one has another {differing}: give it another number"
+        )
+
+
+def find(number: str, home: Home) -> ProductionOrder:
+    """The order with a number; raises Unusable where there is none."""
+    for order in numbered([number], home):
+        return order
+    raise Unusable(f"there is no order {number!r}: `mimucal order list` names them")
+
+
+def numbered(numbers: Collection[str], home: Home) -> list[ProductionOrder]:
+    """The orders with some numbers, as far as there are any."""
+    asked = sql.select(tables.orders).where(ORDER.number.in_(numbers))
+    return [_order_of(row) for row in database.rows(home, asked)]
+
+
+def listed(
+    home: Home, station: str | None = None, states: Collection[State] = (), last: int | None = None
+) -> list[ProductionOrder]:
+    """Orders, the oldest first: those of a station, in some states, the last so many; else all."""
+    asked = sql.select(tables.orders).order_by(ORDER.ordered_at.desc(), ORDER.number.desc())
+    if station is not None:
+        asked = asked.where(ORDER.station == station)
+    if states:
+        asked = asked.where(ORDER.state.in_(states))
+    return [_order_of(row) for row in reversed(database.rows(home, asked.limit(last)))]
+
+
+def waiting(home: Home, station: str | None = None) -> list[ProductionOrder]:
+    """The orders that wait, the one to be taken first at the beginning."""
+    return listed(home, station, WAITING)
+
+
+def claim(number: str, home: Home) -> ProductionOrder | None:
+    """Take an order that waits, for this process; None where it waits no more.
+
+    Of all who claim an order one gets it: the database changes its state once.
+    """
+    now = datetime.now(UTC)
+    taken = (
+        sql.update(tables.orders)
+        .where(ORDER.number == number, ORDER.state == "waiting")
+        .values(
+            state="running", attempts=ORDER.attempts + 1, host=socket.gethostname(),
+            process=os.getpid(), began_at=sql.func.coalesce(ORDER.began_at, now), fault=None,
+        )
+    )  # fmt: skip
+    with database.changing(home) as connection:
+        if connection.execute(taken).rowcount != 1:
+            return None
+        return _kept(connection, number)
+
+
+def note(number: str, home: Home, **what: Any) -> None:
+    """Note what is known of an order meanwhile: runs, certificates, flow_run."""
+    values = {k: json.dumps(value) if k in JSON else value for k, value in what.items()}
+    with database.changing(home) as connection:
+        connection.execute(sql.update(tables.orders).where(ORDER.number == number).values(**values))
+
+
+def finish(number: str, state: State, home: Home, fault: str | None = None) -> None:
+    """End an order that runs: done, or failed with its fault as a sentence."""
+    ended = {"state": state, "fault": fault, "ended_at": datetime.now(UTC)}
+    changed = sql.update(tables.orders).where(ORDER.number == number, ORDER.state == "running")
+    with database.changing(home) as connection:
+        connection.execute(changed.values(is_interrupted=state == "failed", **ended))
+
+
+def cancel(number: str, person: str, home: Home) -> ProductionOrder:
+    """Cancel an order that waits; raises Unusable for one that has begun or ended."""
+    changed = sql.update(tables.orders).where(ORDER.number == number, ORDER.state == "waiting")
+    with database.changing(home) as connection:
+        values = {"state": "cancelled", "ended_at": datetime.now(UTC)}
+        if connection.execute(changed.values(**values)).rowcount:
+            trail.add(connection, person, "cancel order", number)
+            return _kept(connection, number)
+    order = find(number, home)
+    way_out = "stop its run at the station" if order.state == "running" else "it has ended"
+    raise Unusable(f"order {number} is {order.state} and waits no more: {way_out}")
+
+
+def retry(number: str, person: str, home: Home) -> ProductionOrder:
+    """Have an order wait again that failed or was cancelled; Unusable for any other."""
+    changed = sql.update(tables.orders).where(
+        ORDER.number == number, ORDER.state.in_(("failed", "cancelled"))
+    )
+    with database.changing(home) as connection:
+        if connection.execute(changed.values(**WAITING_AGAIN)).rowcount:
+            trail.add(connection, person, "order acquire", number, again=True)
+            return _kept(connection, number)
+    order = find(number, home)
+    raise Unusable(
+        f"order {number} is {order.state}: only one that failed or was cancelled can be carried "
+        "out again"
+    )
+
+
+def put_back(station: str, home: Home) -> list[ProductionOrder]:
+    """Have orders of a station wait again whose process died; those orders.
+
+    For whoever holds the station's lock of orders: every order that runs is then one whose process
+    is dead.
+    """
+    left = listed(home, station, RUNNING)
+    for order in left:
+        changed = sql.update(tables.orders).where(
+            ORDER.number == order.number, ORDER.state == "running"
+        )
+        with database.changing(home) as connection:
+            connection.execute(changed.values(is_interrupted=True, **WAITING_AGAIN))
+    return left
+
+
+def same_open(order: ProductionOrder, home: Home) -> ProductionOrder | None:
+    """An open order for the same units by the same procedure on the same station, if any."""
+    alike = ("units", "procedure", "client_order")
+    for each in listed(home, order.station, OPEN):
+        if all(getattr(each, name) == getattr(order, name) for name in alike):
+            return each
+    return None
+
+
+def stored_since(order: ProductionOrder, home: Home) -> tuple[str, ...]:
+    """The runs of an order that are in the store although the order does not name them.
+
+    Its process died in between. Ids in the order of its units; none unless each has one.
+    """
+    run, unit = tables.runs.c, tables.units.c
+    found: list[str] = []
+    for each in order.units:
+        named = (each.manufacturer, each.model, each.serial)
+        asked = (
+            sql.select(run.id)
+            .join_from(tables.runs, tables.units)
+            .where(run.station == order.station, run.taken_in_at >= order.began_at)
+            .where(sql.tuple_(unit.manufacturer, unit.model, unit.serial) == sql.tuple_(*named))
+            .order_by(run.taken_in_at.desc())
+        )
+        found += [row.id for row in database.rows(home, asked.limit(1))]
+    return tuple(found) if len(found) == len(order.units) else ()
+
+
+def _kept(connection: sql.Connection, number: str) -> ProductionOrder:
+    asked = sql.select(tables.orders).where(ORDER.number == number)
+    return _order_of(connection.execute(asked).one())
+
+
+def _row_of(order: ProductionOrder) -> dict[str, Any]:
+    plain = order.model_dump(mode="json")
+    row: dict[str, Any] = order.model_dump(exclude={"units", "client_order"})
+    row |= {name: json.dumps(plain[name], ensure_ascii=False) for name in JSON}
+    client = order.client_order
+    return row | {"client_order": client and client.model_dump_json()}
+
+
+def _order_of(row: sql.Row[Any]) -> ProductionOrder:
+    fields = dict(row._mapping)
+    fields |= {name: json.loads(fields[name]) for name in JSON}
+    if fields["client_order"] is not None:
+        fields["client_order"] = json.loads(fields["client_order"])
+    return ProductionOrder.model_validate(fields)
