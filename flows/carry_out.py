@@ -23,10 +23,15 @@ def carry_out(name: str, order: Any, of: str) -> Any:
 
 
 def as_flow_run(name: str, order: OrderModel) -> Any:
-    """Carry out an order as a flow run, on a server of our own if none is named."""
+    """Carry out an order as a flow run, on a server of our own if none is named.
+
+    Signs it for whoever it names: the account that runs this command may read the home's key.
+    """
     from flows.prefect_server import connect
     from flows.run_orders import home_of
+    from flows.signed_orders import sign
 
+    order = sign(name, order)
     connect(home_of(order))
     from flows import prefect_flows
 

@@ -26,6 +26,7 @@ from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settin
 
 from flows import run_orders
 from flows.production import station_of
+from flows.signed_orders import accepted
 from schemas.base import BrokenOff, Unusable
 from schemas.calibration import Calibration
 from schemas.certificate_orders import (
@@ -77,8 +78,9 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
 
     Raises BrokenOff for units that were abandoned, once the others have theirs.
     """
-    _check_pool(order)
-    drafts = run_orders.produce(order)
+    with accepted("produce", order):
+        _check_pool(order)
+        drafts = run_orders.produce(order)
     for each in drafts:
         _show(partial(_show_certificate, each))
     return drafts
@@ -248,7 +250,8 @@ def _ordered(
     # all but the module: the flow is one of this file
     @wraps(getattr(run_orders, function), assigned=("__name__", "__qualname__", "__doc__"))
     def carried_out(order: OrderModel) -> Any:
-        answer = getattr(run_orders, function)(order)
+        with accepted(function, order):
+            answer = getattr(run_orders, function)(order)
         _show(lambda: show(answer))
         return answer
 

@@ -9,6 +9,7 @@ import atexit
 import ctypes
 import gc
 import os
+import secrets
 import signal
 import socket
 import sys
@@ -25,6 +26,8 @@ from pydantic import ValidationError
 from schemas.base import Unusable
 from storage.environment import environment
 from storage.home import Home
+from storage.whole_files import make_folder
+from tasks.stages.prefect_api import AUTH, SERVER_AUTH
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -85,7 +88,7 @@ def connect(home: Home) -> None:
 def _start(folder: Path) -> None:
     """Start a server whose database is in the folder, and wait until it answers."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         log = (folder / LOG).open("ab")
     except OSError as error:
         raise Unusable(
@@ -98,6 +101,8 @@ def _start(folder: Path) -> None:
     with log, socket.create_server(("127.0.0.1", 0)) as listener:
         url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
         os.environ["PREFECT_API_URL"] = url
+        # Nobody else on this machine orders anything: only this process and its children know it.
+        os.environ[AUTH] = os.environ[SERVER_AUTH] = f"mimucal:{secrets.token_hex(16)}"
         _import_prefect()  # before the fork: both need it
         gc.freeze()
         _fork(listener, log)

@@ -1,14 +1,16 @@
 """Who may do what on the operations pages."""
 
 from collections.abc import Mapping
-from typing import Literal, get_args
+from ipaddress import IPv4Address, IPv6Address
+from typing import Annotated, Literal, Self, get_args
 
-from pydantic import AwareDatetime, Field
+from pydantic import AwareDatetime, Field, IPvAnyAddress, model_validator
 
 from schemas.base import Frozen
 
 Role = Literal["viewer", "operator", "verifier", "issuer", "administrator"]
 ROLES: tuple[Role, ...] = get_args(Role)
+HeaderName = Annotated[str, Field(min_length=1, pattern=r"^[A-Za-z0-9-]+$")]
 Action = Literal["acquire", "reprocess", "certify", "check", "issue", "amend", "withdraw"]
 
 # That three different persons draft, check and issue is a rule of the certificate, whatever their
@@ -47,10 +49,31 @@ class Visitor(Frozen):
 class Proxy(Frozen):
     """A reverse proxy that authenticates visitors: its addresses, and the header with the user's
     name.
+
+    secret_file: a file of the home with what the proxy sends as `secret_header`. Without one the
+    proxy is known by its address alone, which on this machine every process has.
     """
 
-    addresses: tuple[str, ...] = Field(min_length=1)
-    header: str = Field(min_length=1, pattern=r"^[A-Za-z0-9-]+$")
+    addresses: tuple[IPvAnyAddress, ...] = Field(min_length=1)
+    header: HeaderName
+    secret_file: str | None = None
+    secret_header: HeaderName = "X-Proxy-Secret"
+
+    @model_validator(mode="after")
+    def _no_process_of_this_machine_is_believed(self) -> Self:
+        local = [str(each) for each in self.addresses if _is_local(each)]
+        if local and self.secret_file is None:
+            raise ValueError(
+                f"every process of this machine has the address {local[0]}; add secret_file = "
+                '"proxy.secret", a file of the home (chmod 600) with 32 random characters or more, '
+                f"and let the proxy send them as {self.secret_header}"
+            )
+        return self
+
+
+def _is_local(address: IPv4Address | IPv6Address) -> bool:
+    plain = getattr(address, "ipv4_mapped", None) or address
+    return plain.is_loopback or plain.is_unspecified
 
 
 class PagesFile(Frozen):

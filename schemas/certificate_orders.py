@@ -7,6 +7,7 @@ from pydantic import Field
 
 from schemas.certificate import Order
 from schemas.orders import AcquireOrder, CalibrateOrder, OrderModel
+from schemas.signature import Signature
 
 Person = Annotated[str, Field(min_length=1, pattern=r"\S")]
 
@@ -19,7 +20,8 @@ class CertificateOptions(OrderModel):
     its own. as_found: the run (an id, or the path of a recording) of the unit before adjustment,
     whose results the certificate shows beside these. budget: whether the certificate prints the
     uncertainty budgets. invalid_run: whether to report an invalid run all the same. by: who drafts
-    it; null means the operator in the laboratory's file.
+    it; null means the operator in the laboratory's file. signature: what a flow wants to see of an
+    order that names a person.
     """
 
     tolerance: str | None = None
@@ -30,6 +32,7 @@ class CertificateOptions(OrderModel):
     budget: bool = False
     invalid_run: bool = False
     by: str | None = None
+    signature: Signature | None = None
 
 
 class CertifyOrder(CalibrateOrder, CertificateOptions):
@@ -46,16 +49,20 @@ class ProduceOrder(AcquireOrder, CertificateOptions):
     number: str | None = None
 
     def certify(self, run: str) -> CertifyOrder:
-        """The order of the certificate, once the run exists."""
-        shared = CertificateOptions.model_fields
+        """The order of the certificate, once the run exists; it is signed for its own flow."""
+        shared = CertificateOptions.model_fields.keys() - {"signature"}
         return CertifyOrder(run=run, **{name: getattr(self, name) for name in shared})
 
 
 class StepOrder(OrderModel):
-    """A step that a person takes with a certificate (its number, or the key of its draft)."""
+    """A step that a person takes with a certificate (its number, or the key of its draft).
+
+    signature: what a flow wants to see of it.
+    """
 
     certificate: str
     by: Person
+    signature: Signature | None = None
 
 
 class CheckOrder(StepOrder):

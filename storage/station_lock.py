@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from schemas.base import Unusable
 from schemas.run_log import ENDED, RunStatus
 from storage.home import Home
-from storage.whole_files import drafted, writing_in_home
+from storage.whole_files import drafted, make_folder, writing_in_home
 
 LOOK_S = 0.2  # for no longer does `is_held` keep a run from its lock
 
@@ -78,7 +78,7 @@ def write_status(status: RunStatus, home: Home) -> None:
     """Write how a run stands. A disk that refuses costs the status, and not the run."""
     file = home.status / f"{lock_of(status.station, home).stem}.json"
     with suppress(OSError):
-        file.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(file.parent)
         with drafted(file) as draft:
             draft.write_text(status.model_dump_json(), encoding="utf-8")
 

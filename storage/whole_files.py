@@ -4,14 +4,17 @@ import hashlib
 import os
 import secrets
 import shutil
+import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from schemas.base import Unusable
 
 MAX_TEXT_BYTES = 2**26  # a manifest, a result, a file of limits
 MAX_DEPTH = 64  # lists and objects within each other
+READ_ONLY, READ_WRITE = 0o444, 0o666
+GROUP, OTHERS = 0o070, 0o007
 
 
 @contextmanager
@@ -34,15 +37,53 @@ def drafted(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def writing_in_home(path: Path) -> Iterator[None]:
-    """Makes the folder of a file first; a disk that refuses raises Unusable with the way out."""
+    """Makes the folder of a file first; a disk that refuses raises Unusable with the way out.
+
+    What is new there is for those who may use its folder, and nobody else.
+    """
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
+        is_there = path.exists()
         yield
+        if not is_there:
+            _share_as_folder(path)
     except OSError as error:
         raise Unusable(
             f"{path} cannot be written ({error.strerror or error}); make room or give rights "
             "there, or set MIMUCAL_HOME to a writable folder."
         ) from error
+
+
+def make_folder(folder: Path) -> None:
+    """Makes a folder and those above it for their owner alone; one that is there stays as it is.
+
+    Where the folder above gives its group more than everybody, the group shares it on purpose, and
+    shares what is made there.
+    """
+    if folder.is_dir():
+        return
+    make_folder(folder.parent)
+    above = folder.parent.stat().st_mode
+    shared = above & GROUP if (above & GROUP) >> 3 != above & OTHERS else 0
+    with suppress(FileExistsError):
+        folder.mkdir(0o700)
+        folder.chmod(folder.stat().st_mode & stat.S_ISGID | 0o700 | shared)
+    folder.mkdir(exist_ok=True)  # refuses a file of that name
+
+
+def _share_as_folder(path: Path) -> None:
+    """A new file or folder, and the files in it, for those who may use the folder that it is in."""
+    rights = _rights(path.parent)
+    if path.is_dir():
+        path.chmod(path.stat().st_mode & stat.S_ISGID | rights)
+        for each in path.iterdir():
+            _share_as_folder(each)
+    elif path.exists():
+        path.chmod((READ_WRITE if path.stat().st_mode & stat.S_IWUSR else READ_ONLY) & rights)
+
+
+def _rights(folder: Path) -> int:
+    return folder.stat().st_mode & 0o777
 
 
 @contextmanager
@@ -54,7 +95,7 @@ def writing_to(path: Path) -> Iterator[Path]:
     with writing_in_home(path):
         with drafted(path) as draft:
             yield draft
-            draft.chmod(0o444)
+            draft.chmod(READ_ONLY & _rights(path.parent))
             to_disk(draft)
         to_disk(path.parent)
 

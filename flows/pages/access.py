@@ -4,31 +4,34 @@ A home without users, served on this machine alone, is there to look at for ever
 """
 
 import hashlib
-import os
+import hmac
 import secrets
-from contextlib import suppress
 from datetime import timedelta
 from typing import Any
+from urllib.parse import quote
 
 from flask import Flask, Response, g, jsonify, redirect, request, session
 from flask_wtf.csrf import CSRFError, CSRFProtect, generate_csrf
 from werkzeug.wrappers import Response as AnyResponse
 
+from flows.access_log import LOGGER, UNKNOWN, plain, refused
 from flows.pages.api import PREFIX
 from flows.pages.json_answers import refusal
 from flows.pages.passwords import Gate
-from schemas.access import User, Visitor
+from schemas.access import Proxy, User, Visitor
 from schemas.base import Unusable
-from storage import settings
+from storage import secret_files, settings
+from storage.catalogue import sessions
 from storage.catalogue.connection import Busy
 from storage.catalogue.users import users
 from storage.home import Home
-from storage.whole_files import writing_in_home
 
 KEY = "pages.key"
 SESSION = timedelta(hours=12)
-OPEN = ("/login", "/assets/", "/_dash-component-suites/", "/_favicon.ico")
+LOGIN = "/login"
 WATCHED = ("/health", "/metrics")  # by what watches the line; health.py says who may
+OPEN, OPEN_FOLDERS = (LOGIN, "/_favicon.ico", *WATCHED), ("/assets/", "/_dash-component-suites/")
+REFUSED = 400  # and above
 SHELL = ("/_dash-layout", "/_dash-dependencies")
 UPDATE, OF_THE_FRAME = "/_dash-update-component", "..page.children."
 ASK_AGAIN: dict[str, Any] = {  # as Dash has it for what a callback sets beside its outputs
@@ -46,6 +49,8 @@ def fault() -> str | None:
 def guard(server: Flask, home: Home) -> Gate:
     """Lets nobody in without a name; sets up sessions and the tokens against forged requests."""
     gate, pages = Gate(), settings.pages(home)
+    if pages.proxy and pages.proxy.secret_file:
+        secret_files.read(home.path / pages.proxy.secret_file)  # one that is wrong is told now
     server.config.update(
         SECRET_KEY=_key(home),
         PERMANENT_SESSION_LIFETIME=SESSION,
@@ -58,16 +63,7 @@ def guard(server: Flask, home: Home) -> Gate:
         WTF_CSRF_SSL_STRICT=False,  # Talisman's referrer policy sends none
     )
 
-    @server.before_request
-    def let_in() -> AnyResponse | None:
-        if request.path.startswith(OPEN) or request.path in WATCHED:
-            return None
-        try:
-            g.visitor = _identified(users(home), gate, home)
-        except Busy as error:
-            return _without_database(str(error))
-        return None if g.visitor else _turned_away()
-
+    server.before_request(lambda: _let_in(gate, home))
     tokens = CSRFProtect(server)
 
     @server.before_request
@@ -84,41 +80,114 @@ def guard(server: Flask, home: Home) -> Gate:
             response.set_cookie(CSRF_COOKIE, generate_csrf(), samesite="Strict", secure=pages.https)
         return response
 
+    server.after_request(_logged)
     return gate
 
 
-def log_in(user: User) -> None:
+def _let_in(gate: Gate, home: Home) -> AnyResponse | None:
+    """Sets `g.visitor`; an answer where somebody is turned away."""
+    if request.path in OPEN or request.path.startswith(OPEN_FOLDERS):
+        return None
+    try:
+        g.visitor = _identified(users(home), gate, home)
+    except Busy as error:
+        return _without_database(str(error))
+    except Unusable as error:
+        LOGGER.error("nobody is let in: %s", error)
+        return refusal(503, "the pages cannot find out who you are; their log says why")
+    return None if g.visitor else _turned_away()
+
+
+def log_in(user: User, home: Home) -> None:
     """Begin a session of a user; whatever an earlier one held is gone."""
+    address = request.remote_addr or ""
+    begun = sessions.begin(user.name, address, home)
+    LOGGER.info("log in %s from %s", user.name, address)
     session.clear()
     session.permanent = True
-    session.update(name=user.name, password=_mark(user))
+    session.update(id=begun, name=user.name, password=_mark(user))
+
+
+def log_out(home: Home) -> None:
+    """End the visitor's session, here and for every copy of its cookie."""
+    address = request.remote_addr or ""
+    sessions.end(str(session.get("id", "")), address, home)
+    LOGGER.info("log out %s from %s", plain(session.get("name", "")), address)
+    session.clear()
+
+
+def passed(user: User | None, password: str, name: str, gate: Gate, home: Home) -> bool:
+    """Whether a name comes with its password; if not, that is logged, and when the gate shuts."""
+    address = request.remote_addr or ""
+    if gate.check(user, password, name, address) and user is not None:
+        return True
+    # What was typed as the name of nobody may be a password, and is not kept.
+    subject = user.name if user else UNKNOWN
+    refused(home, "log in", subject, address=address, why="wrong name or password")
+    if gate.is_shut(name, address):
+        refused(home, "further tries to log in", subject, address=address, why="too many failed")
+    return False
+
+
+def _logged(response: Response) -> Response:
+    """Every request that was refused, or sent to the login, is a line of the log."""
+    is_away = response.location is not None and response.location.startswith(f"{LOGIN}?")
+    if response.status_code >= REFUSED or is_away:
+        visitor: Visitor | None = g.get("visitor")
+        LOGGER.warning(
+            "%s %s %s refused to %s from %s", response.status_code, plain(request.method),
+            plain(request.path), visitor.name if visitor and visitor.name else UNKNOWN,
+            request.remote_addr,
+        )  # fmt: skip
+    return response
 
 
 def _identified(known: dict[str, User], gate: Gate, home: Home) -> Visitor | None:
     """By the proxy's header, the session, or name and password; else None."""
     proxy = settings.pages(home).proxy
-    if proxy and request.remote_addr in proxy.addresses:
-        user = known.get(request.headers.get(proxy.header, ""))
-        return _visitor(user)
+    if proxy and _is_of(proxy, home):
+        return _visitor(known.get(request.headers.get(proxy.header, "")))
     if not known and proxy is None:
         return Visitor()
     user = known.get(session.get("name", ""))
-    if user and session.get("password") == _mark(user):
+    if user and session.get("password") == _mark(user) and _is_open(user, home):
         return _visitor(user)
     if not request.path.startswith(PREFIX):
         return None
-    user = by_password(known, gate)
+    user = by_password(known, gate, home)
     g.by_password = user is not None
     return _visitor(user)
 
 
-def by_password(known: dict[str, User], gate: Gate) -> User | None:
+def _is_of(proxy: Proxy, home: Home) -> bool:
+    """Whether a request comes from the proxy: from its address, and with its secret if it has one.
+
+    A header by its name that comes from elsewhere is no fault of the visitor's, and counts nothing.
+    """
+    address = request.remote_addr or ""
+    if address not in map(str, proxy.addresses):
+        return False
+    if proxy.secret_file is None:
+        return True
+    secret = secret_files.read(home.path / proxy.secret_file)
+    given = request.headers.get(proxy.secret_header, "")
+    return hmac.compare_digest(given.encode(), secret.encode())
+
+
+def _is_open(user: User, home: Home) -> bool:
+    return sessions.is_open(str(session.get("id", "")), user.name, home)
+
+
+def by_password(known: dict[str, User], gate: Gate, home: Home) -> User | None:
     """A script says its name and password with each request (HTTP basic authentication)."""
     given, address = request.authorization, request.remote_addr or ""
     if given is None or given.username is None or gate.is_shut(given.username, address):
         return None
     user = known.get(given.username)
-    return user if gate.check(user, given.password or "", given.username, address) else None
+    if not passed(user, given.password or "", given.username, gate, home):
+        return None
+    LOGGER.info("%s answers to %s from %s", plain(request.path), plain(given.username), address)
+    return user
 
 
 def _visitor(user: User | None) -> Visitor | None:
@@ -136,7 +205,7 @@ def _turned_away() -> AnyResponse:
         refused.headers["WWW-Authenticate"] = 'Basic realm="mimucal", charset="UTF-8"'
         return refused
     if request.method == "GET" and not request.path.startswith("/_dash"):
-        return redirect(f"/login?next={request.path}")
+        return redirect(f"{LOGIN}?next={quote(request.path)}")
     return refusal(401, "the session has ended; log in again")
 
 
@@ -154,18 +223,5 @@ def _without_database(sentence: str) -> AnyResponse | None:
 
 
 def _key(home: Home) -> str:
-    """What signs the sessions: a file of the home; with no home yet, for this process alone."""
-    path = home.path / KEY
-    if not home.path.is_dir():
-        return secrets.token_hex(32)
-    with writing_in_home(path), suppress(FileExistsError):
-        file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-        os.write(file, secrets.token_hex(32).encode())
-        os.close(file)
-    try:
-        return path.read_text(encoding="ascii")
-    except OSError as error:
-        raise Unusable(
-            f"{path} cannot be read ({error.strerror}); grant access to it, or remove it and all "
-            "sessions end."
-        ) from error
+    """What signs the cookies: a file of the home; with no home yet, for this process alone."""
+    return secret_files.made(home.path / KEY) if home.path.is_dir() else secrets.token_hex(32)

@@ -4,13 +4,13 @@ import re
 from importlib.resources import files
 
 from dash import Dash
-from flask import Blueprint, redirect, render_template, request, session
+from flask import Blueprint, redirect, render_template, request
 from flask_talisman import Talisman
 from flask_wtf.csrf import generate_csrf
 from werkzeug.wrappers import Response
 
 from flows.pages import api, health, shell
-from flows.pages.access import guard, log_in
+from flows.pages.access import guard, log_in, log_out, passed
 from flows.pages.compressed import compress
 from flows.pages.files import files as certificate_files
 from flows.pages.page import view_of_request
@@ -139,16 +139,19 @@ def login(home: Home, gate: Gate) -> Blueprint:
             return _form(message("pages-login.shut"), wanted), 429
         try:
             user = users(home).get(name)
+            if not passed(user, password, name, gate, home) or user is None:
+                return _form(message("pages-login.wrong"), wanted), 403
+            log_in(user, home)
         except Unusable:
             return _form(message("pages-no-database"), wanted), 503
-        if not gate.check(user, password, name, address) or user is None:
-            return _form(message("pages-login.wrong"), wanted), 403
-        log_in(user)
         return redirect(_own(wanted))
 
     @made.post("/logout")
     def leave() -> Page:
-        session.clear()
+        try:
+            log_out(home)
+        except Unusable:
+            return _form(message("pages-no-database"), ""), 503
         return redirect("/login")
 
     return made
@@ -156,7 +159,7 @@ def login(home: Home, gate: Gate) -> Blueprint:
 
 def _own(wanted: str) -> str:
     """The page that somebody wanted, if it is one of ours; else the first."""
-    return wanted if wanted.lstrip("/") in {page.name for page in PAGES} else "/"
+    return wanted if wanted in {f"/{page.name}" for page in PAGES} else "/"
 
 
 def _form(fault: Message | None, wanted: str) -> str:

@@ -70,7 +70,7 @@ def endpoints(home: Home, gate: Gate) -> Blueprint:
 
 def _is_user(home: Home, gate: Gate) -> bool:
     try:
-        return by_password(users(home), gate) is not None
+        return by_password(users(home), gate, home) is not None
     except Unusable:  # without the database nobody is known
         return False
 

@@ -22,6 +22,7 @@ from storage.catalogue.run_states import run_list
 from storage.environment import environment
 from storage.home import Home
 from storage.station_lock import statuses
+from tasks.stages import prefect_api
 from tasks.words import message
 
 WAITING = ("PENDING", "SCHEDULED", "RUNNING", "PAUSED")
@@ -163,7 +164,12 @@ def _asked(url: str, _: int) -> Queue:
         "limit": MOST,
     }
     try:
-        answer = httpx.post(f"{url.rstrip('/')}/flow_runs/filter", json=asked, timeout=TIMEOUT_S)
+        answer = httpx.post(
+            f"{url.rstrip('/')}/flow_runs/filter",
+            json=asked,
+            headers=prefect_api.headers(),
+            timeout=TIMEOUT_S,
+        )
         answer.raise_for_status()
         waiting = tuple(
             Queued(

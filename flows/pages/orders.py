@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from flows import order_queue, run_orders
+from flows import order_queue
+from flows.access_log import UNKNOWN, refused
 from flows.order_files import client_order_named, request_of
+from flows.signed_orders import carry_out_signed
 from schemas.access import MAY, Action, Visitor
 from schemas.base import Unusable
 from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder
@@ -81,7 +83,8 @@ class Orders:
 
         Raises Unusable where the role does not allow it, and for what cannot be carried out.
         """
-        check_may(action, visitor)
+        about = fields.get("certificate") or fields.get("run") or fields.get("station") or "*"
+        check_may(action, visitor, about, self._home)
         given = {name: fields.get(name, "").strip() for name in FIELDS[action]}
         kept = {name: value for name, value in given.items() if value}
         steps: dict[Action, Callable[[Fields, str], str]] = {
@@ -93,16 +96,16 @@ class Orders:
 
     def _check(self, fields: Fields, person: str) -> str:
         order = order_of(CheckOrder, home=str(self._home.path), by=person, **fields)
-        return run_orders.check(order).certificate.number
+        return str(carry_out_signed("check", order).certificate.number)
 
     def _issue(self, fields: Fields, person: str) -> str:
         order = order_of(IssueOrder, home=str(self._home.path), by=person, **fields)
-        return run_orders.issue(order).certificate.number
+        return str(carry_out_signed("issue", order).certificate.number)
 
     def _withdraw(self, fields: Fields, person: str) -> str:
         given = {"why": fields.get("reason", "")} | {"certificate": fields.get("certificate", "")}
         order = order_of(WithdrawOrder, home=str(self._home.path), by=person, **given)
-        return run_orders.withdraw(order).certificate.number
+        return str(carry_out_signed("withdraw", order).certificate.number)
 
     def _certify(self, fields: Fields, person: str) -> str:
         """A run of the store, and no recording that lies elsewhere."""
@@ -143,7 +146,7 @@ class Orders:
 
         Raises Unusable as `give` does.
         """
-        check_may("acquire", visitor)
+        check_may("acquire", visitor, number, self._home)
         if step == "cancel":
             return order_queue.cancel(number, visitor.name, self._home).serials
         return order_queue.retry(number, visitor.name, self._home).order.serials
@@ -169,9 +172,10 @@ class Orders:
         return subject
 
 
-def check_may(action: Action, visitor: Visitor) -> None:
-    """Raises Unusable for whom the role does not allow an action."""
+def check_may(action: Action, visitor: Visitor, subject: str, home: Home) -> None:
+    """Raises Unusable, and logs it, for whom the role does not allow an action."""
     if not visitor.may(action):
+        refused(home, action, subject, person=visitor.name or UNKNOWN, why=visitor.role)
         raise Unusable(
             f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not do this: "
             f"{action} is for {' and '.join(MAY[action])}"

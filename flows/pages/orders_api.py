@@ -34,7 +34,7 @@ def give(home: Home) -> Response:
     """Keep an order: 201, or 200 where it is there already; it needs a number."""
     visitor: Visitor = g.get("visitor") or Visitor()
     try:
-        check_may("acquire", visitor)
+        check_may("acquire", visitor, "*", home)
     except Unusable as error:
         return refusal(403, str(error))
     try:

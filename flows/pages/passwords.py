@@ -1,15 +1,22 @@
 """Passwords: hashed with Argon2id, checked with a limit on failed attempts."""
 
+from collections.abc import Iterator
+
 from argon2 import PasswordHasher
 from argon2.exceptions import Argon2Error, InvalidHashError
-from limits import parse
+from limits import RateLimitItem, parse
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 
 from schemas.access import User
 
 HASHER = PasswordHasher()
-TRIES = (parse("5/minute"), parse("30/hour"))  # that fail, for a name as well as from an address
+LONGEST = 100  # characters of a user's name
+# Tries that fail. One account from one address is shut soon; an account, and an address from which
+# many people come (a proxy, a laboratory behind one router), only by far more than they mistype.
+OF_BOTH = (parse("5/minute"), parse("30/hour"))
+OF_ACCOUNT = (parse("20/minute"), parse("100/hour"))
+OF_ADDRESS = (parse("60/minute"), parse("600/hour"))
 
 
 def hashed(password: str) -> str:
@@ -23,7 +30,8 @@ NOBODY = hashed("")  # an unknown name takes as long as a known one
 class Gate:
     """Whether somebody is who they say, with a limit on the tries that fail.
 
-    The tries are counted in the memory of the process that serves the pages.
+    The tries are counted in the memory of the process that serves the pages. An account that does
+    not exist is shut like any other.
     """
 
     def __init__(self) -> None:
@@ -31,9 +39,7 @@ class Gate:
 
     def is_shut(self, name: str, address: str) -> bool:
         """Whether so many tries failed that no further one is looked at."""
-        return any(
-            not self._failed.test(limit, key) for limit in TRIES for key in _keys(name, address)
-        )
+        return not all(self._failed.test(limit, *keys) for limit, keys in _limits(name, address))
 
     def check(self, user: User | None, password: str, name: str, address: str) -> bool:
         """Whether a password is the user's; a try that fails is counted."""
@@ -42,11 +48,18 @@ class Gate:
         except (Argon2Error, InvalidHashError):
             right = False
         if not right:
-            for limit in TRIES:
-                for key in _keys(name, address):
-                    self._failed.hit(limit, key)
+            for limit, keys in _limits(name, address):
+                self._failed.hit(limit, *keys)
         return right
 
 
-def _keys(name: str, address: str) -> tuple[str, str]:
-    return f"name {name}", f"address {address}"
+def _limits(name: str, address: str) -> Iterator[tuple[RateLimitItem, tuple[str, ...]]]:
+    """Each limit, and what it counts for. The beginning of a name is enough of it."""
+    account = name[:LONGEST]
+    for limits, keys in (
+        (OF_BOTH, ("both", account, address)),
+        (OF_ACCOUNT, ("account", account)),
+        (OF_ADDRESS, ("address", address)),
+    ):
+        for limit in limits:
+            yield limit, keys

@@ -7,7 +7,7 @@ which lets one writer at a time at what it locks.
 import os
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -20,8 +20,9 @@ from schemas.base import Frozen, Unusable
 from storage.catalogue.connection import engine_of, explained, url_of
 from storage.catalogue.tables import results, units
 from storage.home import RESTORING, Home
+from storage.whole_files import make_folder
 
-HEAD = "0011"  # the newest revision in storage/catalogue/migrations/versions
+HEAD = "0012"  # the newest revision in storage/catalogue/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
 
@@ -127,6 +128,7 @@ def changing(home: Home) -> Iterator[sql.Connection]:
     made = engine_of(url_of(home), BUSY_S)
     if made.dialect.name == "sqlite":
         _make_folder(home)
+        _make_file(Path(made.url.database or ""))
     writer = made.execution_options(writes=True)
     with explained(made), _connected(writer) as connection, connection.begin():
         yield connection
@@ -179,12 +181,24 @@ def _connected(made: sql.Engine) -> Iterator[sql.Connection]:
 
 def _make_folder(home: Home) -> None:
     try:
-        home.path.mkdir(parents=True, exist_ok=True)
+        make_folder(home.path)
     except OSError as error:
         raise Unusable(
             f"{home.path} cannot be made ({error.strerror}); let MIMUCAL_HOME name a folder that "
             "can be written."
         ) from error
+
+
+def _make_file(file: Path) -> None:
+    """A catalogue holds hashes of passwords: a new one is not for everybody, nor are its logs.
+
+    Whatever refuses here refuses SQLite, too, which says it better.
+    """
+    with suppress(OSError):
+        rights = 0o600 | 0o060 & file.parent.stat().st_mode
+        opened = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        os.fchmod(opened, rights)
+        os.close(opened)
 
 
 def check_revision(made: sql.Engine, revision: str | None) -> None:

@@ -151,6 +151,24 @@ users = sql.Table(  # of the pages; `password`: its Argon2 hash
     _column("added_at", Utc),
 )
 
+sessions = sql.Table(  # of the pages; ended_at: the logout
+    "sessions",
+    metadata,
+    _column("id", sql.Text, primary_key=True),
+    *_texts("name", "address"),
+    _column("begun_at", Utc),
+    sql.Column("ended_at", Utc),
+)
+
+signatures = sql.Table(  # of orders, each used once; done_at: no flow run uses it any more
+    "signatures",
+    metadata,
+    _column("nonce", sql.Text, primary_key=True),
+    _column("taken_at", Utc),
+    sql.Column("flow_run", sql.Text),
+    sql.Column("done_at", Utc),
+)
+
 reprocessed = sql.Table(  # `made_again`: a result, or a run that had none
     "reprocessed",
     metadata,

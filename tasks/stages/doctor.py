@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import stat
 import sys
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
@@ -16,6 +17,7 @@ from storage import settings
 from storage.catalogue import run_index, trail
 from storage.environment import environment
 from storage.home import Home
+from tasks.stages import prefect_api
 from tasks.validation import record
 
 PYTHON = (3, 11)
@@ -27,8 +29,8 @@ ANSWER_S = 3.0  # for a Prefect server that is named
 def diagnose(home: Home) -> Diagnosis:
     """Looks at Python, the packages, the disk, the memory, and at what the home holds."""
     looks: tuple[Callable[[Home], Iterator[Examined]], ...] = (
-        _python, _packages, _disk, _memory, _home, _catalogue, _clock, _settings, _validation,
-        _interrupted, _prefect,
+        _python, _packages, _disk, _memory, _home, _rights, _catalogue, _clock, _settings,
+        _validation, _interrupted, _prefect,
     )  # fmt: skip
     return Diagnosis(examined=tuple(one for look in looks for one in look(home)))
 
@@ -90,6 +92,19 @@ def _home(home: Home) -> Iterator[Examined]:
         remedy=None if is_good
         else "Let MIMUCAL_HOME name a folder that you may write to, or change this one's rights.",
     )  # fmt: skip
+
+
+def _rights(home: Home) -> Iterator[Examined]:
+    """A home that everybody on this machine may read gives away hashes of passwords."""
+    if not home.path.is_dir():
+        return
+    rights = home.path.stat().st_mode
+    is_open = bool(rights & stat.S_IRWXO)
+    yield Examined(
+        what="rights of the home",
+        found=stat.filemode(rights),
+        remedy=f"Keep everybody else out: chmod -R o= {home.path}." if is_open else None,
+    )
 
 
 def _first_that_exists(path: Path) -> Path:
@@ -177,8 +192,18 @@ def _prefect(_: Home) -> Iterator[Examined]:
         return
     import httpx
 
+    asked = f"{url.rstrip('/')}/admin/version"  # /health answers to everybody
     try:
-        httpx.get(f"{url}/health", timeout=ANSWER_S).raise_for_status()
+        is_open = httpx.get(asked, timeout=ANSWER_S).is_success
+        httpx.get(asked, headers=prefect_api.headers(), timeout=ANSWER_S).raise_for_status()
+    except httpx.HTTPStatusError as error:
+        refused = error.response.status_code == httpx.codes.UNAUTHORIZED
+        yield Examined(
+            what="Prefect",
+            found=f"{url} answers {error.response.status_code}",
+            remedy=f"Let {prefect_api.AUTH} be what the server has as {prefect_api.SERVER_AUTH}."
+            if refused else "Start that server, mend PREFECT_API_URL, or unset it.",
+        )  # fmt: skip
     except (httpx.HTTPError, httpx.InvalidURL) as error:
         yield Examined(
             what="Prefect",
@@ -186,4 +211,9 @@ def _prefect(_: Home) -> Iterator[Examined]:
             remedy="Start that server, mend PREFECT_API_URL, or unset it.",
         )
     else:
-        yield Examined(what="Prefect", found=f"{url} answers")
+        yield Examined(
+            what="Prefect",
+            found=f"{url} answers" + " to everybody, without a password" * is_open,
+            remedy=f"Give the server {prefect_api.SERVER_AUTH}=NAME:PASSWORD, and workers and "
+            f"commands the same as {prefect_api.AUTH}." if is_open else None,
+        )  # fmt: skip

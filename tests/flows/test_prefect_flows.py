@@ -110,18 +110,19 @@ async def observed():
 
 print(json.dumps(asyncio.run(observed()) | {
     "verdict": drafted.certificate.decision.verdict, "states": states, "busy": len(busy),
-    "calibrated again": again.run == run, "url": os.environ["PREFECT_API_URL"],
+    "calibrated again": again.run == run,
+    "server": {name: os.environ[name] for name in ("PREFECT_API_URL", "PREFECT_API_AUTH_STRING")},
 }), flush=True)
 sys.stdin.read()
 """
 
 
-def environment(home: Path, server: str | None = None) -> dict[str, str]:
+def environment(home: Path, server: dict[str, str]) -> dict[str, str]:
     keep = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
-    return keep | {"MIMUCAL_HOME": str(home)} | ({"PREFECT_API_URL": server} if server else {})
+    return keep | {"MIMUCAL_HOME": str(home)} | server
 
 
-def command(home: Path, server: str, *arguments: object) -> tuple[dict[str, Any], str]:
+def command(home: Path, server: dict[str, str], *arguments: object) -> tuple[dict[str, Any], str]:
     """Runs it in a process of its own with that server named; its document, and its errors."""
     done = subprocess.run(
         [sys.executable, "-m", "flows.cli", *map(str, arguments), "--json"],
@@ -137,7 +138,7 @@ def carried_out(home: Path, *arguments: object) -> Iterator[dict[str, Any]]:
     """What a process that carries out ORDERS reports; its server ends with the block."""
     with subprocess.Popen(
         [sys.executable, "-c", ORDERS, *map(str, arguments)],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment(home),
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment(home, {}),
     ) as process:  # fmt: skip
         assert process.stdin is not None
         assert process.stdout is not None
@@ -166,7 +167,7 @@ def line(
             arguments = (station_file, procedure, folder / "corrected", key)
             report = open_processes.enter_context(carried_out(home, *arguments))
             acquire = ("acquire", station_file, "--procedure", procedure)
-            acquired, _ = command(folder / "other", report["url"], *acquire)
+            acquired, _ = command(folder / "other", report["server"], *acquire)
         yield SimpleNamespace(folder=folder, report=report, acquired=acquired)
 
 
@@ -203,7 +204,7 @@ def test_processes_of_a_reprocessing_make_the_same_results(line, home, ideal_run
     first, second = newest(store)
     plant(first, store, "gyro_scale_factor", "x", 3.0)
     plant(second, store, "gyro_scale_factor", "y", 2.0)
-    report, _ = command(home, line.report["url"], "reprocess", "--workers", "2")
+    report, _ = command(home, line.report["server"], "reprocess", "--workers", "2")
     moved = {(each["run"], each["element"]) for each in report["changed"]}
     assert moved == {(first.run, "x"), (second.run, "y")}
     assert newest(store) == [first, second]
@@ -216,6 +217,6 @@ def test_a_server_that_is_not_there_costs_the_record_and_nothing_else(home, idea
     with socket.socket() as nobody:
         nobody.bind(("127.0.0.1", 0))  # nobody else listens there, and this does not
         url = f"http://127.0.0.1:{nobody.getsockname()[1]}/api"
-        report, errors = command(home, url, "reprocess", "--workers", "1")
+        report, errors = command(home, {"PREFECT_API_URL": url}, "reprocess", "--workers", "1")
     assert [each["run"] for each in report["changed"]] == [first.run]
     assert "Warning" not in errors

@@ -43,7 +43,7 @@ def test_written_file_is_whole_and_read_only(tmp_path: Path) -> None:
     with writing_to(path) as draft:
         draft.write_bytes(b"content")
     assert path.read_bytes() == b"content"
-    assert stat.S_IMODE(path.stat().st_mode) == 0o444
+    assert stat.S_IMODE(path.stat().st_mode) == 0o400
     assert list(path.parent.iterdir()) == [path]
 
 

@@ -64,7 +64,7 @@ def test_each_role_may_do_what_is_stated_and_is_refused_all_else(tmp_path: Path)
             orders.give(action, {}, visitor)
         assert ("may not do this" in str(refused.value)) == bool(asked)
     assert set(FIELDS) == set(MAY)
-    assert trail.entries(Home(tmp_path)) == []
+    assert {entry.action.split()[0] for entry in trail.entries(Home(tmp_path))} == {"refuse"}
 
 
 def test_three_persons_take_a_draft_to_its_number_and_the_trail_names_them(tmp_path: Path) -> None:
@@ -79,7 +79,10 @@ def test_three_persons_take_a_draft_to_its_number_and_the_trail_names_them(tmp_p
     withdraw = {"certificate": number, "reason": "wrong table"}
     orders.give("withdraw", withdraw, Visitor(name="Chen", role="issuer"))
     steps = [(entry.person, entry.action) for entry in trail.entries(home)]
-    assert steps[-3:] == [("Zhao", "check"), ("Chen", "issue"), ("Chen", "withdraw")]
+    assert [step for step in steps if step[1] in ("check", "issue", "withdraw")] == [
+        ("Zhao", "check"), ("Chen", "issue"), ("Chen", "withdraw")
+    ]  # fmt: skip
+    assert ("Chen", "sign withdraw") in steps
 
 
 def test_long_work_is_a_process_of_the_command_line_with_an_entry_in_the_trail(

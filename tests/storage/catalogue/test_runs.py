@@ -78,7 +78,7 @@ print(runs.add(recordings.read(path), home, source=path)[0].id)
 
 def test_raw_recording_is_read_only(fresh: Home, small: Build) -> None:
     run = runs.add(small(), fresh)[0]
-    assert stat.S_IMODE((fresh.raw / f"{run.digest}.mcap").stat().st_mode) == 0o444
+    assert stat.S_IMODE((fresh.raw / f"{run.digest}.mcap").stat().st_mode) == 0o400
 
 
 @pytest.mark.parametrize("step", STEPS)
