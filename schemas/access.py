@@ -9,7 +9,7 @@ from schemas.base import Frozen
 
 Role = Literal["viewer", "operator", "verifier", "issuer", "administrator"]
 ROLES: tuple[Role, ...] = get_args(Role)
-Action = Literal["acquire", "reprocess", "certify", "check", "issue", "withdraw"]
+Action = Literal["acquire", "reprocess", "certify", "check", "issue", "withdraw", "stop"]
 
 # That three different persons draft, check and issue is a rule of the certificate, whatever their
 # roles: an administrator who drafted does not check.
@@ -20,6 +20,7 @@ MAY: Mapping[Action, tuple[Role, ...]] = {
     "check": ("verifier", "administrator"),
     "issue": ("issuer", "administrator"),
     "withdraw": ("issuer", "administrator"),
+    "stop": ("operator", "administrator"),  # on the station's own computer anybody may
 }
 
 

@@ -1,13 +1,14 @@
 """The JSON endpoint of each page, and their OpenAPI description."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from flask import Blueprint, Response, request
 from pydantic import ValidationError
 from pydantic.json_schema import models_json_schema
 
+from flows.pages.numbers import Row, csv_of
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from schemas.base import Frozen, Unusable, first_fault
@@ -25,19 +26,27 @@ REFUSALS = {
 
 
 def endpoints(home: Home) -> Blueprint:
-    """GET /api/v1/NAME for each page, and /api/v1/openapi.json."""
+    """GET /api/v1/NAME for each page, /api/v1/NAME/PART.csv for its numbers, and openapi.json."""
     made = Blueprint("api", __name__, url_prefix=PREFIX)
     for page in PAGES:
         made.add_url_rule(f"/{page.name}", page.name, _answering(page, home), methods=["GET"])
+        for part, rows in page.numbers.items():
+            answer = _answering(page, home, rows)
+            made.add_url_rule(f"/{page.name}/{part}.csv", f"{page.name}-{part}", answer)
     made.add_url_rule("/openapi.json", "openapi", lambda: _json(json.dumps(openapi())))
     return made
 
 
-def _answering(page: Page, home: Home) -> Callable[[], Response]:
+def _answering(
+    page: Page, home: Home, rows: Callable[[Any], Sequence[Row]] | None = None
+) -> Callable[[], Response]:
+    """Answers as JSON; with rows, with those of them as CSV."""
+
     def answer() -> Response:
         try:
             question = page.question.model_validate(request.args.to_dict())
-            return _json(page.data(question, home).model_dump_json())
+            found = page.data(question, home)
+            return _json(found.model_dump_json()) if rows is None else _csv(csv_of(rows(found)))
         except ValidationError as error:
             return refusal(400, first_fault(error))
         except Busy as error:
@@ -51,6 +60,11 @@ def _answering(page: Page, home: Home) -> Callable[[], Response]:
 def refusal(status: int, sentence: str) -> Response:
     """An answer that gives nothing but the reason."""
     return _json(Unanswered(error=sentence).model_dump_json(), status)
+
+
+def _csv(text: str) -> Response:
+    disposition = {"Content-Disposition": "attachment"}
+    return Response(text, mimetype="text/csv", headers=disposition)
 
 
 def _json(text: str, status: int = 200) -> Response:
