@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from datetime import timedelta
-from typing import Literal
 
 import dash_mantine_components as dmc
 from dash import html
@@ -31,20 +30,17 @@ def card(now: StationNow, view: View) -> Component:
     """State and station, units, segment and remaining time, alarm, queue, and Stop."""
     word = view.say(message(f"pages-line-state.{now.state.replace('_', '-')}"))
     head = [
-        html.Div(now.station, className="station-id"),
         html.Div(word, className="station-state"),
+        html.Div(now.station, className="station-id"),
     ]
     body: list[Component] = []
     if now.run is not None and now.state != "free":
         body += _run(now, now.run, view)
-    elif now.run is not None:
-        body.append(_small(message("pages-line-last-done", unit=", ".join(now.run.units),
-                                   at=hour_of(now.run.at)), view))  # fmt: skip
     else:
-        body.append(_small(message("pages-line-never"), view))
+        body += _free(now, view)
     if now.alarm is not None:
         body.append(_alarm(now.alarm, now, view))
-    body.append(_next(now.waiting, view))
+    body += _queue(now.waiting, view)
     foot = [what_became_of(now, view), stop_button(now.station, view)]
     return html.Section(
         [
@@ -70,9 +66,22 @@ def _run(now: StationNow, run: RunStatus, view: View) -> list[Component]:
     parts += [
         html.Div(large, className="station-figures"),
         dmc.Progress(value=min(share, 100), size="lg"),
-        html.Div(_details(run, view), className="station-details"),
+        html.Div(_details(run, view), className="station-details one-line"),
     ]
     return parts
+
+
+def _free(now: StationNow, view: View) -> list[Component]:
+    """What is to be mounted next, and what was measured last."""
+    ahead = [each for each in now.waiting if each.state == "waiting"]
+    parts: list[Component] = []
+    if ahead:
+        parts.append(html.Div(", ".join(ahead[0].serials), className="station-units"))
+        parts.append(_small(message("pages-line-next", procedure=ahead[0].procedure), view))
+    if now.run is None:
+        return [*parts, _small(message("pages-line-never"), view)]
+    units, at = ", ".join(now.run.units), hour_of(now.run.at)
+    return [*parts, _small(message("pages-line-last-done", unit=units, at=at), view)]
 
 
 def _figure(name: Sayable, value: str, view: View) -> Component:
@@ -95,29 +104,29 @@ def _details(run: RunStatus, view: View) -> str:
     rates = [f"{name} {rate:.1f} Hz" for name, rate in run.rates_hz.items()]
     noise = [f"{name} {value:.2g} {UNITS.get(name, '')}" for name, value in run.noise.items()]
     at = view.say(message("pages-line-at", at=second_of(run.at)))
-    return " · ".join([*rates, *noise, at])
+    return " · ".join([at, *rates, *noise])
 
 
 def _alarm(alarm: AlarmShown, now: StationNow, view: View) -> Component:
     """Red where the station stands for it; else it is one that a run goes on or ended with."""
-    kind: Literal["bad", "open"] = "bad" if KINDS[now.state] == "bad" else "open"
+    kind = "bad" if KINDS[now.state] == "bad" else "open"
     at = f"{hour_of(alarm.at)}  " if alarm.at else ""
     return html.Div(
         [
             html.Div(f"{at}{view.say(alarm.cause)}", className="station-cause"),
             html.Div(f"→ {view.say(alarm.todo)}"),
         ],
-        className=f"station-alarm state-{kind}",
+        className=f"station-alarm alarm-{kind}",
     )
 
 
-def _next(waiting: Sequence[Queued], view: View) -> Component:
+def _queue(waiting: Sequence[Queued], view: View) -> list[Component]:
     """How many orders wait, and the next ones; a running one is on the card already."""
     ahead = [each for each in waiting if each.state == "waiting"]
     if not ahead:
-        return _small(message("pages-line-none.waiting"), view)
+        return []
     named = [f"{', '.join(each.serials)} ({each.procedure})" for each in ahead[:WAITING_SHOWN]]
-    return _small(message("pages-line-waiting", count=len(ahead), named=tuple(named)), view)
+    return [_small(message("pages-line-waiting", count=len(ahead), named=tuple(named)), view)]
 
 
 def _small(text: Sayable, view: View) -> Component:

@@ -6,7 +6,7 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.line.card import card
-from flows.pages.local_time import hour_of, second_of
+from flows.pages.local_time import hour_of
 from flows.pages.page import View
 from flows.pages.parts import facts, table
 from flows.pages.states import Kind, StepState, badge
@@ -62,7 +62,7 @@ def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
 
 
 def _orders(orders: Sequence[Queued], view: View) -> Component:
-    """The queue of each station, one below the other."""
+    """The queue of each station, what runs first."""
     if not orders:
         return dmc.Text(view.say(message("pages-line-none.orders")), size="sm")
     rows = [
@@ -71,11 +71,11 @@ def _orders(orders: Sequence[Queued], view: View) -> Component:
             ", ".join(each.serials),
             each.procedure,
             badge(_waits(each), view),
-            second_of(each.since),
+            hour_of(each.since),
             each.client or None,
             each.number,
         )
-        for each in sorted(orders, key=lambda each: each.station)
+        for each in sorted(orders, key=lambda each: (each.station, each.state))
     ]
     names = ("station", "serial", "procedure", "state", "since", "client", "number")
     return table([message(f"pages-line-order.{name}") for name in names], rows, view, 760)
@@ -98,7 +98,7 @@ def _flows(flows: Flows, view: View) -> Component:
             each.deployment,
             each.subject or None,
             badge(StepState(each.state, "bad" if each.is_late else "none"), view),
-            second_of(each.expected_at) if each.expected_at else None,
+            hour_of(each.expected_at) if each.expected_at else None,
         )
         for each in flows.runs
     ]

@@ -11,7 +11,6 @@ pages-line-none =
     .alarms = No alarms.
     .orders = No orders wait; add some on the page Do or with `mimucal order add`.
     .flows = Nothing runs or is planned there.
-    .waiting = No orders wait.
 pages-line-today = Today, { $day }
 pages-line-no-server = No Prefect server is configured (PREFECT_API_URL): orders run on this computer.
 pages-line-state =
@@ -35,6 +34,7 @@ pages-line-duration =
 pages-line-at = updated { $at }
 pages-line-never = No run yet.
 pages-line-last-done = Last run: { $unit }, completed { $at }.
+pages-line-next = Mount next, for { $procedure }.
 pages-line-waiting = { $count ->
     [one] 1 order waits: { $named }
    *[other] { $count } orders wait; next: { $named }

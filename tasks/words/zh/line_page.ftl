@@ -11,7 +11,6 @@ pages-line-none =
     .alarms = 没有告警。
     .orders = 没有等待的订单；可在“操作”页或用 `mimucal order add` 添加。
     .flows = 没有正在运行或计划中的流程。
-    .waiting = 没有等待的订单。
 pages-line-today = 今日 { $day }
 pages-line-no-server = 未指定 Prefect 服务器（PREFECT_API_URL）：订单在本机执行。
 pages-line-state =
@@ -35,6 +34,7 @@ pages-line-duration =
 pages-line-at = 更新于 { $at }
 pages-line-never = 尚未测量过。
 pages-line-last-done = 上次测量：{ $unit }，完成于 { $at }。
+pages-line-next = 接下来安装，规程 { $procedure }。
 pages-line-waiting = { $count ->
    *[other] { $count } 个订单等待；接下来：{ $named }
 }
