@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flows.progress import counting, describe
-from flows.signals import ending_as_ctrl_c, pausing
+from flows.signals import ending_as_ctrl_c, pausing, stopping
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import (
     AmendOrder,
@@ -57,10 +57,14 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
     from tasks.stages.acquire import acquire_run
+    from tasks.station.stopping import StopSwitch
 
     station, procedure, ask = _acquisition(order)
-    with ending_as_ctrl_c(), pausing() as is_paused, acquisition_view() as report:
-        return acquire_run(station, procedure, home_of(order), report, ask, is_paused, order.resume)
+    stop = StopSwitch()
+    with stopping(stop), pausing() as is_paused, acquisition_view() as report:
+        return acquire_run(
+            station, procedure, home_of(order), report, ask, is_paused, order.resume, stop
+        )
 
 
 def check_acquisition(order: AcquireOrder) -> None:

@@ -1,10 +1,15 @@
 """Every terminating signal acts as Ctrl-C does; Ctrl-Z pauses an acquisition."""
 
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tasks.station.stopping import StopSwitch
 
 ENDINGS = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
@@ -35,6 +40,66 @@ def ending_as_ctrl_c() -> Iterator[None]:
     finally:
         for ending, handler in before.items():
             signal.signal(ending, handler)
+
+
+@contextmanager
+def stopping(stop: "StopSwitch") -> Iterator[None]:
+    """Inside an acquisition: the signals that end it press its switch, however many come.
+
+    Before and after what the switch ends they act as Ctrl-C does; ignored ones stay ignored.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    from tasks.station.stopping import OPERATOR
+
+    before = {each: signal.getsignal(each) for each in (signal.SIGINT, *ENDINGS)}
+    usual = before[signal.SIGINT]
+
+    def press(number: int, frame: FrameType | None) -> None:
+        if stop.is_live:
+            stop.press(OPERATOR)
+        else:
+            (usual if callable(usual) else signal.default_int_handler)(number, frame)
+
+    def press_meanwhile(number: int) -> None:
+        if number in before and stop.is_live:
+            stop.press(OPERATOR)
+
+    for each, handler in before.items():
+        if handler is not signal.SIG_IGN:
+            signal.signal(each, press)
+    try:
+        with _arriving(press_meanwhile):
+            yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
+
+
+@contextmanager
+def _arriving(act: Callable[[int], object]) -> Iterator[None]:
+    """Acts on the number of each signal that arrives, in a thread.
+
+    So it does even while the main thread, in which Python handles signals, is held up.
+    """
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+
+    def watch() -> None:
+        while number := os.read(reader, 1):
+            act(number[0])
+
+    thread = threading.Thread(target=watch, name="signals", daemon=True)
+    thread.start()
+    woken = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(woken)
+        os.close(writer)
+        thread.join()
+        os.close(reader)
 
 
 @contextmanager

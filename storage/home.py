@@ -35,18 +35,36 @@ class Home:
         return self.path / "tolerances"
 
     @property
+    def station_side(self) -> Path:
+        """What a station needs while it runs: a folder on its own computer, which MIMUCAL_STATION
+        names where the home is on another; else the home.
+        """
+        named = os.environ.get("MIMUCAL_STATION")
+        return Path(named).expanduser().absolute() if named else self.path
+
+    @property
     def acquiring(self) -> Path:
         """Raw recordings that a station is giving; they leave when they are whole runs."""
-        return self.path / "acquiring"
+        return self.station_side / "acquiring"
 
     @property
     def locks(self) -> Path:
-        """One file for each station that was ever acquired from."""
+        """Lock, stop request and station file of each station that was ever acquired from."""
+        return self.station_side / "locks"
+
+    @property
+    def station_status(self) -> Path:
+        """How the last run of each station of this computer stands, one file each."""
+        return self.station_side / "status"
+
+    @property
+    def shared_locks(self) -> Path:
+        """Where a stop request lies that another computer made."""
         return self.path / "locks"
 
     @property
     def status(self) -> Path:
-        """How the last run of each station stands, one file each."""
+        """The same as `station_status` of every station, for other computers."""
         return self.path / "status"
 
     @property

@@ -34,13 +34,13 @@ class AlarmShown(Frozen):
 class StopShown(Frozen):
     """The last stop that was pressed here for a station, and what became of it.
 
-    is_at_rest: whether the table is known to stand still.
+    is_at_rest: whether the table was read to stand still. fault: why that is not known.
     """
 
     by: str
     at: AwareDatetime
     is_at_rest: bool
-    sentence: str
+    fault: str
 
 
 class Queued(Frozen):

@@ -3,7 +3,7 @@
 import os
 import secrets
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -18,14 +18,16 @@ from storage.catalogue.run_index import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
-from storage.station_lock import one_run_on, write_status
+from storage.station_lock import lock_place, write_status
 from storage.whole_files import writing_in_home
 from tasks.stages.left_run import LeftRun, left_runs
 from tasks.stages.stage import stage
+from tasks.stages.stoppable import stoppable
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
 from tasks.station.ports import Ask
 from tasks.station.progress import Progress
 from tasks.station.run_manifest import interrupted
+from tasks.station.stopping import OPERATOR, StopRequested, StopSwitch
 
 WRITE_EVERY_S = 1.0
 
@@ -70,12 +72,24 @@ def acquire_run(
     ask: Ask | None = None,
     is_paused: Callable[[], bool] = lambda: False,
     resume: bool = False,
+    stop: StopSwitch | None = None,
 ) -> AcquiredRuns:
-    """Acquire a run while no other is going on at the station; see `_acquire_run`."""
-    held = one_run_on(station.station.id, home)
-    with held, status_file(station, procedure, home, report) as reporting:
+    """Acquire a run while no other is going on at the station; see `_acquire_run`.
+
+    stop: ends it, as a request of `stop_station` does.
+    """
+    stop, raw = stop or StopSwitch(), list[RawRecording]()
+    held = stoppable(station, home, stop)
+    with held, status_file(station, procedure, home, report, raw) as reporting:
+
+        def unless_stopped(progress: Progress) -> None:
+            stop.check()
+            reporting(progress)
+
         left = left_runs(station, procedure, home) if resume else None
-        return _acquire_run(station, procedure, home, reporting, ask, is_paused, left)
+        return _acquire_run(
+            station, procedure, home, unless_stopped, ask, is_paused, left, stop, raw
+        )
 
 
 def _acquire_run(
@@ -86,18 +100,19 @@ def _acquire_run(
     ask: Ask | None,
     is_paused: Callable[[], bool],
     left: Mapping[str, LeftRun] | None,
+    stop: StopSwitch,
+    raw: list[RawRecording],
 ) -> AcquiredRuns:
     """Acquire a run, with its recordings in the home from the first sample on.
 
     ask: has a person turn the unit over, where the station cannot. is_paused: asked before each
     segment, which waits until it is so no more. left: interrupted runs by the serial of the unit;
-    they go on, and the other units are not measured.
+    they go on, and the other units are not measured. raw: is filled with the recordings.
 
     If the run breaks off, what was recorded stays in the home's `acquiring` folder as MCAP
     files, and the sentence of Unusable or BrokenOff says where. So does what was recorded of a
     unit that was given up.
     """
-    raw: list[RawRecording] = []
     try:
         with ExitStack() as sinks:
             for alone in station.per_unit():
@@ -106,7 +121,7 @@ def _acquire_run(
                     sinks.enter_context(raw[-1].sink)
                     raw[-1].take_over()
             new = tuple(each.new for each in raw)
-            made = acquire(RunRequest(station, procedure, new, report, ask, is_paused))
+            made = acquire(RunRequest(station, procedure, new, report, ask, is_paused, stop))
         kept = tuple(
             (runs.add(read_mcap(each.path), home)[0], acquired)
             for each, acquired in zip(raw, made, strict=True)
@@ -118,9 +133,9 @@ def _acquire_run(
     except OSError as fault:
         why = fault.strerror or fault
         raise BrokenOff(f"the recording could not be written ({why}){what_is_left(raw)}") from fault
-    except KeyboardInterrupt as stop:
+    except (KeyboardInterrupt, StopRequested) as end:
         _forget(raw)
-        raise BrokenOff(f"stopped by the operator{what_is_left(raw)}") from stop
+        raise BrokenOff(f"stopped by {stop.by or OPERATOR}{what_is_left(raw)}") from end
     _forget(raw)
     for each, acquired in zip(raw, made, strict=True):
         if acquired.given_up is None:
@@ -185,7 +200,11 @@ def what_is_left(recordings: Iterable[RawRecording]) -> str:
 
 @contextmanager
 def status_file(
-    station: StationFile, procedure: Procedure, home: Home, report: Callable[[Progress], None]
+    station: StationFile,
+    procedure: Procedure,
+    home: Home,
+    report: Callable[[Progress], None],
+    raw: Sequence[RawRecording] = (),
 ) -> Iterator[Callable[[Progress], None]]:
     """Gives the report that also writes the status: at every change, and every WRITE_EVERY_S.
 
@@ -204,6 +223,8 @@ def status_file(
             segment=last.segment, segments=last.segments, station_s_done=last.station_s_done,
             station_s_total=last.station_s_total, wall_s_left=last.wall_s_left,
             rates_hz=last.rates_hz, noise=last.noise, alarms=last.alarms, cause=cause,
+            recordings=tuple(str(each.path) for each in raw if each.path.exists()),
+            lock=lock_place(home),
         )  # fmt: skip
         write_status(status, home)
 

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from schemas.base import Unusable
@@ -22,6 +22,7 @@ from tasks.station.recorder import Recorder
 from tasks.station.requirements import check_attended, check_limits, check_procedure
 from tasks.station.run_manifest import Interrupted, ManifestBuilder, remaining
 from tasks.station.sequencer import Sequencer
+from tasks.station.stopping import OPERATOR, StopRequested, StopSwitch, run_until_stopped
 from tasks.station.unit_recorder import Sink, UnitRecorder
 from tasks.words import Message, message, texts
 
@@ -71,7 +72,8 @@ class RunRequest:
     """A procedure to run on a station, and where recordings and progress go.
 
     `ask` has a person turn the units over if the station cannot. While `is_paused`, no further
-    segment begins. Raises Unusable, with one sentence, if procedure and station are incompatible.
+    segment begins. `stop` ends the run at any moment. Raises Unusable, with one sentence, if
+    procedure and station are incompatible.
     """
 
     station: StationFile
@@ -80,6 +82,7 @@ class RunRequest:
     report: Callable[[Progress], None]
     ask: Ask | None = None
     is_paused: Callable[[], bool] = lambda: False
+    stop: StopSwitch = field(default_factory=StopSwitch)
 
     def __post_init__(self) -> None:
         check_run(self.procedure, self.station, self.ask)
@@ -102,23 +105,22 @@ def acquire(request: RunRequest) -> tuple[Acquired, ...]:
     long as another is sound.
 
     Raises Unusable, with one sentence, if the station does not answer or something fails on the
-    way; what was recorded until then is in the sink. Whatever ends the run, the table is stopped.
+    way, and StopRequested where the switch was pressed; what was recorded until then is in the
+    sink. Whatever ends the run, the table is stopped.
     """
-    return asyncio.run(_acquire(request))
+    return run_until_stopped(_acquire(request), request.stop)
 
 
 async def _acquire(request: RunRequest) -> tuple[Acquired, ...]:
     links = [recording.station.unit_link for recording in request.recordings]
-    async with connected(request.station, links, request.ask) as bench:
+    async with connected(request.station, links, request.ask, request.stop) as bench:
         return await run(request, bench)
 
 
 async def run(request: RunRequest, bench: Bench) -> tuple[Acquired, ...]:
     """A run on a bench that is connected; raises as `acquire` does."""
     texts(message("station-log-operator"))  # the catalogues are read before the watchdog counts
-    await bench.table.home()
-    await bench.chamber.climate()
-    clock = await _station_clock(bench.table)
+    clock = await _ready(bench)
     procedure = request.procedure
     planned = tuple(remaining(plan(procedure), _measured(request.recordings)))
     units = tuple(
@@ -144,7 +146,7 @@ async def run(request: RunRequest, bench: Bench) -> tuple[Acquired, ...]:
         await bench.table.leave()
     except BaseException as cause:
         await _stop_if_reachable(bench.table)
-        recorder.enter("stopped", _cause_of_the_end(cause))
+        recorder.enter("stopped", _cause_of_the_end(cause, request.stop))
         if isinstance(cause, Unusable):
             raise Unusable(_stopped(tracker.now, cause, recorder)) from cause
         raise
@@ -153,6 +155,17 @@ async def run(request: RunRequest, bench: Bench) -> tuple[Acquired, ...]:
             driver.end()
         _write_rest(recorder, procedure)
     return tuple(_acquired(unit, procedure) for unit in units)
+
+
+async def _ready(bench: Bench) -> StationClock:
+    """The table at home and held; whoever ends the run meanwhile stops it."""
+    try:
+        await bench.table.home()
+        await bench.chamber.climate()
+        return await _station_clock(bench.table)
+    except (asyncio.CancelledError, KeyboardInterrupt, StopRequested):
+        await _stop_if_reachable(bench.table)
+        raise
 
 
 def _measured(recordings: tuple[NewRecording, ...]) -> set[str]:
@@ -222,8 +235,10 @@ def _write_rest(recorder: Recorder, procedure: Procedure) -> None:
         unit.write_manifest(recorder.encoders.table.time_half_width_s)
 
 
-def _cause_of_the_end(cause: BaseException) -> Message:
-    if isinstance(cause, KeyboardInterrupt | asyncio.CancelledError):
+def _cause_of_the_end(cause: BaseException, stop: StopSwitch) -> Message:
+    if stop.by not in (None, OPERATOR):
+        return message("station-log-stopped-by", name=stop.by)
+    if stop.by == OPERATOR or isinstance(cause, KeyboardInterrupt | asyncio.CancelledError):
         return message("station-log-operator")
     return message("station-log-stopped", cause=str(cause) or type(cause).__name__)
 

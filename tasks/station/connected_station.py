@@ -1,12 +1,14 @@
 """The devices of a station that a run needs, connected and ready."""
 
 import asyncio
+import concurrent.futures
 import threading
 from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterator, Sequence
-from contextlib import ExitStack, asynccontextmanager, closing, contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack, asynccontextmanager, closing, contextmanager, suppress
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+from schemas.base import Unusable
 from schemas.procedure import Refix
 from schemas.station import StationFile
 from schemas.unit_link import UnitLink
@@ -14,8 +16,11 @@ from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
 from tasks.station.ports import Ask, Chamber, Climate, EncoderBlock, Fixture, Table, TableState
+from tasks.station.stopping import StopSwitch, bring_to_rest, is_at_rest
 
 T = TypeVar("T")
+END_S = 0.01  # after which work that swallowed its cancellation is cancelled again
+STUBBORN_S = 0.3  # for which a stop waits for it
 
 
 # A thread in which drivers talk to their devices, so that other work does not delay them.
@@ -29,6 +34,7 @@ class Bus:
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
+        self._stopping: concurrent.futures.Future[None] | None = None
         # What fails is raised where it was asked for; whoever asked may have ended meanwhile.
         self._loop.set_exception_handler(lambda loop, context: None)
         self._thread = threading.Thread(target=self._loop.run_forever, name="bus", daemon=True)
@@ -37,6 +43,26 @@ class Bus:
     async def do(self, work: Coroutine[Any, Any, T]) -> T:
         """What the work gives, or raises; cancelled here, it is cancelled there."""
         return await asyncio.wrap_future(asyncio.run_coroutine_threadsafe(work, self._loop))
+
+    def stop(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """End whatever runs there, then do this; returns at once, in any thread."""
+        self._stopping = asyncio.run_coroutine_threadsafe(self._alone(work), self._loop)
+
+    async def _alone(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        loop = asyncio.get_running_loop()
+        end_s = loop.time() + STUBBORN_S
+        others = asyncio.all_tasks() - {asyncio.current_task()}
+        while others and loop.time() < end_s:
+            for task in others:
+                task.cancel()
+            _, others = await asyncio.wait(others, timeout=END_S)
+        await work()
+
+    async def stopped(self) -> None:
+        """Wait for the end of what `stop` does there; nothing where it was not called."""
+        if self._stopping is not None:
+            with suppress(Unusable, OSError, TimeoutError):
+                await asyncio.shield(asyncio.wrap_future(self._stopping))
 
     def close(self) -> None:
         """End whatever still runs there, and the thread."""
@@ -49,7 +75,7 @@ class Bus:
         for task in running:
             task.cancel()
         # again until all have ended, as in `acquisition`: one may swallow its cancellation
-        self._loop.call_later(0.01, self._end) if running else self._loop.stop()
+        self._loop.call_later(END_S, self._end) if running else self._loop.stop()
 
 
 @contextmanager
@@ -64,10 +90,11 @@ def bus() -> Iterator[Bus]:
 
 @dataclass(frozen=True)
 class BusTable:
-    """A table that is talked to on a bus."""
+    """A table that is talked to on a bus; once the switch is pressed it takes no more commands."""
 
     table: Table
     bus: Bus
+    stop_switch: StopSwitch = field(default_factory=StopSwitch)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -86,25 +113,51 @@ class BusTable:
         return self.table.time_half_width_s
 
     async def home(self) -> None:
-        await self.bus.do(self.table.home())
+        await self._do(self.table.home)
 
     async def move_to(self, axis: int, angle: float, rate: float, acceleration: float) -> None:
-        await self.bus.do(self.table.move_to(axis, angle, rate, acceleration))
+        await self._do(self.table.move_to, axis, angle, rate, acceleration)
 
     async def turn_at(self, axis: int, rate: float, acceleration: float) -> None:
-        await self.bus.do(self.table.turn_at(axis, rate, acceleration))
+        await self._do(self.table.turn_at, axis, rate, acceleration)
 
     async def stop(self, axis: int) -> None:
-        await self.bus.do(self.table.stop(axis))
+        await self._do(self.table.stop, axis)
 
     async def state(self) -> TableState:
-        return await self.bus.do(self.table.state())
+        return await self._do(self.table.state)
 
     async def encoder(self, first: int) -> EncoderBlock:
         return await self.bus.do(self.table.encoder(first))
 
     async def leave(self) -> None:
-        await self.bus.do(self.table.leave())
+        if self.stop_switch.by is None:
+            await self.bus.do(self.table.leave())
+        else:
+            await self.bus.stopped()
+
+    async def _do(self, command: Callable[..., Coroutine[Any, Any, T]], *given: Any) -> T:
+        return await self.bus.do(_unless_stopped(self.stop_switch, command, *given))
+
+    async def bring_to_rest(self) -> None:
+        """On the bus: stop every axis, note when the table is at rest, and hand it back."""
+
+        def told() -> None:
+            self.stop_switch.is_told = True
+
+        try:
+            state = await bring_to_rest(self.table, told)
+            self.stop_switch.rest = state if is_at_rest(state) else None
+        finally:
+            await self.table.leave()
+
+
+async def _unless_stopped(
+    stop: StopSwitch, command: Callable[..., Coroutine[Any, Any, T]], *given: Any
+) -> T:
+    """Looked at on the bus itself: what comes there after a stop is not sent."""
+    stop.check()
+    return await command(*given)
 
 
 @dataclass(frozen=True)
@@ -127,9 +180,10 @@ class BusFixture:
 
     fixture: Fixture
     bus: Bus
+    stop_switch: StopSwitch
 
     async def turn(self, refix: Refix) -> float | None:
-        return await self.bus.do(self.fixture.turn(refix))
+        return await self.bus.do(_unless_stopped(self.stop_switch, self.fixture.turn, refix))
 
 
 @dataclass(frozen=True)
@@ -148,9 +202,11 @@ class Bench:
 
 @asynccontextmanager
 async def connected(
-    station: StationFile, links: Sequence[UnitLink], ask: Ask | None
+    station: StationFile, links: Sequence[UnitLink], ask: Ask | None, stop: StopSwitch
 ) -> AsyncIterator[Bench]:
     """The bench of a station file with the units at some links, for the length of the block.
+
+    At the press of the switch the table is stopped on the bus, whatever this loop is busy with.
 
     Raises Unusable where the table or a unit's line cannot be reached, and where the chamber is to
     be set and its driver cannot set it.
@@ -160,18 +216,20 @@ async def connected(
     fixture: Fixture | None = ByHand(ask) if ask is not None else None
     with bus() as drivers:
         if station.fixture != "by_hand":
-            fixture = BusFixture(await drivers.do(devices.fixture(station.fixture)), drivers)
+            fixture = BusFixture(await drivers.do(devices.fixture(station.fixture)), drivers, stop)
         try:
-            table = BusTable(await drivers.do(devices.table(station.table)), drivers)
+            table = BusTable(await drivers.do(devices.table(station.table)), drivers, stop)
             is_set = station.limits.chamber is not None
             found = await drivers.do(devices.chamber(station.chamber, is_set))
             chamber = BusChamber(found, drivers)
             with ExitStack() as lines:
+                lines.enter_context(stop.calling(lambda: drivers.stop(table.bring_to_rest)))
                 units = tuple(
                     UnitDriver(link, lines.enter_context(closing(UnitLine(link)))) for link in links
                 )
                 yield Bench(table, chamber, fixture, units, drivers.do)
         finally:
+            await drivers.stopped()
             await drivers.do(devices.hang_up())
 
 

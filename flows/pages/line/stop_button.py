@@ -41,7 +41,7 @@ def _became(stop: StopShown, view: View) -> Component:
     rest = "at-rest" if stop.is_at_rest else "not-at-rest"
     words = message(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))
     color = "green" if stop.is_at_rest else "red"
-    return dmc.Alert(stop.sentence, title=view.say(words), color=color, p="xs")
+    return dmc.Alert(stop.fault, title=view.say(words), color=color, p="xs")
 
 
 def callbacks(app: Dash, home: Home) -> None:

@@ -3,6 +3,7 @@
 import logging
 from datetime import UTC, datetime
 from functools import cache
+from pathlib import Path
 from threading import Lock
 
 from schemas.access import MAY, Visitor
@@ -45,14 +46,16 @@ class Stops:
         from tasks.stages.stop import stop_station
 
         try:
+            if Path(station).is_file():  # which at a terminal is a station file
+                raise Unusable(f"there is no station {station!r}; press Stop on its card")
             stopped = stop_station(station, by, self._home)
         except Exception as error:  # whoever pressed must know that the table may still turn
             if not isinstance(error, Unusable):
                 LOG.exception("station %s was not stopped", station)
-            sentence = str(error) or type(error).__name__
-            return StopShown(by=by, at=datetime.now(UTC), is_at_rest=False, sentence=sentence)
+            fault = str(error) or type(error).__name__
+            return StopShown(by=by, at=datetime.now(UTC), is_at_rest=False, fault=fault)
         return StopShown(
-            by=by, at=datetime.now(UTC), is_at_rest=stopped.at_rest, sentence=stopped.sentence
+            by=by, at=datetime.now(UTC), is_at_rest=stopped.at_rest, fault=stopped.fault
         )
 
 

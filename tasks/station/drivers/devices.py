@@ -110,10 +110,16 @@ class Devices:
 
     async def table(self, device: TableDevice) -> Table:
         """The table."""
+        if not isinstance(device, PythonDevice):
+            await check_expected(device, self._backend(device), "table")
+        return self.table_unasked(device)
+
+    def table_unasked(self, device: TableDevice) -> Table:
+        """The table, whatever it is: it has not read what its description expects."""
         if isinstance(device, PythonDevice):
             table: Table = self._from_entry_point("table", device, self._names)
             return table
-        return await DescribedTable.find(device, self._backend(device), self._names)
+        return DescribedTable(device, self._backend(device), self._names)
 
     async def chamber(self, device: ChamberDevice, is_set: bool) -> Chamber:
         """The chamber. is_set: whether the station file has limits within which it is set."""

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -10,7 +11,7 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.devices import ModbusTable, TextTable
 from tasks.station.clock import wall_s
-from tasks.station.drivers.backend import Backend, check_expected
+from tasks.station.drivers.backend import Backend
 from tasks.station.drivers.modbus_device import (
     CapturedEncoders,
     ModbusBackend,
@@ -86,14 +87,6 @@ class DescribedTable:
             return CapturedEncoders(described, described.capture, backend, len(self.names))
         return PolledEncoders(described, backend, self._began_s)
 
-    @classmethod
-    async def find(
-        cls, described: ModbusTable | TextTable, backend: Backend, names: tuple[str, ...]
-    ) -> "DescribedTable":
-        """The table, once it has read what its description expects. Raises Unusable if not."""
-        await check_expected(described, backend, "table")
-        return cls(described, backend, names)
-
     @property
     def period_us(self) -> int:
         """Time between two encoder samples."""
@@ -131,6 +124,7 @@ class DescribedTable:
             if all(flag.is_set(each) for each in (read if isinstance(read, tuple) else (read,))):
                 return
             await asyncio.sleep(POLL_S)
+        await self._stop_every_axis("stop")
         raise Unusable(
             f"the table at {self._backend.url} has not found its home within "
             f"{self._described.home_timeout_s:g} s: check whether an axis is blocked"
@@ -212,17 +206,32 @@ class DescribedTable:
         self._settling[axis].send("off")
         await self._backend.command("stop", {}, axis)
 
+    async def quick_stop(self) -> None:
+        """Stop every axis on a fresh connection, by the command quick_stop where there is one."""
+        self._backend.close()
+        if "quick_stop" in self._described.commands:
+            with suppress(Unusable):  # an older controller may not know it
+                await self._stop_every_axis("quick_stop")
+                return
+        await self._stop_every_axis("stop")
+
     async def leave(self) -> None:
         """Stop every axis and let the table go, on a fresh connection."""
         self._is_held = False
         self._backend.close()
+        try:
+            await self._stop_every_axis("stop")
+        finally:
+            await self._backend.command("leave", {})
+
+    async def _stop_every_axis(self, command: str) -> None:
         failures = []
         for axis in range(len(self.names)):
+            self._settling[axis].send("off")
             try:
-                await self.stop(axis)
+                await self._backend.command(command, {}, axis)
             except Unusable as failure:  # the others are to stop all the same
                 failures.append(failure)
-        await self._backend.command("leave", {})
         if failures:
             raise failures[0]
 

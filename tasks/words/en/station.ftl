@@ -55,6 +55,7 @@ station-log-done = Run complete.
 station-log-stopped = Run stopped: { $cause }
 station-log-given-up = The unit was abandoned and the run continued without it: { $cause }
 station-log-operator = Run stopped by the operator.
+station-log-stopped-by = Run stopped by { $name }.
 station-log-alarm = Alarm: { $alarm }.
 station-log-times = { $alarm } ({ $count }×)
 

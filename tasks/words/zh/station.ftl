@@ -58,6 +58,7 @@ station-log-done = 采集完成。
 station-log-stopped = 采集中止：{ $cause }
 station-log-given-up = 放弃该器件，采集继续进行：{ $cause }
 station-log-operator = 操作员中止采集。
+station-log-stopped-by = { $name }中止采集。
 station-log-alarm = 发现：{ $alarm }。
 station-log-times = { $alarm }（{ $count } 次）
 

@@ -1,0 +1,125 @@
+"""Stage: stops a station. It needs the station's own computer, or its network, and nothing else."""
+
+import getpass
+import os
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from secrets import token_hex
+
+from schemas.base import Unusable
+from schemas.run_log import ENDED
+from schemas.station import StationFile
+from schemas.stop import StopAnswer, Stopped, StopRequest
+from storage import settings, stations
+from storage.home import Home
+from storage.station_lock import (
+    end_status,
+    is_dead,
+    is_held,
+    read_status,
+    status_file_of,
+)
+from storage.station_stop import answer_in, kept_station_file, request_stop, take_back
+from tasks.stages.stoppable import axes_of
+from tasks.station.stopping import REST_S, is_at_rest, stop_directly
+
+ANSWER_S = 1.0  # for which a run's process has time to command every axis
+LOOK_S = 0.02
+
+
+def stop_station(station: str, by: str, home: Home) -> Stopped:
+    """Stop a station, and read that its table is at rest.
+
+    station: its id, or a station file. The process of a run that goes on there stops it, keeps
+    the recording and ends; where none answers within ANSWER_S, the table is stopped from here by
+    its station file. Neither database nor Prefect nor, where MIMUCAL_STATION names a folder of
+    this computer, the home are needed. Raises Unusable for a station that is not known.
+    """
+    began_s = time.monotonic()
+    file, unknown = _file(station, home)
+    id_ = file.station.id if file else station
+    request = StopRequest(key=token_hex(8), station=id_, by=by, at=datetime.now(UTC))
+    is_written = request_stop(request, home)
+    answer = _answer(request, home) if is_written and _lives(id_, home) else None
+    if answer is not None and answer.at_rest:
+        stopped = Stopped(
+            station=id_, by=by, at_rest=True, axes=answer.axes, way="run", seconds=0.0
+        )
+    elif file is not None:
+        stopped = _directly(file, by)
+    else:
+        take_back(home.locks, id_)
+        raise unknown or Unusable(f"station {id_} is not known")
+    if not is_held(id_, home):
+        take_back(home.locks, id_)
+        if stopped.at_rest and not _lives(id_, home):
+            end_status(id_, f"stopped by {by}", home)
+    seconds = time.monotonic() - began_s
+    return stopped.model_copy(
+        update={"recordings": _recordings(id_, home), "seconds": round(seconds, 3)}
+    )
+
+
+def whoever() -> str:
+    """The person at this terminal: MIMUCAL_USER, else the name of the login."""
+    return os.environ.get("MIMUCAL_USER") or getpass.getuser()
+
+
+def _file(station: str, home: Home) -> tuple[StationFile | None, Unusable | None]:
+    """The station file: one that is named, that of the last run here, or that of the home."""
+    if Path(station).is_file():
+        return settings.read(Path(station), StationFile), None
+    if kept := kept_station_file(station, home):
+        return kept, None
+    try:
+        return settings.read(stations.file_of(station, home), StationFile), None
+    except (Unusable, OSError) as fault:
+        return None, Unusable(str(fault))
+
+
+def _lives(station: str, home: Home) -> bool:
+    """Whether a process holds the station, on this computer or, by its status, on another."""
+    if is_held(station, home):
+        return True
+    status = read_status(status_file_of(station, home.status))
+    return status is not None and status.state not in ENDED and not is_dead(status, home)
+
+
+def _answer(request: StopRequest, home: Home) -> StopAnswer | None:
+    """What the run's process answers: at rest, or as far as it came; None where it is silent."""
+    end_s = time.monotonic() + ANSWER_S
+    answer = None
+    while time.monotonic() < end_s:
+        if (found := answer_in(home.locks, request)) is not None:
+            if found.at_rest is not None:
+                return found
+            end_s = end_s if answer else time.monotonic() + REST_S
+            answer = found
+        if not _lives(request.station, home):  # it has ended
+            return answer
+        time.sleep(LOOK_S)
+    return answer
+
+
+def _directly(file: StationFile, by: str) -> Stopped:
+    id_, state, fault = file.station.id, None, ""
+    try:
+        state = stop_directly(file)
+    except Unusable as silent:
+        fault = str(silent)
+    at_rest = state is not None and is_at_rest(state)
+    if state is not None and not at_rest:
+        fault = f"the table still turns {REST_S:g} s after it was commanded to stop"
+    return Stopped(
+        station=id_, by=by, at_rest=at_rest, axes=axes_of(file, state), way="directly",
+        fault=fault, seconds=0.0,
+    )  # fmt: skip
+
+
+def _recordings(station: str, home: Home) -> tuple[str, ...]:
+    """What the last run of the station left."""
+    status = read_status(status_file_of(station, home.station_status)) or read_status(
+        status_file_of(station, home.status)
+    )
+    return status.recordings if status is not None else ()

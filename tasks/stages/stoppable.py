@@ -1,0 +1,120 @@
+"""A station held for a run that anybody can stop, whatever the run's own thread is busy with."""
+
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from schemas.station import StationFile
+from schemas.stop import AxisReading, StopAnswer, StopRequest
+from storage.home import Home
+from storage.station_lock import end_status, one_run_on, share_status
+from storage.station_stop import answer_stop, keep_station_file, request_in, take_back
+from tasks.station.ports import TableState
+from tasks.station.stopping import StopSwitch
+
+LOOK_S = 0.1  # between two looks for a request
+SHARE_S = 1.0  # between two statuses for other computers
+LEAVE_S = 2.0  # for which the end of a run waits for a home on the network
+
+
+@contextmanager
+def stoppable(station: StationFile, home: Home, stop: StopSwitch) -> Iterator[None]:
+    """The station for the length of the block; a request to stop it presses the switch.
+
+    Two threads look for requests: one beside the lock, and one in the home where that is another
+    folder, for a home on the network may not answer. Raises Unusable as `one_run_on` does.
+    """
+    id_ = station.station.id
+    with one_run_on(id_, home):
+        take_back(home.locks, id_)
+        keep_station_file(station, home)
+        watches = [_Watch(station, home, home.locks, stop, lambda: None)]
+        if home.shared_locks != home.locks:
+            watches.append(
+                _Watch(station, home, home.shared_locks, stop, lambda: share_status(id_, home))
+            )
+        for each in watches:
+            each.start()
+        try:
+            yield
+        finally:
+            for each in watches:
+                each.end()
+
+
+class _Watch(threading.Thread):
+    """Looks for a request in one folder, presses the switch, and answers.
+
+    share: called about every SHARE_S, and at the end.
+    """
+
+    def __init__(
+        self, station: StationFile, home: Home, folder: Path, stop: StopSwitch,
+        share: Callable[[], None],
+    ) -> None:  # fmt: skip
+        super().__init__(name="stop", daemon=True)
+        self._station, self._home, self._folder, self._switch = station, home, folder, stop
+        self._share, self._shared_s = share, 0.0
+        self._old: StopRequest | None = None
+        self._is_over = threading.Event()
+
+    def run(self) -> None:
+        self._old = request_in(self._folder, self._station.station.id)
+        while not self._is_over.wait(LOOK_S):
+            self._look()
+        self._look()
+        self._shared_s = 0.0
+        self._share_sometimes()
+
+    def end(self) -> None:
+        """Look a last time, and no more."""
+        self._is_over.set()
+        self.join(LEAVE_S)
+
+    def _look(self) -> None:
+        request = request_in(self._folder, self._station.station.id)
+        if request is not None and request != self._old:
+            self._old = request
+            self._switch.press(request.by)
+            self._answer(request)
+            take_back(self._folder, request.station)
+        self._share_sometimes()
+
+    def _answer(self, request: StopRequest) -> None:
+        """That every axis was commanded to stop, then that the table is at rest."""
+        answer = StopAnswer(key=request.key, process=os.getpid())
+        if not self._wait(lambda: self._switch.is_told):
+            return
+        answer_stop(answer, self._folder, request.station)
+        at_rest = self._wait(lambda: self._switch.rest is not None)
+        read = {"at_rest": at_rest, "axes": axes_of(self._station, self._switch.rest)}
+        # also where the run itself hangs: what it last wrote would be untrue
+        end_status(request.station, f"stopped by {request.by}", self._home)
+        answer_stop(answer.model_copy(update=read), self._folder, request.station)
+
+    def _wait(self, is_so: Callable[[], bool]) -> bool:
+        """Whether it becomes so before the run is over."""
+        while not is_so():
+            if self._is_over.wait(LOOK_S / 5):
+                return is_so()
+            self._share_sometimes()
+        return True
+
+    def _share_sometimes(self) -> None:
+        if time.monotonic() - self._shared_s > SHARE_S:
+            with suppress(OSError):
+                self._share()
+            self._shared_s = time.monotonic()
+
+
+def axes_of(station: StationFile, state: TableState | None) -> tuple[AxisReading, ...]:
+    """The axes of a table as they were read, with their names."""
+    names = (axis.name for axis in station.station.table_axes or ())
+    axes = state.axes if state is not None else ()
+    return tuple(
+        AxisReading(name=name, angle_deg=axis.angle_deg, rate_deg_s=axis.rate_deg_s)
+        for name, axis in zip(names, axes, strict=False)
+    )
