@@ -11,7 +11,7 @@ from schemas.base import Frozen
 Role = Literal["viewer", "operator", "verifier", "issuer", "administrator"]
 ROLES: tuple[Role, ...] = get_args(Role)
 HeaderName = Annotated[str, Field(min_length=1, pattern=r"^[A-Za-z0-9-]+$")]
-Action = Literal["acquire", "reprocess", "certify", "check", "issue", "amend", "withdraw"]
+Action = Literal["acquire", "reprocess", "certify", "check", "issue", "amend", "withdraw", "stop"]
 
 # That three different persons draft, check and issue is a rule of the certificate, whatever their
 # roles: an administrator who drafted does not check.
@@ -23,6 +23,7 @@ MAY: Mapping[Action, tuple[Role, ...]] = {
     "issue": ("issuer", "administrator"),
     "amend": ("operator", "administrator"),
     "withdraw": ("issuer", "administrator"),
+    "stop": ("operator", "administrator"),  # on the station's own computer anybody may
 }
 
 

@@ -26,6 +26,17 @@ class LogEntry(Statement):
     state: State
 
 
+class Alarm(Statement):
+    """What was noticed in a run, as a sentence that counts it.
+
+    code: the kind of anomaly, a message `station-alarm-…` of the catalogues, or `given_up`. at:
+    when it was noticed last. Both are empty in a status that an earlier version wrote.
+    """
+
+    code: str = ""
+    at: AwareDatetime | None = None
+
+
 class RunStatus(Frozen):
     """The status of a run when its process last wrote it.
 
@@ -51,7 +62,7 @@ class RunStatus(Frozen):
     wall_s_left: Finite
     rates_hz: Mapping[str, Finite] = {}
     noise: Mapping[str, Finite] = {}
-    alarms: tuple[Statement, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
     cause: str = ""
     recordings: tuple[str, ...] = ()
     lock: str = ""

@@ -44,8 +44,8 @@ class Home:
         """What a station needs while it runs: a folder on its own computer, which MIMUCAL_STATION
         names where the home is on another; else the home.
         """
-        named = os.environ.get("MIMUCAL_STATION")
-        return Path(named).expanduser().absolute() if named else self.path
+        named = environment().station
+        return self.path if named is None else named.expanduser().absolute()
 
     @property
     def acquiring(self) -> Path:

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from schemas.access import PagesFile
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Laboratory
+from schemas.pages.quality import QualityFile
 from schemas.recall import RecallFile
 from schemas.tolerance import Tolerance
 from schemas.validation import ValidationRecord
@@ -21,6 +22,7 @@ from storage.whole_files import check_depth, text_bytes
 LABORATORY = "laboratory.toml"
 REMINDERS = "recall.toml"
 PAGES = "pages.toml"
+QUALITY = "quality.toml"
 VALIDATION = "validation.json"
 READERS = {".toml": tomllib.loads, ".json": json.loads}
 
@@ -96,6 +98,12 @@ def pages(home: Home) -> PagesFile:
     """How the operations pages are served; as usual where `pages.toml` is missing."""
     path = home.path / PAGES
     return read(path, PagesFile) if path.exists() else PagesFile()
+
+
+def quality(home: Home) -> QualityFile:
+    """Which units are golden; none where `quality.toml` is missing."""
+    path = home.path / QUALITY
+    return read(path, QualityFile) if path.exists() else QualityFile()
 
 
 def validation(home: Home) -> ValidationRecord | None:

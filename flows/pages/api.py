@@ -1,7 +1,7 @@
 """The JSON endpoint of each page, and their OpenAPI description."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from flask import Blueprint, Response, request
@@ -10,6 +10,7 @@ from pydantic.json_schema import models_json_schema
 
 from flows.pages import orders_api
 from flows.pages.json_answers import json_answer, refusal
+from flows.pages.numbers import Row, csv_of
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from schemas.base import Frozen, Unusable, first_fault
@@ -28,21 +29,31 @@ REFUSALS = {
 
 
 def endpoints(home: Home) -> Blueprint:
-    """GET /api/v1/NAME for each page, /api/v1/orders and /api/v1/openapi.json."""
+    """GET /api/v1/NAME for each page, NAME/PART.csv for its numbers, orders and openapi.json."""
     made = Blueprint("api", __name__, url_prefix=PREFIX)
     for page in PAGES:
         made.add_url_rule(f"/{page.name}", page.name, _answering(page, home), methods=["GET"])
+        for part, rows in page.numbers.items():
+            answer = _answering(page, home, rows)
+            made.add_url_rule(f"/{page.name}/{part}.csv", f"{page.name}-{part}", answer)
     made.add_url_rule("/orders", "orders", lambda: orders_api.listed(home), methods=["GET"])
     made.add_url_rule("/orders", "order", lambda: orders_api.give(home), methods=["POST"])
     made.add_url_rule("/openapi.json", "openapi", lambda: json_answer(json.dumps(openapi())))
     return made
 
 
-def _answering(page: Page, home: Home) -> Callable[[], Response]:
+def _answering(
+    page: Page, home: Home, rows: Callable[[Any], Sequence[Row]] | None = None
+) -> Callable[[], Response]:
+    """Answers as JSON; with rows, with those of them as CSV."""
+
     def answer() -> Response:
         try:
             question = page.question.model_validate(request.args.to_dict())
-            return json_answer(page.data(question, home).model_dump_json())
+            found = page.data(question, home)
+            if rows is not None:
+                return _csv(csv_of(rows(found)))
+            return json_answer(found.model_dump_json())
         except ValidationError as error:
             return refusal(400, first_fault(error))
         except Busy as error:
@@ -51,6 +62,11 @@ def _answering(page: Page, home: Home) -> Callable[[], Response]:
             return refusal(400, str(error))
 
     return answer
+
+
+def _csv(text: str) -> Response:
+    disposition = {"Content-Disposition": "attachment"}
+    return Response(text, mimetype="text/csv", headers=disposition)
 
 
 def openapi() -> dict[str, Any]:

@@ -7,6 +7,7 @@ from dash import html
 from dash.development.base_component import Component
 
 from flows.pages.discrepancy_data import data
+from flows.pages.local_time import second_of
 from flows.pages.page import Page, View
 from flows.pages.parts import Cell, facts, link, table
 from flows.pages.query_controls import asks
@@ -80,7 +81,7 @@ def _review(review: ReviewShown, view: View) -> list[Component]:
     everything = view.say(message("pages-mismatch-all"))
     about = facts(
         [
-            (message("pages-mismatch-fact.at"), f"{review.at:%F %T} UTC"),
+            (message("pages-mismatch-fact.at"), second_of(review.at)),
             (
                 message("pages-mismatch-fact.asked"),
                 asked or everything,

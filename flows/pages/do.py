@@ -9,6 +9,7 @@ from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
 from dash.development.base_component import Component
 
 from flows import order_queue
+from flows.pages.local_time import second_of
 from flows.pages.orders import FIELDS, Orders, tolerance_files
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.parts import table
@@ -124,7 +125,7 @@ def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
         return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
     rows = [
         (
-            f"{each.at:%F %T}",
+            second_of(each.at),
             each.person,
             view.say(message(f"pages-action.{each.action}")),
             each.subject,
@@ -228,7 +229,7 @@ def callbacks(app: Dash, home: Home) -> None:
 
 def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Component:
     """Gives an order; what became of it, as a sentence."""
-    known = next((each for each in MAY if each == action), None)
+    known = next((each for each in FIELDS if each == action), None)
     if known is None:
         return dmc.Alert(view.say(message("pages-not-answered")), color="red")
     try:

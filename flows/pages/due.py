@@ -7,6 +7,7 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.due_data import data, due_state
+from flows.pages.local_time import minute_of
 from flows.pages.page import Page, View
 from flows.pages.parts import GRID_OPTIONS, locale, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
@@ -157,7 +158,7 @@ def _messages(shown: DueShown, view: View) -> Component:
 def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
     side = "before" if each.days < 0 else "after"
     return (
-        f"{each.at:%F %R}",
+        minute_of(each.at),
         each.certificate,
         view.say(message(f"pages-due-occasion.{side}", days=abs(each.days))),
         each.channel,

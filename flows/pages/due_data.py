@@ -2,10 +2,11 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from datetime import UTC, date, datetime, timedelta
+from datetime import date, timedelta
 
 from dateutil.relativedelta import relativedelta
 
+from flows.pages.local_time import today
 from flows.pages.states import StepState
 from schemas.pages.due import (
     ClientDue,
@@ -105,11 +106,6 @@ def _equipment(home: Home, now: date) -> list[StandardDue]:
         for each in equipment.on_day(home, now).values()
     ]  # fmt: skip
     return sorted(counted, key=lambda each: (each.valid_until or date.max, each.serial))
-
-
-def today() -> date:
-    """The present day, as the reminders have it: by this machine's clock."""
-    return datetime.now(UTC).astimezone().date()
 
 
 def due_state(due: date | None, day: date | None = None) -> StepState:

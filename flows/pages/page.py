@@ -9,6 +9,7 @@ from dash import Dash
 from dash.development.base_component import Component
 from flask import g, request
 
+from flows.pages.numbers import Numbers
 from schemas.access import Visitor
 from schemas.base import Frozen
 from storage.home import Home
@@ -49,7 +50,8 @@ class Page:
     answer: the model that `data` gives, which is the JSON; `data` raises Unusable for what cannot
     be answered. layout: shows the answer to a question in a view. in_navigation: whether the
     header leads to it. has_grid: whether its lists are grids. refresh_s: after how long it is asked
-    for again, for a page that is live. callbacks: registers what the page does by itself.
+    for again, for a page that is live. callbacks: registers what the page does by itself. numbers:
+    its tables and charts as rows, at /api/v1/NAME/PART.csv.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Page:
     has_grid: bool = False
     refresh_s: float | None = None
     callbacks: Callable[[Dash, Home], None] | None = None
+    numbers: Numbers = field(default_factory=dict)
 
     def title(self, view: View) -> str:
         """What the navigation and the heading call it."""

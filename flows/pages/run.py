@@ -8,6 +8,7 @@ from dash import Dash, Input, Output, State
 from dash.development.base_component import Component
 
 from flows.pages import budget, signals
+from flows.pages.local_time import day_of
 from flows.pages.page import Page, View, parameters, view_of_request
 from flows.pages.parts import facts, link, table
 from flows.pages.run_data import data
@@ -78,7 +79,7 @@ def _facts(shown: RunShown, view: View) -> Component:
             (message("pages-column-id"), run.id),
             (message("pages-line-unit"), link(unit, "/unit", id=str(run.unit))),
             (message("pages-column-station"), run.station),
-            (message("pages-column-recorded-on"), str(run.recorded_on or f"{run.taken_in_at:%F}")),
+            (message("pages-column-recorded-on"), str(run.recorded_on or day_of(run.taken_in_at))),
             (message("pages-column-validity"), badge(validity_state(run.validity), view)),
             (message("pages-column-result-state"), badge(result_state(run), view)),
             (message("pages-column-verdict"), badge(verdict_state(run), view)),

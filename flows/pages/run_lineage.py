@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
+from flows.pages.local_time import minute_of, second_of
 from flows.pages.page import View
 from flows.pages.parts import facts, link, table
 from flows.pages.states import badge, certificate_state
@@ -43,7 +44,7 @@ def log(shown: RunShown, view: View) -> Component:
         return dmc.Text(view.say(message("pages-run-no-log")))
     rows = [
         (
-            f"{entry.at:%F %T}",
+            second_of(entry.at),
             f"{entry.t:.2f}",
             view.say(message(f"pages-run-state.{entry.state.replace('_', '-')}")),
             getattr(entry, view.language),
@@ -61,7 +62,7 @@ def lineage(shown: RunShown, view: View) -> Component:
             each.id,
             each.method,
             each.code_version,
-            f"{each.made_at:%F %R}",
+            minute_of(each.made_at),
             each.supersedes,
             each.why,
             ", ".join(c.number for c in shown.certificates if c.result == each.id) or None,

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from flows.pages import pictures, query_controls
 from flows.pages.access import fault
+from flows.pages.local_time import zone
 from flows.pages.page import Page, View, parameters, view_of_request
 from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
@@ -154,8 +155,8 @@ def no_database(sentence: str, view: View) -> PageAndInterval:
 
 def _titled(page: Page, shown: Component, view: View) -> Component:
     heading = dmc.Title(page.title(view), order=2)
-    about = dmc.Text(page.about(view), c="dimmed", size="sm")
-    return dmc.Stack([dmc.Box([heading, about]), shown], gap="md")
+    about = f"{page.about(view)} · {view.say(zone())}"
+    return dmc.Stack([dmc.Box([heading, dmc.Text(about, c="dimmed", size="sm")]), shown], gap="md")
 
 
 def notice(view: View, words: str, color: str, sentence: str = "") -> Component:

@@ -1,26 +1,76 @@
-"""The stations at this moment, today's output, and the queue."""
+"""The stations at this moment, alarms, what waits, and today's output."""
 
 from datetime import date
+from typing import Literal
 
 from pydantic import AwareDatetime
 
 from schemas.base import Frozen
-from schemas.run_log import RunStatus
+from schemas.run_log import RunStatus, State
+from schemas.text import Statement
+
+# Beside the states of a run. free: nothing runs there, as before the first run and after one that
+# is done; lost: its process ended without a word; silent: nothing was heard of it for too long.
+StationState = State | Literal["free", "lost", "silent"]
+Waits = Literal["waiting", "running"]
 
 
 class LineQuestion(Frozen):
     """All of the line."""
 
 
-class StationNow(Frozen):
-    """The last run of a station. is_dead: its process ended without a word."""
+class AlarmShown(Frozen):
+    """Something that a person must see to. station: empty where it is none of a station's; about:
+    the unit, certificate or flow run; at: null where nobody knows when.
+    """
 
-    status: RunStatus
-    is_dead: bool
+    at: AwareDatetime | None
+    station: str
+    about: str
+    cause: Statement
+    todo: Statement
+
+
+class StopShown(Frozen):
+    """The last stop that was pressed here for a station, and what became of it.
+
+    is_at_rest: whether the table was read to stand still. fault: why that is not known.
+    """
+
+    by: str
+    at: AwareDatetime
+    is_at_rest: bool
+    fault: str
+
+
+class Queued(Frozen):
+    """A production order that waits or runs. client: as the order names it."""
+
+    number: str
+    station: str
+    serials: tuple[str, ...]
+    procedure: str
+    client: str
+    state: Waits
+    since: AwareDatetime
+
+
+class StationNow(Frozen):
+    """A station: its state, its last run (null before the first), and what waits for it.
+
+    alarm: the last one of that run.
+    """
+
+    station: str
+    state: StationState
+    run: RunStatus | None
+    alarm: AlarmShown | None
+    stopped: StopShown | None
+    waiting: tuple[Queued, ...]
 
 
 class Output(Frozen):
-    """What a day made, in UTC: runs taken in, by the verdict on them and on their units.
+    """What a local day made: runs taken in, by the verdict on them and on their units.
 
     not_judged: runs without a result. issued: certificates that were issued on that day.
     """
@@ -37,28 +87,38 @@ class Output(Frozen):
     issued: int
 
 
-class Queued(Frozen):
-    """A flow run that Prefect holds: its name, its state and when it is expected to start."""
+class FlowRun(Frozen):
+    """A run on the Prefect server that is no production order: of which deployment, about what."""
 
-    name: str
+    deployment: str
+    subject: str
     state: str
+    is_late: bool
     expected_at: AwareDatetime | None
+    pool: str
 
 
-class Queue(Frozen):
-    """What waits or runs on the Prefect server.
+class Flows(Frozen):
+    """The runs that the Prefect server holds, the next one of each deployment.
 
     server: whether one is named (PREFECT_API_URL). fault: why it did not answer.
     """
 
     server: bool
     fault: str | None = None
-    waiting: tuple[Queued, ...] = ()
+    runs: tuple[FlowRun, ...] = ()
 
 
 class LineNow(Frozen):
-    """What each station does, what today made, and what waits."""
+    """What each station does, what is to be seen to, what waits, and what today made.
+
+    orders: that wait for or run on any station, in their order. catalogue: why orders and today's
+    output are not known (null); the stations are known all the same.
+    """
 
     stations: tuple[StationNow, ...]
-    today: Output
-    queue: Queue
+    alarms: tuple[AlarmShown, ...]
+    orders: tuple[Queued, ...]
+    flows: Flows
+    today: Output | None
+    catalogue: str | None = None

@@ -13,6 +13,17 @@ Cause = Literal["adjusted", "station", "equipment"]
 Name = Field(default=None, max_length=200)
 
 
+class QualityFile(Frozen):
+    """`quality.toml` of the home: what the laboratory says of its production.
+
+    golden: serial numbers of units that are measured again and again to check the stations. They
+    are no production: they count in no yield and no capability.
+    """
+
+    format: Literal["mimu-quality/1"] = "mimu-quality/1"
+    golden: tuple[str, ...] = ()
+
+
 class QualityQuestion(Frozen):
     """Of which runs, and of which element. Null: all of them; of model and element: the first one.
 
@@ -58,12 +69,37 @@ class Yield(Frozen):
     high: Finite
 
 
+class PeriodYield(Yield):
+    """The yield of adjacent weeks, from a Monday to a Sunday."""
+
+    since: date
+    until: date
+
+
+class Failing(Frozen):
+    """How often the first runs of the selection fail a limit. item null: how many are invalid.
+
+    failed, inconclusive: limits of the element, each on one run. cumulative: the share of all that
+    did not pass, up to this one.
+    """
+
+    item: str | None
+    element: str
+    title: Statement
+    symbol: str
+    failed: int
+    inconclusive: int
+    cumulative: Finite
+
+
 class Counted(Frozen):
-    """The runs of the selection. retests: not counted in any yield. first: the others; undecided:
-    of these the valid ones without a certificate or draft, which are not counted either.
+    """The runs of the selection. golden: of golden units, which count no further. retests: not
+    counted in any yield. first: the others; undecided: of these the valid ones without a
+    certificate or draft, which are not counted either.
     """
 
     runs: int
+    golden: int
     retests: int
     first: int
     undecided: int
@@ -137,6 +173,30 @@ class ChartShown(Frozen):
     events: tuple[Event, ...] = ()
 
 
+class GoldenPoint(Frozen):
+    """A run of a golden unit. broken: the rules of Nelson that it breaks, 1 to 8."""
+
+    run: str
+    day: date
+    value: Finite
+    broken: tuple[int, ...] = ()
+
+
+class GoldenShown(Frozen):
+    """What a station read of a golden unit, in the order of time.
+
+    centre, lower, upper: of the first `history` values, three sigma; null where there are too few.
+    """
+
+    station: str
+    serial: str
+    history: int
+    centre: Finite | None
+    lower: Finite | None
+    upper: Finite | None
+    points: tuple[GoldenPoint, ...]
+
+
 class StationShown(Frozen):
     """What a station reads beside the mean of all, by units that were run on several. U: k = 2."""
 
@@ -149,6 +209,8 @@ class StationShown(Frozen):
 class QualityShown(Frozen):
     """The quality of a selection. item, element: of capability, chart and stations; null where no
     run has a result. Yields by model are those of all models at the station and in the time.
+    by_period: adjacent weeks, so many together that a point says something. failing: the most
+    frequent first.
     """
 
     choices: Choices
@@ -165,6 +227,9 @@ class QualityShown(Frozen):
     by_model: tuple[Yield, ...]
     by_station: tuple[Yield, ...]
     by_week: tuple[Yield, ...]
+    by_period: tuple[PeriodYield, ...]
+    failing: tuple[Failing, ...]
     capability: CapabilityShown | None
     chart: ChartShown | None
+    golden: tuple[GoldenShown, ...]
     stations: tuple[StationShown, ...]

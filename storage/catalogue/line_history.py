@@ -81,6 +81,19 @@ def decided_items(model: str, home: Home) -> Rows:
     return _plain(home, asked)
 
 
+@while_unchanged(8)
+def not_passed(model: str, home: Home) -> Rows:
+    """run, item, element and verdict of each limit that a run's certificate does not pass."""
+    complete_certificates(home)
+    asked = (
+        sql.select(PAPER.run, DECIDED.item, DECIDED.element, DECIDED.verdict)
+        .select_from(_papers().join(tables.decisions, DECIDED.certificate == PAPER.number))
+        .where(UNIT.model == model, DECIDED.verdict != "pass")
+        .order_by(PAPER.run, DECIDED.number)
+    )
+    return _plain(home, asked)
+
+
 def limits(model: str, item: str, element: str, home: Home) -> Rows:
     """run, lower and upper that certificates put on the value of an element, the newest last."""
     of_element = (DECIDED.item == item, DECIDED.element == element, DECIDED.applied_to == "value")

@@ -7,7 +7,7 @@ or none to a run.
 """
 
 from collections.abc import Collection, Sequence
-from datetime import UTC, date, datetime, time, timedelta
+from datetime import date, datetime, time, timedelta
 from typing import Any
 
 import sqlalchemy as sql
@@ -182,7 +182,7 @@ def _by_number(column: sql.ColumnElement[Any], condition: Condition) -> sql.Colu
 
 
 def _by_day(column: sql.ColumnElement[Any], condition: Condition) -> sql.ColumnElement[bool]:
-    """Days as the catalogue keeps them; of a moment its day in UTC."""
+    """Days as the catalogue keeps them; of a moment its day where this program runs."""
     first, last = condition.value, condition.to or condition.value
     assert isinstance(first, date)
     assert isinstance(last, date)
@@ -199,7 +199,7 @@ def _by_day(column: sql.ColumnElement[Any], condition: Condition) -> sql.ColumnE
 
 def _start_of(day: date, column: sql.ColumnElement[Any]) -> Any:
     of_moments = isinstance(column.type, tables.Utc)
-    return datetime.combine(day, time(), UTC) if of_moments else day
+    return datetime.combine(day, time()).astimezone() if of_moments else day
 
 
 def _known(kind: str, comparisons: dict[str, sql.ColumnElement[bool]]) -> sql.ColumnElement[bool]:

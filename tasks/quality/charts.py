@@ -42,12 +42,16 @@ class Chart:
         return self.centre - 3.0 * self.sigma, self.centre + 3.0 * self.sigma
 
 
-def individuals(values: np.ndarray) -> Chart | None:
-    """The chart of values (n,), their own mean and moving ranges as the process; None of one."""
-    if len(values) < FEWEST:
+def individuals(values: np.ndarray, history: int | None = None) -> Chart | None:
+    """The chart of values (n,); the mean and moving ranges of the first `history` of them, else of
+    all, are the process. None where there are fewer than two of these.
+    """
+    process = values[:history]
+    if len(process) < FEWEST:
         return None
     ranges = np.concatenate([[np.nan], np.abs(np.diff(values))])
-    centre, sigma, mean = float(values.mean()), sigma_within(values), float(np.nanmean(ranges))
+    centre, sigma = float(process.mean()), sigma_within(process)
+    mean = float(np.nanmean(ranges[: len(process)]))
     standard = (values - centre) / sigma if sigma > 0.0 else np.zeros(len(values))
     return Chart(centre, sigma, ranges, mean, D4 * mean, nelson(standard))
 

@@ -3,8 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from schemas.run_log import State
-from schemas.text import Statement
+from schemas.run_log import Alarm, State
 from tasks.station.clock import StationClock, wall_s
 from tasks.station.recorder import Recorder
 from tasks.words import message
@@ -29,7 +28,7 @@ class Progress:
     segments: int = 0
     rates_hz: Mapping[str, float] = field(default_factory=dict)
     noise: Mapping[str, float] = field(default_factory=dict)
-    alarms: tuple[Statement, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
 
 
 @dataclass

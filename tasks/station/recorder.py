@@ -7,17 +7,17 @@ from typing import Literal
 from schemas.base import Unusable
 from schemas.procedure import EnvironmentLimits, Refix
 from schemas.recording import Segment
-from schemas.run_log import State
-from schemas.text import Statement
+from schemas.run_log import Alarm, State
 from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock
 from tasks.station.connected_station import Bench
 from tasks.station.stream_readers import ClimateReader, EncoderReader
 from tasks.station.unit_recorder import UnitRecorder
-from tasks.words import Message, message, statement
+from tasks.words import LANGUAGES, Message, message, texts
 
 FLUSH_S = 0.2  # wall time: what a kill may lose
 MOST_REPEATED = 12
+GIVEN_UP = "given_up"  # the code of the alarm that a unit is no longer recorded
 
 
 class Recorder:
@@ -137,7 +137,7 @@ class Recorder:
         return self.sound[0].log.state
 
     @property
-    def alarms(self) -> tuple[Statement, ...]:
+    def alarms(self) -> tuple[Alarm, ...]:
         """What was noticed so far, of which unit where there are several."""
         of_each = [
             (unit, alarm) for unit in self.units for alarm in (*unit.log.alarms, *_given_up(unit))
@@ -145,7 +145,9 @@ class Recorder:
         if len(self.units) == 1:
             return tuple(alarm for _, alarm in of_each)
         return tuple(
-            Statement(en=f"{unit.serial}: {alarm.en}", zh=f"{unit.serial}: {alarm.zh}")
+            alarm.model_copy(
+                update={each: f"{unit.serial}: {getattr(alarm, each)}" for each in LANGUAGES}
+            )
             for unit, alarm in of_each
         )
 
@@ -160,10 +162,11 @@ class Recorder:
         return _most((unit.last_rows.noise for unit in self.sound), max)
 
 
-def _given_up(unit: UnitRecorder) -> tuple[Statement, ...]:
+def _given_up(unit: UnitRecorder) -> tuple[Alarm, ...]:
     if unit.given_up is None:
         return ()
-    return (statement(message("station-log-given-up", cause=unit.given_up)),)
+    cause = message("station-log-given-up", cause=unit.given_up)
+    return (Alarm(code=GIVEN_UP, at=unit.log.entries[-1].at, **texts(cause)),)
 
 
 def _most(

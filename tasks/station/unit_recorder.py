@@ -9,15 +9,15 @@ from typing import Protocol
 import numpy as np
 
 from schemas.recording import ACCEL, ANGLE, GYRO, Manifest, Segment, Stream, joined
-from schemas.run_log import LogEntry, State
-from schemas.text import Remark, Statement
+from schemas.run_log import Alarm, LogEntry, State
+from schemas.text import Remark
 from tasks.station.anomalies import FAILURES, Anomaly, touches
 from tasks.station.clock import StationClock
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.monitor import SegmentMonitor
 from tasks.station.run_manifest import ManifestBuilder
 from tasks.station.stream_readers import UnitReader
-from tasks.words import Message, message, statement, texts
+from tasks.words import Message, message, texts
 
 ROWS = 400  # the last ones, of which the figures are
 MOST_OF = {"gyro": (GYRO, 180.0 / np.pi), "accel": (ACCEL, 1.0)}
@@ -81,6 +81,7 @@ class RunLog:
         self._clock = clock
         self._origin_s = origin_s
         self._noticed: Counter[tuple[str, str]] = Counter()
+        self._noticed_at: dict[tuple[str, str], datetime] = {}
         self._seen = 0
 
     def enter(self, state: State, cause: Message) -> None:
@@ -96,15 +97,19 @@ class RunLog:
             if anomaly.code != REPEATED and kind not in self._noticed:
                 self._note(message("station-log-alarm", alarm=_alarm(*kind)))
             self._noticed[kind] += 1
+            self._noticed_at[kind] = datetime.now(UTC)
 
     @property
-    def alarms(self) -> tuple[Statement, ...]:
-        """What was noticed so far, and how often."""
+    def alarms(self) -> tuple[Alarm, ...]:
+        """What was noticed so far, how often, and when last."""
         return tuple(
-            statement(message("station-log-times", alarm=_alarm(code, subject), count=count))
+            Alarm(
+                code=code, at=self._noticed_at[code, subject],
+                **texts(message("station-log-times", alarm=_alarm(code, subject), count=count)),
+            )
             for (code, subject), count in self._noticed.items()
             if code != REPEATED
-        )
+        )  # fmt: skip
 
     def _note(self, cause: Message) -> None:
         t = round(self._clock.station_s - self._origin_s, 3)

@@ -1,7 +1,8 @@
 """Computes the quality of a selection of runs from the catalogue, by tasks/quality."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from datetime import date, datetime, timedelta
 from functools import partial
 
 import numpy as np
@@ -13,31 +14,40 @@ from schemas.base import Unusable
 from schemas.pages.quality import (
     Choices,
     Counted,
+    Failing,
     ItemChoice,
+    PeriodYield,
     QualityQuestion,
     QualityShown,
     Yield,
 )
+from storage import settings
 from storage.catalogue import line_history
 from storage.catalogue.certificates import AS_LEFT
 from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
-from tasks.quality.yields import RETEST_DAYS, first_runs, shares, yields
+from tasks.quality.yields import RETEST_DAYS, first_runs, pooled, shares, yields
 from tasks.specifications.items import item_title, symbol
-from tasks.words import statement
+from tasks.words import message, statement
 
 Runs = pd.DataFrame
+Limit = tuple[str | None, str]  # item and element
 COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "taken_in_at", "validity",
            "missing", "verdict", "purpose")  # fmt: skip
 
 
-@while_unchanged(16)
 def data(question: QualityQuestion, home: Home) -> QualityShown:
-    """Yields of the selection, and capability, chart and stations of an element of it.
+    """Yields of the selection, and capability, chart, golden units and stations of an element.
 
     Raises Unusable for a model, item or element that the catalogue does not have.
     """
-    runs = runs_of(home)
+    return _data(question, settings.quality(home).golden, home)
+
+
+@while_unchanged(16)
+def _data(question: QualityQuestion, golden: tuple[str, ...], home: Home) -> QualityShown:
+    every = runs_of(home)
+    runs = every.assign(golden=every["serial"].isin(golden))
     choices = _choices(runs, question, home)
     model = question.model or next(iter(choices.models), None)
     chosen = _element(choices, question)
@@ -46,6 +56,7 @@ def data(question: QualityQuestion, home: Home) -> QualityShown:
     if question.serial is not None:
         of_model = of_model[of_model["serial"] == question.serial]
     counted = _decided(of_model)
+    weeks = _yields(counted.assign(week=counted["day"].dt.strftime("%G-W%V")), "week")
     item, element = (chosen[0].item, chosen[1]) if chosen else (None, None)
     shown = {}
     if model and item and element:
@@ -59,8 +70,8 @@ def data(question: QualityQuestion, home: Home) -> QualityShown:
         by_item=_by_item(of_model, model, home),
         by_model=_yields(_decided(asked), "model"),
         by_station=_yields(_decided(_of(runs, question, model)), "station"),
-        by_week=_yields(counted.assign(week=counted["day"].dt.strftime("%G-W%V")), "week"),
-        **{"capability": None, "chart": None, "stations": (), **shown},
+        by_week=weeks, by_period=tuple(_periods(weeks)), failing=_failing(counted, model, home),
+        **{"capability": None, "chart": None, "golden": (), "stations": (), **shown},
     )  # fmt: skip
 
 
@@ -97,16 +108,20 @@ def _of(runs: Runs, question: QualityQuestion, model: str | None) -> Runs:
 
 
 def _decided(runs: Runs) -> Runs:
-    """First runs that count: those with a certificate or draft, and those that are invalid."""
+    """First runs that count: those with a certificate or draft, and those that are invalid, but
+    for golden units.
+    """
     has_ended = runs["verdict"].notna() | (runs["validity"] == "invalid")
-    return runs[runs["first"] & has_ended]
+    return runs[runs["first"] & has_ended & ~runs["golden"]]
 
 
 def _counted(runs: Runs) -> Counted:
-    first = runs[runs["first"]]
+    made = runs[~runs["golden"]]
+    first = made[made["first"]]
     undecided = first["verdict"].isna() & (first["validity"] != "invalid")
     return Counted(
-        runs=len(runs), retests=len(runs) - len(first), first=len(first),
+        runs=len(runs), golden=len(runs) - len(made), retests=len(made) - len(first),
+        first=len(first),
         undecided=int(undecided.sum()), invalid=int((first["validity"] == "invalid").sum()),
     )  # fmt: skip
 
@@ -139,6 +154,46 @@ def _by_item(runs: Runs, model: str | None, home: Home) -> tuple[Yield, ...]:
     items = sorted(of, key=place)
     table = shares([passed[item] for item in items], [of[item] + invalid for item in items], items)
     return _listed(table)
+
+
+def _periods(weeks: Sequence[Yield]) -> Iterator[PeriodYield]:
+    """Adjacent weeks put together; between them lie weeks without a run."""
+    for part in pooled([each.of for each in weeks]):
+        first, *_ = of = weeks[part]
+        last = of[-1]
+        name = first.name if first is last else f"{first.name} … {last.name}"
+        table = shares([sum(each.passed for each in of)], [sum(each.of for each in of)], [name])
+        yield PeriodYield(
+            since=_monday(first.name), until=_monday(last.name) + timedelta(days=6),
+            **_listed(table)[0].model_dump(),
+        )  # fmt: skip
+
+
+def _monday(week: str) -> date:
+    return datetime.strptime(f"{week}-1", "%G-W%V-%u").date()
+
+
+def _failing(decided: Runs, model: str | None, home: Home) -> tuple[Failing, ...]:
+    """Limits that certificates of valid runs do not pass, and the runs that are invalid."""
+    if model is None:
+        return ()
+    valid = set(decided[decided["valid"]]["run"])
+    failed, inconclusive = Counter[Limit](), Counter[Limit]()
+    for run, item, element, verdict in line_history.not_passed(model, home):
+        if run in valid:
+            (failed if verdict == "fail" else inconclusive)[item, element] += 1
+    failed[None, ""] = len(decided) - int(decided["valid"].sum())
+    both = failed + inconclusive  # without what never happens
+    total, up_to, found = both.total(), 0, []
+    for (item, element), count in both.most_common():
+        up_to += count
+        title = message("pages-quality-invalid") if item is None else item_title(item)
+        found.append(Failing(
+            item=item, element=element, title=statement(title),
+            symbol=symbol(item, element) if item else "", failed=failed[item, element],
+            inconclusive=inconclusive[item, element], cumulative=up_to / total,
+        ))  # fmt: skip
+    return tuple(found)
 
 
 def _choices(runs: Runs, question: QualityQuestion, home: Home) -> Choices:

@@ -12,6 +12,8 @@ from schemas.pages.quality import (
     ChartShown,
     Choices,
     Event,
+    GoldenPoint,
+    GoldenShown,
     Plot,
     QualityQuestion,
     StationShown,
@@ -19,7 +21,8 @@ from schemas.pages.quality import (
 from storage.catalogue import line_history
 from storage.home import Home
 from tasks.quality.capability import capability, consumed
-from tasks.quality.charts import individuals
+from tasks.quality.charts import Chart, individuals
+from tasks.quality.golden import HISTORY, station_check
 from tasks.quality.stations import against_each_other
 
 Runs = pd.DataFrame
@@ -40,9 +43,12 @@ def of_element(
     here = measured[measured["run"].isin(selected["run"])]
     in_time = measured[between(measured, question)]
     charted = here if question.plot == "value" else _changes(measured, here)
+    if question.serial is None:  # who asks for a golden unit sees it
+        charted = charted[~charted["golden"]]
     return {
-        "capability": _capability(here[here["first"]], named, home),
+        "capability": _capability(here[here["first"] & ~here["golden"]], named, home),
         "chart": _chart(charted, question, home),
+        "golden": tuple(_golden(here[here["golden"]])),
         "stations": _stations(in_time, choices),
     }  # fmt: skip
 
@@ -88,6 +94,29 @@ def _share(shares: np.ndarray, quantile: float) -> float | None:
     return _number(np.quantile(shares, quantile, method="inverted_cdf"))
 
 
+def _golden(values: Runs) -> Iterator[GoldenShown]:
+    """Each golden unit on each station, since it was adjusted last."""
+    for (station, serial), of in values.groupby(["station", "serial"]):
+        adjusted = np.flatnonzero(of["adjusted"])
+        since = of.iloc[adjusted[-1] if len(adjusted) else 0 :]
+        found = since["value"].to_numpy()
+        chart = station_check(found)
+        lower, upper = chart.limits if chart else (None, None)
+        broken = _rules(chart) if chart else [()] * len(found)
+        points = zip(since["run"], since["day"].dt.date, found, broken, strict=True)
+        yield GoldenShown(
+            station=str(station), serial=str(serial), history=min(HISTORY, len(found)),
+            centre=chart.centre if chart else None, lower=lower, upper=upper,
+            points=tuple(GoldenPoint(run=run, day=day, value=value, broken=rules)
+                         for run, day, value, rules in points),
+        )  # fmt: skip
+
+
+def _rules(chart: Chart) -> list[tuple[int, ...]]:
+    """The rules that each value breaks."""
+    return [tuple((np.flatnonzero(broken) + 1).tolist()) for broken in chart.broken.T]
+
+
 def _changes(measured: Runs, here: Runs) -> Runs:
     """Values less that of the unit's run before, but for those after an adjustment."""
     ordered = measured.sort_values("unit", kind="stable")
@@ -101,7 +130,7 @@ def _chart(values: Runs, question: QualityQuestion, home: Home) -> ChartShown | 
     chart = individuals(values["value"].to_numpy())
     if chart is None:
         return None
-    rules = [tuple((np.flatnonzero(broken) + 1).tolist()) for broken in chart.broken.T]
+    rules = _rules(chart)
     lower, upper = chart.limits
     points = zip(values["run"], values["day"].dt.date, values["serial"], values["station"],
                  values["value"], chart.ranges, rules, strict=True)  # fmt: skip

@@ -1,52 +1,73 @@
 """The layout of the Quality page."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import dash_mantine_components as dmc
-from dash import ClientsideFunction, Dash, Input, Output, State, dcc
 from dash.development.base_component import Component
 
+from flows.pages.numbers import csv_link
 from flows.pages.page import View
 from flows.pages.parts import facts, table
 from flows.pages.pictures import picture
-from flows.pages.quality.pictures import chart_figure, stations_figure, weeks_figure
+from flows.pages.quality.choices import choices
+from flows.pages.quality.pictures import (
+    BARS,
+    chart_figure,
+    failing_figure,
+    golden_figure,
+    periods_figure,
+    stations_figure,
+)
 from flows.pages.states import StepState, badge
 from schemas.pages.quality import (
     CapabilityShown,
     ChartShown,
+    GoldenShown,
     IndexShown,
     QualityQuestion,
     QualityShown,
     StationShown,
     Yield,
 )
-from storage.home import Home
 from tasks.quality.charts import RULES
-from tasks.specifications.items import symbol
+from tasks.quality.golden import FEWEST, HISTORY
+from tasks.quality.yields import FEWEST_IN_POINT
 from tasks.words import message
 from tasks.words.quantities import plain, quantities, unit_text
 from tasks.words.rounding import MINUS, USUAL_K
 
-ASKED = ("model", "item", "element", "station", "serial", "since", "until", "plot")
+WithCsv = Callable[[str, Component], Component]  # a part by its name, with the link to its CSV
 
 
 def layout(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
     """What is asked for, then yield, capability, chart and stations of it."""
     if shown.model is None:
         return dmc.Text(view.say(message("pages-quality-no-run")))
+    chosen = {name: getattr(shown, name) for name in ("model", "item", "element")}
+    same = question.model_copy(update=chosen)  # the choices that were made for who asked
+
+    def with_csv(part: str, place: Component) -> Component:
+        return dmc.Box([csv_link("quality", part, same), place], className="with-csv")
+
     parts = [
         choices(shown, view, question),
         _heading("yield", view),
         _counts(shown, view),
-        _yields(shown, view),
+        _yields(shown, view, with_csv),
     ]
+    if shown.failing:
+        parts += [_heading("failing", view), _failing(shown, view, with_csv)]
     if shown.capability is not None:
-        parts += [_heading("capability", view, shown), _capability(shown.capability, shown, view)]
+        found = _capability(shown.capability, shown, view)
+        parts += [_heading("capability", view, shown), with_csv("capability", found)]
     if shown.chart is not None:
-        parts += [_heading("chart", view, shown), *_chart(shown.chart, shown, view)]
+        parts += [_heading("chart", view, shown), *_chart(shown.chart, shown, view, with_csv)]
+    if shown.golden:
+        parts += [_heading("golden", view, shown), _golden(shown, view, with_csv)]
     if shown.stations:
-        parts += [_heading("stations", view, shown), _stations(shown.stations, shown, view)]
+        compared = _stations(shown.stations, shown, view)
+        parts += [_heading("stations", view, shown), with_csv("stations", compared)]
     return dmc.Stack(parts, gap="sm")
 
 
@@ -61,26 +82,27 @@ def _counts(shown: QualityShown, view: View) -> Component:
     counted = shown.counted
     sentence = message(
         "pages-quality-counted", runs=counted.runs, first=counted.first, retests=counted.retests,
-        undecided=counted.undecided, invalid=counted.invalid,
+        undecided=counted.undecided, invalid=counted.invalid, golden=counted.golden,
     )  # fmt: skip
-    rule = message("pages-quality-rule", days=shown.retest_days)
+    rule = message("pages-quality-rule", days=shown.retest_days, fewest=FEWEST_IN_POINT)
     return dmc.Box([
         dmc.Text(view.say(sentence), size="sm"),
         dmc.Text(view.say(rule), size="sm", c="dimmed"),
     ])  # fmt: skip
 
 
-def _yields(shown: QualityShown, view: View) -> Component:
+def _yields(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
     titles = {each.item: view.say(each.title) for each in shown.choices.items}
     total = [_yield(each, view.say(message("pages-quality-total"))) for each in _of(shown)]
     by_item = [_yield(each, titles.get(each.name, each.name)) for each in shown.by_item]
     others = [
-        _yield_table("by-station", [_yield(each) for each in shown.by_station], view),
-        _yield_table("by-model", [_yield(each) for each in shown.by_model], view),
+        with_csv(f"by_{name}", _yield_table(f"by-{name}", [_yield(each) for each in of], view))
+        for name, of in (("station", shown.by_station), ("model", shown.by_model))
     ]
-    tables = [_yield_table("by-item", [*total, *by_item], view), dmc.Stack(others)]
+    first = with_csv("by_item", _yield_table("by-item", [*total, *by_item], view))
+    tables = [first, dmc.Stack(others)]
     return dmc.Stack([
-        picture("quality-weeks", weeks_figure(shown, view)),
+        with_csv("by_period", picture("quality-periods", periods_figure(shown, view))),
         dmc.SimpleGrid(tables, cols={"base": 1, "md": 2}, spacing="md"),
     ])  # fmt: skip
 
@@ -99,6 +121,52 @@ def _yield_table(by: str, rows: Sequence[tuple[str, ...]], view: View) -> Compon
     headings = [message(f"pages-quality-{by}")]
     headings += [message(f"pages-quality-column.{name}") for name in names]
     return table(headings, rows, view, min_width=320)
+
+
+def _failing(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
+    rows = [
+        (f"{view.say(each.title)} {each.symbol}".strip(), str(each.failed), str(each.inconclusive),
+         f"{100 * each.cumulative:.1f} %")
+        for each in shown.failing[:BARS]
+    ]  # fmt: skip
+    names = ("limit", "failed", "inconclusive", "cumulative")
+    headings = [message(f"pages-quality-failing.{name}") for name in names]
+    about = message("pages-quality-about.failing", count=len(shown.failing), shown=len(rows))
+    parts = [
+        picture("quality-failing", failing_figure(shown, view)),
+        table(headings, rows, view, min_width=320),
+    ]
+    return dmc.Stack([
+        dmc.Text(view.say(about), size="sm", c="dimmed"),
+        with_csv("failing", dmc.SimpleGrid(parts, cols={"base": 1, "lg": 2})),
+    ])  # fmt: skip
+
+
+def _golden(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
+    """A chart for each golden unit on each station, and how its last value stands."""
+    about = message("pages-quality-about.golden", most=HISTORY, fewest=FEWEST)
+    charts = [
+        dmc.Box([
+            dmc.Group([dmc.Text(f"{of.station} · {of.serial}", fw="bold"),
+                       badge(_golden_state(of), view)]),
+            picture(f"quality-golden-{number}", golden_figure(of, shown, view)),
+        ])
+        for number, of in enumerate(shown.golden)
+    ]  # fmt: skip
+    return dmc.Stack([
+        dmc.Text(view.say(about), size="sm", c="dimmed"),
+        with_csv("golden", dmc.SimpleGrid(charts, cols={"base": 1, "sm": 2, "xl": 3})),
+    ])  # fmt: skip
+
+
+def _golden_state(of: GoldenShown) -> StepState:
+    """By the last value: a station that was out of control and is no longer may be used."""
+    if of.centre is None:
+        return StepState(message("pages-quality-golden-state.few", count=len(of.points)), "open")
+    if of.points[-1].broken:
+        rules = tuple(of.points[-1].broken)
+        return StepState(message("pages-quality-golden-state.out", rules=rules), "bad")
+    return StepState(message("pages-quality-golden-state.within"), "good")
 
 
 def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Component:
@@ -148,7 +216,9 @@ def _index(index: IndexShown) -> str | None:
     return f"{value} ({low} … {high})"
 
 
-def _chart(chart: ChartShown, shown: QualityShown, view: View) -> list[Component]:
+def _chart(
+    chart: ChartShown, shown: QualityShown, view: View, with_csv: WithCsv
+) -> list[Component]:
     counts = [sum(rule in point.broken for point in chart.points) for rule in range(1, RULES + 1)]
     rules = [
         (str(rule), view.say(message(f"pages-quality-nelson.rule-{rule}")), str(count))
@@ -158,8 +228,8 @@ def _chart(chart: ChartShown, shown: QualityShown, view: View) -> list[Component
     about = message(f"pages-quality-about.chart-{chart.plotted}", count=len(chart.points))
     return [
         dmc.Text(view.say(about), size="sm", c="dimmed"),
-        picture("quality-chart", chart_figure(chart, shown, view)),
-        table(headings, rules, view, min_width=320),
+        with_csv("chart", picture("quality-chart", chart_figure(chart, shown, view))),
+        with_csv("rules", table(headings, rules, view, min_width=320)),
     ]
 
 
@@ -189,61 +259,3 @@ def _station(one: StationShown, shown: QualityShown, view: View) -> tuple[Any, .
                       "bad" if is_off else "good")  # fmt: skip
     cells = (f"{made.values[0]}{unit}", f"{made.uncertainties[0]}{unit} (k = {USUAL_K:g})")
     return one.station, *cells, str(one.runs), badge(state, view)
-
-
-def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
-    """The question as it was answered, in controls that ask another one."""
-    asked = question.model_dump(mode="json") | {
-        "model": shown.model, "item": shown.item, "element": shown.element
-    }  # fmt: skip
-    known = shown.choices
-    item = next((each for each in known.items if each.item == shown.item), None)
-    of_items = [{"value": i.item, "label": view.say(i.title)} for i in known.items]
-    of_elements = (
-        [{"value": e, "label": symbol(item.item, e)} for e in item.elements] if item else []
-    )
-    plots = [
-        {"value": each, "label": view.say(message(f"pages-quality-plot.{each}"))}
-        for each in ("value", "change")
-    ]
-
-    def select(name: str, values: Sequence[Any], *, needed: bool = False) -> Component:
-        return dmc.Select(
-            id=f"quality-{name}", label=view.say(message(f"pages-quality-asked.{name}")),
-            data=list(values), value=asked[name], searchable=True, clearable=not needed,
-            placeholder="" if needed else view.say(message("pages-quality-all")),
-            allowDeselect=False,
-        )  # fmt: skip
-
-    def day(name: str) -> Component:
-        return dmc.DateInput(
-            id=f"quality-{name}", label=view.say(message(f"pages-quality-asked.{name}")),
-            value=asked[name], valueFormat="YYYY-MM-DD", clearable=True, placeholder="YYYY-MM-DD",
-        )  # fmt: skip
-
-    controls = [
-        select("model", known.models, needed=True), select("item", of_items, needed=True),
-        select("element", of_elements, needed=True), select("station", known.stations),
-        select("serial", known.serials), day("since"), day("until"),
-        select("plot", plots, needed=True),
-    ]  # fmt: skip
-    grid = dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
-    kept = dcc.Store(id="quality-asked", data=asked)
-    return dmc.DatesProvider([grid, kept], settings={"locale": view.language, "firstDayOfWeek": 1})
-
-
-def callbacks(app: Dash, _: Home) -> None:
-    """Another choice is another address; a point of the chart is its run."""
-    app.clientside_callback(
-        ClientsideFunction("quality", "ask"),
-        Output("address", "search"),
-        *(Input(f"quality-{name}", "value") for name in ASKED),
-        State("quality-asked", "data"),
-        prevent_initial_call=True,
-    )
-    app.clientside_callback(
-        ClientsideFunction("quality", "open"),
-        Output("address", "href"),
-        Input("quality-chart", "clickData"),
-        prevent_initial_call=True,
-    )

@@ -4,33 +4,106 @@ from collections.abc import Sequence
 
 from flows.pages.page import View
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
-from schemas.pages.quality import ChartShown, Plot, QualityShown, StationShown
+from schemas.pages.quality import (
+    ChartShown,
+    Failing,
+    GoldenPoint,
+    GoldenShown,
+    Plot,
+    QualityShown,
+    StationShown,
+)
 from tasks.words import message
 from tasks.words.quantities import unit_text
 
 CAUSES = {"adjusted": "#ae3ec9", "station": "#0ca678", "equipment": ORANGE}
+BARS = 20  # of the Pareto chart; the table beside it has all
+DAY_MS = 86_400_000
+LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 MANY = 300  # points, whose order no line between them shows any more
 
 
-def weeks_figure(shown: QualityShown, view: View) -> Figure:
-    """The yield of each week with its interval."""
-    weeks = shown.by_week
+def periods_figure(shown: QualityShown, view: View) -> Figure:
+    """The yield of each period with its interval; a bar across it shows how long it is."""
+    periods = shown.by_period
+    middle = [each.since + (each.until - each.since) / 2 for each in periods]
+    half_ms = [(each.until - each.since).days * DAY_MS / 2 for each in periods]
     trace = {
-        "type": "scatter", "mode": "markers", "x": [each.name for each in weeks],
-        "y": [100 * each.share for each in weeks], "marker": {"color": BLUE, "size": 5},
+        "type": "scatter", "mode": "markers", "x": [str(day) for day in middle],
+        "y": [100 * each.share for each in periods], "marker": {"color": BLUE, "size": 8},
+        "error_x": {"type": "data", "array": half_ms, "thickness": 3, "width": 0, "color": BLUE},
         "error_y": {
-            "type": "data", "symmetric": False, "thickness": 1, "width": 0, "color": GREY,
-            "array": [100 * (each.high - each.share) for each in weeks],
-            "arrayminus": [100 * (each.share - each.low) for each in weeks],
+            "type": "data", "symmetric": False, "thickness": 1.5, "width": 5, "color": GREY,
+            "array": [100 * (each.high - each.share) for each in periods],
+            "arrayminus": [100 * (each.share - each.low) for each in periods],
         },
-        "customdata": [f"{each.passed} / {each.of}" for each in weeks],
-        "hovertemplate": "%{x}: %{customdata}, %{y:.1f} %<extra></extra>",
+        "text": [f"{each.name}: {each.passed} / {each.of}" for each in periods],
+        "customdata": [[100 * each.low, 100 * each.high] for each in periods],
+        "hovertemplate": "%{text}, %{y:.1f} % (%{customdata[0]:.1f} … %{customdata[1]:.1f} %)"
+        "<extra></extra>",
     }  # fmt: skip
     total = [_level(100 * shown.total.share, BLUE)] if shown.total else []
-    axis = {"title": {"text": view.say(message("pages-quality-by-week"))}, "type": "category",
-            "nticks": 12}  # fmt: skip
-    return figure([trace], view, 280, xaxis=axis, shapes=total,
-                   yaxis={"ticksuffix": " %", "range": [0, 103]})  # fmt: skip
+    return figure([trace], view, 280, shapes=total,
+                  xaxis={"type": "date", "tickformat": "%Y-%m-%d", "nticks": 8},
+                  yaxis={"ticksuffix": " %", "range": [0, 103]})  # fmt: skip
+
+
+def failing_figure(shown: QualityShown, view: View) -> Figure:
+    """The most frequent failures as bars, and their cumulative share as a line."""
+    first = shown.failing[:BARS]
+    names = [failing_name(each, view) for each in first]
+    bars = [
+        {
+            "type": "bar", "x": names, "y": [getattr(each, kind) for each in first],
+            "marker": {"color": color}, "name": view.say(message(f"pages-quality-failing.{kind}")),
+        }
+        for kind, color in (("failed", RED), ("inconclusive", ORANGE))
+    ]  # fmt: skip
+    line = {
+        "type": "scatter", "mode": "lines+markers", "x": names, "yaxis": "y2",
+        "y": [100 * each.cumulative for each in first], "line": {"color": GREY},
+        "name": view.say(message("pages-quality-failing.cumulative")),
+        "hovertemplate": "%{x}: %{y:.1f} %<extra></extra>",
+    }  # fmt: skip
+    return figure(
+        [*bars, line], view, 360, barmode="stack", showlegend=True, legend=LEGEND,
+        margin={"t": 20, "r": 60, "l": 60, "b": 90},
+        xaxis={"type": "category", "tickangle": -40},
+        yaxis={"rangemode": "tozero", "tickformat": "d"},
+        yaxis2={"overlaying": "y", "side": "right", "range": [0, 103], "ticksuffix": " %",
+                "showgrid": False},
+    )  # fmt: skip
+
+
+def failing_name(failing: Failing, view: View) -> str:
+    """An element by its symbol, which is short; else by what it is."""
+    return failing.symbol or view.say(failing.title)
+
+
+def golden_figure(of: GoldenShown, shown: QualityShown, view: View) -> Figure:
+    """The values of a golden unit on a station, between the limits of their own history."""
+    broken = [point for point in of.points if point.broken]
+    wrong = _golden_points(broken, RED, 8)
+    levels = [(of.centre, GREY), (of.lower, RED), (of.upper, RED)]
+    return figure(
+        [_golden_points(of.points, BLUE, 5), wrong], view, 240,
+        shapes=[_level(y, color) for y, color in levels if y is not None],
+        xaxis={"tickformat": "%Y-%m-%d", "nticks": 5},
+        yaxis={"exponentformat": "power", "title": {"text": f"{shown.symbol}{_unit(shown)}"}},
+    )  # fmt: skip
+
+
+def _golden_points(points: Sequence[GoldenPoint], color: str, size: int) -> Figure:
+    return {
+        "type": "scatter", "mode": "markers", "x": [str(p.day) for p in points],
+        "y": [p.value for p in points], "marker": {"color": color, "size": size},
+        "text": [", ".join(map(str, p.broken)) for p in points],
+        "hovertemplate": "%{x}: %{y:.6g} %{text}<extra></extra>",
+    }  # fmt: skip
+
+
+def _unit(shown: QualityShown) -> str:
+    return "" if shown.unit == "1" else f" ({unit_text(shown.unit)})"
 
 
 def chart_figure(chart: ChartShown, shown: QualityShown, view: View) -> Figure:
@@ -54,16 +127,15 @@ def chart_figure(chart: ChartShown, shown: QualityShown, view: View) -> Figure:
     }  # fmt: skip
     levels = [_level(chart.centre, GREY), _level(chart.lower, RED), _level(chart.upper, RED)]
     levels += [_level(chart.mean_range, GREY, "y2"), _level(chart.range_limit, RED, "y2")]
-    unit = "" if shown.unit == "1" else f" ({unit_text(shown.unit)})"
     return figure(
         [values, wrong, ranges, *_causes(chart, view)], view, 520, shapes=levels,
         xaxis={"anchor": "y2", "tickformat": "%Y-%m-%d", "nticks": 8},
         yaxis={"domain": [0.36, 1], "exponentformat": "power",
-            "title": {"text": f"{shown.symbol}{unit}"}},
+            "title": {"text": f"{shown.symbol}{_unit(shown)}"}},
         yaxis2={"domain": [0, 0.28], "title": {"text": view.say(message("pages-quality-range"))},
                 "rangemode": "tozero", "exponentformat": "power"},
         showlegend=True,
-        legend={"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0},
+        legend=LEGEND,
     )  # fmt: skip
 
 
@@ -78,10 +150,9 @@ def stations_figure(stations: Sequence[StationShown], shown: QualityShown, view:
         "error_y": {"type": "data", "array": [each.U or 0.0 for each in known], "color": GREY},
         "hovertemplate": "%{x}: %{y:.4g}<extra></extra>",
     }  # fmt: skip
-    unit = "" if shown.unit == "1" else f" ({unit_text(shown.unit)})"
     return figure([trace], view, 320, shapes=[_level(0.0, GREY)], xaxis={"type": "category"},
                    yaxis={"exponentformat": "power",
-            "title": {"text": f"{shown.symbol}{unit}"}})  # fmt: skip
+            "title": {"text": f"{shown.symbol}{_unit(shown)}"}})  # fmt: skip
 
 
 def _points(points: Sequence[Plot], y: Sequence[float | None], color: str, size: int) -> Figure:

@@ -69,3 +69,17 @@ station-alarm-table-unsettled = table axis { $subject } not settled while data w
 station-alarm-table-rate = encoder rate of axis { $subject } differs from the commanded rate
 station-alarm-stuck-channel = channel { $subject } of the unit stuck
 station-alarm-spikes = spikes in channel { $subject } of the unit
+
+## What the person at the station does about an alarm, by its kind.
+
+station-todo =
+    .unit-lost-samples = Check the unit's cable and connectors; if samples keep being lost, lower its output rate or use another interface.
+    .unit-bad-frames = Check the unit's cable, its shield and ground, and the baud rate in the station file.
+    .encoder-gap = Check the network cable of the table's controller, and that no other program reads from it.
+    .air-temperature = Close the chamber, check its set temperature and wait until the air is within the limits.
+    .air-humidity = Check the room's air conditioning or the chamber's drier and wait until the humidity is within the limits.
+    .table-unsettled = Check that the load is balanced and clamped; if it recurs, have the table's servo tuned.
+    .table-rate = Do not use this run; have the table's rate checked before the next unit is measured.
+    .stuck-channel = Restart the unit; if the channel stays stuck, the unit is faulty: reject it.
+    .spikes = Check the unit's connector, supply and clamping; if spikes stay, the unit is faulty: reject it.
+    .given-up = Take this unit out and check its cable and supply; the others go on. Order it again afterwards.

@@ -72,3 +72,17 @@ station-alarm-table-unsettled = 采集数据期间转台 { $subject } 轴未稳�
 station-alarm-table-rate = 转台 { $subject } 轴的角速率与给定值不符
 station-alarm-stuck-channel = 被校单元的 { $subject } 输出不变
 station-alarm-spikes = 被校单元的 { $subject } 输出有野值
+
+## 工位人员对各类告警的处理方法。
+
+station-todo =
+    .unit-lost-samples = 检查器件的电缆与接头；若仍丢失采样，降低其输出频率或改用其他接口。
+    .unit-bad-frames = 检查器件的电缆、屏蔽与接地，以及工位文件中的波特率。
+    .encoder-gap = 检查转台控制器的网线，并确认没有其他程序在读取它。
+    .air-temperature = 关好温箱，检查设定温度，等待温度回到规程范围内。
+    .air-humidity = 检查室内空调或温箱的除湿装置，等待湿度回到规程范围内。
+    .table-unsettled = 检查负载是否平衡、夹紧；若再次出现，请整定转台伺服。
+    .table-rate = 不要使用本次测量；在测量下一个器件之前，请核查转台的角速率。
+    .stuck-channel = 重新启动器件；若输出仍不变，则器件有故障：剔除。
+    .spikes = 检查器件的接头、供电与夹紧；若仍有野值，则器件有故障：剔除。
+    .given-up = 取下该器件，检查其电缆与供电；其余器件继续测量。之后重新下单。

@@ -1,0 +1,128 @@
+"""Puts together what the line is doing: stations, alarms, orders, flow runs and the day."""
+
+from collections import Counter
+from collections.abc import Sequence
+from datetime import UTC, date, datetime, timedelta
+
+import sqlalchemy as sql
+
+from flows.pages.line import alarms
+from flows.pages.line.flow_runs import flow_runs
+from flows.pages.line.stops import stops_of
+from flows.pages.local_time import today
+from schemas.base import Unusable
+from schemas.pages.line import (
+    AlarmShown,
+    LineNow,
+    LineQuestion,
+    Output,
+    Queued,
+    StationNow,
+    StationState,
+)
+from schemas.pages.runs import Condition
+from schemas.production import OPEN, ProductionOrder
+from schemas.run_log import RunStatus, State
+from schemas.station import StationFile
+from storage import settings
+from storage.catalogue import database, orders, tables
+from storage.catalogue.connection import Busy
+from storage.catalogue.run_states import run_list
+from storage.home import Home
+from storage.station_lock import statuses
+from storage.stations import folder_of, station_files
+
+MOST_IN_A_DAY = 10_000
+# A run that measures writes its status every second; a slow network or a busy computer may keep
+# that back for some seconds, and a minute is too long to believe that a table turns as it should.
+SILENT = timedelta(seconds=30)
+WRITING: tuple[State, ...] = ("warming_up", "measuring", "repeating")
+
+
+def data(_: LineQuestion, home: Home) -> LineNow:
+    """Stations, alarms, orders, flow runs and today's output.
+
+    Without the catalogue the stations are known all the same.
+    """
+    named, unusable = _stations(home)
+    flows = flow_runs()
+    found, fault = [*unusable, *alarms.of_flows(flows)], None
+    queued: tuple[Queued, ...] = ()
+    made = None
+    try:
+        queued = tuple(map(_queued, orders.listed(home, states=OPEN)))
+        made = output(today(), home)
+        found += alarms.of_catalogue(home)
+    except Busy as error:
+        fault = str(error)
+    stations = tuple(_station_now(home, named, queued))
+    found += [each for station in stations for each in alarms.of_station(station)]
+    return LineNow(
+        stations=stations, alarms=alarms.newest(found), orders=queued, flows=flows, today=made,
+        catalogue=fault,
+    )  # fmt: skip
+
+
+def _stations(home: Home) -> tuple[list[str], list[AlarmShown]]:
+    """The ids of the station files, and an alarm for each file that cannot be used."""
+    named, unusable = [], []
+    for name in station_files(home):
+        try:
+            named.append(settings.read(folder_of(home) / name, StationFile).station.id)
+        except Unusable as error:
+            unusable.append(alarms.of_file(name, str(error)))
+    return named, unusable
+
+
+def _station_now(home: Home, named: Sequence[str], queued: Sequence[Queued]) -> list[StationNow]:
+    """Every station with a file, a status or an order, in the order of their ids."""
+    now = datetime.now(UTC)
+    last = {status.station: (status, is_dead) for status, is_dead in statuses(home)}
+    ids = sorted({*named, *last, *(each.station for each in queued)})
+    found = []
+    for station in ids:
+        run, is_dead = last.get(station, (None, False))
+        bare = StationNow(
+            station=station, state=_state(run, is_dead, now), run=run, alarm=None,
+            stopped=stops_of(home).last(station),
+            waiting=tuple(each for each in queued if each.station == station),
+        )  # fmt: skip
+        of_run = alarms.newest(alarms.of_station(bare))
+        found.append(bare.model_copy(update={"alarm": next(iter(of_run), None)}))
+    return found
+
+
+def _state(run: RunStatus | None, is_dead: bool, now: datetime) -> StationState:
+    if run is None or run.state == "done":
+        return "free"
+    if is_dead:
+        return "lost"
+    return "silent" if run.state in WRITING and now - run.at > SILENT else run.state
+
+
+def _queued(order: ProductionOrder) -> Queued:
+    client = order.client_order.client.name if order.client_order else ""
+    return Queued(
+        number=order.number, station=order.station,
+        serials=tuple(unit.serial for unit in order.units), procedure=order.procedure,
+        client=client, state="running" if order.state == "running" else "waiting",
+        since=order.began_at if order.state == "running" and order.began_at else order.ordered_at,
+    )  # fmt: skip
+
+
+def output(day: date, home: Home) -> Output:
+    """What a local day made."""
+    made = Condition(column="taken_in_at", kind="equals", value=day)
+    total, runs = run_list([made], [], 0, MOST_IN_A_DAY, home)
+    validity, verdicts = Counter(r.validity for r in runs), Counter(r.verdict for r in runs)
+    paper = tables.certificates.c
+    issued = sql.select(sql.func.count()).where(
+        paper.issued_on == day, paper.state.in_(("issued", "amended", "withdrawn"))
+    )
+    counted = database.rows(home, issued)
+    return Output(
+        day=day, runs=total, by_station=dict(Counter(r.station or "" for r in runs)),
+        valid=validity["valid"], remarks=validity["remarks"], invalid=validity["invalid"],
+        not_judged=validity[None], passed=verdicts["pass"], failed=verdicts["fail"],
+        issued=counted[0][0] if counted else 0,
+    )  # fmt: skip

@@ -1,0 +1,65 @@
+"""Stops a station in the name of whoever pressed, and keeps what became of it."""
+
+import logging
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from threading import Lock
+
+from schemas.access import MAY, Visitor
+from schemas.base import Unusable
+from schemas.pages.line import StopShown
+from storage.home import Home
+
+LOG = logging.getLogger(__name__)
+
+
+class Stops:
+    """The last stop of each station that was pressed on these pages."""
+
+    def __init__(self, home: Home) -> None:
+        self._home = home
+        self._last: dict[str, StopShown] = {}
+        self._one_at_a_time = Lock()
+
+    def last(self, station: str) -> StopShown | None:
+        """The last one of a station since the pages are served."""
+        return self._last.get(station)
+
+    def press(self, station: str, visitor: Visitor) -> StopShown:
+        """Stops the station; whatever fails is said in the answer, and never raised.
+
+        Raises Unusable where the role does not allow it.
+        """
+        if not visitor.may("stop"):
+            raise Unusable(
+                f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not stop a station"
+                f" here: that is for {' and '.join(MAY['stop'])}; on the station's own computer "
+                f"`mimucal station stop {station}` asks nobody"
+            )
+        shown = self._stopped(station, visitor.name)
+        with self._one_at_a_time:
+            self._last[station] = shown
+        return shown
+
+    def _stopped(self, station: str, by: str) -> StopShown:
+        from tasks.stages.stop import stop_station
+
+        try:
+            if Path(station).is_file():  # which at a terminal is a station file
+                raise Unusable(f"there is no station {station!r}; press Stop on its card")
+            stopped = stop_station(station, by, self._home)
+        except Exception as error:  # whoever pressed must know that the table may still turn
+            if not isinstance(error, Unusable):
+                LOG.exception("station %s was not stopped", station)
+            fault = str(error) or type(error).__name__
+            return StopShown(by=by, at=datetime.now(UTC), is_at_rest=False, fault=fault)
+        return StopShown(
+            by=by, at=datetime.now(UTC), is_at_rest=stopped.at_rest, fault=stopped.fault
+        )
+
+
+@cache
+def stops_of(home: Home) -> Stops:
+    """The stops pressed on the pages of a home in this process."""
+    return Stops(home)
