@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
 
 from schemas.pages.line import AlarmShown, FlowRun, Flows, StationNow
-from schemas.production import State
+from schemas.production import ProductionState
 from schemas.run_log import Alarm
 from schemas.text import Statement
 from storage.catalogue import orders, reminders
@@ -16,7 +16,7 @@ from storage.home import Home
 from tasks.words import Sayable, known, message, statement
 
 SHOWN = 20
-FAILED: tuple[State, ...] = ("failed",)
+FAILED: tuple[ProductionState, ...] = ("failed",)
 RECENT = timedelta(days=7)  # for so long an order that failed, and a run that stopped, are shown
 
 
