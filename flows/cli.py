@@ -23,6 +23,7 @@ from flows import (
     store_commands,
     user_commands,
 )
+from flows.logs import set_up
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
 
@@ -70,6 +71,7 @@ def main() -> None:
     # Before numpy is there: on matrices this small a second thread only waits, and takes a core.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
+        set_up()
         _check_text(sys.argv[1:])
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:

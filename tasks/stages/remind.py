@@ -14,8 +14,10 @@ from storage.home import Home
 from tasks.reminders import send as sending
 from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
+from tasks.stages.events import logger_of
 from tasks.words import Message, message
 
+LOG = logger_of("remind")
 Send = Callable[[str, str, str, bytes | None], str | None]
 
 
@@ -77,6 +79,8 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
                 url = urls[client.name, name]
                 fault = _sent(send, url, each, days, client.language, now)
                 reminders.note(home, key, now, fault)
+                fields = {"of": each.certificate, "channel": key[2], "cause": fault}
+                (LOG.error if fault else LOG.info)("failed" if fault else "sent", extra=fields)
                 if fault:
                     faults.append(f"{each.unit} to {key[2]}: {fault}")
     return faults

@@ -10,6 +10,7 @@ from functools import partial, wraps
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar, cast
 
 from storage.catalogue.connection import Busy
+from tasks.stages.events import logged
 
 if TYPE_CHECKING:
     from prefect.client.schemas.objects import State, TaskRun
@@ -30,8 +31,10 @@ def stage(name: str, *, again: bool = True) -> Callable[[Callable[P, R]], Callab
     again by itself.
     """
 
-    def staged(function: Callable[P, R]) -> Callable[P, R]:
-        @wraps(function)
+    def staged(plain: Callable[P, R]) -> Callable[P, R]:
+        function = logged(name, plain)
+
+        @wraps(plain)
         def run(*args: P.args, **kwargs: P.kwargs) -> R:
             if not _starts_a_task():
                 return function(*args, **kwargs)
