@@ -26,7 +26,9 @@ def refused(home: Home, action: str, subject: str, *, person: str = UNKNOWN, **a
 
     A catalogue that does not answer costs the entry, not the refusal.
     """
-    kept: dict[str, Any] = {name: plain(value) for name, value in about.items() if value is not None}
+    kept: dict[str, Any] = {
+        name: plain(value) for name, value in about.items() if value is not None
+    }
     LOGGER.warning("%s %s refused to %s: %s", action, plain(subject), person, kept)
     if not home.path.is_dir():
         return
