@@ -8,6 +8,7 @@ import sqlalchemy as sql
 from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
 from dash.development.base_component import Component
 
+from flows.access_log import LOGGER, plain
 from flows.pages.orders import FIELDS, Orders
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.parts import table
@@ -162,7 +163,8 @@ def callbacks(app: Dash, home: Home) -> None:
 def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Component:
     """Gives an order; what became of it, as a sentence."""
     known = next((each for each in MAY if each == action), None)
-    if known is None:
+    if known is None or not all(isinstance(value, str) for value in fields.values()):
+        LOGGER.warning("order %s refused to %s: no such order", plain(action), view.visitor.name)
         return dmc.Alert(view.say(message("pages-not-answered")), color="red")
     try:
         subject = orders_of(home).give(known, fields, view.visitor)
