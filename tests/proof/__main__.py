@@ -12,6 +12,7 @@ from tests.proof.faults.run import run_faults
 from tests.proof.fleets.run import run_fleets
 from tests.proof.fuzz.run import run_fuzz
 from tests.proof.history.run import run_history
+from tests.proof.hostile.run import run_hostile
 from tests.proof.issue.run import run_issue
 from tests.proof.line.run import run_line
 from tests.proof.next.on_station import run_next_on_station
@@ -129,6 +130,12 @@ def main(
             metavar="N", min=1, help="Nothing but N random questions to each endpoint of the pages."
         ),
     ] = None,
+    hostile: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but hostile calls of a line, N of them flow runs."
+        ),
+    ] = None,
     papers: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Nothing but certificates of every kind, to look at."),
@@ -151,8 +158,8 @@ def main(
         bool,
         typer.Option(
             "--write",
-            help="With --faults, --fleets, --fuzz, --issue, --line, --next, --pages, --throughput: "
-            "into the evidence.",
+            help="With --faults, --fleets, --fuzz, --hostile, --issue, --line, --next, --pages, "
+            "--throughput: into the evidence.",
         ),
     ] = False,
     as_json: Annotated[
@@ -171,7 +178,8 @@ def main(
     )  # fmt: skip
     seeded = (
         (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),
-        (run_pages, pages), (run_next, next_), (partial(run_line, out=out), line),
+        (run_pages, pages), (run_next, next_), (run_hostile, hostile),
+        (partial(run_line, out=out), line),
     )  # fmt: skip
     try:
         for run, count in only:
