@@ -33,7 +33,7 @@ def serve_page(station: str, port: int, by: str, home: Home) -> None:
     """Serve until Ctrl-C. Raises Unusable where the port is not free."""
     served = StationPage(station, by, home)
     try:
-        server = ThreadingHTTPServer((HOST, port), partial(_Handler, served))
+        server = page_server(served, port)
     except OSError as error:
         raise Unusable(
             f"port {port} of {HOST} is not available ({error.strerror}): choose another with --port"
@@ -47,6 +47,11 @@ def serve_page(station: str, port: int, by: str, home: Home) -> None:
             print("page ended")
 
 
+def page_server(served: "StationPage", port: int) -> ThreadingHTTPServer:
+    """Raises OSError where the port is not free."""
+    return ThreadingHTTPServer((HOST, port), partial(_Handler, served))
+
+
 class StationPage:
     """What is shown of one station. token: in the form, so that no other site can press it."""
 
@@ -56,7 +61,7 @@ class StationPage:
             self.id = settings.read(Path(station), StationFile).station.id
         self.token = secrets.token_urlsafe(16)
         self._station, self._by, self._home = station, by, home
-        self._stopped: Stopped | None = None
+        self.stopped: Stopped | None = None
         self._fault = ""
 
     def whole(self) -> str:
@@ -69,21 +74,21 @@ class StationPage:
 
     def stop(self) -> None:
         """Stop the station; the page then shows what came of it."""
-        self._stopped, self._fault = None, ""
+        self.stopped, self._fault = None, ""
         try:
-            self._stopped = stop_station(self._station, self._by, self._home)
+            self.stopped = stop_station(self._station, self._by, self._home)
         except Unusable as fault:
             self._fault = str(fault)
 
     def _now(self) -> dict[str, object]:
         status = self._status()
-        began = status is not None and self._stopped is not None and status.state != "stopped"
+        began = status is not None and self.stopped is not None and status.state != "stopped"
         if began and not self._is_dead(status):
-            self._stopped = None  # a run that began since
+            self.stopped = None  # a run that began since
         return {
             "status": status,
             "is_dead": self._is_dead(status),
-            "stopped": self._stopped,
+            "stopped": self.stopped,
             "fault": self._fault,
         }
 
