@@ -3,10 +3,10 @@
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tasks.station.stopping import StopSwitch
@@ -66,15 +66,18 @@ def stopping(stop: "StopSwitch") -> Iterator[None]:
         if number in before and stop.is_live:
             stop.press(OPERATOR)
 
-    for each, handler in before.items():
-        if handler is not signal.SIG_IGN:
-            signal.signal(each, press)
+    heeded = {each: press for each, handler in before.items() if handler is not signal.SIG_IGN}
+    _handle(heeded)
     try:
         with _arriving(press_meanwhile):
             yield
     finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
+        _handle(before)
+
+
+def _handle(handlers: Mapping[signal.Signals, Any]) -> None:
+    for each, handler in handlers.items():
+        signal.signal(each, handler)
 
 
 @contextmanager

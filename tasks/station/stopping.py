@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from schemas.base import Unusable
 from schemas.station import StationFile
+from schemas.stop import AxisReading
 from tasks.station.clock import wall_s
 from tasks.station.drivers.devices import Devices
 from tasks.station.ports import Table, TableState
@@ -145,3 +146,13 @@ async def _stop_directly(station: StationFile) -> TableState:
     finally:
         with suppress(OSError):
             await devices.hang_up()
+
+
+def axes_of(station: StationFile, state: TableState | None) -> tuple[AxisReading, ...]:
+    """The axes of a table as they were read, with their names."""
+    names = (axis.name for axis in station.station.table_axes or ())
+    axes = state.axes if state is not None else ()
+    return tuple(
+        AxisReading(name=name, angle_deg=axis.angle_deg, rate_deg_s=axis.rate_deg_s)
+        for name, axis in zip(names, axes, strict=False)
+    )

@@ -20,7 +20,14 @@ from tests.proof.next.run import run_next
 from tests.proof.pages.run import run_pages
 from tests.proof.pages.screens import run_screens
 from tests.proof.papers.run import run_papers
-from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
+from tests.proof.prove import (
+    run_kills,
+    run_loaded,
+    run_prove,
+    run_resumes,
+    run_station,
+    run_stops,
+)
 from tests.proof.throughput.run import run_throughput
 from tests.proof.trial.rough.run import run_rough
 from tests.surroundings import leave_production
@@ -67,6 +74,12 @@ def main(
         int | None,
         typer.Option(
             metavar="N", min=1, help="Nothing but N acquisitions that are killed and go on."
+        ),
+    ] = None,
+    stops: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but N stops at random moments, parts being down."
         ),
     ] = None,
     rough: Annotated[
@@ -172,6 +185,7 @@ def main(
     """
     only = (
         (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
+        (run_stops, stops),
         (run_history, history), (run_next_on_station, next_on_station),
         (partial(run_papers, papers), 1 if papers else None),
         (partial(run_screens, seed), screens),
