@@ -40,6 +40,11 @@ class Home:
         return self.path / "acquiring"
 
     @property
+    def acquired(self) -> Path:
+        """Recordings of whole runs that are not in the catalogue yet."""
+        return self.acquiring / "whole"
+
+    @property
     def locks(self) -> Path:
         """One file for each station that was ever acquired from."""
         return self.path / "locks"

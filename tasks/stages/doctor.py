@@ -1,7 +1,6 @@
 """Diagnoses this machine and this home, and says what to do; changes nothing."""
 
 import os
-import shutil
 import sys
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
@@ -15,10 +14,10 @@ from schemas.doctor import Diagnosis, Examined
 from storage import settings
 from storage.catalogue import run_index, trail
 from storage.home import Home
+from tasks.stages.ready import FREE_BYTES, free_bytes
 from tasks.validation import record
 
 PYTHON = (3, 11)
-FREE_BYTES = 2 << 30  # on the disk: ten runs of an hour
 MEMORY_BYTES = 2 << 30
 ANSWER_S = 3.0  # for a Prefect server that is named
 
@@ -61,7 +60,7 @@ def _wrong(needed: Requirement) -> str | None:
 
 
 def _disk(home: Home) -> Iterator[Examined]:
-    free = shutil.disk_usage(_first_that_exists(home.path)).free
+    free = free_bytes(home.path)
     yield Examined(
         what="disk of the home",
         found=f"{free / 2**30:.1f} GiB free",
@@ -166,6 +165,13 @@ def _interrupted(home: Home) -> Iterator[Examined]:
         found=", ".join(path.name for path in left) or "none",
         remedy="Go on with `mimucal acquire --resume`, or take them in with `mimucal import "
         "--salvage`; a run that goes on now is named, too." if left else None,
+    )  # fmt: skip
+    waiting = sorted(home.acquired.glob("*.mcap"))
+    yield Examined(
+        what="runs to be stored",
+        found=", ".join(path.name for path in waiting) or "none",
+        remedy=f"Store each with `mimucal import {home.acquired}/FILE`; the next run does, too."
+        if waiting else None,
     )  # fmt: skip
 
 
