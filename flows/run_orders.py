@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 
 from flows.progress import counting, describe
 from flows.signals import ending_as_ctrl_c, pausing
-from schemas.base import Unusable
+from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import (
     AmendOrder,
     CertifyOrder,
     CheckOrder,
     IssueOrder,
+    ProduceOrder,
     WithdrawOrder,
 )
 from schemas.orders import (
@@ -53,11 +54,46 @@ if TYPE_CHECKING:
 def acquire(order: AcquireOrder) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
+    from flows.lasting_output import lasting_output
+    from flows.oversight import overseen
     from tasks.stages.acquire import acquire_run
 
     station, procedure, ask = _acquisition(order)
-    with ending_as_ctrl_c(), pausing() as is_paused, acquisition_view() as report:
-        return acquire_run(station, procedure, home_of(order), report, ask, is_paused, order.resume)
+    with (
+        lasting_output(),
+        ending_as_ctrl_c(),
+        overseen() as stopped_by,
+        pausing() as is_paused,
+        acquisition_view() as report,
+    ):
+        return acquire_run(
+            station, procedure, home_of(order), report, ask, is_paused, order.resume, stopped_by
+        )
+
+
+def produce(
+    order: ProduceOrder, drafted: "Callable[[Published], object]" = lambda _: None
+) -> "tuple[Published, ...]":
+    """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
+
+    drafted: called with each draft. Raises BrokenOff for units that were abandoned or have no
+    certificate, once the others have theirs.
+    """
+    from tasks.stages.certificate_inputs import read_inputs
+
+    read_inputs(order)  # bad files are refused before it turns
+    acquired = acquire(order)
+    drafts, faults = [], list(acquired.given_up)
+    for run, _ in acquired.kept:
+        try:
+            drafts.append(certify(order.certify(run.id)))
+        except Unusable as fault:
+            faults.append(str(fault).rstrip("."))
+        else:
+            drafted(drafts[-1])
+    if faults:
+        raise BrokenOff("; ".join(faults))
+    return tuple(drafts)
 
 
 def check_acquisition(order: AcquireOrder) -> None:

@@ -36,7 +36,12 @@ class CertifyOrder(CalibrateOrder, CertificateOptions):
 
 
 class ProduceOrder(AcquireOrder, CertificateOptions):
-    """A run from a station, and its certificate."""
+    """A run from a station, and its certificate.
+
+    number: of the production order in the catalogue's queue; null for one that was given directly.
+    """
+
+    number: str | None = None
 
     def certify(self, run: str) -> CertifyOrder:
         """The order of the certificate, once the run exists."""

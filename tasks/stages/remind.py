@@ -14,6 +14,7 @@ from storage.home import Home
 from tasks.reminders import send as sending
 from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
+from tasks.stages.stage import announce
 from tasks.words import Message, message
 
 Send = Callable[[str, str, str, bytes], str | None]
@@ -78,6 +79,7 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
                 fault = _sent(send, url, each, days, client.language, now)
                 reminders.note(home, key, now, fault)
                 if fault:
+                    announce("reminder.failed", each.unit, channel=key[2], why=fault)
                     faults.append(f"{each.unit} to {key[2]}: {fault}")
     return faults
 

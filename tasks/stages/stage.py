@@ -106,14 +106,14 @@ def without_loss(
         try:
             return cast(R, by_prefect(remembered)(*args, **kwargs))
         except Exception as fault:
-            if not _is_of_the_server(fault):
+            if not is_of_the_server(fault):
                 raise
             return ends[-1]() if ends else function(*args, **kwargs)
 
     return run
 
 
-def _is_of_the_server(fault: Exception) -> bool:
+def is_of_the_server(fault: Exception) -> bool:
     """Whether it is away, refuses for a fault of its own, or has forgotten what it knew."""
     from httpx import HTTPStatusError, TransportError
 

@@ -1,0 +1,42 @@
+"""Questions to the Prefect server that PREFECT_API_URL names, without importing Prefect."""
+
+import os
+from typing import Any
+
+from schemas.base import Unusable
+
+TIMEOUT_S = 3.0
+
+
+class NotAnswered(Unusable):
+    """The server is away, or refuses."""
+
+
+def get(path: str) -> Any:
+    """The answer to a path of the API, such as `/health`; raises NotAnswered."""
+    return _ask("GET", path, None)
+
+
+def post(path: str, asked: dict[str, Any]) -> Any:
+    """The answer to a filter, such as that of `/flow_runs/filter`; raises NotAnswered."""
+    return _ask("POST", path, asked)
+
+
+def credentials() -> tuple[str, str] | None:
+    """User and password of PREFECT_API_AUTH_STRING, where the server asks for them."""
+    user, _, password = os.environ.get("PREFECT_API_AUTH_STRING", "").partition(":")
+    return (user, password) if user else None
+
+
+def _ask(method: str, path: str, asked: dict[str, Any] | None) -> Any:
+    import httpx
+
+    url = os.environ.get("PREFECT_API_URL", "").rstrip("/")
+    try:
+        answer = httpx.request(
+            method, f"{url}{path}", json=asked, auth=credentials(), timeout=TIMEOUT_S
+        )
+        answer.raise_for_status()
+        return answer.json()
+    except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
+        raise NotAnswered(f"{url} does not answer ({type(error).__name__}: {error})") from error
