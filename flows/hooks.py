@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from prefect.states import State
 
 
-def free_station(flow: Any, run: "FlowRun", state: "State[Any]") -> None:
+def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
     """Has the station of a run stopped, and its status say how it ended."""
-    order = run.parameters.get("order", {})
+    order = flow_run.parameters.get("order", {})
     place = Home(Path(order["home"])) if order.get("home") else home()
     with suppress(Unusable):
         station = settings.read(Path(order.get("station", "")), StationFile).station.id

@@ -18,7 +18,7 @@ from prefect.client.schemas.filters import (
 from prefect.client.schemas.objects import FlowRun, State, StateType
 from prefect.context import FlowRunContext
 from prefect.states import Cancelled
-from prefect.types._datetime import now
+from prefect.types import DateTime
 
 if TYPE_CHECKING:
     from uuid import UUID
@@ -57,7 +57,7 @@ def _cancel_older(run: FlowRun, deployment: "UUID") -> list[FlowRun]:
     due = FlowRunFilter(
         deployment_id=FlowRunFilterDeploymentId(any_=[deployment]),
         state=FlowRunFilterState(type=FlowRunFilterStateType(any_=WAITING_OR_RUNNING)),
-        expected_start_time=FlowRunFilterExpectedStartTime(before_=now("UTC")),
+        expected_start_time=FlowRunFilterExpectedStartTime(before_=DateTime.now("UTC")),
     )
     with get_client(sync_client=True) as client:
         others = [

@@ -32,6 +32,7 @@ from schemas.calibration import Calibration
 from schemas.certificate_orders import ProduceOrder
 from schemas.history import Reprocessing
 from schemas.orders import (
+    AlertOrder,
     CalibrateOrder,
     OrderModel,
     RemindOrder,
@@ -103,6 +104,16 @@ def remind(order: RemindOrder) -> list[DueUnit]:
     if faults:
         raise BrokenOff("; ".join(faults))
     return due
+
+
+@flow(name="alert")
+def alert(order: AlertOrder) -> None:
+    """Send a sentence to whoever operates the line; BrokenOff where a channel did not take it."""
+    from tasks.stages import alert as alerting  # type: ignore[attr-defined]
+
+    sent = alerting.alert(run_orders.home_of(order), order.sentence)
+    if faults := [f"{each.channel}: {each.fault}" for each in sent if each.fault]:
+        raise BrokenOff("; ".join(faults))
 
 
 @flow(name="calibrate", flow_run_name=partial(run_names.of_run, "calibrate"))

@@ -4,7 +4,9 @@ The stages are imported when an order needs them: `calibrate` starts without tho
 certificate.
 """
 
+import signal
 from pathlib import Path
+from threading import main_thread
 from typing import TYPE_CHECKING
 
 from flows.progress import counting, describe
@@ -59,10 +61,19 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
     from tasks.stages.acquire import acquire_run
 
     station, procedure, ask = _acquisition(order)
+    causes: list[str] = []
+
+    def stop(cause: str) -> None:
+        causes.append(cause)
+        signal.pthread_kill(main_thread().ident or 0, signal.SIGTERM)
+
+    def stopped_by() -> str:
+        return causes[0] if causes else "the operator"
+
     with (
         lasting_output(),
         ending_as_ctrl_c(),
-        overseen() as stopped_by,
+        overseen(stop),
         pausing() as is_paused,
         acquisition_view() as report,
     ):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flows import options
+from flows import deploy_commands, options
 from schemas.base import Unusable
 
 if TYPE_CHECKING:
@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Serve a virtual station, check and watch stations, load units.", rich_markup_mode=None
 )
+
+app.command(epilog="Example: mimucal station add station.json --schedule '0 8 * * 1-5'")(
+    deploy_commands.add
+)
+app.command(epilog="Example: mimucal station remove VIRTUAL-1")(deploy_commands.remove)
 
 
 @app.command(epilog="Example: mimucal station serve --speed 60")

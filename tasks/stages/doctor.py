@@ -14,12 +14,12 @@ from schemas.doctor import Diagnosis, Examined
 from storage import settings
 from storage.catalogue import run_index, trail
 from storage.home import Home
+from tasks.stages.examine_prefect import examine_prefect
 from tasks.stages.ready import FREE_BYTES, free_bytes
 from tasks.validation import record
 
 PYTHON = (3, 11)
 MEMORY_BYTES = 2 << 30
-ANSWER_S = 3.0  # for a Prefect server that is named
 
 
 def diagnose(home: Home) -> Diagnosis:
@@ -176,19 +176,4 @@ def _interrupted(home: Home) -> Iterator[Examined]:
 
 
 def _prefect(_: Home) -> Iterator[Examined]:
-    url = os.environ.get("PREFECT_API_URL")
-    if not url:
-        yield Examined(what="Prefect", found="no server named: a command starts its own")
-        return
-    import httpx
-
-    try:
-        httpx.get(f"{url}/health", timeout=ANSWER_S).raise_for_status()
-    except (httpx.HTTPError, httpx.InvalidURL) as error:
-        yield Examined(
-            what="Prefect",
-            found=f"{url} does not answer ({type(error).__name__})",
-            remedy="Start that server, mend PREFECT_API_URL, or unset it.",
-        )
-    else:
-        yield Examined(what="Prefect", found=f"{url} answers")
+    yield from examine_prefect()

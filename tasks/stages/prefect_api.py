@@ -22,20 +22,28 @@ def post(path: str, asked: dict[str, Any]) -> Any:
     return _ask("POST", path, asked)
 
 
+def is_open() -> bool:
+    """Whether the server answers whoever gives no password."""
+    try:
+        _ask("GET", "/admin/version", None, with_password=False)
+    except NotAnswered:
+        return False
+    return True
+
+
 def credentials() -> tuple[str, str] | None:
     """User and password of PREFECT_API_AUTH_STRING, where the server asks for them."""
     user, _, password = os.environ.get("PREFECT_API_AUTH_STRING", "").partition(":")
     return (user, password) if user else None
 
 
-def _ask(method: str, path: str, asked: dict[str, Any] | None) -> Any:
+def _ask(method: str, path: str, asked: dict[str, Any] | None, with_password: bool = True) -> Any:
     import httpx
 
     url = os.environ.get("PREFECT_API_URL", "").rstrip("/")
     try:
-        answer = httpx.request(
-            method, f"{url}{path}", json=asked, auth=credentials(), timeout=TIMEOUT_S
-        )
+        auth = credentials() if with_password else None
+        answer = httpx.request(method, f"{url}{path}", json=asked, auth=auth, timeout=TIMEOUT_S)
         answer.raise_for_status()
         return answer.json()
     except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
