@@ -13,6 +13,7 @@ from typer.exceptions import TyperException
 from flows import (
     certificate_commands,
     correction_commands,
+    deploy_commands,
     equipment_commands,
     explain_commands,
     history_commands,
@@ -47,6 +48,7 @@ app.add_typer(correction_commands.app)
 app.add_typer(store_commands.app)
 app.add_typer(history_commands.app)
 app.add_typer(operating_commands.app)
+app.add_typer(deploy_commands.app)
 app.add_typer(equipment_commands.app, name="equipment")
 app.add_typer(station.app, name="station")
 app.add_typer(order_commands.app, name="order")

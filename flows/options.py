@@ -262,6 +262,15 @@ Faults = Annotated[
     list[str] | None, _option("NAME[@SECONDS]", "Fault to simulate; may be repeated.")
 ]
 StationFile = Annotated[Path, _option("FILE", "Output: station file for `mimucal acquire`.")]
+Added = Annotated[str, typer.Argument(metavar="ID", help="Id of a station of the home.")]
+Schedule = Annotated[
+    str | None,
+    _option("CRON", "When it produces by itself, as '0 8 * * 1-5'; without it, when ordered."),
+]
+Timezone = Annotated[
+    str | None,
+    _option("ZONE", "Time zone of the schedules; default: that of this computer."),
+]
 Truth = Annotated[Path | None, _option("FILE", "Output: true parameters of the unit.")]
 
 Runs = Annotated[

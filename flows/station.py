@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flows import options, order_options
+from flows import deploy_commands, options, order_options
 from flows.signals import stopping
 from schemas.base import BrokenOff, Unusable
 
@@ -20,6 +20,11 @@ app = typer.Typer(
     help="Serve a virtual station, check and watch stations, load units.", rich_markup_mode=None
 )
 USUAL_PORT = 5020
+
+app.command(epilog="Example: mimucal station add station.json --schedule '0 8 * * 1-5'")(
+    deploy_commands.add
+)
+app.command(epilog="Example: mimucal station remove VIRTUAL-1")(deploy_commands.remove)
 
 
 @app.command(epilog="Example: mimucal station serve --speed 60")

@@ -15,6 +15,7 @@ from tasks.reminders import send as sending
 from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
 from tasks.stages.events import logger_of
+from tasks.stages.stage import announce
 from tasks.words import Message, message
 
 LOG = logger_of("remind")
@@ -82,6 +83,7 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
                 fields = {"of": each.certificate, "channel": key[2], "cause": fault}
                 (LOG.error if fault else LOG.info)("failed" if fault else "sent", extra=fields)
                 if fault:
+                    announce("reminder.failed", each.unit, channel=key[2], why=fault)
                     faults.append(f"{each.unit} to {key[2]}: {fault}")
     return faults
 

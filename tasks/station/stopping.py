@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+import time
 from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
@@ -55,6 +56,14 @@ class StopSwitch:
         """Raises StopRequested once it was pressed."""
         if self.by is not None:
             raise StopRequested(self.by)
+
+    def sleep(self, seconds: float) -> None:
+        """Wait; raises StopRequested where it is pressed meanwhile."""
+        end_s = wall_s() + seconds
+        while (left_s := end_s - wall_s()) > 0:
+            self.check()
+            time.sleep(min(left_s, LOOK_S))
+        self.check()
 
     @contextmanager
     def calling(self, listener: Callable[[], object]) -> Iterator[None]:

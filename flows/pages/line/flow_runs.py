@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-import httpx
 from pydantic import ValidationError
 
 from flows.prefect_server import server_named
@@ -17,7 +16,6 @@ NOW = ("PENDING", "RUNNING", "PAUSED", "CANCELLING")
 LATE = "Late"  # Prefect's name of a scheduled run whose time has passed
 PRODUCE = "produce"  # its runs are the orders of the catalogue
 MOST = 200  # that the server gives at once
-TIMEOUT_S = 2.0
 FRESH_S = 2.0  # for all who look at the page
 NAMED = ("run", "certificate", "serial", "model", "station", "recording", "since", "client")
 
@@ -30,37 +28,27 @@ def flow_runs() -> Flows:
 
 
 @lru_cache(maxsize=1)
-def _asked(url: str, _: int) -> Flows:
+def _asked(_: str, __: int) -> Flows:
     state = {"state": {"type": {"any_": ["SCHEDULED", *NOW]}}}
     asked = {"flow_runs": state, "sort": "EXPECTED_START_TIME_ASC", "limit": MOST}
     try:
-        with httpx.Client(
-            base_url=url.rstrip("/"), timeout=TIMEOUT_S, headers=prefect_api.headers()
-        ) as server:
-            runs = _answer(server, "/flow_runs/filter", asked)
-            deployments, flows = (
-                _names(server, kind, runs) for kind in ("deployment", "flow")
-            )  # fmt: skip
+        runs = prefect_api.post("/flow_runs/filter", asked)
+        deployments, flows = (_names(kind, runs) for kind in ("deployment", "flow"))
         found = [_shown(run, deployments, flows) for run in runs]
         return Flows(server=True, runs=tuple(_next_of_each(found)))
-    except (httpx.HTTPError, httpx.InvalidURL, ValueError, KeyError, TypeError) as error:
+    except prefect_api.NotAnswered as error:
+        return Flows(server=True, fault=f"Prefect's server did not answer ({error})")
+    except (ValueError, KeyError, TypeError) as error:
         why = type(error).__name__ if isinstance(error, ValidationError) else str(error)
         return Flows(server=True, fault=f"Prefect's server did not answer ({why})")
 
 
-def _answer(server: httpx.Client, path: str, asked: Mapping[str, Any]) -> list[dict[str, Any]]:
-    answer = server.post(path, json=asked)
-    answer.raise_for_status()
-    found: list[dict[str, Any]] = answer.json()
-    return found
-
-
-def _names(server: httpx.Client, kind: str, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+def _names(kind: str, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     """The names of the deployments or flows of runs, by their ids."""
     ids = sorted({run[f"{kind}_id"] for run in runs if run.get(f"{kind}_id")})
     if not ids:
         return {}
-    found = _answer(server, f"/{kind}s/filter", {f"{kind}s": {"id": {"any_": ids}}})
+    found = prefect_api.post(f"/{kind}s/filter", {f"{kind}s": {"id": {"any_": ids}}})
     return {each["id"]: each["name"] for each in found}
 
 
