@@ -127,7 +127,7 @@ def remind(order: RemindOrder) -> list[DueUnit]:
 @flow(name="alert")
 def alert(order: AlertOrder) -> None:
     """Send a sentence to whoever operates the line; BrokenOff where a channel did not take it."""
-    from tasks.stages import alert as alerting  # type: ignore[attr-defined]
+    from tasks.stages import alert as alerting
 
     sent = alerting.alert(run_orders.home_of(order), order.sentence)
     if faults := [f"{each.channel}: {each.fault}" for each in sent if each.fault]:

@@ -94,8 +94,9 @@ class Output(Frozen):
 
 
 class FlowRun(Frozen):
-    """A run on the Prefect server that is no production order: of which deployment, about what."""
+    """A run on the Prefect server that is no production order: of which flow and deployment, about what."""
 
+    flow: str
     deployment: str
     subject: str
     state: str

@@ -55,9 +55,10 @@ def _names(kind: str, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 def _shown(
     run: Mapping[str, Any], deployments: Mapping[str, str], flows: Mapping[str, str]
 ) -> FlowRun:
-    name = deployments.get(run.get("deployment_id") or "") or flows.get(run["flow_id"], "")
+    flow = flows.get(run["flow_id"], "")
+    name = deployments.get(run.get("deployment_id") or "", flow)
     return FlowRun(
-        deployment=name, subject=_subject(run.get("parameters") or {}), state=run["state_name"],
+        flow=flow, deployment=name, subject=_subject(run.get("parameters") or {}), state=run["state_name"],
         is_late=run["state_name"] == LATE, expected_at=run["expected_start_time"],
         pool=run.get("work_pool_name") or "",
     )  # fmt: skip
@@ -75,11 +76,11 @@ def _next_of_each(runs: Sequence[FlowRun]) -> Iterator[FlowRun]:
     """Without production, whose queue the catalogue keeps, and without later runs of a schedule."""
     planned = set()
     for run in runs:
-        if run.deployment.partition("/")[0] == PRODUCE:
+        if run.flow == PRODUCE:
             continue
         is_planned = run.state == "Scheduled"
-        if is_planned and run.deployment in planned:
+        if is_planned and (run.flow, run.deployment) in planned:
             continue
         if is_planned:
-            planned.add(run.deployment)
+            planned.add((run.flow, run.deployment))
         yield run

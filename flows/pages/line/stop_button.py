@@ -1,5 +1,7 @@
 """The Stop button of a station: one press, no question asked; and the address that it calls."""
 
+from typing import Any
+
 import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
@@ -26,7 +28,10 @@ def stop_button(station: str, view: View) -> Component:
         roles = tuple(message(f"pages-role.{role}") for role in MAY["stop"])
         hint = message("pages-line-stop.elsewhere", roles=roles, station=station)
         return html.Div(view.say(hint), className="station-details")
-    asked = {"data-stop": station, "data-failed": view.say(message("pages-line-stop.failed"))}
+    asked: dict[str, Any] = {
+        "data-stop": station,
+        "data-failed": view.say(message("pages-line-stop.failed")),
+    }
     word = view.say(message("pages-line-stop"))
     return html.Button([html.Span(className="stop-sign"), word], className="stop", **asked)
 

@@ -325,8 +325,9 @@ ANSWERS: dict[str, list[dict[str, Any]]] = {
          "state_name": "Pending", "expected_start_time": None},
     ],
     "/api/deployments/filter": [{"id": "d1", "name": "issue"}, {"id": "d2", "name": "remind"},
-                                {"id": "d4", "name": "produce/T1"}],
-    "/api/flows/filter": [{"id": "f3", "name": "reprocess"}],
+                                {"id": "d4", "name": "T1"}],
+    "/api/flows/filter": [{"id": "f1", "name": "issue"}, {"id": "f2", "name": "remind"},
+                          {"id": "f3", "name": "reprocess"}, {"id": "f4", "name": "produce"}],
 }  # fmt: skip
 
 

@@ -77,7 +77,7 @@ def press(seed: int, folder: Path, station: StationFile, lsb: float, resume: boo
     """A run on a station in a new folder, and a press. lsb: of the unit's gyros, rad/s."""
     drawn = random.Random(seed)
     way, down = WAYS[seed % len(WAYS)], DOWN[seed % len(DOWN)]
-    speed = station.station.clock_speed or 1.0
+    speed = float((station.station.model_extra or {}).get("clock_speed", 1.0))
     after_s = drawn.uniform(0.0, LONGEST_S) / speed
     room = _Room(folder, station)
     run = begin(folder, room.environment)
