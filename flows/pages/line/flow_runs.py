@@ -58,7 +58,8 @@ def _shown(
     flow = flows.get(run["flow_id"], "")
     name = deployments.get(run.get("deployment_id") or "", flow)
     return FlowRun(
-        flow=flow, deployment=name, subject=_subject(run.get("parameters") or {}), state=run["state_name"],
+        flow=flow, deployment=name, subject=_subject(run.get("parameters") or {}),
+        state=run["state_name"],
         is_late=run["state_name"] == LATE, expected_at=run["expected_start_time"],
         pool=run.get("work_pool_name") or "",
     )  # fmt: skip
