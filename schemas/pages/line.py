@@ -94,7 +94,7 @@ class Output(Frozen):
 
 
 class FlowRun(Frozen):
-    """A run on the Prefect server that is no production order: of which flow and deployment, about what."""
+    """A run on the Prefect server that is no production order, and what it is about."""
 
     flow: str
     deployment: str
