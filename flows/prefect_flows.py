@@ -78,10 +78,7 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     Raises BrokenOff for units that were abandoned, once the others have theirs.
     """
     _check_pool(order)
-    drafts = run_orders.produce(order)
-    for each in drafts:
-        _show(partial(_show_certificate, each))
-    return drafts
+    return run_orders.produce(order, lambda draft: _show(partial(_show_certificate, draft)))
 
 
 def _check_pool(order: ProduceOrder) -> None:
