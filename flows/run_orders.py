@@ -4,6 +4,7 @@ The stages are imported when an order needs them: `calibrate` starts without tho
 certificate.
 """
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -108,7 +109,7 @@ def produce(
     """
     from flows.production import carry_out
 
-    return carry_out(order, lambda production: _produced(production, drafted))
+    return carry_out(order, partial(_produced, drafted=drafted))
 
 
 def _produced(
@@ -118,7 +119,6 @@ def _produced(
 
     order, runs = production.order, production.runs
     read_inputs(order)  # bad files are refused before it turns
-    drafts: list[Published] = []
     faults: list[str] = []
     if not runs:
         acquired = acquire(order)
@@ -127,14 +127,15 @@ def _produced(
         production.note_runs(runs)
     for run in runs:
         try:
-            drafts.append(certify(order.certify(run)))
+            draft = certify(order.certify(run))
         except Unusable as fault:
             faults.append(str(fault).rstrip("."))
         else:
-            drafted(drafts[-1])
+            production.note_draft(draft)
+            drafted(draft)
     if faults:
         raise BrokenOff("; ".join(faults))
-    return tuple(drafts)
+    return tuple(production.drafts)
 
 
 def calibrate(order: CalibrateOrder) -> "Calibration":
