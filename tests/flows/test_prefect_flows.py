@@ -16,6 +16,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import httpx
 import pytest
 
 from storage.home import Home
@@ -183,6 +184,14 @@ def test_produce_and_apply_are_flows_whose_stages_and_artifacts_the_server_shows
     assert {"V00007 short", "calibrate V00007 short"} <= set(report["names"])
     assert (line.folder / "corrected/manifest.json").exists()
     assert list((line.folder / "home/certificates").glob("*.pdf"))
+
+
+def test_nobody_orders_from_the_server_of_a_command_without_its_password(line) -> None:
+    server = line.report["server"]
+    asked = f"{server['PREFECT_API_URL']}/admin/version"
+    name, password = server["PREFECT_API_AUTH_STRING"].split(":")
+    assert httpx.get(asked, trust_env=False).status_code == 401
+    assert httpx.get(asked, auth=(name, password), trust_env=False).status_code == 200
 
 
 def test_the_steps_of_a_certificate_are_flow_runs_where_a_server_is_named(line) -> None:

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,24 +81,20 @@ def line(home: Home, folder: Path) -> Iterator[Line]:
     }
     command = str(Path(sys.executable).with_name("prefect"))
     made = Line(f"http://127.0.0.1:{port}/api", ("line", password), folder / "server.log")
-    with (
-        _process([command, "server", "start", "--host=127.0.0.1", f"--port={port}"], server,
-                 made.log),
-        _process([sys.executable, "-c", SERVE], common, folder / "flows.log"),
-    ):  # fmt: skip
-        _wait_for(made)
-        yield made
+    start = [command, "server", "start", "--host=127.0.0.1", f"--port={port}"]
+    with _process(start, server, made.log):
+        _wait_for(made, ["/admin/version"])
+        with _process([sys.executable, "-c", SERVE], common, folder / "flows.log"):
+            _wait_for(made, [f"/deployments/name/{name}/{name}" for name in FLOWS])
+            yield made
 
 
-def _wait_for(made: Line) -> None:
+def _wait_for(made: Line, paths: list[str]) -> None:
     end_s = time.monotonic() + WAIT_S
     while time.monotonic() < end_s:
-        try:
-            found = [made.ask("GET", f"/deployments/name/{n}/{n}").status_code for n in FLOWS]
-        except httpx.TransportError:
-            found = []
-        if found and set(found) == {httpx.codes.OK}:
-            return
+        with suppress(httpx.TransportError):
+            if all(made.ask("GET", path).is_success for path in paths):
+                return
         time.sleep(1.0)
     raise TimeoutError("the line did not start")
 

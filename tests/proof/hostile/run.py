@@ -108,7 +108,8 @@ def _spread(calls: list[Forged], most: int) -> list[Forged]:
     for call in calls:
         by_kind.setdefault(call.kind, []).append(call)
     longest = max(map(len, by_kind.values()))
-    in_turn = [c[n] for n in range(longest) for c in by_kind.values() if n < len(c)]
+    kinds = list(by_kind.values())[::-1]
+    in_turn = [calls[n] for n in range(longest) for calls in kinds if n < len(calls)]
     return in_turn[:most]
 
 
