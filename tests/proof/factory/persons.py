@@ -1,0 +1,66 @@
+"""Persons who log in to the pages and take the steps of certificates there, as a browser does."""
+
+import json
+from typing import Any
+
+import httpx
+
+TIMEOUT_S = 60.0
+
+
+class Refused(RuntimeError):
+    """The pages did not do what was asked of them."""
+
+
+class Person:
+    """Somebody with a session on the pages."""
+
+    def __init__(self, name: str, password: str, url: str) -> None:
+        self.name, self._password = name, password
+        self._client = httpx.Client(base_url=url, trust_env=False, timeout=TIMEOUT_S)
+
+    def log_in(self) -> None:
+        """Raises Refused where the pages do not know the name or the password."""
+        page = self._client.get("/login").text
+        token = page.partition('name="csrf_token" value="')[2].partition('"')[0]
+        form = {"name": self.name, "password": self._password, "next": "/do", "csrf_token": token}
+        answer = self._client.post("/login", data=form)
+        if answer.status_code != 302:
+            raise Refused(f"{self.name} cannot log in ({answer.status_code})")
+        self._client.get("/do")  # sets the token that the page's script sends back
+
+    def shown(self, page: str, **asked: str) -> Any:
+        """The JSON of a page; raises Refused where it is refused."""
+        answer = self._client.get(f"/api/v1/{page}", params=asked)
+        if answer.status_code != 200:
+            raise Refused(f"{page}: {answer.status_code} {answer.text[:500]}")
+        return answer.json()
+
+    def give(self, action: str, **fields: str) -> str:
+        """Press a button of Do; what the page answers. Raises Refused."""
+        ids = [{"field": name, "of": action} for name in fields]
+        button = json.dumps({"do": action}, separators=(",", ":"))
+        body = {
+            "output": "do-answer.children",
+            "outputs": {"id": "do-answer", "property": "children"},
+            "changedPropIds": [f"{button}.n_clicks"],
+            "inputs": [[{"id": {"do": action}, "property": "n_clicks", "value": 1}]],
+            "state": [
+                [{"id": i, "property": "value", "value": v} for i, v in zip(ids, fields.values(), strict=True)],
+                [{"id": i, "property": "id", "value": i} for i in ids],
+            ],
+        }  # fmt: skip
+        token = self._client.cookies.get("_csrf_token", "")
+        answer = self._client.post(
+            "/_dash-update-component", json=body, headers={"X-CSRFToken": token}
+        )
+        if answer.status_code != 200:
+            raise Refused(f"{action}: {answer.status_code} {answer.text[:500]}")
+        alert = answer.json()["response"]["do-answer"]["children"]["props"]
+        said = f"{alert.get('title', '')} {alert['children']}".strip()
+        if alert["color"] != "green":
+            raise Refused(f"{action} {fields}: {said}")
+        return said
+
+    def close(self) -> None:
+        self._client.close()
