@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 SETUP := .venv/.done
 
-.PHONY: setup demo test bench validate prove rehearsal lock clean
+.PHONY: setup demo test bench validate prove rehearsal factory lock clean
 
 setup: $(SETUP)
 
@@ -31,6 +31,10 @@ prove: setup
 # What `make prove` does, in small, and other tests that take longer than `make test` may.
 rehearsal: setup
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 -m rehearsal tests
+
+# A whole line on this machine: make factory ARGS="--units 100 --out factory.md".
+factory: setup
+	@$(BIN)/python -m tests.proof.factory $(ARGS)
 
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:

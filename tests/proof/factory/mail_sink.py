@@ -15,7 +15,7 @@ class Kept:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    async def handle_DATA(self, _: object, __: object, envelope: Any) -> str:
+    async def handle_DATA(self, _: object, __: object, envelope: Any) -> str:  # noqa: N802
         name = f"{time.time_ns()}.eml"
         draft = self._folder / f".{name}"
         draft.write_bytes(envelope.content)

@@ -15,7 +15,7 @@ END_S = 20.0
 LOOK_S = 0.1
 
 
-class NotUp(RuntimeError):
+class NotUpError(RuntimeError):
     """A part ended at its start, or did not answer."""
 
 
@@ -44,13 +44,13 @@ class Part:
             )  # fmt: skip
 
     def wait(self) -> None:
-        """Wait until it answers; raises NotUp where it does not."""
+        """Wait until it answers; raises NotUpError where it does not."""
         end_s = time.monotonic() + START_S
         while not self.answers():
             if self._process is None or self._process.poll() is not None:
-                raise NotUp(f"{self.name} ended at its start: see {self.logs / self.name}.log")
+                raise NotUpError(f"{self.name} ended at its start: see {self.logs / self.name}.log")
             if time.monotonic() > end_s:
-                raise NotUp(f"{self.name} did not answer: see {self.logs / self.name}.log")
+                raise NotUpError(f"{self.name} did not answer: see {self.logs / self.name}.log")
             time.sleep(LOOK_S)
 
     def start(self) -> None:

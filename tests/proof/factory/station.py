@@ -1,8 +1,8 @@
-"""A virtual station of the factory: `python -m tests.proof.factory.station ID SEED SPEED PORT FILE
-FAULT…`. The unit is on the next port.
+"""A virtual station of the factory.
 
-Its table keeps ten encoder samples a second in place of a hundred: reading them is most of what a
-run costs.
+`python -m tests.proof.factory.station ID SERIAL SEED SPEED PORT FILE FAULT…`; the unit is on the
+next port. Its table keeps ten encoder samples a second in place of a hundred: reading them is most
+of what a run costs.
 """
 
 import asyncio
@@ -19,12 +19,7 @@ from tasks.station.virtual.unit import draw_unit
 CAPTURE_MS = 100
 
 
-def main(
-    id_: str, seed: int, speed: float, port: int, file: Path, faults: list[StationFault]
-) -> None:
-    config = VirtualStation(
-        id=id_, table=TableDesign(capture_ms=CAPTURE_MS), unit=draw_unit(seed)
-    )
+def main(config: VirtualStation, speed: float, port: int, file: Path, faults: list[str]) -> None:
 
     def ready(station: StationFile) -> None:
         draft = file.with_suffix(".new")
@@ -32,10 +27,23 @@ def main(
         os.replace(draft, file)
 
     asyncio.run(
-        serve(config, modbus_port=port, unit_port=port + 1, speed=speed, faults=faults, ready=ready)
+        serve(
+            config,
+            modbus_port=port,
+            unit_port=port + 1,
+            speed=speed,
+            faults=map(StationFault.parse, faults),
+            ready=ready,
+        )
     )
 
 
 if __name__ == "__main__":
-    id_, seed, speed, port, file, *faults = sys.argv[1:]
-    main(id_, int(seed), float(speed), int(port), Path(file), list(map(StationFault.parse, faults)))
+    id_, serial, seed, speed, port, file, *faults = sys.argv[1:]
+    unit = draw_unit(int(seed))
+    if "label" in type(unit).model_fields:
+        unit = unit.model_copy(update={"label": serial})
+    table = TableDesign(capture_ms=CAPTURE_MS)
+    main(
+        VirtualStation(id=id_, table=table, unit=unit), float(speed), int(port), Path(file), faults
+    )

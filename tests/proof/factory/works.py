@@ -1,7 +1,6 @@
 """The parts of the factory on this machine, each of which can be killed and started again."""
 
 import json
-import os
 import shutil
 import socket
 import subprocess
@@ -62,9 +61,8 @@ class Works:
         folder.chmod(0o711)  # PostgreSQL is no root
         for each in (self.home, self.logs, self.objects, self.mails):
             each.mkdir(parents=True)
-        self.ports = _free_ports(
-            "prefect", "s3", "pages", "mail", "dask", *(name for id_ in STATIONS for name in (id_, f"{id_} unit")),
-        )  # fmt: skip
+        stations = (name for id_ in STATIONS for name in (id_, f"unit on {id_}"))
+        self.ports = _free_ports("prefect", "s3", "pages", "mail", "dask", *stations)
         self.database = _Database(folder / "postgres", self.logs)
         self.parts: dict[str, Part] = {}
 
@@ -118,14 +116,14 @@ class Works:
     def station_file(self, station: str) -> Path:
         return self.home / "stations" / f"{station}.json"
 
-    def station(self, id_: str, seed: int, faults: Sequence[str] = ()) -> Part:
-        """A station with a unit of that seed on its table."""
+    def station(self, id_: str, serial: str, seed: int, faults: Sequence[str] = ()) -> Part:
+        """A station with the unit of that seed on its table, which says that it is that serial."""
         port, file = self.ports[id_], self.station_file(id_)
         command = (
-            sys.executable, "-m", "tests.proof.factory.station", id_, seed, self.speed, port, file,
-            *faults,
+            sys.executable, "-m", "tests.proof.factory.station", id_, serial, seed, self.speed,
+            port, file, *faults,
         )  # fmt: skip
-        return self._part(id_, command, lambda: file.exists() and _listens(port + 1))
+        return self._part(id_, command, lambda: file.exists() and listens(port + 1))
 
     def start(self) -> None:
         """Everything but the deployments and their workers."""
@@ -134,10 +132,10 @@ class Works:
         bucket = (sys.executable, "-m", "tests.proof.history.bucket", self.objects, 0, 0)
         sink = (sys.executable, "-m", "tests.proof.factory.mail_sink")
         parts = [
-            self._part("S3", (*bucket, self.ports["s3"]), lambda: _listens(self.ports["s3"])),
+            self._part("S3", (*bucket, self.ports["s3"]), lambda: listens(self.ports["s3"])),
             self._part(
                 "mail sink", (*sink, self.ports["mail"], self.mails),
-                lambda: _listens(self.ports["mail"]),
+                lambda: listens(self.ports["mail"]),
             ),
             self._part(
                 "Prefect server", (*PREFECT, "server", "start", "--port", self.ports["prefect"]),
@@ -152,12 +150,12 @@ class Works:
                 "dask scheduler",
                 (sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", self.scheduler,
                  "--no-dashboard"),
-                lambda: _listens(self.ports["dask"]),
+                lambda: listens(self.ports["dask"]),
             ),
         ]  # fmt: skip
         self._write_papers()
         (self.home / "stations").mkdir()
-        parts += [self.station(id_, seed) for seed, id_ in enumerate(STATIONS)]
+        parts += [self.station(id_, "none", seed) for seed, id_ in enumerate(STATIONS)]
         parts += [
             self._part(f"dask worker {number + 1}", (
                 sys.executable, "-m", "distributed.cli.dask_worker", self.scheduler, "--nthreads",
@@ -175,6 +173,29 @@ class Works:
             "pages", (*MIMUCAL, "dashboard", "--port", self.ports["pages"]), self._pages_answer
         ).start()
 
+    def deploy(self) -> None:
+        """The line's deployments and those of each station."""
+        deployments = [
+            _deployment("remind", "remind", "line", {"within_days": 30}),
+            _deployment("review", "review", "line", {}),
+        ]
+        deployments += [
+            _deployment("produce", id_, f"station-{id_}", {
+                "station": str(self.station_file(id_)), "attended": False, "invalid_run": False,
+            })
+            for id_ in STATIONS
+        ]  # fmt: skip
+        file = self.folder / "prefect.yaml"
+        pull = [
+            {"prefect.deployments.steps.set_working_directory": {"directory": str(self.checkout)}}
+        ]
+        file.write_text(json.dumps({"pull": pull, "deployments": deployments}), encoding="utf-8")
+        self.prefect("work-pool", "create", "line", "--type", "process")
+        for id_ in STATIONS:
+            self.prefect("work-pool", "create", f"station-{id_}", "--type", "process")
+            self.prefect("work-pool", "set-concurrency-limit", f"station-{id_}", 1)
+        self.prefect("--no-prompt", "deploy", "--all", "--prefect-file", file)
+
     def start_workers(self) -> None:
         """A worker for the line, and one for each station."""
         for pool in ("line", *(f"station-{id_}" for id_ in STATIONS)):
@@ -188,7 +209,9 @@ class Works:
 
     def _prefect_answers(self) -> bool:
         with suppress(httpx.HTTPError):
-            asked = httpx.get(f"{self.prefect_url}/health", auth=tuple(AUTH.split(":")), trust_env=False)  # type: ignore[arg-type]
+            asked = httpx.get(
+                f"{self.prefect_url}/health", auth=tuple(AUTH.split(":")), trust_env=False
+            )  # type: ignore[arg-type]
             return asked.status_code == 200
         return False
 
@@ -264,6 +287,13 @@ class _Database:
         return f"postgresql{driver}://lab@/{name}?host={self.folder}"
 
 
+def _deployment(flow: str, name: str, pool: str, order: dict[str, object]) -> dict[str, object]:
+    return {
+        "name": name, "entrypoint": f"flows/prefect_flows.py:{flow}", "schedules": [],
+        "parameters": {"order": order}, "work_pool": {"name": pool},
+    }  # fmt: skip
+
+
 def _own_procedure() -> Procedure:
     return procedures.load("jjf2003").model_copy(
         update={
@@ -273,7 +303,7 @@ def _own_procedure() -> Procedure:
     )  # fmt: skip
 
 
-def _listens(port: int) -> bool:
+def listens(port: int) -> bool:
     with suppress(OSError), socket.create_connection(("127.0.0.1", port), 1.0):
         return True
     return False
