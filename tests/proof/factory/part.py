@@ -35,11 +35,11 @@ class Part:
     _process: "subprocess.Popen[bytes] | None" = field(default=None, init=False)
 
     def begin(self) -> None:
-        """Start the process without waiting for it."""
+        """Start the process without waiting for it; its standard input ends with this process."""
         self.logs.mkdir(parents=True, exist_ok=True)
         with (self.logs / f"{self.name}.log").open("ab") as log:
             self._process = subprocess.Popen(
-                list(map(str, self.command)), env=dict(self.variables), stdin=subprocess.DEVNULL,
+                list(map(str, self.command)), env=dict(self.variables), stdin=subprocess.PIPE,
                 stdout=log, stderr=log, start_new_session=True,
             )  # fmt: skip
 

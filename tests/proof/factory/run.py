@@ -18,14 +18,14 @@ from tests.proof.factory.close import closed, read
 from tests.proof.factory.disturbances import PARTS
 from tests.proof.factory.draw import FULL, OrderedUnit, ordered
 from tests.proof.factory.guard import adopt, left
-from tests.proof.factory.judge import Row, judged, none_of, row
+from tests.proof.factory.judge import Row, judged, none_of
 from tests.proof.factory.page import ABOUT, page, table
 from tests.proof.factory.part import end_all
 from tests.proof.factory.play import Played, play
 from tests.proof.factory.works import STATIONS, Works
 
 LONGEST_S = 900.0  # what the issue allows
-SHARED = Path("/dev/shm")  # noqa: S108
+SHARED = Path("/dev/shm")
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,18 @@ def nothing_left(works: Works, shared: set[Path]) -> Iterator[Row]:
     yield none_of("No port is taken", (
         f"{name} {port}" for name, port in works.ports.items() if parts.listens(port)
     ))  # fmt: skip
-    yield none_of("No shared memory is left", map(str, set(SHARED.glob("*")) - shared))
+    yield none_of("No shared memory is left", map(str, _forgotten(set(SHARED.glob("*")) - shared)))
+
+
+def _forgotten(memory: set[Path]) -> set[Path]:
+    """Shared memory that no process uses: what is in use is that of other programs."""
+    used = set()
+    for process in psutil.process_iter():
+        try:
+            used |= {Path(each.path) for each in process.memory_maps()}
+        except psutil.Error:
+            continue
+    return {path for path in memory - used if path.exists()}
 
 
 def _named(process: psutil.Process) -> str:
