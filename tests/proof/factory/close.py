@@ -13,7 +13,7 @@ from psycopg import sql
 from tests.proof.factory.facts import Facts, facts
 from tests.proof.factory.judge import Row, none_of, row
 from tests.proof.factory.persons import Person
-from tests.proof.factory.works import AUTH, PASSWORD, Works
+from tests.proof.factory.works import PASSWORD, Works
 
 UNFINISHED = ("SCHEDULED", "PENDING", "RUNNING", "PAUSED", "CANCELLING")
 KILLED = "dask worker 1"  # while history is made again
@@ -46,13 +46,8 @@ def read(works: Works) -> Facts:
 def _unfinished(works: Works) -> dict[str, int]:
     """Flow runs that have not ended but those that a schedule has yet to begin."""
     asked = {"flow_runs": {"state": {"type": {"any_": list(UNFINISHED)}}}, "limit": 200}
-    name, _, password = AUTH.partition(":")
-    answer = httpx.post(
-        f"{works.prefect_url}/flow_runs/filter", json=asked, auth=(name, password), trust_env=False
-    ).raise_for_status()
-    return dict(Counter(
-        each["state_name"] for each in answer.json() if not each["auto_scheduled"]
-    ))  # fmt: skip
+    found = works.prefect_api("POST", "/flow_runs/filter", json=asked)
+    return dict(Counter(each["state_name"] for each in found if not each["auto_scheduled"]))
 
 
 def _reminded(works: Works) -> Iterator[Row]:

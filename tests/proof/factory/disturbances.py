@@ -50,13 +50,18 @@ class Disturbances:
     def is_over(self) -> bool:
         return not self._left
 
-    def tick(self, done: int, is_due: bool = True) -> None:
-        """done: orders. is_due: whether the next may begin."""
+    @property
+    def is_at_it(self) -> bool:
+        """Whether a part is away just now."""
+        return bool(self._left) and self._left[0].killed_s is not None
+
+    def tick(self, done: int) -> None:
+        """done: orders."""
         if not self._left:
             return
         now_s, turn = time.monotonic(), self._left[0]
         if turn.killed_s is None:
-            if turn.due_s is None and done >= turn.due and is_due:
+            if turn.due_s is None and done >= turn.due:
                 turn.due_s = now_s + turn.delay_s
             if turn.due_s is not None and now_s >= turn.due_s:
                 self._kill(turn.part)

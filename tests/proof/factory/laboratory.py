@@ -48,12 +48,15 @@ class Laboratory:
                 RefusedError
             ) as refused:  # by a page that came back, or for good: the judge sees it
                 self.said.append(str(refused)[:300])
-                person = self._left(person)
+                _close(person)
+                person = None
             except (httpx.HTTPError, KeyError, ValueError):  # the pages are away
-                person = self._left(person)
-        self._left(person)
+                _close(person)
+                person = None
+        _close(person)
 
-    def _left(self, person: Person | None) -> None:
-        if person is not None:
-            with suppress(httpx.HTTPError):
-                person.close()
+
+def _close(person: Person | None) -> None:
+    if person is not None:
+        with suppress(httpx.HTTPError):
+            person.close()

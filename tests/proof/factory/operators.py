@@ -5,12 +5,16 @@ import socket
 import time
 from dataclasses import dataclass, field
 
+import httpx
+
 from tests.proof.factory.draw import DISTURBED, REJECTED, STOPPED, STOPS_AFTER_S, OrderedUnit
 from tests.proof.factory.facts import Order
 from tests.proof.factory.works import Works
 
 MOST_TRIES = 6  # of an order: what keeps failing is left, and found by the judge
 LONGEST_ANSWER_S = 10.0
+LOOK_S = 1.0
+IDLE_S = 20.0  # for which orders wait before the operator asks why
 
 
 @dataclass
@@ -26,20 +30,49 @@ class Operator:
     _mounted: str | None = None
     _is_faulty: bool = False
     _cleared: set[str] = field(default_factory=set)
+    _looked_s: float = 0.0
+    _idle_since_s: float | None = None
 
     def tick(self, orders: list[Order]) -> None:
         """Look at the station's orders, and do what is to be done."""
+        if time.monotonic() < self._looked_s + LOOK_S:
+            return
+        self._looked_s = time.monotonic()
         mine = [order for order in orders if self.units[order.number].station == self.station]
         for order in mine:
             if order.state == "failed" and self._is_to_be_retried(order):
                 self._retry(order)
                 return
-        running = next((order for order in mine if order.state == "running"), None)
-        if running is not None and not running.runs:
-            return  # a unit is being measured
-        due = next((order for order in mine if order.state == "waiting"), None)
-        if due is not None:
-            self._mount(self.units[due.number])
+        try:
+            queue = self._queue()
+        except httpx.HTTPError:
+            return  # Prefect's server is away
+        measuring = {order.number for order in mine if order.state == "running" and not order.runs}
+        made = {order.number for order in mine if order.runs}
+        due = next((number for number in queue if number not in made), None)
+        if due is not None and (due not in measuring or self._mounted is None):
+            self._mount(self.units[due])
+        self._submit_again(is_idle=not queue and any(o.state == "waiting" for o in mine))
+
+    def _queue(self) -> list[str]:
+        """The orders of this station that Prefect will carry out, in its sequence."""
+        asked = {
+            "work_pools": {"name": {"any_": [f"station-{self.station}"]}},
+            "flow_runs": {"state": {"type": {"any_": ["SCHEDULED", "PENDING", "RUNNING"]}}},
+            "sort": "EXPECTED_START_TIME_ASC",
+        }  # fmt: skip
+        found = self.works.prefect_api("POST", "/flow_runs/filter", json=asked)
+        found.sort(key=lambda each: each["state_type"] == "SCHEDULED")
+        return [each["parameters"]["order"]["number"] for each in found]
+
+    def _submit_again(self, *, is_idle: bool) -> None:
+        """Orders wait that Prefect lost: give them in again, as the file's sender would."""
+        now_s = time.monotonic()
+        self._idle_since_s = (self._idle_since_s or now_s) if is_idle else None
+        if self._idle_since_s is not None and now_s > self._idle_since_s + IDLE_S:
+            self.events.append(f"{self.station}: orders wait, and Prefect has none: given again")
+            self.works.command("order", "import", self.works.orders, "--by", "Li Na")
+            self._idle_since_s = None
 
     def _is_to_be_retried(self, order: Order) -> bool:
         unit = self.units[order.number]

@@ -50,7 +50,7 @@ class Person:
                 [_state(id_, "id", id_) for id_ in ids],
             ],
         }  # fmt: skip
-        token = self._client.cookies.get("_csrf_token", "")
+        token = self._client.cookies.get("_csrf_token") or ""
         answer = self._client.post(
             "/_dash-update-component", json=body, headers={"X-CSRFToken": token}
         )

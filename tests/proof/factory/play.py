@@ -14,16 +14,22 @@ from tests.proof.factory.disturbances import PARTS, Disturbances, Happened
 from tests.proof.factory.draw import OrderedUnit
 from tests.proof.factory.laboratory import Laboratory
 from tests.proof.factory.operators import Operator
+from tests.proof.factory.stop import Stop
 from tests.proof.factory.works import STATIONS, Works
 
 TICK_S = 0.25
+STOP_AFTER = 3  # a third of the orders, the stop is pressed
 COLUMNS = ("number", "station", "serial", "procedure", "client_order")
 
 
 @dataclass(frozen=True)
 class Played:
-    """What happened. seconds: wall time of production, to the last certificate."""
+    """What happened. stop: of which order, after how long (s) its table was at rest, whether the
+    unit says so, too. wrong: the order for which the wrong unit was mounted. seconds: wall time of
+    production, to the last certificate.
+    """
 
+    stop: Stop
     happened: tuple[Happened, ...]
     events: tuple[str, ...]
     said: tuple[str, ...]
@@ -34,15 +40,14 @@ class Played:
 
 def write_orders(units: Sequence[OrderedUnit], works: Works) -> Path:
     """The orders as the CSV that a manufacturing system would write."""
-    file = works.folder / "orders.csv"
-    with file.open("w", encoding="utf-8", newline="") as opened:
+    with works.orders.open("w", encoding="utf-8", newline="") as opened:
         rows = csv.writer(opened)
         rows.writerow(COLUMNS)
         for unit in units:
             procedure = "jjf2003" if unit.procedure == "jjf2003" else works.procedure
             client = works.client_order(unit.client)
             rows.writerow((unit.number, unit.station, unit.serial, procedure, client))
-    return file
+    return works.orders
 
 
 def play(
@@ -61,6 +66,7 @@ def play(
             operators[part].came_back()
 
     disturbances = Disturbances(works, PARTS, len(units), rng, came_back)
+    stop = Stop(works, rng.choice(STATIONS))
     laboratory = Laboratory(works.pages_url)
     began_s = time.monotonic()
     works.command("order", "import", write_orders(units, works), "--by", "Li Na")
@@ -76,13 +82,15 @@ def play(
             report(done, len(units))
             for operator in operators.values():
                 operator.tick(orders)
+            if not disturbances.is_at_it:
+                stop.tick(orders, len(units) // STOP_AFTER)
             is_over = disturbances.is_over and _is_over(orders, papers, known)
         disturbances.tick(done)
     seconds = time.monotonic() - began_s
     laboratory.end()
     events = tuple(event for each in operators.values() for event in each.events)
     return Played(
-        tuple(disturbances.happened), events, tuple(laboratory.said), wrong, seconds, is_over
+        stop, tuple(disturbances.happened), events, tuple(laboratory.said), wrong, seconds, is_over
     )
 
 

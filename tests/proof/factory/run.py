@@ -22,6 +22,7 @@ from tests.proof.factory.judge import Row, judged, none_of
 from tests.proof.factory.page import ABOUT, page, table
 from tests.proof.factory.part import end_all
 from tests.proof.factory.play import Played, play
+from tests.proof.factory.stop import WITHIN_S
 from tests.proof.factory.works import STATIONS, Works
 
 LONGEST_S = 900.0  # what the issue allows
@@ -86,10 +87,14 @@ def produced(played: Played, units: tuple[OrderedUnit, ...], works: Works) -> It
     yield none_of("Each part was killed once and came back", set(PARTS) - killed)
     refused = any(each.startswith(played.wrong) and "mount" in each for each in played.events)
     yield Row(
-        "The wrong unit on the table is refused",
-        "refused",
-        "refused" if refused else "measured",
-        refused,
+        "The wrong unit on the table is refused", "refused",
+        "refused" if refused else "measured", refused,
+    )  # fmt: skip
+    stop = played.stop
+    is_stopped = stop.is_at_rest and stop.seconds is not None and stop.seconds <= WITHIN_S
+    got = f"{stop.seconds} s, at rest: {stop.is_at_rest} {'' if is_stopped else stop.said}"
+    yield Row(
+        "A stop that is pressed brings the table to rest", f"≤ {WITHIN_S:g} s", got, is_stopped
     )
 
 

@@ -40,9 +40,7 @@ def main(config: VirtualStation, speed: float, port: int, file: Path, faults: li
 
 if __name__ == "__main__":
     id_, serial, seed, speed, port, file, *faults = sys.argv[1:]
-    unit = draw_unit(int(seed))
-    if "label" in type(unit).model_fields:
-        unit = unit.model_copy(update={"label": serial})
+    unit = draw_unit(int(seed)).model_copy(update={"label": serial})
     table = TableDesign(capture_ms=CAPTURE_MS)
     main(
         VirtualStation(id=id_, table=table, unit=unit), float(speed), int(port), Path(file), faults

@@ -5,13 +5,15 @@ import shutil
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import httpx
 import psycopg
+from psycopg import sql
 
 from schemas.procedure import Procedure
 from tasks.station import procedures
@@ -23,7 +25,9 @@ from tests.proof.history.watch import environment
 STATIONS = ("HALL-A", "HALL-B")
 PERSONS = {"Li Na": "operator", "Zhao Min": "verifier", "Chen Jie": "issuer"}
 PASSWORD = "of-the-factory-only"
-AUTH = "factory:" + PASSWORD
+LOGIN = ("factory", PASSWORD)
+AUTH = ":".join(LOGIN)
+API_S = 30.0
 DASK_WORKERS = 2
 KEYS = {"AWS_ACCESS_KEY_ID": "of-a-proof", "AWS_SECRET_ACCESS_KEY": "of-a-proof"}
 MIMUCAL = (sys.executable, "-P", "-m", "flows.cli")
@@ -202,17 +206,24 @@ class Works:
             words = ("worker", "start", "--pool", pool, "--name", f"worker of {pool}")
             self._part(f"worker {pool}", (*PREFECT, *words)).begin()
 
-    def _part(self, name: str, command: Sequence[object], answers=lambda: True, **changes) -> Part:  # type: ignore[no-untyped-def]
+    def _part(
+        self, name: str, command: Sequence[object], answers: Callable[[], bool] = lambda: True,
+        **changes: str,
+    ) -> Part:  # fmt: skip
         part = Part(name, command, self.variables | changes, self.logs, answers)
         self.parts[name] = part
         return part
 
+    def prefect_api(self, method: str, path: str, **asked: Any) -> Any:
+        """What Prefect's server answers; raises HTTPError where it does not, or refuses."""
+        answer = httpx.request(
+            method, f"{self.prefect_url}{path}", auth=LOGIN, trust_env=False, timeout=API_S, **asked
+        )
+        return answer.raise_for_status().json()
+
     def _prefect_answers(self) -> bool:
         with suppress(httpx.HTTPError):
-            asked = httpx.get(
-                f"{self.prefect_url}/health", auth=tuple(AUTH.split(":")), trust_env=False
-            )  # type: ignore[arg-type]
-            return asked.status_code == 200
+            return bool(self.prefect_api("GET", "/health"))
         return False
 
     def _pages_answer(self) -> bool:
@@ -235,6 +246,11 @@ class Works:
             text = ORDER.format(name=name, months=1 if name == EVERY_MONTH else 12)
             self.client_order(name).write_text(text, encoding="utf-8")
         self.procedure.write_text(_own_procedure().model_dump_json(indent=1), encoding="utf-8")
+
+    @property
+    def orders(self) -> Path:
+        """The orders as the CSV that a manufacturing system would write."""
+        return self.folder / "orders.csv"
 
     def client_order(self, client: str) -> Path:
         return self.home / "client-orders" / f"{client.split()[0].lower()}.toml"
@@ -281,7 +297,7 @@ class _Database:
     def create(self, *names: str) -> None:
         with self.connected("postgres") as connection:
             for name in names:
-                connection.execute(f"CREATE DATABASE {name}")  # type: ignore[arg-type]
+                connection.execute(sql.SQL("CREATE DATABASE {}").format(sql.Identifier(name)))
 
     def url(self, name: str, driver: str = "") -> str:
         return f"postgresql{driver}://lab@/{name}?host={self.folder}"

@@ -1,7 +1,7 @@
 """An S3 server whose objects are the files of a folder: `python -m tests.proof.history.bucket`.
 
-FOLDER EVERY PAUSE_S [PORT]: each so-manieth request is answered with 500, each after a pause. Prints
-what MIMUCAL_STORE is to be, and serves until its standard input ends.
+FOLDER EVERY PAUSE_S [PORT]: each so-manieth request is answered with 500, each after a pause.
+Prints what MIMUCAL_STORE is to be, and serves until its standard input ends.
 """
 
 import os
