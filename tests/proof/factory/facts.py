@@ -90,7 +90,7 @@ def facts(connection: psycopg.Connection, objects: Path, home: Path, mails: Path
 
 def _rows(connection: psycopg.Connection, asked: str) -> list[dict[str, Any]]:
     with connection.cursor(row_factory=dict_row) as cursor:
-        return cursor.execute(asked).fetchall()  # type: ignore[no-any-return]
+        return cursor.execute(asked).fetchall()
 
 
 def orders_of(connection: psycopg.Connection) -> Sequence[Order]:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from tests.proof.factory.judge import Row
+from tests.proof.factory.part import Part
 from tests.proof.factory.play import Played
 
 COLUMNS = ("promise", "expected", "got", "verdict")
@@ -28,16 +29,21 @@ def table(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
-def page(about: str, rows: Sequence[Row], played: Played | None) -> str:
-    """about: the text before the table."""
-    parts = [about, table(rows), ""]
+def page(
+    about: str, rows: Sequence[Row], played: Played | None, parts: Sequence[Part]
+) -> str:  # fmt: skip
+    """about: the text before the table. parts: as they ended, with what they used."""
+    text = [about, table(rows), ""]
     if played is not None:
-        kills = [f"| {each.part} | {each.after} | {each.away_s:.1f} |" for each in played.happened]
-        parts += ["| killed | after orders | answers again after (s) |", "|---|---|---|", *kills]
+        text += ["| killed | after orders | answers again after (s) |", "|---|---|---|"]
+        text += [f"| {each.part} | {each.after} | {each.away_s:.1f} |" for each in played.happened]
         if played.events:
-            parts += ["", "What the operators had to do:", ""]
-            parts += [f"- {_cell(event)}" for event in played.events]
-    return "\n".join((*parts, ""))
+            text += ["", "What the operators had to do:", ""]
+            text += [f"- {_cell(event)}" for event in played.events]
+    used = sorted(parts, key=lambda part: -part.processor_s)
+    text += ["", "| part, with what it started | processor (s) |", "|---|---|"]
+    text += [f"| {part.name} | {part.processor_s:.0f} |" for part in used]
+    return "\n".join((*text, ""))
 
 
 def _cell(text: str) -> str:

@@ -32,6 +32,7 @@ class Part:
     variables: Mapping[str, str]
     logs: Path
     answers: Callable[[], bool] = lambda: True
+    processor_s: float = field(default=0.0, init=False)  # of it and what it waited for, once ended
     _process: "subprocess.Popen[bytes] | None" = field(default=None, init=False)
 
     def begin(self) -> None:
@@ -61,8 +62,17 @@ class Part:
     def kill(self) -> None:
         """SIGKILL."""
         if self._process is not None:
+            self._count()
             self._process.kill()
             self._process.wait(END_S)
+
+    def _count(self) -> None:
+        """Add the processor time of the process and of its children that ended."""
+        try:
+            assert self._process is not None
+            self.processor_s += sum(psutil.Process(self._process.pid).cpu_times()[:4])
+        except psutil.Error:
+            return
 
     @property
     def is_up(self) -> bool:
@@ -74,6 +84,7 @@ class Part:
         if self._process is None:
             return
         began = _of_group(self._process.pid)
+        self._count()
         if self.is_up:
             self._process.terminate()
             try:

@@ -67,7 +67,7 @@ def run(settings: Settings) -> int:
     finally:
         works.end()
         rows += nothing_left(works, shared)
-        written(rows, played, settings)
+        written(rows, played, works, settings)
     holds = all(each.holds for each in rows)
     if holds:
         shutil.rmtree(folder)
@@ -128,7 +128,7 @@ def _named(process: psutil.Process) -> str:
         return str(process.pid)
 
 
-def written(rows: list[Row], played: Played | None, settings: Settings) -> None:
+def written(rows: list[Row], played: Played | None, works: Works, settings: Settings) -> None:
     """The table, on standard output and where it is asked for."""
     about = ABOUT.format(
         units=settings.units, seed=settings.seed, speed=settings.speed,
@@ -138,4 +138,6 @@ def written(rows: list[Row], played: Played | None, settings: Settings) -> None:
     )  # fmt: skip
     stdout(markup=False).print(table(rows), highlight=False, soft_wrap=True)
     if settings.out is not None:
-        settings.out.write_text(page(about, rows, played), encoding="utf-8")
+        settings.out.write_text(
+            page(about, rows, played, list(works.parts.values())), encoding="utf-8"
+        )
