@@ -20,12 +20,15 @@ def main(
     minutes: Annotated[
         float, typer.Option(min=1.0, help="Production is broken off after so long.")
     ] = 2 * LONGEST_S / 60,
+    busy: Annotated[
+        bool, typer.Option("--busy", help="Other programs want every core meanwhile.")
+    ] = False,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The table is written here, as Markdown.")
     ] = None,
 ) -> None:
     """Two days of production with everything that it needs; exits with 1 if a promise broke."""
-    settings = Settings(units, seed, speed, out, minutes * 60)
+    settings = Settings(units, seed, speed, out, minutes * 60, busy)
     sys.exit(guarded(partial(run, settings)))
 
 

@@ -6,6 +6,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from tests.proof.factory.part import end_all
 from tests.proof.factory.play import Played, play
 from tests.proof.factory.stop import WITHIN_S
 from tests.proof.factory.works import STATIONS, Works
+from tests.proof.load import busy
 
 LONGEST_S = 900.0  # what the issue allows
 SHARED = Path("/dev/shm")
@@ -31,13 +33,16 @@ SHARED = Path("/dev/shm")
 
 @dataclass(frozen=True)
 class Settings:
-    """What is played, and where it is written down. longest_s: after which production ends."""
+    """What is played, and where it is written down. longest_s: after which production ends.
+    is_busy: whether other programs want every core meanwhile.
+    """
 
     units: int
     seed: int
     speed: float
     out: Path | None
     longest_s: float
+    is_busy: bool
 
 
 def run(settings: Settings) -> int:
@@ -54,7 +59,8 @@ def run(settings: Settings) -> int:
             works.start()
             works.deploy()
             works.start_workers()
-        with counting("orders") as report:
+        others = busy(os.cpu_count() or 1) if settings.is_busy else nullcontext()
+        with counting("orders") as report, others:
             played = play(works, units, settings.seed, settings.longest_s, report)
         rows += produced(played, units, works)
         with working("the books are closed"):

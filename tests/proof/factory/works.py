@@ -211,6 +211,8 @@ class Works:
         **changes: str,
     ) -> Part:  # fmt: skip
         part = Part(name, command, self.variables | changes, self.logs, answers)
+        if name in self.parts:
+            part.processor_s = self.parts[name].processor_s
         self.parts[name] = part
         return part
 
