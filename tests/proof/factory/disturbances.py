@@ -51,9 +51,10 @@ class Disturbances:
         return not self._left
 
     @property
-    def is_at_it(self) -> bool:
-        """Whether a part is away just now."""
-        return bool(self._left) and self._left[0].killed_s is not None
+    def away(self) -> str | None:
+        """The part that is away just now."""
+        is_away = bool(self._left) and self._left[0].killed_s is not None
+        return self._left[0].part if is_away else None
 
     def tick(self, done: int) -> None:
         """done: orders."""

@@ -71,7 +71,7 @@ class Operator:
         self._idle_since_s = (self._idle_since_s or now_s) if is_idle else None
         if self._idle_since_s is not None and now_s > self._idle_since_s + IDLE_S:
             self.events.append(f"{self.station}: orders wait, and Prefect has none: given again")
-            self.works.command("order", "import", self.works.orders, "--by", "Li Na")
+            self._ask("order", "import", self.works.orders)
             self._idle_since_s = None
 
     def _is_to_be_retried(self, order: Order) -> bool:
@@ -84,7 +84,14 @@ class Operator:
         self.events.append(f"{order.number} {unit.fault or 'sound'}: {order.fault[:160]}")
         self._cleared.add(order.number)
         self._mount(unit)
-        self.works.command("order", "retry", order.number, "--by", "Li Na")
+        self._ask("order", "retry", order.number)
+
+    def _ask(self, *words: object) -> None:
+        """Give a command; what it refuses, because something is away, is tried again later."""
+        try:
+            self.works.command(*words, "--by", "Li Na")
+        except RuntimeError as refused:
+            self.events.append(str(refused)[-200:])
 
     def _mount(self, unit: OrderedUnit) -> None:
         faults = self._faults(unit)

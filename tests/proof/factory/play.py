@@ -80,9 +80,10 @@ def play(
             orders, papers = found
             done = sum(order.state in ("done", "failed") for order in orders)
             report(done, len(units))
-            for operator in operators.values():
-                operator.tick(orders)
-            if not disturbances.is_at_it:
+            for id_, operator in operators.items():
+                if id_ != disturbances.away:
+                    operator.tick(orders)
+            if disturbances.away is None:
                 stop.tick(orders, len(units) // STOP_AFTER)
             is_over = disturbances.is_over and _is_over(orders, papers, known)
         disturbances.tick(done)
