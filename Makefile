@@ -4,7 +4,7 @@ BIN := .venv/bin
 LOCK := --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --quiet
 SETUP := .venv/.done
 
-.PHONY: setup install demo test bench validate prove rehearsal lock licences clean
+.PHONY: setup install demo test bench validate prove rehearsal factory lock licences clean
 
 setup: $(SETUP)
 
@@ -36,6 +36,10 @@ prove: setup
 # What `make prove` does, in small, and other tests that take longer than `make test` may.
 rehearsal: setup
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 -m rehearsal tests
+
+# A whole line on this machine: make factory ARGS="--units 100 --out factory.md".
+factory: setup
+	@$(BIN)/python -m tests.proof.factory $(ARGS)
 
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:

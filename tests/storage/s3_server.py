@@ -157,8 +157,8 @@ class Handler(BaseHTTPRequestHandler):
 class Server(ThreadingHTTPServer):
     """One whose connections end with it: a client keeps them open, and would be served on."""
 
-    def __init__(self, handler: type[Handler]) -> None:
-        super().__init__(("127.0.0.1", 0), handler)
+    def __init__(self, handler: type[Handler], port: int) -> None:
+        super().__init__(("127.0.0.1", port), handler)
         self.lines: list[socket.socket] = []
 
     def process_request(self, request: Any, client_address: Any) -> None:
@@ -177,10 +177,10 @@ class Server(ThreadingHTTPServer):
 
 
 @contextmanager
-def serving(store: Store, kind: type[Handler] = Handler) -> Iterator[str]:
-    """Serves a store; gives what MIMUCAL_STORE is to be."""
+def serving(store: Store, kind: type[Handler] = Handler, port: int = 0) -> Iterator[str]:
+    """Serves a store on a port, any free one for 0; gives what MIMUCAL_STORE is to be."""
     handler = type("StoreHandler", (kind,), {"store": store})
-    server = Server(handler)
+    server = Server(handler, port)
     thread = threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True)
     thread.start()
     try:

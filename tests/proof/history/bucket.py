@@ -1,7 +1,7 @@
 """An S3 server whose objects are the files of a folder: `python -m tests.proof.history.bucket`.
 
-FOLDER EVERY PAUSE_S: each so-manieth request is answered with 500, each after a pause. Prints what
-MIMUCAL_STORE is to be, and serves until its standard input ends.
+FOLDER EVERY PAUSE_S [PORT]: each so-manieth request is answered with 500, each after a pause.
+Prints what MIMUCAL_STORE is to be, and serves until its standard input ends.
 """
 
 import os
@@ -85,13 +85,13 @@ class FileHandler(Handler):
         return sorted(self.files.below(prefix))
 
 
-def main(folder: Path, every: int, pause_s: float) -> None:
+def main(folder: Path, every: int, pause_s: float, port: int = 0) -> None:
     store, files = Store(every, pause_s), Files(folder)
     store.objects = files
-    with serving(store, type("Here", (FileHandler,), {"files": files})) as url:
+    with serving(store, type("Here", (FileHandler,), {"files": files}), port) as url:
         print(url, flush=True)
         sys.stdin.read()
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]))
+    main(Path(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]), *map(int, sys.argv[4:]))

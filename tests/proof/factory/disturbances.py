@@ -1,0 +1,97 @@
+"""Each part is killed once at a random moment of the play, and started again some seconds later."""
+
+import random
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from tests.proof.factory.works import STATIONS, Works
+
+DELAY_S, AWAY_S = (0.0, 6.0), (1.0, 4.0)  # from when it is due to the kill; without it
+
+
+@dataclass(frozen=True)
+class Happened:
+    """What was killed, after how many orders, and how long (s) until it answered again."""
+
+    part: str
+    after: int
+    away_s: float
+
+
+@dataclass
+class _Next:
+    part: str
+    due: int  # orders that are done
+    delay_s: float
+    away_s: float
+    due_s: float | None = None
+    killed_s: float | None = None
+    begun: bool = False
+
+
+class Disturbances:
+    """Kills, one at a time; `tick` is called some times a second."""
+
+    def __init__(
+        self, works: Works, parts: Sequence[str], total: int, rng: random.Random,
+        came_back: Callable[[str], None],
+    ) -> None:  # fmt: skip
+        self._works, self._came_back = works, came_back
+        shuffled = rng.sample(list(parts), len(parts))
+        dues = [total * number // (len(parts) + 1) for number in range(len(parts))]
+        self._left = [
+            _Next(part, due, rng.uniform(*DELAY_S), rng.uniform(*AWAY_S))
+            for part, due in zip(shuffled, dues, strict=True)
+        ]  # fmt: skip
+        self.happened: list[Happened] = []
+
+    @property
+    def is_over(self) -> bool:
+        return not self._left
+
+    @property
+    def away(self) -> str | None:
+        """The part that is away just now."""
+        is_away = bool(self._left) and self._left[0].killed_s is not None
+        return self._left[0].part if is_away else None
+
+    def tick(self, done: int) -> None:
+        """done: orders."""
+        if not self._left:
+            return
+        now_s, turn = time.monotonic(), self._left[0]
+        if turn.killed_s is None:
+            if turn.due_s is None and done >= turn.due:
+                turn.due_s = now_s + turn.delay_s
+            if turn.due_s is not None and now_s >= turn.due_s:
+                self._kill(turn.part)
+                turn.killed_s = now_s
+        elif not turn.begun and now_s >= turn.killed_s + turn.away_s:
+            self._begin(turn.part)
+            turn.begun = True
+        elif turn.begun and self._is_up(turn.part):
+            self.happened.append(Happened(turn.part, done, now_s - turn.killed_s))
+            self._came_back(turn.part)
+            del self._left[0]
+
+    def _kill(self, part: str) -> None:
+        if part == "PostgreSQL":
+            self._works.database.kill()
+        else:
+            self._works.parts[part].kill()
+
+    def _begin(self, part: str) -> None:
+        if part == "PostgreSQL":
+            self._works.database.start()
+        else:
+            self._works.parts[part].begin()
+
+    def _is_up(self, part: str) -> bool:
+        return part == "PostgreSQL" or self._works.parts[part].answers()
+
+
+PARTS = (
+    "PostgreSQL", "Prefect server", "S3", "pages", "mail sink", "dask scheduler", "worker line",
+    *(f"worker station-{id_}" for id_ in STATIONS), *STATIONS,
+)  # fmt: skip

@@ -1,0 +1,131 @@
+"""The operator of a station: mounts the unit of the next order, clears a fault, tries again."""
+
+import random
+import socket
+import time
+from dataclasses import dataclass, field
+
+import httpx
+
+from tests.proof.factory.draw import DISTURBED, REJECTED, STOPPED, STOPS_AFTER_S, OrderedUnit
+from tests.proof.factory.facts import Order
+from tests.proof.factory.works import Works
+
+MOST_TRIES = 6  # of an order: what keeps failing is left, and found by the judge
+LONGEST_ANSWER_S = 10.0
+LOOK_S = 1.0
+IDLE_S = 20.0  # for which orders wait before the operator asks why
+
+
+@dataclass
+class Operator:
+    """Keeps one station going. wrong: the order for which the wrong unit is mounted, once."""
+
+    works: Works
+    station: str
+    units: dict[str, OrderedUnit]
+    rng: random.Random
+    wrong: str | None
+    events: list[str] = field(default_factory=list)
+    _mounted: str | None = None
+    _is_faulty: bool = False
+    _cleared: set[str] = field(default_factory=set)
+    _looked_s: float = 0.0
+    _idle_since_s: float | None = None
+
+    def tick(self, orders: list[Order]) -> None:
+        """Look at the station's orders, and do what is to be done."""
+        if time.monotonic() < self._looked_s + LOOK_S:
+            return
+        self._looked_s = time.monotonic()
+        mine = [order for order in orders if self.units[order.number].station == self.station]
+        for order in mine:
+            if order.state == "failed" and self._is_to_be_retried(order):
+                self._retry(order)
+                return
+        try:
+            queue = self._queue()
+        except httpx.HTTPError:
+            return  # Prefect's server is away
+        measuring = {order.number for order in mine if order.state == "running" and not order.runs}
+        made = {order.number for order in mine if order.runs}
+        due = next((number for number in queue if number not in made), None)
+        if due is not None and (due not in measuring or self._mounted is None):
+            self._mount(self.units[due])
+        self._submit_again(is_idle=not queue and any(o.state == "waiting" for o in mine))
+
+    def _queue(self) -> list[str]:
+        """The orders of this station that Prefect will carry out, in its sequence."""
+        asked = {
+            "work_pools": {"name": {"any_": [f"station-{self.station}"]}},
+            "flow_runs": {"state": {"type": {"any_": ["SCHEDULED", "PENDING", "RUNNING"]}}},
+            "sort": "EXPECTED_START_TIME_ASC",
+        }  # fmt: skip
+        found = self.works.prefect_api("POST", "/flow_runs/filter", json=asked)
+        found.sort(key=lambda each: each["state_type"] == "SCHEDULED")
+        return [each["parameters"]["order"]["number"] for each in found]
+
+    def _submit_again(self, *, is_idle: bool) -> None:
+        """Orders wait that Prefect lost: give them in again, as the file's sender would."""
+        now_s = time.monotonic()
+        self._idle_since_s = (self._idle_since_s or now_s) if is_idle else None
+        if self._idle_since_s is not None and now_s > self._idle_since_s + IDLE_S:
+            self.events.append(f"{self.station}: orders wait, and Prefect has none: given again")
+            self._ask("order", "import", self.works.orders)
+            self._idle_since_s = None
+
+    def _is_to_be_retried(self, order: Order) -> bool:
+        unit = self.units[order.number]
+        return order.attempts < MOST_TRIES and not (unit.is_rejected and order.runs)
+
+    def _retry(self, order: Order) -> None:
+        """Clear what stopped it, and have it go on."""
+        unit = self.units[order.number]
+        self.events.append(f"{order.number} {unit.fault or 'sound'}: {order.fault[:160]}")
+        self._cleared.add(order.number)
+        self._mount(unit)
+        self._ask("order", "retry", order.number)
+
+    def _ask(self, *words: object) -> None:
+        """Give a command; what it refuses, because something is away, is tried again later."""
+        try:
+            self.works.command(*words, "--by", "Li Na")
+        except RuntimeError as refused:
+            self.events.append(str(refused)[-200:])
+
+    def _mount(self, unit: OrderedUnit) -> None:
+        faults = self._faults(unit)
+        serial, seed = unit.serial, unit.seed
+        if unit.number == self.wrong and unit.number not in self._cleared:
+            serial, seed = "V999999", 999
+        if self._mounted == serial and self._is_faulty == bool(faults):
+            return
+        if faults or self._is_faulty or not self._exchanged(serial, seed):
+            station = self.works.parts[self.station]
+            station.end()
+            self.works.station(self.station, serial, seed, faults).start()
+        self._mounted, self._is_faulty = serial, bool(faults)
+
+    def _faults(self, unit: OrderedUnit) -> list[str]:
+        if unit.fault in STOPPED and unit.number not in self._cleared:
+            return [f"{unit.fault}@{self.works.speed * self.rng.uniform(*STOPS_AFTER_S):.0f}"]
+        return [unit.fault] if unit.fault in DISTURBED + REJECTED else []
+
+    def _exchanged(self, serial: str, seed: int) -> bool:
+        """Whether the station took another unit by its own line, as hands would put it there."""
+        try:
+            address = ("127.0.0.1", self.works.ports[self.station] + 1)
+            with socket.create_connection(address, LONGEST_ANSWER_S) as line:
+                line.sendall(f"$MOUNT,{serial},{seed}\r\n".encode())
+                end_s, received = time.monotonic() + LONGEST_ANSWER_S, b""
+                while time.monotonic() < end_s:
+                    received = received[-256:] + line.recv(4096)
+                    if b"$MOUNTED," in received:
+                        return True
+        except OSError:
+            return False
+        return False
+
+    def came_back(self) -> None:
+        """The station was started anew: whatever was on the table is to be mounted again."""
+        self._mounted = None

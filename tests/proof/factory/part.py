@@ -1,0 +1,120 @@
+"""A part of the factory: a process with a log, that is waited for, killed and started again."""
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import psutil
+
+START_S = 180.0  # with every core busy
+END_S = 20.0
+LOOK_S = 0.1
+
+
+class NotUpError(RuntimeError):
+    """A part ended at its start, or did not answer."""
+
+
+@dataclass
+class Part:
+    """One process, with what it prints in a log.
+
+    answers: whether it does what it is for. Processes that it started are its own affair, as they
+    are where a computer's service manager keeps it: a kill is of this process alone.
+    """
+
+    name: str
+    command: Sequence[object]
+    variables: Mapping[str, str]
+    logs: Path
+    answers: Callable[[], bool] = lambda: True
+    processor_s: float = field(default=0.0, init=False)  # of it and what it waited for, once ended
+    _process: "subprocess.Popen[bytes] | None" = field(default=None, init=False)
+
+    def begin(self) -> None:
+        """Start the process without waiting for it; its standard input ends with this process."""
+        self.logs.mkdir(parents=True, exist_ok=True)
+        with (self.logs / f"{self.name}.log").open("ab") as log:
+            self._process = subprocess.Popen(
+                list(map(str, self.command)), env=dict(self.variables), stdin=subprocess.PIPE,
+                stdout=log, stderr=log, start_new_session=True,
+            )  # fmt: skip
+
+    def wait(self) -> None:
+        """Wait until it answers; raises NotUpError where it does not."""
+        end_s = time.monotonic() + START_S
+        while not self.answers():
+            if self._process is None or self._process.poll() is not None:
+                raise NotUpError(f"{self.name} ended at its start: see {self.logs / self.name}.log")
+            if time.monotonic() > end_s:
+                raise NotUpError(f"{self.name} did not answer: see {self.logs / self.name}.log")
+            time.sleep(LOOK_S)
+
+    def start(self) -> None:
+        """Start the process, and wait until it answers."""
+        self.begin()
+        self.wait()
+
+    def kill(self) -> None:
+        """SIGKILL."""
+        if self._process is not None:
+            self._count()
+            self._process.kill()
+            self._process.wait(END_S)
+
+    def _count(self) -> None:
+        """Add the processor time of the process and of its children that ended."""
+        try:
+            assert self._process is not None
+            self.processor_s += sum(psutil.Process(self._process.pid).cpu_times()[:4])
+        except psutil.Error:
+            return
+
+    @property
+    def is_up(self) -> bool:
+        """Whether its process lives."""
+        return self._process is not None and self._process.poll() is None
+
+    def end(self) -> None:
+        """Have it end as its service manager would, with what it started."""
+        if self._process is None:
+            return
+        began = _of_group(self._process.pid)
+        self._count()
+        if self.is_up:
+            self._process.terminate()
+            try:
+                self._process.wait(END_S)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait(END_S)
+        for left in began:
+            if left.is_running():
+                left.kill()
+        self._process = None
+
+
+def _of_group(leader: int) -> list[psutil.Process]:
+    """The living processes of a session but its leader."""
+    found = []
+    for each in psutil.process_iter():
+        try:
+            if each.pid != leader and os.getsid(each.pid) == leader:
+                found.append(each)
+        except (ProcessLookupError, psutil.Error):
+            continue
+    return found
+
+
+def end_all(processes: Sequence[psutil.Process]) -> None:
+    """SIGKILL whatever still lives of them."""
+    for each in processes:
+        try:
+            each.send_signal(signal.SIGKILL)
+        except psutil.Error:
+            continue
+    psutil.wait_procs(processes, END_S)

@@ -1,0 +1,113 @@
+"""Two days of production: orders, the operators, the laboratory, and what goes wrong meanwhile."""
+
+import csv
+import random
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import psycopg
+
+from tests.proof.factory import facts
+from tests.proof.factory.disturbances import PARTS, Disturbances, Happened
+from tests.proof.factory.draw import OrderedUnit
+from tests.proof.factory.laboratory import Laboratory
+from tests.proof.factory.operators import Operator
+from tests.proof.factory.stop import Stop
+from tests.proof.factory.works import STATIONS, Works
+
+TICK_S = 0.25
+STOP_AFTER = 3  # a third of the orders, the stop is pressed
+COLUMNS = ("number", "station", "serial", "procedure", "client_order")
+
+
+@dataclass(frozen=True)
+class Played:
+    """What happened. stop: of which order, after how long (s) its table was at rest, whether the
+    unit says so, too. wrong: the order for which the wrong unit was mounted. seconds: wall time of
+    production, to the last certificate.
+    """
+
+    stop: Stop
+    happened: tuple[Happened, ...]
+    events: tuple[str, ...]
+    said: tuple[str, ...]
+    wrong: str
+    seconds: float
+    is_over: bool
+
+
+def write_orders(units: Sequence[OrderedUnit], works: Works) -> Path:
+    """The orders as the CSV that a manufacturing system would write."""
+    with works.orders.open("w", encoding="utf-8", newline="") as opened:
+        rows = csv.writer(opened)
+        rows.writerow(COLUMNS)
+        for unit in units:
+            procedure = "jjf2003" if unit.procedure == "jjf2003" else works.procedure
+            client = works.client_order(unit.client)
+            rows.writerow((unit.number, unit.station, unit.serial, procedure, client))
+    return works.orders
+
+
+def play(
+    works: Works, units: Sequence[OrderedUnit], seed: int, longest_s: float,
+    report: Callable[[int, int], None],
+) -> Played:  # fmt: skip
+    """Produce until every order has ended and its certificate is issued, or time is over."""
+    rng, known = random.Random(seed), {unit.number: unit for unit in units}
+    wrong = rng.choice([unit.number for unit in units if unit.fault is None])
+    operators = {
+        id_: Operator(works, id_, known, random.Random(rng.random()), wrong) for id_ in STATIONS
+    }
+
+    def came_back(part: str) -> None:
+        if part in operators:
+            operators[part].came_back()
+
+    disturbances = Disturbances(works, PARTS, len(units), rng, came_back)
+    stop = Stop(works, rng.choice(STATIONS))
+    laboratory = Laboratory(works.pages_url)
+    began_s = time.monotonic()
+    works.command("order", "import", write_orders(units, works), "--by", "Li Na")
+    laboratory.begin()
+    is_over = False
+    while not is_over and time.monotonic() < began_s + longest_s:
+        time.sleep(TICK_S)
+        found = state(works)
+        done = 0
+        if found is not None:
+            orders, papers = found
+            done = sum(order.state in ("done", "failed") for order in orders)
+            report(done, len(units))
+            for id_, operator in operators.items():
+                if id_ != disturbances.away:
+                    operator.tick(orders)
+            if disturbances.away is None:
+                stop.tick(orders, len(units) // STOP_AFTER)
+            is_over = disturbances.is_over and _is_over(orders, papers, known)
+        disturbances.tick(done)
+    seconds = time.monotonic() - began_s
+    laboratory.end()
+    events = tuple(event for each in operators.values() for event in each.events)
+    return Played(
+        stop, tuple(disturbances.happened), events, tuple(laboratory.said), wrong, seconds, is_over
+    )
+
+
+def state(works: Works) -> tuple[list[facts.Order], list[facts.Paper]] | None:
+    """Orders and certificates; None while the database is away."""
+    try:
+        with works.database.connected("mimucal") as connection:
+            return list(facts.orders_of(connection)), list(facts.papers_of(connection))
+    except psycopg.Error:
+        return None
+
+
+def _is_over(
+    orders: Sequence[facts.Order], papers: Sequence[facts.Paper], known: dict[str, OrderedUnit]
+) -> bool:
+    done = [order for order in orders if order.state == "done"]
+    failed = [o for o in orders if o.state == "failed" and known[o.number].is_rejected and o.runs]
+    issued = {paper.run for paper in papers if paper.state == "issued"}
+    return len(done) + len(failed) == len(known) and all(set(o.runs) <= issued for o in done)

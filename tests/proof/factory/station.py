@@ -1,0 +1,47 @@
+"""A virtual station of the factory.
+
+`python -m tests.proof.factory.station ID SERIAL SEED SPEED PORT FILE FAULT…`; the unit is on the
+next port. Its table keeps ten encoder samples a second in place of a hundred: reading them is most
+of what a run costs.
+"""
+
+import asyncio
+import os
+import sys
+from pathlib import Path
+
+from schemas.station import StationFile
+from tasks.station.virtual.config import TableDesign, VirtualStation
+from tasks.station.virtual.faults import StationFault
+from tasks.station.virtual.servers import serve
+from tasks.station.virtual.unit import draw_unit
+
+CAPTURE_MS = 100
+
+
+def main(config: VirtualStation, speed: float, port: int, file: Path, faults: list[str]) -> None:
+
+    def ready(station: StationFile) -> None:
+        draft = file.with_suffix(".new")
+        draft.write_text(station.model_dump_json(indent=1), encoding="utf-8")
+        os.replace(draft, file)
+
+    asyncio.run(
+        serve(
+            config,
+            modbus_port=port,
+            unit_port=port + 1,
+            speed=speed,
+            faults=map(StationFault.parse, faults),
+            ready=ready,
+        )
+    )
+
+
+if __name__ == "__main__":
+    id_, serial, seed, speed, port, file, *faults = sys.argv[1:]
+    unit = draw_unit(int(seed)).model_copy(update={"label": serial})
+    table = TableDesign(capture_ms=CAPTURE_MS)
+    main(
+        VirtualStation(id=id_, table=table, unit=unit), float(speed), int(port), Path(file), faults
+    )

@@ -1,0 +1,66 @@
+"""The stop that an operator presses once while a table turns."""
+
+import json
+from dataclasses import dataclass
+
+from schemas.run_log import RunStatus
+from schemas.station import StationFile
+from tasks.station.virtual.unit import draw_unit
+from tests.proof.factory.facts import Order
+from tests.proof.factory.works import Works
+from tests.proof.faults.outcome import comes_to_rest
+
+WITHIN_S = 2.0  # from the press to the table's rest
+FROM_SEGMENT = 5  # of a run: what was measured before is to be there when it goes on
+MEASURING = "measuring"
+
+
+@dataclass
+class Stop:
+    """Pressed at the first run that is well under way. said: what the command answered."""
+
+    works: Works
+    station: str
+    order: str | None = None
+    seconds: float | None = None
+    is_at_rest: bool = False
+    said: str = ""
+
+    @property
+    def is_over(self) -> bool:
+        return self.order is not None
+
+    def tick(self, orders: list[Order], after: int) -> None:
+        """after: orders that are to be done before."""
+        done = sum(order.state == "done" for order in orders)
+        running = [each for each in orders if each.state == "running" and not each.runs]
+        status = self._status()
+        if self.is_over or done < after or status is None or status.state != MEASURING:
+            return
+        mine = [each for each in running if each.serial in status.units]
+        if mine and (status.segment or 0) >= FROM_SEGMENT:
+            self._press(mine[0])
+
+    def _status(self) -> RunStatus | None:
+        for file in (self.works.home / "status").glob("*.json"):
+            try:
+                status = RunStatus.model_validate_json(file.read_bytes())
+            except (OSError, ValueError):
+                continue
+            if status.station == self.station:
+                return status
+        return None
+
+    def _press(self, order: Order) -> None:
+        self.order = order.number
+        try:
+            answer = self.works.command("station", "stop", self.station, "--by", "Li Na", "--json")
+        except RuntimeError as fault:
+            self.said = str(fault)
+            return
+        self.seconds = float(json.loads(answer)["seconds"])
+        self.said = answer.strip()
+        station = StationFile.model_validate_json(
+            self.works.station_file(self.station).read_bytes()
+        )
+        self.is_at_rest = comes_to_rest(station, draw_unit(1).gyro.lsb)
