@@ -13,7 +13,7 @@ from prefect.server.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 
 from flows import prefect_flows
-from flows.deployments import OF_THE_LINE, deploy_line, deploy_station, environment
+from flows.deployments import OF_THE_LINE, deploy_line, deploy_station, environment, remove_station
 from storage.home import Home
 from tasks.stages.examine_prefect import examine_prefect
 from tasks.stages.prefect_api import get, post
@@ -142,13 +142,11 @@ def test_the_doctor_sees_schedules_workers_leases_and_the_door(line) -> None:
 
 
 def test_a_station_that_is_removed_leaves_nothing_on_the_server(line) -> None:
-    other = station_file(VirtualStation(), 1.0, "127.0.0.1", 1, 2)
-    named = other.station.model_copy(update={"id": "B-2"})
-    file = line.folder / "b.json"
-    file.write_text(other.model_copy(update={"station": named}).model_dump_json(), "utf-8")
-    line.mimucal("station", "add", file)
-    assert deployment("produce/B-2")["schedules"] == []
-    line.mimucal("station", "remove", "B-2")
+    with temporary_settings({PREFECT_API_URL: line.url, PREFECT_API_AUTH_STRING: PASSWORD}):
+        deploy_station("B-2", "b.json", Home(line.home), None, ZONE)
+        assert deployment("produce/B-2")["schedules"] == []
+        for _ in range(2):
+            remove_station("B-2")
     names = {each["name"] for each in post("/deployments/filter", {})}
     assert "B-2" not in names
-    assert not list(line.home.rglob("*B-2*"))
+    assert "station-B-2" not in {each["name"] for each in post("/work_pools/filter", {})}
