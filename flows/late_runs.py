@@ -18,7 +18,6 @@ from prefect.client.schemas.filters import (
 from prefect.client.schemas.objects import FlowRun, State, StateType
 from prefect.context import FlowRunContext
 from prefect.states import Cancelled
-from prefect.types import DateTime
 
 if TYPE_CHECKING:
     from uuid import UUID
@@ -54,10 +53,11 @@ def _is_superseded() -> bool:
 
 def _cancel_older(run: FlowRun, deployment: "UUID") -> list[FlowRun]:
     """Cancels what waits and is not the newest; gives what is newer than this run."""
+    now = datetime.now(UTC)
     due = FlowRunFilter(
         deployment_id=FlowRunFilterDeploymentId(any_=[deployment]),
         state=FlowRunFilterState(type=FlowRunFilterStateType(any_=WAITING_OR_RUNNING)),
-        expected_start_time=FlowRunFilterExpectedStartTime(before_=DateTime.now("UTC")),
+        expected_start_time=FlowRunFilterExpectedStartTime.model_validate({"before_": now}),
     )
     with get_client(sync_client=True) as client:
         others = [
