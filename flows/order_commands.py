@@ -73,7 +73,7 @@ def import_(
     _print_given(give_all(requests, person, home()), as_json)
 
 
-@app.command(epilog="Example: mimucal order scan LINE-1 < /dev/ttyACM0")
+@app.command(epilog="Example: mimucal order scan LINE-1")
 def scan(
     station: order_options.OrderedStation, by: options.By = None, as_json: options.Json = False
 ) -> None:

@@ -21,7 +21,7 @@ from storage import settings
 from storage.catalogue import orders
 from storage.catalogue.connection import Busy
 from storage.home import Home
-from storage.order_lock import one_order_at, only_worker_of
+from storage.order_lock import no_order_at, one_order_at, only_worker_of
 from storage.station_lock import is_held
 from storage.stations import file_named, file_of
 from tasks.stages.left_run import left_runs
@@ -70,15 +70,27 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
     """
     home = run_orders.home_of(order)
     station = station_of(order, home)
-    number = order.number or _own_order(order, station, home)
-    _check_station(number, station.station.id, home)
+    if order.number is not None:
+        _check_station(order.number, station.station.id, home)
     with one_order_at(station.station.id, home):
-        if orders.put_back(station.station.id, home):
-            order_queue.submit(home)
+        left = orders.put_back(station.station.id, home)
         while is_held(station.station.id, home):
             time.sleep(BUSY_S)
-        kept = orders.claim(number, home)
-        return _finished(_production(kept, order, station, home), work) if kept else ()
+        kept = orders.claim(order.number or _own_order(order, station, home), home)
+        if left:  # not before the claim: one of them may be this order
+            order_queue.submit(home)
+        return _finished(kept, order, station, home, work) if kept else ()
+
+
+def take_up_left(station: str, home: Home) -> None:
+    """Have an order of a station wait again that a process left, as after its crash.
+
+    Nothing is done where an order is being carried out.
+    """
+    with no_order_at(station, home) as is_free:
+        left = orders.put_back(station, home) if is_free else []
+    if left:
+        order_queue.submit(home)
 
 
 def station_of(order: ProduceOrder, home: Home) -> StationFile:
@@ -139,15 +151,16 @@ def _is_left(kept: ProductionOrder, station: StationFile, home: Home) -> bool:
     return len(began) == len(kept.units) and min(began) + SECOND > kept.began_at
 
 
-def _finished(production: Production, work: Work) -> "tuple[Published, ...]":
-    number, home = production.kept.number, production.home
+def _finished(
+    kept: ProductionOrder, order: ProduceOrder, station: StationFile, home: Home, work: Work
+) -> "tuple[Published, ...]":
     try:
-        drafts = work(production)
+        drafts = work(_production(kept, order, station, home))
     except BaseException as fault:
         with suppress(Busy):  # then whoever comes next finds that this process ended
-            orders.finish(number, "failed", home, str(fault) or type(fault).__name__)
+            orders.finish(kept.number, "failed", home, str(fault) or type(fault).__name__)
         raise
-    orders.finish(number, "done", home)
+    orders.finish(kept.number, "done", home)
     return drafts
 
 

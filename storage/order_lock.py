@@ -22,9 +22,22 @@ def one_order_at(station: str, home: Home) -> Iterator[None]:
 
 
 @contextmanager
+def no_order_at(station: str, home: Home) -> Iterator[bool]:
+    """Whether nobody has the orders of a station; then this process has, for the block."""
+    with _if_free(f"orders of {station}", home) as is_free:
+        yield is_free
+
+
+@contextmanager
 def only_worker_of(station: str, home: Home) -> Iterator[bool]:
     """Whether this process alone takes the orders of a station, for the length of the block."""
-    with _open(f"worker of {station}", home) as lock:
+    with _if_free(f"worker of {station}", home) as is_alone:
+        yield is_alone
+
+
+@contextmanager
+def _if_free(name: str, home: Home) -> Iterator[bool]:
+    with _open(name, home) as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

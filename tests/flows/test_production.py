@@ -13,7 +13,7 @@ import pytest
 
 from flows import production, run_orders
 from flows.order_queue import give
-from flows.production import Production, carry_out, work_at
+from flows.production import Production, carry_out, take_up_left, work_at
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import ProduceOrder
 from schemas.production import OrderRequest, ProductionOrder
@@ -183,6 +183,16 @@ def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed
     assert not any(order.resume for order in work.done)  # it had recorded nothing
     first = orders.find("1", killed)
     assert (first.state, first.attempts) == ("done", 2)
+
+
+@pytest.mark.real_time
+def test_what_a_crashed_process_left_waits_again_and_what_is_going_on_does_not(killed) -> None:
+    with one_order_at("LINE-1", killed):
+        take_up_left("LINE-1", killed)
+        assert states(killed)[0] == "running"
+    take_up_left("LINE-1", killed)
+    assert states(killed) == ["waiting"] * 3
+    assert orders.find("1", killed).is_interrupted
 
 
 def test_what_was_measured_is_not_measured_again_and_what_was_interrupted_goes_on(
