@@ -73,11 +73,14 @@ def procedure() -> Procedure:
     return Procedure.model_validate(short.model_dump() | {"steps": steps})
 
 
-def press(seed: int, folder: Path, station: StationFile, lsb: float, resume: bool) -> Pressed:
-    """A run on a station in a new folder, and a press. lsb: of the unit's gyros, rad/s."""
+def press(
+    seed: int, folder: Path, station: StationFile, speed: float, lsb: float, resume: bool
+) -> Pressed:
+    """A run on a station in a new folder, and a press. speed: of the station's clock.
+    lsb: of the unit's gyros, rad/s.
+    """
     drawn = random.Random(seed)
     way, down = WAYS[seed % len(WAYS)], DOWN[seed % len(DOWN)]
-    speed = station.station.clock_speed or 1.0
     after_s = drawn.uniform(0.0, LONGEST_S) / speed
     room = _Room(folder, station)
     run = begin(folder, room.environment)
