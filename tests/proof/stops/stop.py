@@ -30,6 +30,7 @@ from tasks.stages.stop import stop_station
 from tests.proof.faults.run_with_fault import short_procedure
 from tests.proof.stops.observed import Observed
 from tests.proof.stops.station_run import HANGS, begin
+from tests.tasks.station.over_sockets import table_and_watchdog
 
 WAYS = ("command", "button", "page", "SIGTERM", "SIGTERM twice", "Ctrl-C", "kill -9")
 DOWN = ("nothing", "home", "database", "Prefect", "the run hangs")
@@ -96,7 +97,7 @@ def press(
             run.join(END_S)
             time.sleep(max(0.0, _until_s(way) - (time.monotonic() - pressed_s)))
         rest_s = max(observed.moved_s - pressed_s, 0.0)
-        faults = tuple(room.faults(way, run, said, observed))
+        faults = tuple(room.faults(way, run, said))
     finally:
         run.kill()
         run.join()
@@ -171,7 +172,7 @@ class _Room:
 
     def __init__(self, folder: Path, station: StationFile) -> None:
         folder.mkdir(parents=True)
-        self.folder, self.id = folder, station.station.id
+        self.folder, self.station, self.id = folder, station, station.station.id
         self.home = Home(folder / "home")
         self.home.path.mkdir()
         (folder / "database").mkdir()
@@ -215,13 +216,12 @@ class _Room:
         finally:
             (self.folder / "away").rename(self.folder / away)
 
-    def faults(
-        self, way: str, run: BaseProcess, said: Stopped | None, observed: Observed
-    ) -> Iterator[str]:
+    def faults(self, way: str, run: BaseProcess, said: Stopped | None) -> Iterator[str]:
         """What is not as it must be, after the run's process has ended."""
         if run.is_alive():
             yield "the run's process has not ended"
-        if observed.turns:
+        state, _ = table_and_watchdog(self.station)
+        if any(axis.is_moving for axis in state.axes):
             yield "the table still turns"
         if said is not None and not said.at_rest:
             yield f"the stop did not confirm: {said.fault}"
