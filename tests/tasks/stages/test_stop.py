@@ -41,6 +41,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
     monkeypatch.setenv("MIMUCAL_STATION", str(tmp_path / "side"))
     home = Home(tmp_path / "home")
     home.path.mkdir()
+    home.station_side.mkdir()
     return home
 
 
