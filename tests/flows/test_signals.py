@@ -1,10 +1,14 @@
 """Signals that end a command."""
 
+import hashlib
+import os
 import signal
+import threading
 
 import pytest
 
-from flows.signals import ENDINGS, ending_as_ctrl_c, pausing
+from flows.signals import ENDINGS, ending_as_ctrl_c, pausing, stopping
+from tasks.station.stopping import OPERATOR, StopSwitch
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
@@ -41,3 +45,27 @@ def test_ctrl_z_pauses_and_the_next_one_goes_on() -> None:
             signal.raise_signal(signal.SIGTSTP)
     assert paused == [False, True, False]
     assert signal.getsignal(signal.SIGTSTP) is before
+
+
+def test_signals_press_the_switch_of_what_runs_and_act_as_ctrl_c_otherwise() -> None:
+    switch = StopSwitch()
+    before = signal.getsignal(signal.SIGTERM)
+    with stopping(switch):
+        switch.is_live = True
+        for each in (signal.SIGTERM, signal.SIGTERM, signal.SIGINT):
+            signal.raise_signal(each)
+        assert switch.by == OPERATOR
+        switch.is_live = False
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_a_signal_presses_it_while_the_main_thread_is_held_up() -> None:
+    switch = StopSwitch()
+    switch.is_live = True
+    with stopping(switch):
+        # one long call of C: Python handles the signal only after it
+        threading.Timer(0.05, os.kill, [os.getpid(), signal.SIGTERM]).start()
+        hashlib.pbkdf2_hmac("sha256", b"x", b"y", 2_000_000)
+        assert switch.by == OPERATOR

@@ -1,11 +1,20 @@
 """The status of a run: whole whenever it is read, and a dead process is seen as dead."""
 
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import pytest
+
+from schemas.base import Unusable
 from schemas.run_log import RunStatus
 from storage.home import Home
-from storage.station_lock import one_run_on, statuses, write_status
+from storage.station_lock import (
+    end_dead_statuses,
+    one_run_on,
+    share_status,
+    statuses,
+    write_status,
+)
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
 
@@ -54,3 +63,34 @@ def test_a_disk_that_refuses_costs_the_status_and_not_the_run(tmp_path: Path) ->
     (tmp_path / "status").write_text("a file in the folder's place", encoding="utf-8")
     write_status(status("measuring"), Home(tmp_path))
     assert statuses(Home(tmp_path)) == []
+
+
+def test_stations_of_another_computer_live_as_long_as_their_status_is_renewed(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("MIMUCAL_STATION", str(tmp_path / "side"))
+    home = Home(tmp_path / "home")
+    home.path.mkdir()
+    write_status(status("measuring").model_copy(update={"lock": "there:/side"}), home)
+    share_status("T1", home)
+    monkeypatch.delenv("MIMUCAL_STATION")
+    ((shared, is_dead),) = statuses(home)
+    assert (shared.state, is_dead) == ("measuring", False)
+    monkeypatch.setattr("storage.station_lock.SILENCE", timedelta(0))
+    assert statuses(home) == [(shared, True)]
+
+
+def test_two_homes_of_one_station_side_exclude_each_other(tmp_path, monkeypatch):
+    monkeypatch.setenv("MIMUCAL_STATION", str(tmp_path / "side"))
+    with one_run_on("T1", Home(tmp_path / "a")):
+        refused = pytest.raises(Unusable, match="station stop")
+        with refused, one_run_on("T1", Home(tmp_path / "b")):
+            pass
+
+
+def test_the_status_of_a_dead_run_is_brought_to_the_truth(tmp_path):
+    home = Home(tmp_path)
+    write_status(status("measuring"), home)
+    end_dead_statuses(home)
+    ((ended, is_dead),) = statuses(home)
+    assert (ended.state, is_dead) == ("stopped", False)

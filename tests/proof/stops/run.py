@@ -35,7 +35,9 @@ def _one(seed: int, folder: Path) -> Pressed:
     speed = SPEEDS[seed % len(SPEEDS)]
     config = VirtualStation(id=f"STOPS-{seed}")
     with station_apart(config, speed) as station:
-        return press(seed, folder, station, config.unit.gyro.lsb, resume=seed % RESUMED_EVERY == 3)
+        return press(
+            seed, folder, station, speed, config.unit.gyro.lsb, resume=seed % RESUMED_EVERY == 3
+        )
 
 
 def summary(pressed: Sequence[Pressed]) -> str:

@@ -30,6 +30,7 @@ from tasks.stages.stop import stop_station
 from tests.proof.faults.run_with_fault import short_procedure
 from tests.proof.stops.observed import Observed
 from tests.proof.stops.station_run import HANGS, begin
+from tests.tasks.station.over_sockets import table_and_watchdog
 
 WAYS = ("command", "button", "page", "SIGTERM", "SIGTERM twice", "Ctrl-C", "kill -9")
 DOWN = ("nothing", "home", "database", "Prefect", "the run hangs")
@@ -73,11 +74,14 @@ def procedure() -> Procedure:
     return Procedure.model_validate(short.model_dump() | {"steps": steps})
 
 
-def press(seed: int, folder: Path, station: StationFile, lsb: float, resume: bool) -> Pressed:
-    """A run on a station in a new folder, and a press. lsb: of the unit's gyros, rad/s."""
+def press(
+    seed: int, folder: Path, station: StationFile, speed: float, lsb: float, resume: bool
+) -> Pressed:
+    """A run on a station in a new folder, and a press. speed: of the station's clock.
+    lsb: of the unit's gyros, rad/s.
+    """
     drawn = random.Random(seed)
     way, down = WAYS[seed % len(WAYS)], DOWN[seed % len(DOWN)]
-    speed = float((station.station.model_extra or {}).get("clock_speed", 1.0))
     after_s = drawn.uniform(0.0, LONGEST_S) / speed
     room = _Room(folder, station)
     run = begin(folder, room.environment)
@@ -93,7 +97,7 @@ def press(seed: int, folder: Path, station: StationFile, lsb: float, resume: boo
             run.join(END_S)
             time.sleep(max(0.0, _until_s(way) - (time.monotonic() - pressed_s)))
         rest_s = max(observed.moved_s - pressed_s, 0.0)
-        faults = tuple(room.faults(way, run, said, observed))
+        faults = tuple(room.faults(way, run, said))
     finally:
         run.kill()
         run.join()
@@ -168,7 +172,7 @@ class _Room:
 
     def __init__(self, folder: Path, station: StationFile) -> None:
         folder.mkdir(parents=True)
-        self.folder, self.id = folder, station.station.id
+        self.folder, self.station, self.id = folder, station, station.station.id
         self.home = Home(folder / "home")
         self.home.path.mkdir()
         (folder / "database").mkdir()
@@ -212,13 +216,12 @@ class _Room:
         finally:
             (self.folder / "away").rename(self.folder / away)
 
-    def faults(
-        self, way: str, run: BaseProcess, said: Stopped | None, observed: Observed
-    ) -> Iterator[str]:
+    def faults(self, way: str, run: BaseProcess, said: Stopped | None) -> Iterator[str]:
         """What is not as it must be, after the run's process has ended."""
         if run.is_alive():
             yield "the run's process has not ended"
-        if observed.turns:
+        state, _ = table_and_watchdog(self.station)
+        if any(axis.is_moving for axis in state.axes):
             yield "the table still turns"
         if said is not None and not said.at_rest:
             yield f"the stop did not confirm: {said.fault}"

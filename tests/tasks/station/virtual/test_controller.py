@@ -10,8 +10,8 @@ from pymodbus.constants import ExcCodes
 
 from tasks.station.virtual import controller as under_test
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.protocol import TABLE_STATUS
-from tasks.station.virtual.servers import keep_time
+from tasks.station.virtual.protocol import COMMANDS, TABLE_STATUS
+from tasks.station.virtual.servers import Doze, keep_time
 from tasks.station.virtual.simulation import Simulation
 from tests.simulated_time import run_simulated
 
@@ -117,8 +117,10 @@ def test_nobody_else_commands_a_table_that_is_held_but_anybody_stops_it(simulati
         assert await other.write(CAPTURE_FROM, 0, 5) is None
         assert await holder.write(MODE, TURN) is None
         assert simulation.table.drives[0].mode == TURN
-        assert await other.write(COMMAND, STOP) is None
-        assert simulation.table.drives[0].mode == 3
+        for stop in (STOP, COMMANDS["quick_stop"]):
+            assert await holder.write(MODE, TURN) is None
+            assert await other.write(COMMAND, stop) is None
+            assert simulation.table.drives[0].mode == 3
 
     with_two_clients(simulation, work)
 
@@ -195,3 +197,22 @@ def test_a_pause_of_the_station_itself_is_no_silence(simulation):
         return await has_bitten(holder)
 
     assert not with_two_clients(simulation, work)
+
+
+def test_an_idle_station_wakes_seldom_and_its_time_is_the_present_one_for_whoever_asks(simulation):
+    slices = []
+
+    async def run() -> float:
+        doze = Doze(lambda: simulation.is_still)
+        time_passes = asyncio.ensure_future(
+            keep_time(simulation, 10.0, lambda data: None, lambda: slices.append(1), doze)
+        )
+        try:
+            await asyncio.sleep(20.03)
+            await doze.wake()
+            return simulation.table.now
+        finally:
+            time_passes.cancel()
+
+    assert run_simulated(run()) == pytest.approx(200.3, abs=0.1)
+    assert len(slices) < 1000  # of 4000, were it not idle
