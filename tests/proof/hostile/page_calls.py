@@ -31,8 +31,8 @@ class Call:
 def is_refused(answer: Answer) -> bool:
     """Whether an answer gives nothing: an error, the way to the login, or a refused order."""
     leads_away = answer.status in (301, 302, 308) and answer.location.startswith("/login")
-    said = answer.status == 200 and any(sentence in answer.text for sentence in NOT_DONE)
-    return 400 <= answer.status < 500 or leads_away or said
+    declined = answer.status == 200 and any(sentence in answer.text for sentence in NOT_DONE)
+    return 400 <= answer.status < 500 or leads_away or declined
 
 
 def orders_on(there: Attacked) -> dict[str, dict[str, Any]]:
