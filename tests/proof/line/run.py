@@ -46,7 +46,7 @@ independent plant; `mimucal review` pools these, and `mimucal explain` answers {
 | names in single runs of the others | {others} | none |
 
 The tilt moves that station's mean by {power} U of the comparison of stations; from 3 U on the
-comparison must find it, below that it has too little power for so few runs, and the Mismatch page
+comparison must find it; below that it has too little power for so few runs, and the Mismatch page
 alone must.
 
 Faults: {faults}.

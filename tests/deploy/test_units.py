@@ -1,0 +1,95 @@
+"""Unit files and the container's recipe: what can be held without starting them."""
+
+import configparser
+import re
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+import typer.main
+
+from flows.cli import app
+
+UNITS = sorted(Path("deploy/systemd").glob("mimucal-*"))
+RECIPE = Path("deploy/container/Containerfile")
+
+
+def read(unit: Path) -> configparser.RawConfigParser:
+    parser = configparser.RawConfigParser(strict=True, comment_prefixes="#")
+    parser.optionxform = str  # type: ignore[method-assign]
+    parser.read_string(unit.read_text(encoding="utf-8"))
+    return parser
+
+
+def mimucal_commands() -> set[str]:
+    return set(typer.main.get_command(app).commands)
+
+
+@pytest.mark.parametrize("unit", UNITS, ids=lambda unit: unit.name)
+def test_a_unit_runs_a_command_that_is_there_as_a_user_of_its_own(unit: Path) -> None:
+    parser = read(unit)
+    assert parser["Unit"]["Description"].startswith("mimucal: ")
+    if unit.suffix != ".service":
+        return
+    command = shlex.split(parser["Service"]["ExecStart"])
+    assert command[0] == "/opt/mimucal/.venv/bin/mimucal"
+    assert command[1] in mimucal_commands()
+    assert parser["Service"]["User"] == "mimucal"
+
+
+def test_each_unit_that_another_names_is_there() -> None:
+    names = {unit.name for unit in UNITS}
+    named = {read(unit)["Unit"].get("OnFailure") for unit in UNITS} - {None}
+    assert named <= names
+    assert {u.with_suffix(".service").name for u in UNITS if u.suffix == ".timer"} <= names
+
+
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is missing")
+def test_systemd_reads_the_units_without_a_word(tmp_path: Path) -> None:
+    for unit in UNITS:  # /opt/mimucal is not there
+        own = re.sub(r"/opt/mimucal/\.venv/bin/mimucal", "/bin/true", unit.read_text())
+        (tmp_path / unit.name).write_text(own.replace("User=mimucal\n", ""))
+    command = ["systemd-analyze", "verify", "--man=no", *map(str, sorted(tmp_path.iterdir()))]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    said = [line for line in done.stderr.splitlines() if "mimucal" in line]
+    assert said == []
+
+
+def lines() -> list[list[str]]:
+    """The recipe's instructions, each as its words; continued lines are one."""
+    whole = re.sub(r"\\\n\s*", " ", RECIPE.read_text(encoding="utf-8"))
+    return [line.split() for line in whole.splitlines() if line and not line.startswith("#")]
+
+
+def test_the_recipe_ends_as_a_user_that_is_not_root_in_a_stage_without_build_tools() -> None:
+    found = lines()
+    stages = [n for n, line in enumerate(found) if line[0] == "FROM"]
+    assert len(stages) == 2
+    last = found[stages[-1] :]
+    users = [line[1] for line in last if line[0] == "USER"]
+    assert users
+    assert users[-1] != "root"
+    assert not any("pip" in line for line in last)
+    assert all(":" in found[n][1] for n in stages)  # a version of the base image is named
+
+
+def test_the_recipe_copies_what_is_there_and_the_context_has_it() -> None:
+    kept = Path(".containerignore").read_text().split()
+    for line in lines():
+        if line[0] == "COPY" and not line[1].startswith("--from"):
+            for name in line[1:-1]:
+                assert Path(name).exists()
+                assert f"!{name}" in kept
+
+
+def test_the_recipe_names_no_host_and_no_secret() -> None:
+    text = RECIPE.read_text(encoding="utf-8")
+    hosts = set(re.findall(r"https?://([\w.-]+)", text))
+    assert hosts <= {"127.0.0.1"}
+    assert not re.search(r"password|secret|token|passphrase", text, re.IGNORECASE)
+    installs = [line for line in lines() if "-r" in line]
+    assert all("--require-hashes" in line for line in installs)
+    (command,) = (line for line in lines() if line[0] == "CMD")
+    assert command[1].strip('[",') in mimucal_commands()
