@@ -75,9 +75,8 @@ def failing_figure(shown: QualityShown, view: View) -> Figure:
         margin={"t": 20, "r": 60, "l": 60, "b": 90},
         xaxis={"type": "category", "tickangle": -40},
         yaxis={"rangemode": "tozero", "tickformat": "d"},
-        yaxis2={"overlaying": "y", "side": "right", "range": [0, 103], "ticksuffix": " %", "tickmode": "linear",
-                "tick0": 0, "dtick": 20,
-                "showgrid": False},
+        yaxis2={"overlaying": "y", "side": "right", "range": [0, 103], "ticksuffix": " %",
+                "tickmode": "linear", "tick0": 0, "dtick": 20, "showgrid": False},
     )  # fmt: skip
 
 
