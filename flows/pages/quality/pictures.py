@@ -1,6 +1,7 @@
 """The charts of the Quality page, as plotly figures."""
 
 from collections.abc import Sequence
+from datetime import timedelta
 
 from flows.pages.page import View
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
@@ -18,7 +19,7 @@ from tasks.words.quantities import unit_text
 
 CAUSES = {"adjusted": "#ae3ec9", "station": "#0ca678", "equipment": ORANGE}
 BARS = 20  # of the Pareto chart; the table beside it has all
-DAY_MS = 86_400_000
+MARGIN = timedelta(days=15)  # beside the first and the last day
 LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 MANY = 300  # points, whose order no line between them shows any more
 
@@ -27,11 +28,9 @@ def periods_figure(shown: QualityShown, view: View) -> Figure:
     """The yield of each period with its interval; a bar across it shows how long it is."""
     periods = shown.by_period
     middle = [each.since + (each.until - each.since) / 2 for each in periods]
-    half_ms = [(each.until - each.since).days * DAY_MS / 2 for each in periods]
     trace = {
         "type": "scatter", "mode": "markers", "x": [str(day) for day in middle],
         "y": [100 * each.share for each in periods], "marker": {"color": BLUE, "size": 8},
-        "error_x": {"type": "data", "array": half_ms, "thickness": 3, "width": 0, "color": BLUE},
         "error_y": {
             "type": "data", "symmetric": False, "thickness": 1.5, "width": 5, "color": GREY,
             "array": [100 * (each.high - each.share) for each in periods],
@@ -42,8 +41,14 @@ def periods_figure(shown: QualityShown, view: View) -> Figure:
         "hovertemplate": "%{text}, %{y:.1f} % (%{customdata[0]:.1f} … %{customdata[1]:.1f} %)"
         "<extra></extra>",
     }  # fmt: skip
+    spans = {
+        "type": "scatter", "mode": "lines", "line": {"color": BLUE, "width": 3},
+        "x": [day for p in periods for day in (str(p.since), str(p.until), None)],
+        "y": [y for p in periods for y in (100 * p.share, 100 * p.share, None)],
+        "hoverinfo": "skip",
+    }  # fmt: skip
     total = [_level(100 * shown.total.share, BLUE)] if shown.total else []
-    return figure([trace], view, 280, shapes=total,
+    return figure([trace, spans], view, 280, shapes=total,
                   xaxis={"type": "date", "tickformat": "%Y-%m-%d", "nticks": 8},
                   yaxis={"ticksuffix": " %", "range": [0, 103]})  # fmt: skip
 
@@ -71,7 +76,7 @@ def failing_figure(shown: QualityShown, view: View) -> Figure:
         xaxis={"type": "category", "tickangle": -40},
         yaxis={"rangemode": "tozero", "tickformat": "d"},
         yaxis2={"overlaying": "y", "side": "right", "range": [0, 103], "ticksuffix": " %",
-                "showgrid": False},
+                "tickmode": "linear", "tick0": 0, "dtick": 20, "showgrid": False},
     )  # fmt: skip
 
 
@@ -81,15 +86,24 @@ def failing_name(failing: Failing, view: View) -> str:
 
 
 def golden_figure(of: GoldenShown, shown: QualityShown, view: View) -> Figure:
-    """The values of a golden unit on a station, between the limits of their own history."""
+    """The values of a golden unit on a station, between the limits of their own history; in the
+    same ranges as on the other stations.
+    """
     broken = [point for point in of.points if point.broken]
     wrong = _golden_points(broken, RED, 8)
     levels = [(of.centre, GREY), (of.lower, RED), (of.upper, RED)]
+    every = [each for each in shown.golden if each.serial == of.serial]
+    values = [p.value for each in every for p in each.points]
+    values += [y for each in every for y in (each.lower, each.upper) if y is not None]
+    room = 0.1 * (max(values) - min(values))
+    days = sorted(p.day for each in every for p in each.points)
     return figure(
         [_golden_points(of.points, BLUE, 5), wrong], view, 240,
         shapes=[_level(y, color) for y, color in levels if y is not None],
-        xaxis={"tickformat": "%Y-%m-%d", "nticks": 5},
-        yaxis={"exponentformat": "power", "title": {"text": f"{shown.symbol}{_unit(shown)}"}},
+        xaxis={"tickformat": "%Y-%m-%d", "nticks": 5,
+               "range": [str(days[0] - MARGIN), str(days[-1] + MARGIN)]},
+        yaxis={"exponentformat": "power", "range": [min(values) - room, max(values) + room],
+               "title": {"text": f"{shown.symbol}{_unit(shown)}"}},
     )  # fmt: skip
 
 

@@ -49,12 +49,18 @@ def _points(figure: go.Figure) -> int:
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_quality_draws_every_week_value_and_station(home: Home, theme: Theme) -> None:
+def test_quality_draws_every_period_failure_value_and_station(home: Home, theme: Theme) -> None:
     shown, figures = drawn(quality.PAGE, home, theme)
-    assert set(figures) == {"quality-weeks", "quality-chart", "quality-stations"}
+    assert set(figures) == {
+        "quality-periods", "quality-failing", "quality-chart", "quality-stations",
+    }  # fmt: skip
     values = [each for trace in figures["quality-chart"].data for each in trace.y]
     assert {point.value for point in shown.chart.points} <= set(values)
-    assert {each.name for each in shown.by_week} <= set(figures["quality-weeks"].data[0].x)
+    assert len(figures["quality-periods"].data[0].x) == len(shown.by_period)
+    failed, inconclusive, cumulative = figures["quality-failing"].data
+    drawn_limits = [sum(both) for both in zip(failed.y, inconclusive.y, strict=True)]
+    assert drawn_limits == [each.failed + each.inconclusive for each in shown.failing]
+    assert cumulative.y[-1] == pytest.approx(100.0)
     known = {each.station for each in shown.stations if each.difference is not None}
     assert known <= {name for trace in figures["quality-stations"].data for name in trace.x}
 

@@ -1,21 +1,30 @@
 """The quality page: its numbers are the catalogue's, counted here a second time by hand."""
 
+import io
 import json
+import re
+import shutil
+from collections import Counter
 from datetime import date, timedelta
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from flows.pages.app import make_app
+from flows.pages.numbers import csv_of
 from flows.pages.page import View
+from flows.pages.passwords import hashed
 from flows.pages.quality import PAGE
 from flows.pages.quality.data import data
 from schemas.base import Unusable
 from schemas.pages.quality import QualityQuestion, QualityShown
 from storage import dataframes
-from storage.catalogue import results, run_index
+from storage.catalogue import certificates, results, run_index, users
 from storage.home import Home
+from tasks.quality.golden import FEWEST
 from tests.drafts import draft
 from tests.proof.line.draw import Line
 
@@ -151,3 +160,105 @@ def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: 
     assert single.total is not None
     assert (single.total.passed, single.total.of) == (1, 1)
     assert PAGE.layout(single, view, QualityQuestion()).to_plotly_json()
+
+
+def test_periods_are_the_weeks_put_together(shown: QualityShown) -> None:
+    for kind in ("passed", "of"):
+        weeks, periods = (sum(getattr(e, kind) for e in of)
+                          for of in (shown.by_week, shown.by_period))  # fmt: skip
+        assert weeks == periods
+    assert len(shown.by_period) < len(shown.by_week)
+    for before, after in pairwise(shown.by_period):
+        assert before.until < after.since
+    assert all(p.low <= p.share <= p.high for p in shown.by_period)
+
+
+def test_what_fails_is_counted_by_limit_and_adds_up(home: Home, shown: QualityShown) -> None:
+    counted, _ = visits(home, "MX-110")
+    expected: Counter[tuple[str | None, str]] = Counter()
+    invalid = _invalid(home)
+    expected[None, ""] = sum(run in invalid for run in counted)
+    papers = {entry.run: entry for entry in certificates.register(home)}
+    for run in set(counted) - invalid:
+        for each in certificates.record_of(papers[run], home).decision.limits:
+            expected[each.item, each.element] += each.verdict != "pass"
+    found = {(e.item, e.element): e.failed + e.inconclusive for e in shown.failing}
+    assert found == +expected
+    sizes = [each.failed + each.inconclusive for each in shown.failing]
+    assert sizes == sorted(sizes, reverse=True)
+    assert not shown.failing or shown.failing[-1].cumulative == pytest.approx(1.0)
+
+
+@pytest.fixture(scope="module")
+def golden(home: Home, tmp_path_factory: pytest.TempPathFactory) -> Home:
+    """The same store, in which one of the two units is golden."""
+    made = Home(tmp_path_factory.mktemp("golden") / "home")
+    shutil.copytree(home.path, made.path)
+    (made.path / "quality.toml").write_text('golden = ["SN0000"]\n', encoding="utf-8")
+    return made
+
+
+def test_a_golden_unit_counts_in_no_yield_and_no_capability(home: Home, golden: Home) -> None:
+    model = data(QualityQuestion(serial="SN0000"), home).model
+    runs = data(QualityQuestion(model=model, **ELEMENT), home)
+    kept = data(QualityQuestion(model=model, **ELEMENT), golden)
+    assert kept.counted.golden == runs.counted.runs
+    assert (kept.counted.first, kept.total, kept.by_period, kept.failing) == (0, None, (), ())
+    assert model not in {each.name for each in kept.by_model}
+    assert kept.capability is not None
+    assert kept.capability.n == 0
+    assert kept.chart is None
+    assert kept.stations == runs.stations  # which it compares all the same
+
+
+def test_a_golden_unit_is_charted_for_each_station(home: Home, golden: Home) -> None:
+    asked = QualityQuestion(serial="SN0000", **ELEMENT)
+    chart, found = data(asked, home).chart, data(asked, golden).golden
+    assert chart is not None
+    values = {point.run: (point.station, point.value) for point in chart.points}
+    stations = [each.station for each in found]
+    assert stations == sorted(set(stations))
+    for of in found:
+        assert of.serial == "SN0000"
+        assert [values[p.run] for p in of.points] == [(of.station, p.value) for p in of.points]
+        assert (of.centre is None) == (len(of.points) < FEWEST)
+    assert PAGE.layout(data(asked, golden), View("zh"), asked).to_plotly_json()
+
+
+def test_each_table_and_chart_gives_its_numbers_as_csv(home: Home, shown: QualityShown) -> None:
+    client = make_app(home).server.test_client()
+    links = set(re.findall(r"/api/v1/quality/([a-z_]+)\.csv\?([^'\"]*)", laid_out(shown)))
+    assert {part for part, _ in links} == set(PAGE.numbers) - {"golden"}  # of which there is none
+    for part, query in links:
+        answer = client.get(f"/api/v1/quality/{part}.csv?{query}")
+        assert answer.status_code == 200
+        assert answer.mimetype == "text/csv"
+        table = pd.read_csv(io.BytesIO(answer.data))
+        assert len(table) == len(PAGE.numbers[part](shown))
+    table = pd.read_csv(
+        io.BytesIO(
+            client.get(
+                f"/api/v1/quality/chart.csv?model=MX-110&item={ELEMENT['item']}&element=yz"
+            ).data
+        )
+    )
+    assert shown.chart is not None
+    assert table["value"].tolist() == [point.value for point in shown.chart.points]
+    assert client.get("/api/v1/quality/chart.csv?model=none").status_code == 400
+
+
+def laid_out(shown: QualityShown) -> str:
+    return str(PAGE.layout(shown, View(), OF).to_plotly_json())
+
+
+def test_numbers_are_for_those_alone_who_may_see_the_page(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    users.add("Wang", "viewer", hashed("secret"), home, "Admin")
+    client = make_app(home).server.test_client()
+    assert client.get("/api/v1/quality/by_item.csv").status_code == 401
+    assert client.get("/api/v1/quality/by_item.csv", auth=("Wang", "secret")).status_code == 200
+
+
+def test_a_name_that_a_spreadsheet_would_compute_is_text() -> None:
+    written = csv_of([{"serial": "=1+1", "value": -0.5, "broken": [1, 2]}])
+    assert written.splitlines() == ["\ufeffserial,value,broken", "'=1+1,-0.5,1 2"]

@@ -3,9 +3,11 @@
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.stats import binomtest
 
-from tasks.quality.yields import RETEST_DAYS, first_runs, wilson, yields
+from tasks.quality.yields import FEWEST_IN_POINT, RETEST_DAYS, first_runs, pooled, wilson, yields
 
 # R. G. Newcombe, Statistics in Medicine 17 (1998) 857, table I, method 3
 NEWCOMBE = {
@@ -55,3 +57,19 @@ def test_a_run_soon_after_one_of_the_same_unit_is_a_retest() -> None:
     assert first_runs(runs).tolist() == [True, False, False, False, True, True]
     shuffled = runs.sample(frac=1.0, random_state=1)
     assert first_runs(shuffled).sort_index().tolist() == first_runs(runs).tolist()
+
+
+def test_weeks_of_few_units_are_pooled_until_a_point_says_something() -> None:
+    weeks = [3] * 10  # 30 first runs: 21 make a point, and 9 are left
+    assert pooled(weeks) == [slice(0, 10)]
+    assert pooled([1] * 65) == [slice(0, 20), slice(20, 40), slice(40, 65)]
+    assert pooled([25, 1, 40, 3]) == [slice(0, 1), slice(1, 4)]
+    assert pooled([2, 1]) == [slice(0, 2)]
+    assert pooled([]) == []
+
+
+@given(st.lists(st.integers(1, 60), max_size=80))
+def test_pooling_loses_no_week_and_leaves_no_small_point(of: list[int]) -> None:
+    parts = pooled(of)
+    assert [week for part in parts for week in range(len(of))[part]] == list(range(len(of)))
+    assert len(parts) < 2 or all(sum(of[part]) >= FEWEST_IN_POINT for part in parts)
