@@ -1,15 +1,20 @@
-# Everything happens in .venv; `make setup` is made by every other target first.
+# Everything happens in .venv; `make setup` is made by the targets that need it.
 PYTHON ?= python3
 BIN := .venv/bin
+LOCK := --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --quiet
 SETUP := .venv/.done
 
-.PHONY: setup demo test bench validate prove rehearsal factory lock clean
+.PHONY: setup install demo test bench validate prove rehearsal factory lock licences clean
 
 setup: $(SETUP)
 
-$(SETUP): requirements.txt pyproject.toml
-	@PYTHON=$(PYTHON) bash deploy/setup.sh
+$(SETUP): requirements-dev.txt pyproject.toml
+	@PYTHON=$(PYTHON) bash deploy/setup.sh requirements-dev.txt
 	@touch $@
+
+# The program alone, without what tests and proof need besides.
+install:
+	@PYTHON=$(PYTHON) bash deploy/setup.sh requirements.txt
 
 demo: setup
 	@$(BIN)/mimucal demo
@@ -38,8 +43,12 @@ factory: setup
 
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:
-	uv pip compile pyproject.toml --group dev --group proof --universal --python-version 3.11 \
-	  --generate-hashes --no-header --no-annotate --quiet --output-file requirements.txt
+	uv pip compile pyproject.toml --group dev --group proof $(LOCK) --output-file requirements-dev.txt
+	uv pip compile pyproject.toml --constraint requirements-dev.txt $(LOCK) --output-file requirements.txt
+
+# The packages' licences and the bill of materials, from what is installed.
+licences: setup
+	@$(BIN)/python deploy/licences.py
 
 clean:
 	rm -rf .venv *.egg-info .pytest_cache .ruff_cache .mypy_cache .hypothesis

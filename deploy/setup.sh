@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# Builds .venv from the pinned, hashed requirements, which are complete: with --no-deps pip asks for
-# nothing newer (an extra of a package that has a new release would break the hashes). Installs venv
-# where Debian lacks it, as root.
+# Builds .venv from pinned, hashed requirements: those of the file that is named, requirements.txt
+# (the program) or requirements-dev.txt (tests and proof, too). They are complete: with --no-deps
+# pip asks for nothing newer (an extra of a package that has a new release would break the hashes).
+# Installs venv where Debian lacks it, as root.
 set -euo pipefail
 python=${PYTHON:-python3}
+requirements=${1:-requirements.txt}
 
 leave() { echo "$1" >&2; exit 1; }
 
@@ -25,6 +27,6 @@ install_venv() {
 
 "$python" -c 'import ensurepip, venv' 2>/dev/null || install_venv
 .venv/bin/python -m pip --version >/dev/null 2>&1 || "$python" -m venv --clear .venv
-.venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements.txt
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r "$requirements"
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 .venv/bin/python -m compileall -q .venv/lib >/dev/null 2>&1 || true

@@ -83,7 +83,9 @@ BEHAVIOUR = """\
   `mode` is accepted, falls back to `stop`, and the bit stays.
 - Whoever sets the `watchdog` holds the table: until that client sets it to 0, ends its connection
   or lets it bite, every write of another is refused with exception 6, but to stop (`command` or
-  `mode`) and to fetch (`capture_from`).
+  `mode`) and to fetch (`capture_from`). A stop is taken from anybody, at any time.
+- Command `quick_stop` ramps every axis to rest with the deceleration that the controller keeps for
+  it (the virtual table's `quick_stop_deg_s2`, 400 deg/s²), `stop` with that of the last motion.
 - `watchdog`: when the client that holds the table asked nothing of device 1 for that long (wall
   time), every axis ramps to rest and the bit is set until `reset`. It does not forbid a new motion.
   Fetching captured encoders is no sign of life, nor is anything that another client asks.

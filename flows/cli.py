@@ -13,6 +13,7 @@ from typer.exceptions import TyperException
 from flows import (
     certificate_commands,
     correction_commands,
+    deploy_commands,
     equipment_commands,
     explain_commands,
     history_commands,
@@ -23,6 +24,7 @@ from flows import (
     store_commands,
     user_commands,
 )
+from flows.logs import set_up
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
 
@@ -46,6 +48,7 @@ app.add_typer(correction_commands.app)
 app.add_typer(store_commands.app)
 app.add_typer(history_commands.app)
 app.add_typer(operating_commands.app)
+app.add_typer(deploy_commands.app)
 app.add_typer(equipment_commands.app, name="equipment")
 app.add_typer(station.app, name="station")
 app.add_typer(order_commands.app, name="order")
@@ -70,6 +73,7 @@ def main() -> None:
     # Before numpy is there: on matrices this small a second thread only waits, and takes a core.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
+        set_up()
         _check_text(sys.argv[1:])
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:

@@ -219,6 +219,13 @@ SPEED = "Simulated seconds per second of real time"
 DEMO_SPEED = f"{SPEED}; default: as fast as the procedure allows."
 PORT = "Modbus/TCP port; the unit uses the next one. 0: any two free ports."
 Station = Annotated[str, typer.Argument(metavar="STATION", help="Station file (TOML or JSON).")]
+StationOrFile = Annotated[
+    str, typer.Argument(metavar="ID|FILE", help="Station id, or its station file.")
+]
+StoppedBy = Annotated[
+    str | None,
+    _option("NAME", "Person who stops it; default: MIMUCAL_USER, else the login.", "--by"),
+]
 Move = Annotated[
     bool, typer.Option("--move", help="Also turn each table axis by 1 degree and back.")
 ]
@@ -255,6 +262,15 @@ Faults = Annotated[
     list[str] | None, _option("NAME[@SECONDS]", "Fault to simulate; may be repeated.")
 ]
 StationFile = Annotated[Path, _option("FILE", "Output: station file for `mimucal acquire`.")]
+Added = Annotated[str, typer.Argument(metavar="ID", help="Id of a station of the home.")]
+Schedule = Annotated[
+    str | None,
+    _option("CRON", "When it produces by itself, as '0 8 * * 1-5'; without it, when ordered."),
+]
+Timezone = Annotated[
+    str | None,
+    _option("ZONE", "Time zone of the schedules; default: that of this computer."),
+]
 Truth = Annotated[Path | None, _option("FILE", "Output: true parameters of the unit.")]
 
 Runs = Annotated[

@@ -75,18 +75,20 @@ def checked(request: OrderRequest, person: str, home: Home) -> ProductionOrder:
     Raises Unusable for an unknown station or procedure, another number of units than the station
     has places, a client's order of the future, and what a person at the station would be asked.
     """
-    now = datetime.now(UTC)
+    now, procedure = datetime.now(UTC), request.procedure
+    if Path(procedure).suffix in settings.READERS:  # it is carried out from another folder
+        procedure = str(Path(procedure).absolute())
     file = file_of(request.station, home)
     units = _mounted(request.units, settings.read(file, StationFile))
     run = AcquireOrder(
-        home=str(home.path), station=str(file), procedure=request.procedure, units=units,
+        home=str(home.path), station=str(file), procedure=procedure, units=units,
         attended=False,
     )  # fmt: skip
     run_orders.check_acquisition(run)
     check_order(request.client_order, None, day_of_moment(now))
     return ProductionOrder(
         number=request.number or drawn_number(now), station=request.station, units=units,
-        procedure=request.procedure, client_order=request.client_order, person=person,
+        procedure=procedure, client_order=request.client_order, person=person,
         ordered_at=now,
     )  # fmt: skip
 

@@ -27,7 +27,7 @@ from schemas.base import Unusable
 from storage.environment import environment
 from storage.home import Home
 from storage.whole_files import make_folder
-from tasks.stages.prefect_api import AUTH, SERVER_AUTH
+from tasks.stages.prefect_api import CLIENT_AUTH, SERVER_AUTH
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -102,7 +102,7 @@ def _start(folder: Path) -> None:
         url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
         os.environ["PREFECT_API_URL"] = url
         # Nobody else on this machine orders anything: only this process and its children know it.
-        os.environ[AUTH] = os.environ[SERVER_AUTH] = f"mimucal:{secrets.token_hex(16)}"
+        os.environ[CLIENT_AUTH] = os.environ[SERVER_AUTH] = f"mimucal:{secrets.token_hex(16)}"
         _import_prefect()  # before the fork: both need it
         gc.freeze()
         _fork(listener, log)

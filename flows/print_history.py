@@ -46,7 +46,8 @@ def print_report(report: Reprocessing, out: str | None) -> None:
         print_rows(f"Failed: {_shown(len(rows))}", ("run", "why"), rows[:SHOWN])
     print(
         f"{report.done} results of {report.runs} runs made with {report.code_version} "
-        f"({report.done_before} of them before this command): {report.unchanged} as they were, "
+        f"({report.done_before} of them before this command): {report.unchanged} as they were to "
+        f"{report.counted_in_U:g} U, "
         f"{report.first} the first of their runs, {report.failed} failed"
     )
     if out is not None:

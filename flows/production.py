@@ -7,7 +7,7 @@ certificate where its run is in the store, with the run where that was interrupt
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,13 +37,21 @@ SECOND = timedelta(seconds=1)  # to which a recording says when it began
 @dataclass(frozen=True)
 class Production:
     """What is being carried out. order: of the run and the certificate, with what the queue says of
-    it. runs: those that are in the store already, after which only the certificate is missing.
+    it. runs: those that are in the store already, after which only the certificates are missing.
+    drafts: those that were made.
     """
 
     kept: ProductionOrder
     order: ProduceOrder
     runs: tuple[str, ...]
     home: Home
+    drafts: "list[Published]" = field(default_factory=list)
+
+    def note_draft(self, draft: "Published") -> None:
+        """The certificate of one of its units is there."""
+        self.drafts.append(draft)
+        numbers = tuple(each.certificate.number for each in self.drafts)
+        orders.note(self.kept.number, self.home, certificates=numbers)
 
     def note_runs(self, runs: tuple[str, ...]) -> None:
         """From now on this order measures nothing again."""
@@ -139,7 +147,6 @@ def _finished(production: Production, work: Work) -> "tuple[Published, ...]":
         with suppress(Busy):  # then whoever comes next finds that this process ended
             orders.finish(number, "failed", home, str(fault) or type(fault).__name__)
         raise
-    orders.note(number, home, certificates=tuple(each.certificate.number for each in drafts))
     orders.finish(number, "done", home)
     return drafts
 
@@ -147,8 +154,8 @@ def _finished(production: Production, work: Work) -> "tuple[Published, ...]":
 def work_at(station: str, home: Home, report: Callable[[ProductionOrder], None]) -> bool:
     """Take the orders of a station one by one until none waits; False where another process does.
 
-    An order that fails keeps none after it from being taken, unless the operator stopped it: then
-    BrokenOff says that the others wait.
+    An order that fails keeps none after it from being taken, unless it was stopped: then BrokenOff
+    says that the others wait.
     """
     file = file_of(station, home)
     while True:
@@ -170,7 +177,7 @@ def _take(number: str, file: Path, home: Home) -> None:
     try:
         run_orders.produce(order)
     except (Unusable, BrokenOff) as fault:
-        if isinstance(fault.__cause__, KeyboardInterrupt):
+        if isinstance(fault, BrokenOff) and fault.__cause__ is not None:  # a stop, or a full disk
             raise BrokenOff(
                 f"{fault}; `mimucal order retry {number}` goes on with it, and `mimucal station "
                 "work` takes the orders that wait"

@@ -4,6 +4,7 @@ The stages are imported when an order needs them: `calibrate` starts without tho
 certificate.
 """
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,12 +57,20 @@ if TYPE_CHECKING:
 def acquire(order: AcquireOrder) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
+    from flows.lasting_output import lasting_output
+    from flows.oversight import overseen
     from tasks.stages.acquire import acquire_run
     from tasks.station.stopping import StopSwitch
 
     station, procedure, ask = _acquisition(order)
     stop = StopSwitch()
-    with stopping(stop), pausing() as is_paused, acquisition_view() as report:
+    with (
+        lasting_output(),
+        stopping(stop),
+        overseen(stop.press),
+        pausing() as is_paused,
+        acquisition_view() as report,
+    ):
         return acquire_run(
             station, procedure, home_of(order), report, ask, is_paused, order.resume, stop
         )
@@ -90,30 +99,43 @@ def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | No
     return station, procedure, refix_prompt.at_terminal() if order.attended else None
 
 
-def produce(order: ProduceOrder) -> "tuple[Published, ...]":
+def produce(
+    order: ProduceOrder, drafted: "Callable[[Published], object]" = lambda _: None
+) -> "tuple[Published, ...]":
     """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
 
-    Raises BrokenOff for units that were abandoned, once the others have theirs.
+    drafted: called with each draft. Raises BrokenOff for units that were abandoned or have no
+    certificate, once the others have theirs.
     """
     from flows.production import carry_out
 
-    return carry_out(order, _produced)
+    return carry_out(order, partial(_produced, drafted=drafted))
 
 
-def _produced(production: "Production") -> "tuple[Published, ...]":
+def _produced(
+    production: "Production", drafted: "Callable[[Published], object]"
+) -> "tuple[Published, ...]":
     from tasks.stages.certificate_inputs import read_inputs
 
     order, runs = production.order, production.runs
     read_inputs(order)  # bad files are refused before it turns
-    given_up: tuple[str, ...] = ()
+    faults: list[str] = []
     if not runs:
         acquired = acquire(order)
-        runs, given_up = tuple(run.id for run, _ in acquired.kept), acquired.given_up
+        runs = tuple(run.id for run, _ in acquired.kept)
+        faults += acquired.given_up
         production.note_runs(runs)
-    drafts = tuple(certify(order.certify(run)) for run in runs)
-    if given_up:
-        raise BrokenOff("; ".join(given_up))
-    return drafts
+    for run in runs:
+        try:
+            draft = certify(order.certify(run))
+        except Unusable as fault:
+            faults.append(str(fault).rstrip("."))
+        else:
+            production.note_draft(draft)
+            drafted(draft)
+    if faults:
+        raise BrokenOff("; ".join(faults))
+    return tuple(production.drafts)
 
 
 def calibrate(order: CalibrateOrder) -> "Calibration":

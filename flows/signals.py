@@ -3,14 +3,15 @@
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tasks.station.stopping import StopSwitch
 
+Handler = Callable[[int, FrameType | None], None]
 ENDINGS = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
@@ -20,21 +21,32 @@ def as_ctrl_c(_: int, frame: FrameType | None) -> None:
     (handler if callable(handler) else signal.default_int_handler)(signal.SIGINT, frame)
 
 
-def end_as_ctrl_c() -> None:
+def end_as_ctrl_c(handler: Handler = as_ctrl_c) -> None:
     """Applies from now on; ignored signals, such as SIGHUP under nohup, stay ignored."""
     for ending in ENDINGS:
         if signal.getsignal(ending) is not signal.SIG_IGN:
-            signal.signal(ending, as_ctrl_c)
+            signal.signal(ending, handler)
 
 
 @contextmanager
 def ending_as_ctrl_c() -> Iterator[None]:
-    """Inside a flow, whose own handler would lose the path of the recording."""
+    """Inside a flow, whose own handler would lose the path of the recording.
+
+    Only the first signal counts: one more, as of a worker and of the run itself at once, would
+    break off the stopping of the table.
+    """
     if threading.current_thread() is not threading.main_thread():  # no signal comes here
         yield
         return
     before = {ending: signal.getsignal(ending) for ending in ENDINGS}
-    end_as_ctrl_c()
+    came: list[int] = []
+
+    def first_as_ctrl_c(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        if len(came) == 1:
+            as_ctrl_c(number, frame)
+
+    end_as_ctrl_c(first_as_ctrl_c)
     try:
         yield
     finally:
@@ -66,15 +78,18 @@ def stopping(stop: "StopSwitch") -> Iterator[None]:
         if number in before and stop.is_live:
             stop.press(OPERATOR)
 
-    for each, handler in before.items():
-        if handler is not signal.SIG_IGN:
-            signal.signal(each, press)
+    heeded = {each: press for each, handler in before.items() if handler is not signal.SIG_IGN}
+    _handle(heeded)
     try:
         with _arriving(press_meanwhile):
             yield
     finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
+        _handle(before)
+
+
+def _handle(handlers: Mapping[signal.Signals, Any]) -> None:
+    for each, handler in handlers.items():
+        signal.signal(each, handler)
 
 
 @contextmanager

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flows import options, order_options
-from schemas.base import Unusable
+from flows import deploy_commands, options, order_options
+from flows.signals import stopping
+from schemas.base import BrokenOff, Unusable
 
 if TYPE_CHECKING:
     from schemas.production import ProductionOrder
@@ -19,6 +20,11 @@ app = typer.Typer(
     help="Serve a virtual station, check and watch stations, load units.", rich_markup_mode=None
 )
 USUAL_PORT = 5020
+
+app.command(epilog="Example: mimucal station add station.json --schedule '0 8 * * 1-5'")(
+    deploy_commands.add
+)
+app.command(epilog="Example: mimucal station remove VIRTUAL-1")(deploy_commands.remove)
 
 
 @app.command(epilog="Example: mimucal station serve --speed 60")
@@ -69,12 +75,16 @@ def check(
     from schemas.station import StationFile
     from storage import settings
     from storage.home import home
-    from storage.station_lock import one_run_on
+    from tasks.stages.stoppable import stoppable
     from tasks.station.check_devices import check_station
+    from tasks.station.stopping import StopRequested, StopSwitch
 
-    station = settings.read(Path(station_file), StationFile)
-    with one_run_on(station.station.id, home()):
-        trials = check_station(station, move)
+    station, switch = settings.read(Path(station_file), StationFile), StopSwitch()
+    try:
+        with stopping(switch), stoppable(station, home(), switch):
+            trials = check_station(station, move, switch)
+    except StopRequested as stopped:
+        raise BrokenOff(f"stopped by {stopped}") from stopped
     if as_json:
         print_json({"format": "mimu-station-check/1", "trials": list(map(_as_data, trials))})
     else:
@@ -119,8 +129,9 @@ def status(as_json: options.Json = False) -> None:
     from flows.acquisition_view import facts
     from flows.printing import print_json, print_rows
     from storage.home import home
-    from storage.station_lock import statuses
+    from storage.station_lock import end_dead_statuses, statuses
 
+    end_dead_statuses(home())
     found = statuses(home())
     if as_json:
         runs = [each.model_dump(mode="json") | {"is_dead": is_dead} for each, is_dead in found]
@@ -149,6 +160,51 @@ def work(station: order_options.OrderedStation) -> None:
 
     if not work_at(station, home(), report):
         print(f"another process takes the orders of station {station} already")
+
+
+@app.command(epilog="Example: mimucal station stop LAB-1")
+def stop(
+    station: options.StationOrFile, by: options.StoppedBy = None, as_json: options.Json = False
+) -> None:
+    """Stop a station's table now, whatever else runs or does not.
+
+    Works without the database and Prefect, and without the home where MIMUCAL_STATION names a
+    folder of this computer. The recording is kept; `acquire --resume` continues the run.
+    Exits with 1 where it could not be confirmed that the table is at rest.
+    """
+    from storage.home import home
+    from tasks.stages.stop import stop_station, whoever
+
+    stopped = stop_station(station, by or whoever(), home())
+    if as_json:
+        print(stopped.model_dump_json(indent=1))
+    if not stopped.at_rest:
+        raise BrokenOff(
+            f"it could not be confirmed that the table of station {stopped.station} is at rest "
+            f"({stopped.fault}): use the emergency stop"
+        )
+    if not as_json:
+        axes = ", ".join(f"{axis.name} {axis.angle_deg:.4f}°" for axis in stopped.axes)
+        print(f"station {stopped.station} is at rest after {stopped.seconds:.1f} s: {axes}")
+        for recording in stopped.recordings:
+            print(f"recorded so far: {recording} (`mimucal acquire --resume` continues)")
+
+
+@app.command(epilog="Example: mimucal station page LAB-1 --port 8770")
+def page(
+    station: options.StationOrFile,
+    port: options.PagesPort = 8770,
+    by: options.StoppedBy = None,
+) -> None:
+    """Serve the page of the station's own computer: how it stands, and a button that stops it.
+
+    Only this computer reaches it. It works with everything else down.
+    """
+    from flows.station_page import serve_page
+    from storage.home import home
+    from tasks.stages.stop import whoever
+
+    serve_page(station, port, by or whoever(), home())
 
 
 def _as_data(trial: "Trial") -> dict[str, Any]:

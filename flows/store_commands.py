@@ -66,7 +66,7 @@ def runs(as_json: options.Json = False) -> None:
         ("run", "recording", "unit", "standard", "taken in", "seconds"),
         [
             (r.id, r.recording_id, f"{r.manufacturer} {r.model} {r.serial}", r.standard,
-             str(r.taken_in_at)[:19], f"{r.seconds:.0f}")
+             f"{r.taken_in_at.astimezone():%Y-%m-%d %H:%M:%S}", f"{r.seconds:.0f}")
             for r in listed
         ],
     )  # fmt: skip

@@ -10,9 +10,15 @@ from schemas.calibration import Method
 from schemas.certificate import State
 from schemas.decision import Verdict
 
+# of U: a certificate prints U with two digits and the value to the same place, which is 1 % of U or
+# more, so that nothing printed moves by less; other processors move values by some 1e-11 U
+COUNTED_IN_U = 0.01
+
 
 class Change(Frozen):
-    """An element whose value or U moved. Null: not determined.
+    """An element whose value moved by more than COUNTED_IN_U, or its U by as much of itself.
+
+    Null: not determined.
 
     in_U: how far the value moved, over U before (U after, where there was none); null where it
     was or is not determined.
@@ -73,7 +79,8 @@ class Reprocessing(Frozen):
     """What re-processing a selection did and changed (format `mimu-reprocess/1`).
 
     done: results made again now or before under the same circumstances, which are the code and the
-    laboratory. unchanged: of them, results without any change; first: those of runs that had none
+    laboratory. counted_in_U: by how much more an element moves to be a change. unchanged: of them,
+    results without any change; first: those of runs that had none
     before. seconds: of this command.
     """
 
@@ -84,6 +91,7 @@ class Reprocessing(Frozen):
     done: int
     done_before: int
     failed: int
+    counted_in_U: Finite = COUNTED_IN_U
     unchanged: int
     first: int = 0
     changed: tuple[Change, ...] = ()

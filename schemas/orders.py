@@ -212,6 +212,12 @@ class RemindOrder(OrderModel):
     within_days: int = Field(default=30, ge=0)
 
 
+class AlertOrder(OrderModel):
+    """A sentence to whoever operates the line."""
+
+    sentence: str = Field(min_length=1)
+
+
 AnyOrder = TypeVar("AnyOrder", bound=Frozen)
 
 

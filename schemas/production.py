@@ -36,13 +36,14 @@ class OrderRequest(Frozen):
 
     number: by which the order is known; the same content under the same number is the same order.
     Null draws one. station: its id. units: those to be mounted, in the order of the station's
-    places. procedure: a name. client_order: the client's order, which the certificate needs.
+    places. procedure: a name, or a file of the station's computer. client_order: the client's
+    order, which the certificate needs.
     """
 
     number: Name | None = None
     station: Name
     units: tuple[OrderedUnit, ...] = Field(min_length=1, max_length=64)
-    procedure: Name = "jjf2003"
+    procedure: str = Field(default="jjf2003", min_length=1, max_length=1000)
     client_order: Order | None = None
 
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 RUN, RESULT = tables.runs.c, tables.results.c
+STANDARD, EXPANDED = "standard_uncertainty", "expanded_uncertainty"  # u and U: one name to SQL
 OF_RUN = (
     RUN.recording_id,
     *(tables.units.c[name] for name in ("manufacturer", "model", "serial")),
@@ -47,9 +48,11 @@ def results(home: Home) -> "pd.DataFrame":
     result, run: their ids; then what is known of the run, and of the result method, terms (those
     adopted beside the standard's; empty: none), code_version, made_at, and newest: whether no other
     of its method and terms supersedes it; then item, element (the axis that reads,
-    then the input axis), value, u, U, k and their unit. What the recording cannot determine is NaN.
+    then the input axis), value, standard_uncertainty, expanded_uncertainty, k and their unit. What
+    the recording cannot determine is NaN.
     """
-    return _frame(home, _results(home)).astype(dict.fromkeys(("value", "u", "U", "k"), float))
+    figures = ("value", STANDARD, EXPANDED, "k")
+    return _frame(home, _results(home)).astype(dict.fromkeys(figures, float))
 
 
 def segments(home: Home) -> "pd.DataFrame":
@@ -119,8 +122,9 @@ def _runs(home: Home) -> sql.Select[Any]:
 def _results(home: Home) -> sql.Select[Any]:
     element = tables.elements.c
     columns = (
-        *(element[name] for name in ("item", "element", "value", "u")),
-        element.expanded.label("U"),
+        *(element[name] for name in ("item", "element", "value")),
+        element.u.label(STANDARD),
+        element.expanded.label(EXPANDED),
         *(element[name] for name in ("k", "unit")),
     )
     return _of_results(home, tables.elements, columns)

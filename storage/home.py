@@ -53,6 +53,11 @@ class Home:
         return self.station_side / "acquiring"
 
     @property
+    def acquired(self) -> Path:
+        """Recordings of whole runs that are not in the catalogue yet."""
+        return self.acquiring / "whole"
+
+    @property
     def locks(self) -> Path:
         """Lock, stop request and station file of each station that was ever acquired from."""
         return self.station_side / "locks"

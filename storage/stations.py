@@ -7,6 +7,7 @@ from schemas.base import Unusable
 from schemas.station import StationFile
 from storage import settings
 from storage.home import Home
+from storage.whole_files import drafted, writing_in_home
 
 
 def folder_of(home: Home) -> Path:
@@ -53,3 +54,22 @@ def file_named(station: str, home: Home) -> Path:
     """A station file by its path, or by the id of its station; raises Unusable as `file_of`."""
     path = Path(station)
     return path if path.suffix.lower() in settings.READERS else file_of(station, home)
+
+
+def keep(file: Path, home: Home) -> Path:
+    """Takes a station file among the home's, in the place of the one with its id; where it lies.
+
+    Only the owner reads it: a link to a device may have a password.
+    """
+    id_ = settings.read(file, StationFile).station.id
+    before = [folder_of(home) / name for name in station_files(home)]
+    own = [path for path in before if settings.read(path, StationFile).station.id == id_]
+    target = folder_of(home) / f"{id_}{file.suffix}"
+    content = file.read_bytes()
+    with writing_in_home(target), drafted(target) as draft:
+        draft.write_bytes(content)
+        draft.chmod(0o600)
+    for path in own:
+        if path != target:
+            path.unlink()
+    return target

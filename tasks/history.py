@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
-from schemas.history import Change, Difference, Flip, Reprocessing
+from schemas.history import COUNTED_IN_U, Change, Difference, Flip, Reprocessing
 from schemas.tolerance import Tolerance
 from tasks.conformity import decide
 from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw, picture_file
@@ -26,7 +26,7 @@ GOLDEN = 0.618034  # of the spread, from one mark to the next: no two are near
 def difference(
     before: Calibration, after: Calibration, tolerance: Tolerance | None = None
 ) -> Difference:
-    """What changed between two results by one method; nothing for two with equal numbers.
+    """What changed between two results by one method; nothing for two whose numbers agree.
 
     Verdicts on elements are by the same limits for both, and by the results alone: the effect of an
     expired standard or a missing validation on either verdict is not a difference of code. Limits
@@ -44,7 +44,7 @@ def _changes(before: Calibration, after: Calibration) -> Iterator[Change]:
         for element in elements:
             was, U_was = _of(old, element)
             now, U_now = _of(new, element)
-            if (was, U_was) == (now, U_now):
+            if not (_moved(was, now, U_was or U_now) or _moved(U_was, U_now, U_was)):
                 continue
             yield Change(
                 run=after.run,
@@ -62,6 +62,13 @@ def _changes(before: Calibration, after: Calibration) -> Iterator[Change]:
 
 def _of(item: Item | None, element: str) -> tuple[float | None, float | None]:
     return (item.value.get(element), item.U.get(element)) if item else (None, None)
+
+
+def _moved(was: float | None, now: float | None, scale: float | None) -> bool:
+    """Whether a figure is another one by more than COUNTED_IN_U of a scale; without one, at all."""
+    if was is None or now is None or not scale:
+        return was != now
+    return abs(now - was) > COUNTED_IN_U * scale
 
 
 def _in_U(was: float | None, now: float | None, U: float | None) -> float | None:
@@ -111,8 +118,11 @@ def _table(changed: tuple[Change, ...]) -> str:
 def changed_svg(report: Reprocessing, language: str) -> str:
     """The picture: a row for each item, a mark for each element of each run that moved."""
     items = list(dict.fromkeys(change.item for change in report.changed))
+    figures = {
+        "done": report.done, "unchanged": report.unchanged, "least": f"{report.counted_in_U:g}",
+    }  # fmt: skip
     title, change, in_part, nothing = (
-        say(message(f"changed-{id_}", done=report.done, unchanged=report.unchanged), language)
+        say(message(f"changed-{id_}", **figures), language)
         for id_ in ("title", "in-U", "in-part", "nothing")
     )
 

@@ -12,6 +12,7 @@ from urllib.parse import quote
 
 from flask import Flask, Response, g, jsonify, redirect, request, session
 from flask_wtf.csrf import CSRFError, CSRFProtect, generate_csrf
+from werkzeug.exceptions import HTTPException
 from werkzeug.wrappers import Response as AnyResponse
 
 from flows.access_log import LOGGER, UNKNOWN, plain, refused
@@ -80,6 +81,7 @@ def guard(server: Flask, home: Home) -> Gate:
             response.set_cookie(CSRF_COOKIE, generate_csrf(), samesite="Strict", secure=pages.https)
         return response
 
+    server.register_error_handler(Exception, _cannot_be_answered)
     server.after_request(_logged)
     return gate
 
@@ -127,6 +129,16 @@ def passed(user: User | None, password: str, name: str, gate: Gate, home: Home) 
     if gate.is_shut(name, address):
         refused(home, "further tries to log in", subject, address=address, why="too many failed")
     return False
+
+
+def _cannot_be_answered(error: Exception) -> AnyResponse:
+    """What no page of ours sends: Dash fails over it before a callback or a file is reached."""
+    if isinstance(error, HTTPException):
+        return error.get_response()
+    if request.path != UPDATE and not request.path.startswith(OPEN_FOLDERS):
+        raise error
+    LOGGER.warning("%s: %s", request.path, type(error).__name__)
+    return refusal(400, "this request cannot be answered")
 
 
 def _logged(response: Response) -> Response:

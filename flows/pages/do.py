@@ -9,6 +9,7 @@ from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
 from dash.development.base_component import Component
 
 from flows import order_queue
+from flows.access_log import LOGGER, plain
 from flows.pages.local_time import second_of
 from flows.pages.orders import FIELDS, Orders, tolerance_files
 from flows.pages.page import Page, View, view_of_request
@@ -230,7 +231,8 @@ def callbacks(app: Dash, home: Home) -> None:
 def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Component:
     """Gives an order; what became of it, as a sentence."""
     known = next((each for each in FIELDS if each == action), None)
-    if known is None:
+    if known is None or not all(isinstance(value, str) for value in fields.values()):
+        LOGGER.warning("order %s refused to %s: no such order", plain(action), view.visitor.name)
         return dmc.Alert(view.say(message("pages-not-answered")), color="red")
     try:
         subject = orders_of(home).give(known, fields, view.visitor)

@@ -3,7 +3,7 @@
 from datetime import date
 from typing import Literal
 
-from pydantic import AwareDatetime
+from pydantic import AwareDatetime, Field
 
 from schemas.base import Frozen
 from schemas.run_log import RunStatus, State
@@ -29,6 +29,12 @@ class AlarmShown(Frozen):
     about: str
     cause: Statement
     todo: Statement
+
+
+class StopPressed(Frozen):
+    """Whoever is logged in wants a station, by its id, to stop."""
+
+    station: str = Field(min_length=1, max_length=200)
 
 
 class StopShown(Frozen):
@@ -88,8 +94,9 @@ class Output(Frozen):
 
 
 class FlowRun(Frozen):
-    """A run on the Prefect server that is no production order: of which deployment, about what."""
+    """A run on the Prefect server that is no production order, and what it is about."""
 
+    flow: str
     deployment: str
     subject: str
     state: str

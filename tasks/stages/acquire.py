@@ -1,10 +1,10 @@
-"""Stage: acquires a run on a station, writing raw data as they arrive, and stores it."""
+"""Stage: acquires a run on a station, writing raw data as they arrive; another stores it."""
 
 import os
 import secrets
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,16 +13,16 @@ from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
 from schemas.run_log import ENDED, RunStatus, State
 from schemas.station import StationFile
-from storage.catalogue import runs
 from storage.catalogue.run_index import Run
-from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
 from storage.station_lock import lock_place, write_status
 from storage.whole_files import writing_in_home
 from tasks.stages.left_run import LeftRun, left_runs
+from tasks.stages.ready import ready_to_acquire
 from tasks.stages.stage import stage
 from tasks.stages.stoppable import stoppable
+from tasks.stages.store import store, store_waiting
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
 from tasks.station.ports import Ask
 from tasks.station.progress import Progress
@@ -56,6 +56,17 @@ class RawRecording:
 
 
 @dataclass(frozen=True)
+class Measured:
+    """What a run on a station gave: the recordings of whole runs, in the home's `acquired` folder.
+
+    given_up: a sentence for each unit that was given up on the way.
+    """
+
+    whole: tuple[tuple[Path, Acquired], ...]
+    given_up: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class AcquiredRuns:
     """A run of each unit, and a sentence for each unit that was given up on the way."""
 
@@ -63,7 +74,6 @@ class AcquiredRuns:
     given_up: tuple[str, ...] = ()
 
 
-@stage("acquire", again=False)
 def acquire_run(
     station: StationFile,
     procedure: Procedure,
@@ -74,11 +84,16 @@ def acquire_run(
     resume: bool = False,
     stop: StopSwitch | None = None,
 ) -> AcquiredRuns:
-    """Acquire a run while no other is going on at the station; see `_acquire_run`.
+    """Acquire a run while no other is going on at the station, and store it: two stages.
 
     stop: ends it, as a request of `stop_station` does.
+
+    Raises Unusable, before anything turns, for a station, home or catalogue that is not ready.
+    What an earlier run could not store is stored first.
     """
     stop, raw = stop or StopSwitch(), list[RawRecording]()
+    ready_to_acquire(station.station.id, home)
+    store_waiting(home)
     held = stoppable(station, home, stop)
     with held, status_file(station, procedure, home, report, raw) as reporting:
 
@@ -87,12 +102,17 @@ def acquire_run(
             reporting(progress)
 
         left = left_runs(station, procedure, home) if resume else None
-        return _acquire_run(
+        measured = measure(
             station, procedure, home, unless_stopped, ask, is_paused, left, stop, raw
         )
+        kept = tuple(
+            (store(path, home, sleep=stop.sleep), acquired) for path, acquired in measured.whole
+        )
+    return AcquiredRuns(kept, measured.given_up)
 
 
-def _acquire_run(
+@stage("acquire", again=False)
+def measure(
     station: StationFile,
     procedure: Procedure,
     home: Home,
@@ -102,8 +122,8 @@ def _acquire_run(
     left: Mapping[str, LeftRun] | None,
     stop: StopSwitch,
     raw: list[RawRecording],
-) -> AcquiredRuns:
-    """Acquire a run, with its recordings in the home from the first sample on.
+) -> Measured:
+    """Run a procedure on a station, with its recordings in the home from the first sample on.
 
     ask: has a person turn the unit over, where the station cannot. is_paused: asked before each
     segment, which waits until it is so no more. left: interrupted runs by the serial of the unit;
@@ -122,25 +142,36 @@ def _acquire_run(
                     raw[-1].take_over()
             new = tuple(each.new for each in raw)
             made = acquire(RunRequest(station, procedure, new, report, ask, is_paused, stop))
-        kept = tuple(
-            (runs.add(read_mcap(each.path), home)[0], acquired)
-            for each, acquired in zip(raw, made, strict=True)
-            if acquired.given_up is None
-        )
     except Unusable as fault:
         _forget(raw)
         raise Unusable(_with_what_is_left(fault, raw)) from fault
     except OSError as fault:
-        why = fault.strerror or fault
-        raise BrokenOff(f"the recording could not be written ({why}){what_is_left(raw)}") from fault
+        raise BrokenOff(f"{_broken(fault, raw)}{what_is_left(raw)}") from fault
     except (KeyboardInterrupt, StopRequested) as end:
         _forget(raw)
         raise BrokenOff(f"stopped by {stop.by or OPERATOR}{what_is_left(raw)}") from end
     _forget(raw)
-    for each, acquired in zip(raw, made, strict=True):
-        if acquired.given_up is None:
-            each.path.unlink()
-    return AcquiredRuns(kept, tuple(_given_up(raw, made)))
+    whole = tuple(
+        (_moved(each.path, home), acquired)
+        for each, acquired in zip(raw, made, strict=True)
+        if acquired.given_up is None
+    )
+    return Measured(whole, tuple(_given_up(raw, made)))
+
+
+def _moved(path: Path, home: Home) -> Path:
+    """A recording among those that wait to be stored: `--resume` does not go on with it."""
+    target = home.acquired / path.name
+    with writing_in_home(target):
+        return path.rename(target)
+
+
+def _broken(fault: OSError, raw: list[RawRecording]) -> str:
+    """Whether it was the recording that could not be written, or something else that failed."""
+    why = fault.strerror or str(fault) or type(fault).__name__
+    if any(each.sink.is_broken for each in raw):
+        return f"the recording could not be written ({why})"
+    return f"the run broke off ({why})"
 
 
 def _given_up(raw: list[RawRecording], made: tuple[Acquired, ...]) -> Iterator[str]:
@@ -235,7 +266,8 @@ def status_file(
         if is_new or time.monotonic() - written_s >= WRITE_EVERY_S:
             # The run is done once its recording is in the store.
             write("finishing" if progress.state in ENDED else progress.state)
-        report(progress)
+        with suppress(OSError):  # a reader of the progress that is gone does not end the run
+            report(progress)
 
     write("begun")
     try:

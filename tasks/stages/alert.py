@@ -1,16 +1,16 @@
 """Stage: a sentence to whoever operates the line, by the channels of recall.toml."""
 
-import logging
 from dataclasses import dataclass
 
 from schemas.base import Unusable
 from storage import settings
 from storage.home import Home
 from tasks.reminders import send as sending
+from tasks.stages.events import logger_of
 from tasks.stages.remind import Send
 from tasks.words import message, say
 
-LOG = logging.getLogger("mimucal.alert")
+LOG = logger_of("alert")
 
 
 @dataclass(frozen=True)
@@ -37,5 +37,6 @@ def alert(home: Home, sentence: str, send: Send = sending.send) -> list[Sent]:
     title = say(message("alert-title"), asked.operators.language)
     done = [Sent(name, send(url, title, sentence, None)) for name, url in urls.items()]
     for each in done:
-        LOG.warning("alert", extra={"channel": each.channel, "fault": each.fault})
+        fields = {"of": sentence, "channel": each.channel, "cause": each.fault}
+        LOG.warning("failed" if each.fault else "sent", extra=fields)
     return done

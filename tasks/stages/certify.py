@@ -28,7 +28,7 @@ from tasks.stages.certificate_inputs import (
 from tasks.stages.draft import DRAFT, keep_draft
 from tasks.stages.equipment_in_use import standards_in_use
 from tasks.stages.published import Published
-from tasks.stages.stage import stage
+from tasks.stages.stage import announce, stage
 from tasks.validation import record
 from tasks.words import statement
 
@@ -173,6 +173,8 @@ def _is_after(one: datetime | date, other: datetime | date) -> bool:
 def _check_run(run: Run, calibration: Calibration, inputs: CertificateInputs) -> None:
     """Refuses an invalid run with its first reason."""
     validity = calibration.validity
+    if validity.verdict == "invalid":
+        announce("run.invalid", run.serial, run=run.id, why=validity.reasons[0])
     if validity.verdict == "invalid" and not inputs.invalid_run:
         more = len(validity.reasons) - 1
         others = f" (and {more} more reasons)" if more else ""

@@ -1,7 +1,6 @@
 """Diagnoses this machine and this home, and says what to do; changes nothing."""
 
 import os
-import shutil
 import stat
 import sys
 from collections.abc import Callable, Iterator
@@ -15,15 +14,13 @@ from schemas.base import Unusable
 from schemas.doctor import Diagnosis, Examined
 from storage import settings
 from storage.catalogue import run_index, trail
-from storage.environment import environment
 from storage.home import Home
-from tasks.stages import prefect_api
+from tasks.stages.examine_prefect import examine_prefect
+from tasks.stages.ready import FREE_BYTES, free_bytes
 from tasks.validation import record
 
 PYTHON = (3, 11)
-FREE_BYTES = 2 << 30  # on the disk: ten runs of an hour
 MEMORY_BYTES = 2 << 30
-ANSWER_S = 3.0  # for a Prefect server that is named
 
 
 def diagnose(home: Home) -> Diagnosis:
@@ -64,7 +61,7 @@ def _wrong(needed: Requirement) -> str | None:
 
 
 def _disk(home: Home) -> Iterator[Examined]:
-    free = shutil.disk_usage(_first_that_exists(home.path)).free
+    free = free_bytes(home.path)
     yield Examined(
         what="disk of the home",
         found=f"{free / 2**30:.1f} GiB free",
@@ -183,37 +180,14 @@ def _interrupted(home: Home) -> Iterator[Examined]:
         remedy="Go on with `mimucal acquire --resume`, or take them in with `mimucal import "
         "--salvage`; a run that goes on now is named, too." if left else None,
     )  # fmt: skip
+    waiting = sorted(home.acquired.glob("*.mcap"))
+    yield Examined(
+        what="runs to be stored",
+        found=", ".join(path.name for path in waiting) or "none",
+        remedy=f"Store each with `mimucal import {home.acquired}/FILE`; the next run does, too."
+        if waiting else None,
+    )  # fmt: skip
 
 
 def _prefect(_: Home) -> Iterator[Examined]:
-    url = environment().prefect_server
-    if not url:
-        yield Examined(what="Prefect", found="no server named: a command starts its own")
-        return
-    import httpx
-
-    asked = f"{url.rstrip('/')}/admin/version"  # /health answers to everybody
-    try:
-        is_open = httpx.get(asked, timeout=ANSWER_S).is_success
-        httpx.get(asked, headers=prefect_api.headers(), timeout=ANSWER_S).raise_for_status()
-    except httpx.HTTPStatusError as error:
-        refused = error.response.status_code == httpx.codes.UNAUTHORIZED
-        yield Examined(
-            what="Prefect",
-            found=f"{url} answers {error.response.status_code}",
-            remedy=f"Let {prefect_api.AUTH} be what the server has as {prefect_api.SERVER_AUTH}."
-            if refused else "Start that server, mend PREFECT_API_URL, or unset it.",
-        )  # fmt: skip
-    except (httpx.HTTPError, httpx.InvalidURL) as error:
-        yield Examined(
-            what="Prefect",
-            found=f"{url} does not answer ({type(error).__name__})",
-            remedy="Start that server, mend PREFECT_API_URL, or unset it.",
-        )
-    else:
-        yield Examined(
-            what="Prefect",
-            found=f"{url} answers" + " to everybody, without a password" * is_open,
-            remedy=f"Give the server {prefect_api.SERVER_AUTH}=NAME:PASSWORD, and workers and "
-            f"commands the same as {prefect_api.AUTH}." if is_open else None,
-        )  # fmt: skip
+    yield from examine_prefect()

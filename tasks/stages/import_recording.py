@@ -26,7 +26,8 @@ def import_recording(
 ) -> Imported:
     """Read a recording, check it, keep it.
 
-    Raises Unusable, with the store unchanged, where the recording cannot be used. `left_out` is
+    One that a run could not store leaves the home's `acquired` folder. Raises Unusable, with the
+    store unchanged, where the recording cannot be used. `left_out` is
     empty for a recording whose bytes are in the store already, which is not read again.
     """
     known = None if manifest else runs.imported_before(path, home)
@@ -36,6 +37,8 @@ def import_recording(
 
     recording = import_checks.read(path, manifest=manifest, salvage=salvage)
     run, is_new = runs.add(recording, home, source=None if manifest or salvage else path)
+    if path.absolute().parent == home.acquired.absolute():  # it waited for this
+        path.unlink(missing_ok=True)
     return Imported(run, is_new, recording.extra.get("left_out", ()))
 
 

@@ -24,7 +24,7 @@ from tasks.certificate.sign import Signing, signing_of
 from tasks.stages.certificate_inputs import day_of_moment
 from tasks.stages.certify import due_date
 from tasks.stages.published import Published, published
-from tasks.stages.stage import stage
+from tasks.stages.stage import announce, stage
 from tasks.words import say
 
 AGAIN = "certify the run again"
@@ -77,6 +77,7 @@ def issue(key: str, home: Home, person: str, reason: str | None = None) -> Publi
             sha256=keep_certificate.hashes(connection, number),
         )  # fmt: skip
     keep_certificate.remove_files([entry], files, home)
+    announce("certificate.issued", entry.serial, certificate=number, person=person)
     return published(number, home)
 
 

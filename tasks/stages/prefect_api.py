@@ -1,15 +1,53 @@
-"""What a request to the API of Prefect's server carries, where it asks for a name and password."""
+"""Questions to the Prefect server that PREFECT_API_URL names, without importing Prefect."""
 
-import base64
-import os
+from typing import Any
 
-AUTH = "PREFECT_API_AUTH_STRING"  # `name:password`, for clients
+from schemas.base import Unusable
+from storage.environment import environment
+
+CLIENT_AUTH = "PREFECT_API_AUTH_STRING"  # `user:password`, for who asks
 SERVER_AUTH = "PREFECT_SERVER_API_AUTH_STRING"  # the same, for the server
 
+TIMEOUT_S = 3.0
 
-def headers() -> dict[str, str]:
-    """The header of HTTP basic authentication, if a name and password are set."""
-    given = os.environ.get(AUTH)
-    if not given:
-        return {}
-    return {"Authorization": f"Basic {base64.b64encode(given.encode()).decode()}"}
+
+class NotAnswered(Unusable):
+    """The server is away, or refuses."""
+
+
+def get(path: str) -> Any:
+    """The answer to a path of the API, such as `/health`; raises NotAnswered."""
+    return _ask("GET", path, None)
+
+
+def post(path: str, asked: dict[str, Any]) -> Any:
+    """The answer to a filter, such as that of `/flow_runs/filter`; raises NotAnswered."""
+    return _ask("POST", path, asked)
+
+
+def is_open() -> bool:
+    """Whether the server answers whoever gives no password."""
+    try:
+        _ask("GET", "/admin/version", None, with_password=False)
+    except NotAnswered:
+        return False
+    return True
+
+
+def credentials() -> tuple[str, str] | None:
+    """User and password of CLIENT_AUTH, where the server asks for them."""
+    user, _, password = (environment().prefect_login or "").partition(":")
+    return (user, password) if user else None
+
+
+def _ask(method: str, path: str, asked: dict[str, Any] | None, with_password: bool = True) -> Any:
+    import httpx
+
+    url = (environment().prefect_server or "").rstrip("/")
+    try:
+        auth = credentials() if with_password else None
+        answer = httpx.request(method, f"{url}{path}", json=asked, auth=auth, timeout=TIMEOUT_S)
+        answer.raise_for_status()
+        return answer.json()
+    except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
+        raise NotAnswered(f"{url} does not answer ({type(error).__name__}: {error})") from error

@@ -14,8 +14,11 @@ from storage.home import Home
 from tasks.reminders import send as sending
 from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
+from tasks.stages.events import logger_of
+from tasks.stages.stage import announce
 from tasks.words import Message, message
 
+LOG = logger_of("remind")
 Send = Callable[[str, str, str, bytes | None], str | None]
 
 
@@ -77,7 +80,10 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
                 url = urls[client.name, name]
                 fault = _sent(send, url, each, days, client.language, now)
                 reminders.note(home, key, now, fault)
+                fields = {"of": each.certificate, "channel": key[2], "cause": fault}
+                (LOG.error if fault else LOG.info)("failed" if fault else "sent", extra=fields)
                 if fault:
+                    announce("reminder.failed", each.unit, channel=key[2], why=fault)
                     faults.append(f"{each.unit} to {key[2]}: {fault}")
     return faults
 

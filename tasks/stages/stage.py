@@ -6,10 +6,12 @@ module and the flows know Prefect.
 
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial, wraps
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar, cast
 
 from storage.catalogue.connection import Busy
+from tasks.stages.events import logged
 
 if TYPE_CHECKING:
     from prefect.client.schemas.objects import State, TaskRun
@@ -20,6 +22,7 @@ R = TypeVar("R")
 
 RETRIES = 2
 RETRY_DELAY_S = 1
+FORGOTTEN = (404, 410)  # a run or a lease that a server lost when it was started anew
 
 
 def stage(name: str, *, again: bool = True) -> Callable[[Callable[P, R]], Callable[P, R]]:
@@ -30,8 +33,10 @@ def stage(name: str, *, again: bool = True) -> Callable[[Callable[P, R]], Callab
     again by itself.
     """
 
-    def staged(function: Callable[P, R]) -> Callable[P, R]:
-        @wraps(function)
+    def staged(plain: Callable[P, R]) -> Callable[P, R]:
+        function = logged(name, plain)
+
+        @wraps(plain)
         def run(*args: P.args, **kwargs: P.kwargs) -> R:
             if not _starts_a_task():
                 return function(*args, **kwargs)
@@ -40,6 +45,34 @@ def stage(name: str, *, again: bool = True) -> Callable[[Callable[P, R]], Callab
         return run
 
     return staged
+
+
+def notify(sentence: str) -> None:
+    """Says something that the operator should know now: in the flow's log, else on stderr."""
+    if _is_in_a_flow():
+        from prefect.logging import get_run_logger
+
+        get_run_logger().warning(sentence)
+    else:
+        with suppress(OSError):  # nobody reads it any more
+            print(sentence, file=sys.stderr, flush=True)
+
+
+def announce(event: str, unit: str, **payload: str) -> None:
+    """Emits an event of a unit (its serial number) to Prefect, if a flow is running."""
+    if _is_in_a_flow():
+        from prefect.events import emit_event
+
+        resource = {"prefect.resource.id": f"mimucal.unit.{unit}", "prefect.resource.name": unit}
+        emit_event(f"mimucal.{event}", resource=resource, payload=payload)
+
+
+def _is_in_a_flow() -> bool:
+    if "prefect" not in sys.modules:
+        return False
+    from prefect.context import FlowRunContext, TaskRunContext
+
+    return FlowRunContext.get() is not None or TaskRunContext.get() is not None
 
 
 def _starts_a_task() -> bool:
@@ -76,18 +109,22 @@ def without_loss(
         try:
             return cast(R, by_prefect(remembered)(*args, **kwargs))
         except Exception as fault:
-            if not _is_of_the_server(fault):
+            if not is_of_the_server(fault):
                 raise
             return ends[-1]() if ends else function(*args, **kwargs)
 
     return run
 
 
-def _is_of_the_server(fault: Exception) -> bool:
-    from httpx import TransportError
+def is_of_the_server(fault: Exception) -> bool:
+    """Whether it is away, refuses for a fault of its own, or has forgotten what it knew."""
+    from httpx import HTTPStatusError, TransportError
 
     never_there = isinstance(fault, RuntimeError) and "Failed to reach API" in str(fault)
-    return never_there or isinstance(fault, TransportError)
+    refused = isinstance(fault, HTTPStatusError) and (
+        fault.response.status_code in FORGOTTEN or fault.response.is_server_error
+    )
+    return never_there or refused or isinstance(fault, TransportError)
 
 
 def _again(fault: BaseException) -> NoReturn:

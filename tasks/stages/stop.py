@@ -21,11 +21,10 @@ from storage.station_lock import (
     status_file_of,
 )
 from storage.station_stop import answer_in, kept_station_file, request_stop, take_back
-from tasks.stages.stoppable import axes_of
-from tasks.station.stopping import REST_S, is_at_rest, stop_directly
 
 ANSWER_S = 1.0  # for which a run's process has time to command every axis
 LOOK_S = 0.02
+REST_S = 30.0  # for which a process that has answered brings the table to rest
 
 
 def stop_station(station: str, by: str, home: Home) -> Stopped:
@@ -103,6 +102,9 @@ def _answer(request: StopRequest, home: Home) -> StopAnswer | None:
 
 
 def _directly(file: StationFile, by: str) -> Stopped:
+    # late: the drivers take longer to import than a run's process needs to answer
+    from tasks.station.stopping import axes_of, is_at_rest, stop_directly
+
     id_, state, fault = file.station.id, None, ""
     try:
         state = stop_directly(file)
@@ -110,7 +112,7 @@ def _directly(file: StationFile, by: str) -> Stopped:
         fault = str(silent)
     at_rest = state is not None and is_at_rest(state)
     if state is not None and not at_rest:
-        fault = f"the table still turns {REST_S:g} s after it was commanded to stop"
+        fault = "the table still turns although it was commanded to stop"
     return Stopped(
         station=id_, by=by, at_rest=at_rest, axes=axes_of(file, state), way="directly",
         fault=fault, seconds=0.0,

@@ -8,12 +8,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from schemas.station import StationFile
-from schemas.stop import AxisReading, StopAnswer, StopRequest
+from schemas.stop import StopAnswer, StopRequest
 from storage.home import Home
 from storage.station_lock import end_status, one_run_on, share_status
 from storage.station_stop import answer_stop, keep_station_file, request_in, take_back
-from tasks.station.ports import TableState
-from tasks.station.stopping import StopSwitch
+from tasks.station.stopping import StopSwitch, axes_of
 
 LOOK_S = 0.1  # between two looks for a request
 SHARE_S = 1.0  # between two statuses for other computers
@@ -108,13 +107,3 @@ class _Watch(threading.Thread):
             with suppress(OSError):
                 self._share()
             self._shared_s = time.monotonic()
-
-
-def axes_of(station: StationFile, state: TableState | None) -> tuple[AxisReading, ...]:
-    """The axes of a table as they were read, with their names."""
-    names = (axis.name for axis in station.station.table_axes or ())
-    axes = state.axes if state is not None else ()
-    return tuple(
-        AxisReading(name=name, angle_deg=axis.angle_deg, rate_deg_s=axis.rate_deg_s)
-        for name, axis in zip(names, axes, strict=False)
-    )

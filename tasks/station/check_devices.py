@@ -19,6 +19,7 @@ from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
 from tasks.station.plan import SetPoint, move_s
 from tasks.station.ports import Climate, Fixture, Table, TableState
+from tasks.station.stopping import StopSwitch, run_until_stopped
 from tasks.words import Message, Sayable, message, statement
 
 MOVE_DEG = 1.0
@@ -41,9 +42,14 @@ class Trial:
     found: Statement
 
 
-def check_station(station: StationFile, move: bool) -> tuple[Trial, ...]:
-    """Try every device; with `move`, turn each axis by MOVE_DEG and back. Raises nothing."""
-    return asyncio.run(_check(station, move))
+def check_station(
+    station: StationFile, move: bool, stop: StopSwitch | None = None
+) -> tuple[Trial, ...]:
+    """Try every device; with `move`, turn each axis by MOVE_DEG and back.
+
+    Raises StopRequested where the switch was pressed; the table is then stopped.
+    """
+    return run_until_stopped(_check(station, move), stop or StopSwitch())
 
 
 async def _check(station: StationFile, move: bool) -> tuple[Trial, ...]:

@@ -2,12 +2,14 @@
 
 import asyncio
 import threading
+import time
 from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
 from schemas.base import Unusable
 from schemas.station import StationFile
+from schemas.stop import AxisReading
 from tasks.station.clock import wall_s
 from tasks.station.drivers.devices import Devices
 from tasks.station.ports import Table, TableState
@@ -54,6 +56,14 @@ class StopSwitch:
         """Raises StopRequested once it was pressed."""
         if self.by is not None:
             raise StopRequested(self.by)
+
+    def sleep(self, seconds: float) -> None:
+        """Wait; raises StopRequested where it is pressed meanwhile."""
+        end_s = wall_s() + seconds
+        while (left_s := end_s - wall_s()) > 0:
+            self.check()
+            time.sleep(min(left_s, LOOK_S))
+        self.check()
 
     @contextmanager
     def calling(self, listener: Callable[[], object]) -> Iterator[None]:
@@ -145,3 +155,13 @@ async def _stop_directly(station: StationFile) -> TableState:
     finally:
         with suppress(OSError):
             await devices.hang_up()
+
+
+def axes_of(station: StationFile, state: TableState | None) -> tuple[AxisReading, ...]:
+    """The axes of a table as they were read, with their names."""
+    names = (axis.name for axis in station.station.table_axes or ())
+    axes = state.axes if state is not None else ()
+    return tuple(
+        AxisReading(name=name, angle_deg=axis.angle_deg, rate_deg_s=axis.rate_deg_s)
+        for name, axis in zip(names, axes, strict=False)
+    )

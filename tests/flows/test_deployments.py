@@ -1,32 +1,130 @@
-"""What deploy/prefect.yaml orders exists, seen from the folder that deploy/README.md names."""
+"""What `mimucal deploy` and `mimucal station add` make on a real server, behind its password."""
 
-import inspect
+import os
+from collections.abc import Iterator
+from datetime import datetime
 from pathlib import Path
 
+import httpx
 import pytest
-import yaml
-from prefect.exceptions import ParameterTypeError
-from prefect.flows import load_flow_from_entrypoint
 
-ROOT = Path(__file__).parents[2]  # the checkout: deploy/README.md says “in the checkout”
-ORDER = ".venv/bin/prefect --no-prompt deploy --all --prefect-file deploy/prefect.yaml"
-FILE = yaml.safe_load((ROOT / "deploy" / "prefect.yaml").read_text(encoding="utf-8"))
+from flows import prefect_flows
+from flows.deployments import OF_THE_LINE, environment
+from storage.home import Home
+from tasks.stages.examine_prefect import examine_prefect
+from tasks.stages.prefect_api import get, post
+from tasks.station.virtual.config import VirtualStation, station_file
+from tests.prefect_line import PrefectLine, flow_runs, prefect_line, wait_for
 
-
-def test_readme_gives_the_order_for_the_folder_from_which_the_entrypoints_resolve() -> None:
-    text = " ".join((ROOT / "deploy" / "README.md").read_text(encoding="utf-8").split())
-    assert ORDER in text
-    assert "in the checkout" in text
-    assert "pull" not in FILE  # then Prefect notes the folder of the order
+pytestmark = pytest.mark.real_time
+SCHEDULED_S = 60.0  # of a busy machine; the server looks every 2 s
 
 
-@pytest.mark.parametrize("deployment", FILE["deployments"], ids=lambda d: d["name"])
-def test_a_deployment_names_a_flow_and_its_parameters(deployment, monkeypatch) -> None:
-    monkeypatch.chdir(ROOT)
-    named = load_flow_from_entrypoint(deployment["entrypoint"])
-    assert set(inspect.signature(named.fn).parameters) == {"order"}
-    if deployment.get("parameters"):
-        named.validate_parameters(deployment["parameters"])
-    with pytest.raises(ParameterTypeError):
-        named.validate_parameters({"order": {"nonsense": 1}})
-    assert deployment["work_pool"]["name"] == "line"
+@pytest.fixture(scope="module")
+def line(prefect_database: Path, tmp_path_factory) -> Iterator[PrefectLine]:
+    """A server with the deployments of the line and of a station, made twice."""
+    with prefect_line(tmp_path_factory.mktemp("deployed"), prefect_database) as line:
+        file = line.folder / "station.json"
+        virtual = station_file(VirtualStation(), 1.0, "127.0.0.1", 1, 2)
+        file.write_text(virtual.model_dump_json(), encoding="utf-8")
+        for _ in range(2):
+            line.mimucal("deploy", "--timezone", "Asia/Shanghai")
+            line.mimucal(
+                "station", "add", file, "--schedule", "0 8 * * 1-5", "--timezone", "Europe/Berlin"
+            )
+        yield line
+
+
+def deployment(name: str) -> dict:
+    return get(f"/deployments/name/{name}")
+
+
+def test_every_active_schedule_has_runs_to_come(line) -> None:
+    """With Prefect 3.8.8 and SQLAlchemy 2.1.9 none ever came."""
+    for name in ("remind/remind", "review/review", "produce/VIRTUAL-1"):
+        runs = wait_for(lambda name=name: flow_runs(name, "SCHEDULED"), SCHEDULED_S)
+        assert all(run["auto_scheduled"] for run in runs)
+
+
+def test_what_is_scheduled_keeps_the_hour_of_its_zone_over_a_change_of_daylight_saving(
+    line,
+) -> None:
+    from zoneinfo import ZoneInfo
+
+    runs = wait_for(lambda: flow_runs("produce/VIRTUAL-1", "SCHEDULED"), SCHEDULED_S)
+    there = [datetime.fromisoformat(run["expected_start_time"]) for run in runs]
+    local = [moment.astimezone(ZoneInfo("Europe/Berlin")) for moment in there]
+    assert {(moment.hour, moment.minute) for moment in local} == {(8, 0)}
+    assert {moment.weekday() for moment in local} <= set(range(5))
+    if (max(local) - min(local)).days >= 100:
+        assert {moment.utcoffset() for moment in local} != {local[0].utcoffset()}
+
+
+def test_a_station_has_a_pool_of_one_run_at_a_time_and_the_line_another(line) -> None:
+    assert get("/work_pools/station-VIRTUAL-1")["concurrency_limit"] == 1
+    assert get("/work_pools/line")["concurrency_limit"] is None
+    made = deployment("produce/VIRTUAL-1")
+    assert made["work_pool_name"] == "station-VIRTUAL-1"
+    assert made["global_concurrency_limit"] is None
+    kept = line.home / "stations/VIRTUAL-1.json"
+    assert made["parameters"] == {"order": {"station": str(kept)}}
+    assert kept.stat().st_mode & 0o777 == 0o600
+    unit = line.home / "systemd/mimucal-station-VIRTUAL-1.service"
+    assert "--pool station-VIRTUAL-1" in unit.read_text(encoding="utf-8")
+
+
+def test_no_deployment_names_the_checkout_or_a_password(line, monkeypatch) -> None:
+    for each in post("/deployments/filter", {}):
+        assert each["path"] is None
+        assert each["pull_steps"] in (None, [])
+        assert each["entrypoint"].startswith("flows.prefect_flows.")
+        assert os.getcwd() not in str(each["job_variables"])
+    monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://me:secret@host/mimucal")
+    assert "secret" not in str(environment(Home(line.home)))
+
+
+def test_each_deployment_is_a_flow_that_takes_its_parameters(line) -> None:
+    for each in OF_THE_LINE:
+        made = deployment(f"{each.flow}/{each.flow}")
+        flow = getattr(prefect_flows, each.flow)
+        if made["parameters"]:
+            flow.validate_parameters(made["parameters"])
+        assert set(made["parameter_openapi_schema"]["properties"]) == {"order"}
+        assert (made["global_concurrency_limit"] is not None) == each.alone
+
+
+def test_late_crashed_and_silent_are_watched_once_each(line) -> None:
+    names = [each["name"] for each in post("/automations/filter", {})]
+    assert sorted(names) == sorted(set(names))
+    for what in ("late", "crashed", "silent", "worker", "invalid", "reminder"):
+        assert any(what in name for name in names)
+
+
+def test_nobody_without_the_password_reaches_the_server(line) -> None:
+    for path in ("/deployments/filter", "/flow_runs/filter"):
+        answer = httpx.post(f"{line.url}{path}", json={}, timeout=30)
+        assert answer.status_code == 401
+
+
+def test_the_doctor_sees_schedules_workers_leases_and_the_door(line) -> None:
+    wait_for(lambda: flow_runs("produce/VIRTUAL-1", "SCHEDULED"), SCHEDULED_S)
+    found = {each.what: each for each in examine_prefect()}
+    for what in ("Prefect", "Prefect's door", "Prefect's leases", "Prefect's schedules"):
+        assert found[what].remedy is None, found[what]
+    assert found["Prefect's schedules"].found == "3 produce runs"
+    workers = found["Prefect's workers"]
+    assert workers.found == "none lives of line, station-VIRTUAL-1"
+    assert workers.remedy is not None
+
+
+def test_a_station_that_is_removed_leaves_nothing_on_the_server(line) -> None:
+    other = station_file(VirtualStation(), 1.0, "127.0.0.1", 1, 2)
+    named = other.station.model_copy(update={"id": "B-2"})
+    file = line.folder / "b.json"
+    file.write_text(other.model_copy(update={"station": named}).model_dump_json(), "utf-8")
+    line.mimucal("station", "add", file)
+    assert deployment("produce/B-2")["schedules"] == []
+    line.mimucal("station", "remove", "B-2")
+    names = {each["name"] for each in post("/deployments/filter", {})}
+    assert "B-2" not in names
+    assert not list(line.home.rglob("*B-2*"))

@@ -16,6 +16,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import httpx
 import pytest
 
 from storage.home import Home
@@ -104,6 +105,7 @@ async def observed():
         runs, tasks = await client.read_flow_runs(), await client.read_task_runs()
         return {
             "flows": Counter(run.state_name for run in runs),
+            "names": [run.name for run in runs],
             "tasks": sorted({task.name.rsplit("-", 1)[0] for task in tasks}),
             "artifacts": Counter(each.key for each in await client.read_artifacts()),
         }
@@ -174,11 +176,22 @@ def line(
 def test_produce_and_apply_are_flows_whose_stages_and_artifacts_the_server_shows(line) -> None:
     report = line.report
     assert report["verdict"] == "inconclusive"
-    assert report["flows"] == {"Completed": 7}  # produce is three
-    assert {"acquire", "apply", "certify", "decide and publish", "estimate"} <= set(report["tasks"])
-    assert report["artifacts"] == {"calibration-items": 3, "certificate": 2}
+    assert report["flows"] == {"Completed": 5}
+    stages = {"acquire", "store", "estimate", "decide and publish", "apply"}
+    assert stages <= set(report["tasks"])
+    made = {"calibration-v00007": 2, "certificate-v00007": 1}
+    assert {key: report["artifacts"][key] for key in made} == made
+    assert {"V00007 short", "calibrate V00007 short"} <= set(report["names"])
     assert (line.folder / "corrected/manifest.json").exists()
     assert list((line.folder / "home/certificates").glob("*.pdf"))
+
+
+def test_nobody_orders_from_the_server_of_a_command_without_its_password(line) -> None:
+    server = line.report["server"]
+    asked = f"{server['PREFECT_API_URL']}/admin/version"
+    name, password = server["PREFECT_API_AUTH_STRING"].split(":")
+    assert httpx.get(asked, trust_env=False).status_code == 401
+    assert httpx.get(asked, auth=(name, password), trust_env=False).status_code == 200
 
 
 def test_the_steps_of_a_certificate_are_flow_runs_where_a_server_is_named(line) -> None:

@@ -2,8 +2,8 @@
 
 import pytest
 
-from flows import prefect_flows
-from flows.prefect_flows import PROGRESS_EVERY_S, UNANSWERED_S, _ProgressArtifact
+from flows import artifacts
+from flows.artifacts import PROGRESS_EVERY_S, UNANSWERED_S, ProgressArtifact
 
 
 @pytest.mark.parametrize(("answers", "pause_s"), [(True, PROGRESS_EVERY_S), (False, UNANSWERED_S)])
@@ -12,8 +12,8 @@ def test_an_update_comes_after_a_pause_and_at_the_end(
 ) -> None:
     updates: list[int] = []
     now = [0.0]
-    monkeypatch.setattr(prefect_flows, "_show", lambda update: updates.append(1) or answers)
-    show = _ProgressArtifact("reprocess", clock=lambda: now[0])
+    monkeypatch.setattr(artifacts, "show", lambda update: updates.append(1) or answers)
+    show = ProgressArtifact("reprocess", clock=lambda: now[0])
     for second in range(200):
         now[0] = float(second)
         show(second, 200)

@@ -15,6 +15,14 @@ def test_whatever_ends_a_command_ends_it_as_ctrl_c(ending: signal.Signals) -> No
     assert signal.getsignal(ending) is before
 
 
+def test_a_second_signal_does_not_break_off_what_the_first_began() -> None:
+    with ending_as_ctrl_c():
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGHUP)
+
+
 def test_a_signal_that_was_ignored_stays_ignored() -> None:
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:

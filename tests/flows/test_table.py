@@ -5,12 +5,15 @@ from collections.abc import Callable
 from io import StringIO
 from pathlib import Path
 
+import duckdb
 import pandas as pd
 import pyarrow.dataset as ds
 import pytest
 
+from schemas.history import Change
 from schemas.orders import CalibrateOrder
 from schemas.recording import Recording
+from schemas.uncertainty import BudgetInput
 from storage import dataframes
 from storage.catalogue import runs
 from storage.home import Home
@@ -58,6 +61,28 @@ def test_a_folder_is_partitioned_by_station_and_month(store: Home, mimucal, tmp_
     read = ds.dataset(folder, partitioning="hive").to_table(filter=ds.field("station") == "test")
     assert read.num_rows == len(dataframes.segments(store))
     assert mimucal("table", "segments", "--as", "parquet", "--out", folder).code == 2
+
+
+def test_duckdb_reads_each_column_by_its_name(store: Home, mimucal, tmp_path: Path) -> None:
+    mimucal("table", "results", "--as", "parquet", "--out", tmp_path / "results.parquet")
+    mimucal("table", "results", "--out", tmp_path / "results.csv")
+    expected = dataframes.results(store)
+    for file in ("results.parquet", "results.csv"):
+        for name in ("standard_uncertainty", "expanded_uncertainty", "k"):
+            asked = f"SELECT {name.upper()} FROM '{tmp_path / file}'"
+            found = pd.Series([row[0] for row in duckdb.sql(asked).fetchall()], dtype=float)
+            pd.testing.assert_series_equal(found, expected[name], check_names=False)
+
+
+@pytest.mark.parametrize("what", dataframes.TABLES)
+def test_columns_of_a_table_differ_by_more_than_case(store: Home, what: str) -> None:
+    names = [name.lower() for name in dataframes.TABLES[what](store).columns]
+    assert len(set(names)) == len(names)
+
+
+def test_columns_of_the_other_files_differ_by_more_than_case() -> None:
+    for names in (list(Change.model_fields), ["item", "element", "u_c", *BudgetInput.model_fields]):
+        assert len({name.lower() for name in names}) == len(names)
 
 
 def test_a_folder_of_no_rows_is_an_empty_one(home: Path, mimucal, tmp_path: Path) -> None:

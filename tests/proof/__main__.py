@@ -12,6 +12,7 @@ from tests.proof.faults.run import run_faults
 from tests.proof.fleets.run import run_fleets
 from tests.proof.fuzz.run import run_fuzz
 from tests.proof.history.run import run_history
+from tests.proof.hostile.run import run_hostile
 from tests.proof.issue.run import run_issue
 from tests.proof.line.run import run_line
 from tests.proof.next.on_station import run_next_on_station
@@ -19,7 +20,14 @@ from tests.proof.next.run import run_next
 from tests.proof.pages.run import run_pages
 from tests.proof.pages.screens import run_screens
 from tests.proof.papers.run import run_papers
-from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
+from tests.proof.prove import (
+    run_kills,
+    run_loaded,
+    run_prove,
+    run_resumes,
+    run_station,
+    run_stops,
+)
 from tests.proof.throughput.run import run_throughput
 from tests.proof.trial.rough.run import run_rough
 from tests.surroundings import leave_production
@@ -66,6 +74,12 @@ def main(
         int | None,
         typer.Option(
             metavar="N", min=1, help="Nothing but N acquisitions that are killed and go on."
+        ),
+    ] = None,
+    stops: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but N stops at random moments, parts being down."
         ),
     ] = None,
     rough: Annotated[
@@ -129,6 +143,12 @@ def main(
             metavar="N", min=1, help="Nothing but N random questions to each endpoint of the pages."
         ),
     ] = None,
+    hostile: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but hostile calls of a line, N of them flow runs."
+        ),
+    ] = None,
     papers: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Nothing but certificates of every kind, to look at."),
@@ -151,8 +171,8 @@ def main(
         bool,
         typer.Option(
             "--write",
-            help="With --faults, --fleets, --fuzz, --issue, --line, --next, --pages, --throughput: "
-            "into the evidence.",
+            help="With --faults, --fleets, --fuzz, --hostile, --issue, --line, --next, --pages, "
+            "--throughput: into the evidence.",
         ),
     ] = False,
     as_json: Annotated[
@@ -165,13 +185,15 @@ def main(
     """
     only = (
         (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
+        (run_stops, stops),
         (run_history, history), (run_next_on_station, next_on_station),
         (partial(run_papers, papers), 1 if papers else None),
         (partial(run_screens, seed), screens),
     )  # fmt: skip
     seeded = (
         (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),
-        (run_pages, pages), (run_next, next_), (partial(run_line, out=out), line),
+        (run_pages, pages), (run_next, next_), (run_hostile, hostile),
+        (partial(run_line, out=out), line),
     )  # fmt: skip
     try:
         for run, count in only:

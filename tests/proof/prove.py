@@ -20,6 +20,7 @@ from tests.proof.peers.table import duties_of
 from tests.proof.real import page as real_page
 from tests.proof.real.run import Results, run_all
 from tests.proof.station import run as station
+from tests.proof.stops import run as stops
 from tests.proof.trial.draw import draw
 from tests.proof.trial.evidence import (
     SUMMARY,
@@ -123,6 +124,18 @@ def run_kills(count: int, out: Path | None) -> None:
     if any(each.faults for each in killed):
         raise Unusable(kills.summary(killed))
     stdout(markup=False).print(kills.summary(killed))
+
+
+def run_stops(count: int, out: Path | None) -> None:
+    """Stops stations at random moments; Unusable as for `run_station`, or where one went wrong."""
+    folder = (out or Path(f"{DEFAULT_OUT}-stops")).absolute()
+    _make(folder)
+    with counting("stops") as report:
+        pressed = stops.run_all(folder, count, report)
+    stdout(markup=False).print(str(folder / stops.PAGE))
+    if any(each.faults or each.resumed is False for each in pressed):
+        raise Unusable(stops.summary(pressed))
+    stdout(markup=False).print(stops.summary(pressed))
 
 
 def run_resumes(count: int, out: Path | None) -> None:

@@ -2,10 +2,9 @@
 
 from flows.pages.line.data import data
 from flows.pages.line.layout import layout
-from flows.pages.line.stop_button import callbacks
 from flows.pages.page import Page
 from schemas.pages.line import LineNow, LineQuestion
 
 REFRESH_S = 2.0
 
-PAGE = Page("line", LineQuestion, LineNow, data, layout, refresh_s=REFRESH_S, callbacks=callbacks)
+PAGE = Page("line", LineQuestion, LineNow, data, layout, refresh_s=REFRESH_S)

@@ -41,7 +41,7 @@ def card(now: StationNow, view: View) -> Component:
     if now.alarm is not None:
         body.append(_alarm(now.alarm, now, view))
     body += _queue(now.waiting, view)
-    foot = [what_became_of(now, view), stop_button(now.station, view)]
+    foot = [*what_became_of(now, view), stop_button(now.station, view)]
     return html.Section(
         [
             html.Div(head, className=f"station-head station-{KINDS[now.state]}"),

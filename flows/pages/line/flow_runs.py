@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-import httpx
 from pydantic import ValidationError
 
 from flows.prefect_server import server_named
@@ -17,7 +16,6 @@ NOW = ("PENDING", "RUNNING", "PAUSED", "CANCELLING")
 LATE = "Late"  # Prefect's name of a scheduled run whose time has passed
 PRODUCE = "produce"  # its runs are the orders of the catalogue
 MOST = 200  # that the server gives at once
-TIMEOUT_S = 2.0
 FRESH_S = 2.0  # for all who look at the page
 NAMED = ("run", "certificate", "serial", "model", "station", "recording", "since", "client")
 
@@ -30,46 +28,38 @@ def flow_runs() -> Flows:
 
 
 @lru_cache(maxsize=1)
-def _asked(url: str, _: int) -> Flows:
+def _asked(_: str, __: int) -> Flows:
     state = {"state": {"type": {"any_": ["SCHEDULED", *NOW]}}}
     asked = {"flow_runs": state, "sort": "EXPECTED_START_TIME_ASC", "limit": MOST}
     try:
-        with httpx.Client(
-            base_url=url.rstrip("/"), timeout=TIMEOUT_S, headers=prefect_api.headers()
-        ) as server:
-            runs = _answer(server, "/flow_runs/filter", asked)
-            deployments, flows = (
-                _names(server, kind, runs) for kind in ("deployment", "flow")
-            )  # fmt: skip
+        runs = prefect_api.post("/flow_runs/filter", asked)
+        deployments, flows = (_names(kind, runs) for kind in ("deployment", "flow"))
         found = [_shown(run, deployments, flows) for run in runs]
         return Flows(server=True, runs=tuple(_next_of_each(found)))
-    except (httpx.HTTPError, httpx.InvalidURL, ValueError, KeyError, TypeError) as error:
+    except prefect_api.NotAnswered as error:
+        return Flows(server=True, fault=f"Prefect's server did not answer ({error})")
+    except (ValueError, KeyError, TypeError) as error:
         why = type(error).__name__ if isinstance(error, ValidationError) else str(error)
         return Flows(server=True, fault=f"Prefect's server did not answer ({why})")
 
 
-def _answer(server: httpx.Client, path: str, asked: Mapping[str, Any]) -> list[dict[str, Any]]:
-    answer = server.post(path, json=asked)
-    answer.raise_for_status()
-    found: list[dict[str, Any]] = answer.json()
-    return found
-
-
-def _names(server: httpx.Client, kind: str, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+def _names(kind: str, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     """The names of the deployments or flows of runs, by their ids."""
     ids = sorted({run[f"{kind}_id"] for run in runs if run.get(f"{kind}_id")})
     if not ids:
         return {}
-    found = _answer(server, f"/{kind}s/filter", {f"{kind}s": {"id": {"any_": ids}}})
+    found = prefect_api.post(f"/{kind}s/filter", {f"{kind}s": {"id": {"any_": ids}}})
     return {each["id"]: each["name"] for each in found}
 
 
 def _shown(
     run: Mapping[str, Any], deployments: Mapping[str, str], flows: Mapping[str, str]
 ) -> FlowRun:
-    name = deployments.get(run.get("deployment_id") or "") or flows.get(run["flow_id"], "")
+    flow = flows.get(run["flow_id"], "")
+    name = deployments.get(run.get("deployment_id") or "", flow)
     return FlowRun(
-        deployment=name, subject=_subject(run.get("parameters") or {}), state=run["state_name"],
+        flow=flow, deployment=name, subject=_subject(run.get("parameters") or {}),
+        state=run["state_name"],
         is_late=run["state_name"] == LATE, expected_at=run["expected_start_time"],
         pool=run.get("work_pool_name") or "",
     )  # fmt: skip
@@ -87,11 +77,11 @@ def _next_of_each(runs: Sequence[FlowRun]) -> Iterator[FlowRun]:
     """Without production, whose queue the catalogue keeps, and without later runs of a schedule."""
     planned = set()
     for run in runs:
-        if run.deployment.partition("/")[0] == PRODUCE:
+        if run.flow == PRODUCE:
             continue
         is_planned = run.state == "Scheduled"
-        if is_planned and run.deployment in planned:
+        if is_planned and (run.flow, run.deployment) in planned:
             continue
         if is_planned:
-            planned.add(run.deployment)
+            planned.add((run.flow, run.deployment))
         yield run

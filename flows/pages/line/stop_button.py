@@ -1,39 +1,46 @@
-"""The Stop button of a station: one press, no question asked."""
+"""The Stop button of a station: one press, no question asked; and the address that it calls."""
 
 from typing import Any
 
 import dash_mantine_components as dmc
-from dash import MATCH, Dash, Input, Output, ctx, html, no_update
+from dash import html
 from dash.development.base_component import Component
+from flask import Blueprint, Response, request
+from pydantic import ValidationError
 
 from flows.pages.line.stops import stops_of
 from flows.pages.local_time import second_of
 from flows.pages.page import View, view_of_request
 from schemas.access import MAY
-from schemas.base import Unusable
-from schemas.pages.line import StationNow, StopShown
+from schemas.base import Unusable, first_fault
+from schemas.pages.line import StationNow, StopPressed, StopShown
+from schemas.pages.unanswered import Unanswered
 from storage.home import Home
 from tasks.words import message
 
 
 def stop_button(station: str, view: View) -> Component:
-    """Stops whatever the station does; for whoever may not, what stops it at the station."""
+    """Stops whatever the station does; for whoever may not, what stops it at the station.
+
+    `stop.js` sees the press.
+    """
     if not view.visitor.may("stop"):
         roles = tuple(message(f"pages-role.{role}") for role in MAY["stop"])
         hint = message("pages-line-stop.elsewhere", roles=roles, station=station)
         return html.Div(view.say(hint), className="station-details")
+    asked: dict[str, Any] = {
+        "data-stop": station,
+        "data-failed": view.say(message("pages-line-stop.failed")),
+    }
     word = view.say(message("pages-line-stop"))
-    return html.Button(
-        [html.Span(className="stop-sign"), word], id={"stop": station}, className="stop"
-    )
+    return html.Button([html.Span(className="stop-sign"), word], className="stop", **asked)
 
 
-def what_became_of(now: StationNow, view: View) -> Component:
+def what_became_of(now: StationNow, view: View) -> list[Component]:
     """The last press, for as long as no later run began."""
     stop = now.stopped
     is_old = stop is not None and now.run is not None and now.run.began_at > stop.at
-    shown = None if stop is None or is_old else _became(stop, view)
-    return html.Div(shown, id={"stopped": now.station})
+    return [] if stop is None or is_old else [_became(stop, view)]
 
 
 def _became(stop: StopShown, view: View) -> Component:
@@ -44,24 +51,23 @@ def _became(stop: StopShown, view: View) -> Component:
     return dmc.Alert(stop.fault, title=view.say(words), color=color, p="xs")
 
 
-def callbacks(app: Dash, home: Home) -> None:
-    """A press stops the station, in the name of whoever is logged in."""
+def stop_presses(home: Home) -> Blueprint:
+    """POST /api/v1/stop with a station: stops it in the name of whoever is logged in."""
+    made = Blueprint("stop", __name__)
 
-    @app.callback(
-        Output({"stopped": MATCH}, "children"),
-        Input({"stop": MATCH}, "n_clicks"),
-        prevent_initial_call=True,
-    )
-    def press(clicks: int | None) -> Any:
-        if not clicks or not isinstance(ctx.triggered_id, dict):
-            return no_update
-        view = view_of_request()
-        return pressed(str(ctx.triggered_id["stop"]), view, home)
+    @made.post("/api/v1/stop")
+    def press() -> Response:
+        try:
+            asked = StopPressed.model_validate_json(request.get_data())
+            became = stops_of(home).press(asked.station, view_of_request().visitor)
+        except ValidationError as error:
+            return _answer(Unanswered(error=first_fault(error)).model_dump_json(), 400)
+        except Unusable as error:
+            return _answer(Unanswered(error=str(error)).model_dump_json(), 403)
+        return _answer(became.model_dump_json())
+
+    return made
 
 
-def pressed(station: str, view: View, home: Home) -> Component:
-    """Stops the station; what became of it, as the card shows it."""
-    try:
-        return _became(stops_of(home).press(station, view.visitor), view)
-    except Unusable as error:
-        return dmc.Alert(str(error), color="red", p="xs")
+def _answer(text: str, status: int = 200) -> Response:
+    return Response(text, status, mimetype="application/json")

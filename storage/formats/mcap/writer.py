@@ -98,6 +98,9 @@ class RawWriter:
         try:
             self._flush()
             self._chunks.close()
+        except OSError as error:
+            self._write_error = error
+            raise
         finally:
             self._out.close()
 
@@ -107,11 +110,17 @@ class RawWriter:
     def __exit__(self, *error: object) -> None:
         self.close()
 
+    @property
+    def is_broken(self) -> bool:
+        """Whether the disk refused what was recorded, or keeps it waiting for too long."""
+        oldest = self._oldest
+        is_late = oldest is not None and self._clock() - oldest > PATIENCE
+        return self._write_error is not None or is_late
+
     def _check_disk(self) -> None:
         if self._write_error is not None:
             raise self._write_error
-        oldest = self._oldest
-        if oldest is not None and self._clock() - oldest > PATIENCE:
+        if self.is_broken:
             raise OSError(f"the disk has not taken what was recorded for {PATIENCE:g} s")
 
     def _keep_flushing(self) -> None:

@@ -50,6 +50,7 @@ class TableDesign(Frozen):
     servo_damping: Finite = Field(default=0.7, gt=0)
     most_rate_deg_s: Finite = Field(default=1000.0, gt=0)
     most_acceleration_deg_s2: Finite = Field(default=2000.0, gt=0)
+    quick_stop_deg_s2: Finite = Field(default=400.0, gt=0, description="a stop in distress")
 
 
 class Air(Frozen):

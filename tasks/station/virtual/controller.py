@@ -1,6 +1,7 @@
 """The station's controller: which client its devices answer, who holds the table, the watchdog."""
 
 import asyncio
+from collections.abc import Awaitable, Callable
 from contextvars import ContextVar
 
 from pymodbus.constants import ExcCodes
@@ -56,15 +57,24 @@ class ControllerServer(ModbusTcpServer):
         return Connection(self, self.trace_packet, self.trace_pdu, self.trace_connect)
 
 
+async def _nobody_sleeps() -> None:
+    pass
+
+
 class Controller:
     """Devices 1 to 3 of the register map.
 
     The client that sets the watchdog holds the table: until it sets it to 0, it has tripped, or the
     connection ends, no other client commands it, and only the holder's requests reset the watchdog.
+
+    wake: awaited before every answer.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(
+        self, simulation: Simulation, wake: Callable[[], Awaitable[None]] = _nobody_sleeps
+    ) -> None:
         self._simulation = simulation
+        self._wake = wake
         self._table = TableRegisters(simulation)
         self._holder: Connection | None = None
         self._unheard_s = self._unfetched_s = 0.0  # wall time since the holder, anybody asked
@@ -86,6 +96,7 @@ class Controller:
             written: list[int] | list[bool] | None,
         ) -> ExcCodes | None:  # fmt: skip
             asking = client.get()
+            await self._wake()
             if failure := await self._failure(number, asking):
                 return failure
             if written is not None:

@@ -53,7 +53,8 @@ TABLE_REGISTERS = (
     _register("station_time", 4, "uint64", "us", "time since the station was switched on"),
     _register("watchdog", 8, "uint16", "ms", "wall time without a poll of the client that set it "
               "after which the table stops; 0 switches it off", writable=True),
-    _register("command", 9, "uint16", "1", "1 resets faults, 2 stops every axis", writable=True),
+    _register("command", 9, "uint16", "1", "1 resets faults, 2 stops every axis, "
+              "3 stops every axis as quickly as the table may", writable=True),
     _register("capture_period", 10, "uint32", "us", "time between two captured encoder samples"),
 )  # fmt: skip
 
@@ -110,7 +111,7 @@ AXIS_STATUS = {"ready": 1, "moving": 2, "settled": 4, "fault": 8, "emergency_sto
                "interlock": 32}  # fmt: skip
 TABLE_STATUS = {"ready": 1, "fault": 8, "emergency_stop": 16, "interlock": 32, "watchdog": 64}
 MODES = {"off": 0, "angle": 1, "rate": 2, "stop": 3}
-COMMANDS = {"reset": 1, "stop": 2}
+COMMANDS = {"reset": 1, "stop": 2, "quick_stop": 3}
 FIXTURE_STATUS = {"ready": 1, "turning": 2}
 
 TRIADS = {"gyro": GYRO, "accel": ACCEL, "angle": ANGLE}

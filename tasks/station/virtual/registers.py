@@ -45,7 +45,9 @@ class RefusedWrite(Exception):  # noqa: N818 (the controller refuses; the client
 
 def is_for_all(name: str, value: Value) -> bool:
     """Whether a write is taken from anybody while another holds the table."""
-    stops = (("command", COMMANDS["stop"]), ("mode", MODES["stop"]))
+    stops = (
+        ("command", COMMANDS["stop"]), ("command", COMMANDS["quick_stop"]), ("mode", MODES["stop"])
+    )  # fmt: skip
     return name == "capture_from" or (name, value) in stops
 
 
@@ -181,7 +183,8 @@ class TableRegisters(DeviceRegisters):
         """Takes a set-point of an axis, or what the table as a whole is told."""
         table = self._table
         if axis is None and name == "command":
-            table.reset() if value == COMMANDS["reset"] else table.stop()
+            commands = {"reset": table.reset, "stop": table.stop, "quick_stop": table.quick_stop}
+            next(commands[each] for each, number in COMMANDS.items() if number == value)()
         elif axis is None:
             setattr(self, name, int(value))
             if name == "capture_from":

@@ -4,6 +4,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from typing import Any
 
 from schemas.base import Unusable
@@ -18,6 +19,9 @@ from tasks.station.virtual.unit_line import attend
 SLICE_WALL_S = 0.005
 BREATH_WALL_S = 0.0005  # where it is behind: not 0, for a request takes several turns of the loop
 MAX_STEPS = 1000  # in one go: some milliseconds of computing, so that requests are answered
+IDLE_WALL_S = 0.1
+IDLE_STEPS = 5 * MAX_STEPS
+IDLE_AFTER_S = 1.0  # wall time since the last request
 BACKLOG_BYTES = 16_000_000  # a client that reads no more is hung up on
 
 
@@ -47,11 +51,45 @@ def _suffer(condition: Condition, clients: set[asyncio.StreamWriter], free_since
     return free_since_s
 
 
+class Doze:
+    """Longer slices of time for a station at which nothing moves and nobody listens.
+
+    Whoever asks wakes it, and is answered once its time is the present one.
+    """
+
+    def __init__(self, is_still: Callable[[], bool]) -> None:
+        self._is_still = is_still
+        self._asked, self._is_present = asyncio.Event(), asyncio.Event()
+        self._asked_s = wall_s()
+
+    @property
+    def is_idle(self) -> bool:
+        return wall_s() - self._asked_s > IDLE_AFTER_S and self._is_still()
+
+    async def wake(self) -> None:
+        """Somebody asks."""
+        self._asked_s = wall_s()
+        self._asked.set()
+        await self._is_present.wait()
+
+    async def sleep(self, seconds: float) -> None:
+        """Until so many seconds have passed, or somebody asks."""
+        self._asked.clear()
+        self._is_present.clear()
+        with suppress(TimeoutError):
+            await asyncio.wait_for(self._asked.wait(), seconds)
+
+    def is_awake(self) -> None:
+        """Time is the present one."""
+        self._is_present.set()
+
+
 async def keep_time(
     simulation: Simulation,
     speed: float,
     send: Callable[[bytes], None],
     watch: Callable[[], None] = lambda: None,
+    doze: Doze | None = None,
 ) -> None:
     """Lets station time pass at speed × wall time, slower where the machine cannot keep up.
 
@@ -59,16 +97,24 @@ async def keep_time(
 
     It stands still while a captured sample would be overwritten that a client still wants.
 
-    send: takes the unit's frames as they come. watch: called in every slice of wall time.
+    send: takes the unit's frames as they come. watch: called in every slice of wall time. doze:
+    lengthens the slices of an idle station.
     """
     origin_s = wall_s() - simulation.table.steps * STEP_S / speed
     while not simulation.condition.is_dead:
         behind = int((wall_s() - origin_s) * speed / STEP_S) - simulation.table.steps
-        origin_s += max(behind - 2 * MAX_STEPS, 0) * STEP_S / speed
+        is_idle = doze is not None and doze.is_idle
+        most = IDLE_STEPS if is_idle else MAX_STEPS
+        origin_s += max(behind - 2 * most, 0) * STEP_S / speed
         watch()
-        steps = min(behind, MAX_STEPS, simulation.table.room())
+        steps = min(behind, most, simulation.table.room())
         if steps > 0 and (sent := simulation.advance(steps)):
             send(b"".join(sent))
+        if doze is not None:
+            doze.is_awake()
+            if is_idle:
+                await doze.sleep(min(IDLE_WALL_S, IDLE_STEPS * STEP_S / speed))
+                continue
         await asyncio.sleep(BREATH_WALL_S if behind > steps > 0 else SLICE_WALL_S)
 
 
@@ -95,9 +141,10 @@ async def serve(
     logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # it logs what clients do wrong
     simulation = Simulation(config, faults)
     simulation.advance(1)  # so that the faults of second 0 hold for the first request
-    controller = Controller(simulation)
     # of the unit, then of its neighbours
     clients: list[set[asyncio.StreamWriter]] = [set() for _ in (0, *config.neighbours)]
+    doze = Doze(lambda: simulation.is_still and not simulation.faults and not any(clients))
+    controller = Controller(simulation, doze.wake)
     modbus = ControllerServer(controller.devices(), address=(host, modbus_port))
     if not await modbus.listen():
         raise Unusable(f"port {modbus_port} of {host} is not available for Modbus: choose another")
@@ -122,7 +169,7 @@ async def serve(
             for each, data in zip(clients[1:], simulation.neighbours_sent(), strict=True):
                 _send(each, data)
 
-        await keep_time(simulation, speed, lambda data: _send(clients[0], data), watch)
+        await keep_time(simulation, speed, lambda data: _send(clients[0], data), watch, doze)
     finally:
         modbus.close()
         for unit in units:

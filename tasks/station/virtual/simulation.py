@@ -116,11 +116,16 @@ class Simulation:
         """Temperature of the chamber's air."""
         return self.air.temperature_degc
 
+    @property
+    def is_still(self) -> bool:
+        """Whether table and fixture rest."""
+        still_since = max(self.table.still_since(), self.fixture.still_since())
+        return self.table.now > still_since + STILL_AFTER_S
+
     def advance(self, steps: int) -> list[bytes]:
         """Lets time pass and returns the frames that the unit sent meanwhile."""
         self._apply_faults()
-        still_since = max(self.table.still_since(), self.fixture.still_since())
-        if self.table.now > still_since + STILL_AFTER_S:
+        if self.is_still:
             self.table.rest(steps)
             still = (*self._body.still(), steps, self.air_degc)
             self._gather(each.rest(*still) for each in self._neighbours)

@@ -95,6 +95,12 @@ class VirtualTable:
         for axis in range(len(self.drives)):
             self.command(axis, MODES["stop"])
 
+    def quick_stop(self) -> None:
+        """Ramps every axis to rest with the deceleration that is kept for this."""
+        for drive in self.drives:
+            drive.acceleration_limit = self.design.quick_stop_deg_s2 * DEGREE
+        self.stop()
+
     def trip(self, names: Iterable[str]) -> None:
         """Latches safety bits and stops; they stay until `reset`."""
         self.trips |= frozenset(names)

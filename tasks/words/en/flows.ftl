@@ -10,6 +10,6 @@ changed-title = What moved in { $done } { $done ->
         [one] is as it was
        *[other] are as they were
     }
-changed-in-U = change of the value / U
-changed-in-part = change of the value / U; ×: determined before or now only
+changed-in-U = change of the value / U, from { $least } on
+changed-in-part = change of the value / U, from { $least } on; ×: determined before or now only
 changed-nothing = nothing moved

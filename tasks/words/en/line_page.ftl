@@ -40,6 +40,7 @@ pages-line-waiting = { $count ->
    *[other] { $count } orders wait; next: { $named }
 }
 pages-line-stop = STOP
+    .failed = NOT STOPPED! Press the table's emergency stop. Station
     .at-rest = Stopped by { $by }, { $at }
     .not-at-rest = Not confirmed at rest: press the table's emergency stop ({ $by }, { $at })
     .elsewhere = Stop: { $roles }, or `mimucal station stop { $station }` on the station's computer.

@@ -69,6 +69,10 @@ station-alarm-table-unsettled = table axis { $subject } not settled while data w
 station-alarm-table-rate = encoder rate of axis { $subject } differs from the commanded rate
 station-alarm-stuck-channel = channel { $subject } of the unit stuck
 station-alarm-spikes = spikes in channel { $subject } of the unit
+station-page-stop = STOP
+station-page-none = no run yet
+station-page-at-rest = The table is at rest, { $seconds } s after the stop.
+station-page-not-confirmed = NOT CONFIRMED to be at rest: use the emergency stop.
 
 ## What the person at the station does about an alarm, by its kind.
 

@@ -39,6 +39,7 @@ pages-line-waiting = { $count ->
    *[other] { $count } 个订单等待；接下来：{ $named }
 }
 pages-line-stop = 停止
+    .failed = 未能停止！请按下转台急停按钮。工位
     .at-rest = 已由 { $by } 停止，{ $at }
     .not-at-rest = 未确认静止：请按下转台急停按钮（{ $by }，{ $at }）
     .elsewhere = 停止：{ $roles }，或在工位计算机上执行 `mimucal station stop { $station }`。

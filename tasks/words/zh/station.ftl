@@ -72,6 +72,10 @@ station-alarm-table-unsettled = 采集数据期间转台 { $subject } 轴未稳�
 station-alarm-table-rate = 转台 { $subject } 轴的角速率与给定值不符
 station-alarm-stuck-channel = 被校单元的 { $subject } 输出不变
 station-alarm-spikes = 被校单元的 { $subject } 输出有野值
+station-page-stop = 停止
+station-page-none = 尚无采集
+station-page-at-rest = 停止 { $seconds } s 后，转台已静止。
+station-page-not-confirmed = 未能确认转台静止，请按急停按钮。
 
 ## 工位人员对各类告警的处理方法。
 

@@ -1,5 +1,7 @@
 """Who is let in, and what is refused."""
 
+import logging
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -10,8 +12,9 @@ from flask.testing import FlaskClient
 from flows.pages import passwords
 from flows.pages.app import make_app
 from flows.pages.serve import serve
-from schemas.access import MAY, ROLES, Visitor
+from schemas.access import MAY, ROLES, User, Visitor
 from schemas.base import Unusable
+from storage import secret_files
 from storage.catalogue import trail, users
 from storage.catalogue.connection import Busy
 from storage.home import Home
@@ -103,13 +106,82 @@ def test_a_form_without_its_token_is_refused(client: FlaskClient) -> None:
     assert client.post("/_dash-update-component", json={}).status_code == 400
 
 
-def test_tries_that_fail_shut_the_gate_for_the_name_and_the_address(
-    client: FlaskClient, monkeypatch: pytest.MonkeyPatch
+def test_a_session_that_was_left_is_over_for_every_copy_of_its_cookie(
+    client: FlaskClient, home: Home
 ) -> None:
+    log_in(client)
+    kept = client.get_cookie("mimucal_session")
+    assert kept is not None
+    assert client.post("/logout", data={"csrf_token": token(client)}).status_code == 302
+    for server in (client, make_app(home).server.test_client()):
+        server.set_cookie("mimucal_session", kept.value)
+        assert server.get("/api/v1/runs").status_code == 401
+    actions = [(entry.person, entry.action) for entry in trail.entries(home)]
+    assert actions[-2:] == [("Wang Li", "log in"), ("Wang Li", "log out")]
+
+
+def test_a_login_leads_to_a_page_of_ours_and_nowhere_else(client: FlaskClient) -> None:
+    for wanted, leads in (
+        ("/runs", "/runs"), ("//line", "/"), ("///line", "/"), ("line", "/"), ("/\\line", "/"),
+        ("https://elsewhere.example/line", "/"), ("/line?next=//line", "/"), ("/line\r\nX: y", "/"),
+    ):  # fmt: skip
+        form = {"name": "Wang Li", "password": PASSWORD, "next": wanted}
+        entered = client.post("/login", data=form | {"csrf_token": token(client)})
+        assert entered.headers["Location"] == leads, wanted
+
+
+def test_tries_that_fail_shut_the_gate_for_the_name_at_the_address_alone(
+    client: FlaskClient, home: Home
+) -> None:
+    users.add("Zhao Min", "viewer", password_hash(), home, "Admin")
     codes = [log_in(client, "wrong") for _ in range(6)]
     assert codes == [403] * 5 + [429]
     assert log_in(client) == 429
     assert client.get("/api/v1/runs", auth=("Wang Li", PASSWORD)).status_code == 401
+    assert log_in(client, name="Zhao Min") == 302
+    client.environ_base["REMOTE_ADDR"] = "10.0.0.9"
+    assert log_in(client) == 302
+    refusals = [entry for entry in trail.entries(home) if entry.action.startswith("refuse")]
+    assert [entry.action for entry in refusals] == [
+        *["refuse log in"] * 5, "refuse further tries to log in"
+    ]  # fmt: skip
+    assert {(entry.person, entry.subject) for entry in refusals} == {("unknown", "Wang Li")}
+    assert '"address":"127.0.0.1"' in refusals[0].details
+
+
+def test_a_name_that_nobody_has_is_shut_like_any_other_and_not_kept(
+    client: FlaskClient, home: Home
+) -> None:
+    assert [log_in(client, "wrong", "hunter2 (a password)") for _ in range(6)] == [403] * 5 + [429]
+    assert not any("hunter2" in entry.model_dump_json() for entry in trail.entries(home))
+
+
+def test_many_addresses_do_not_try_one_account_forever_nor_one_address_all_accounts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(passwords, "NOBODY", "none")  # takes no time, on purpose
+    gate = passwords.Gate()
+    user = User(name="W", role="viewer", password="none", added_at="2026-11-27T00:00:00Z")
+    for number in range(20):
+        gate.check(user, "wrong", "W", f"10.0.0.{number}")
+    assert gate.is_shut("W", "10.0.1.1")
+    for number in range(60):
+        gate.check(None, "wrong", f"name {number}", "10.0.2.2")
+    assert gate.is_shut("anybody", "10.0.2.2")
+    assert not gate.is_shut("anybody", "10.0.2.3")
+
+
+def test_every_request_that_is_refused_is_a_line_of_the_log(
+    client: FlaskClient, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.INFO, "mimucal.access"):
+        client.get("/api/v1/runs")
+        client.get("/line", headers=PAGE)
+        client.post("/login", data={})
+        client.put("/api/v1/runs")
+    lines = [each.getMessage() for each in caplog.records]
+    assert [line.split()[0] for line in lines] == ["401", "302", "400", "401"]
+    assert all("127.0.0.1" in line for line in lines)
 
 
 def test_a_script_says_its_name_with_each_request(client: FlaskClient) -> None:
@@ -119,19 +191,55 @@ def test_a_script_says_its_name_with_each_request(client: FlaskClient) -> None:
     assert refused.headers["WWW-Authenticate"].startswith("Basic")
 
 
-def test_the_header_of_a_proxy_is_believed_from_its_address_alone(home: Home) -> None:
-    settings = '[proxy]\naddresses = ["10.0.0.7"]\nheader = "X-Remote-User"\n'
-    (home.path / "pages.toml").write_text(settings, encoding="utf-8")
+def behind_proxy(home: Home, settings: str) -> Callable[..., int]:
+    """What a request with the proxy's header is answered, from an address and with more headers."""
+    (home.path / "pages.toml").write_text(f"[proxy]\n{settings}", encoding="utf-8")
     client = make_app(home).server.test_client()
 
-    def asked(address: str, name: str) -> int:
+    def asked(address: str, name: str, **more: str) -> int:
+        headers = {"X-Remote-User": name} | {k.replace("_", "-"): v for k, v in more.items()}
         return client.get(
-            "/api/v1/runs", headers={"X-Remote-User": name}, environ_base={"REMOTE_ADDR": address}
+            "/api/v1/runs", headers=headers, environ_base={"REMOTE_ADDR": address}
         ).status_code
 
+    return asked
+
+
+def test_the_header_of_a_proxy_is_believed_from_its_address_alone(home: Home) -> None:
+    asked = behind_proxy(home, 'addresses = ["10.0.0.7"]\nheader = "X-Remote-User"\n')
     assert asked("10.0.0.7", "Wang Li") == 200
     assert asked("10.0.0.7", "Nobody") == 401
     assert asked("127.0.0.1", "Wang Li") == 401
+
+
+def test_a_proxy_on_this_machine_is_known_by_its_secret(home: Home) -> None:
+    secret = secret_files.made(home.path / "proxy.secret")
+    asked = behind_proxy(
+        home,
+        'addresses = ["127.0.0.1"]\nheader = "X-Remote-User"\nsecret_file = "proxy.secret"\n',
+    )
+    assert asked("127.0.0.1", "Wang Li", X_Proxy_Secret=secret) == 200
+    assert asked("127.0.0.1", "Nobody", X_Proxy_Secret=secret) == 401
+    assert asked("10.0.0.7", "Wang Li", X_Proxy_Secret=secret) == 401
+    for wrong in ("", "0" * 64, secret[:-1], "é"):
+        assert asked("127.0.0.1", "Wang Li", X_Proxy_Secret=wrong) == 401
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1", "127.0.0.2", "::1", "::ffff:127.0.0.1"])
+def test_a_proxy_on_this_machine_without_a_secret_is_refused(home: Home, address: str) -> None:
+    text = f'[proxy]\naddresses = ["{address}"]\nheader = "X-Remote-User"\n'
+    (home.path / "pages.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(Unusable, match=r'add secret_file = "proxy.secret"'):
+        make_app(home)
+
+
+def test_a_proxys_secret_that_others_may_read_is_refused(home: Home) -> None:
+    secret_files.made(home.path / "proxy.secret")
+    (home.path / "proxy.secret").chmod(0o644)
+    with pytest.raises(Unusable, match="can be read by others"):
+        behind_proxy(
+            home, 'addresses = ["::1"]\nheader = "X-Remote-User"\nsecret_file = "proxy.secret"\n'
+        )
 
 
 def test_pages_without_users_are_served_on_this_machine_alone(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from flows.pages.do import answer, data
+from flows.pages.do import answer, data, layout, step_answer
 from flows.pages.orders import FIELDS, Orders
 from flows.pages.page import View
 from schemas.access import MAY, ROLES, Action, Role, Visitor
@@ -16,10 +16,11 @@ from schemas.pages.do import DoQuestion
 from storage.catalogue import trail
 from storage.home import Home
 from tests.drafts import draft
+from tests.flows.order_homes import CLIENT, add_station, no_workers
 
 STATED: dict[Role, set[Action]] = {
     "viewer": set(),
-    "operator": {"acquire", "reprocess", "certify", "stop"},
+    "operator": {"acquire", "reprocess", "certify", "amend", "stop"},
     "verifier": {"check"},
     "issuer": {"issue", "withdraw"},
     "administrator": set(MAY),
@@ -110,8 +111,11 @@ def test_long_work_is_a_process_of_the_command_line_with_an_entry_in_the_trail(
 @pytest.mark.parametrize(
     ("action", "fields"),
     [
-        ("acquire", {"station": "../../etc/passwd"}),
-        ("acquire", {"station": "one.toml", "procedure": "/etc/own.toml"}),
+        ("acquire", {"station": "../../etc/passwd", "serial": "S1"}),
+        ("acquire", {"station": "LINE-1"}),
+        ("acquire", {"station": "LINE-1", "serial": "S1", "procedure": "/etc/own.toml"}),
+        ("acquire", {"station": "LINE-1", "serial": "S1", "client_order": "../own.toml"}),
+        ("amend", {"certificate": "/etc", "reason": "why"}),
         ("certify", {"run": "/etc"}),
         ("certify", {"run": "--help"}),
         ("reprocess", {"since": "not a day"}),
@@ -120,8 +124,8 @@ def test_long_work_is_a_process_of_the_command_line_with_an_entry_in_the_trail(
 def test_nothing_is_started_of_what_is_not_the_homes_own(
     action: Action, fields: dict[str, str], tmp_path: Path, started: Started
 ) -> None:
-    (tmp_path / "stations").mkdir()
-    (tmp_path / "stations" / "one.toml").write_text("", encoding="utf-8")
+    add_station(tmp_path)
+    (tmp_path / "own.toml").write_text(CLIENT, encoding="utf-8")
     with pytest.raises(Unusable):
         Orders(Home(tmp_path)).give(action, fields, Visitor(name="Li", role="operator"))
     assert started.commands == []
@@ -134,3 +138,48 @@ def test_a_form_for_each_order_that_the_role_allows(tmp_path: Path) -> None:
     assert [each.state for each in shown.certificates] == ["draft"]
     refused = answer("issue", {}, View(visitor=Visitor(name="Li", role="operator")), home)
     assert "issue is for issuer and administrator" in str(refused)
+
+
+def test_a_run_is_ordered_with_its_unit_and_waits_in_the_queue_of_its_station(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home, begun = Home(tmp_path), no_workers(monkeypatch)
+    add_station(tmp_path)
+    (tmp_path / "client-orders").mkdir()
+    (tmp_path / "client-orders" / "acme.toml").write_text(CLIENT, encoding="utf-8")
+    operator = View(visitor=Visitor(name="Li", role="operator"))
+    form = {"station": "LINE-1", "serial": " S1 ", "model": "M3", "client_order": "acme.toml"}
+    assert "S1" in str(answer("acquire", form, operator, home))
+    shown = data(DoQuestion(), home)
+    assert (shown.stations, shown.client_orders) == (("LINE-1",), ("acme.toml",))
+    (order,) = shown.production
+    assert (order.person, order.serials, order.units[0].model) == ("Li", "S1", "M3")
+    assert order.client_order is not None
+    assert begun.commands[0][-3:] == ["station", "work", "LINE-1"]
+    assert "Cancel" in str(layout(shown, operator, DoQuestion()))
+    viewer = View(visitor=Visitor(name="Wu", role="viewer"))
+    assert "Cancel" not in str(layout(shown, viewer, DoQuestion()))
+    button = {"step": "cancel", "number": order.number}
+    assert "may not do this" in str(step_answer(button, viewer, home))
+    step_answer(button, operator, home)
+    assert [each.state for each in data(DoQuestion(), home).production] == ["cancelled"]
+    step_answer({"step": "retry", "number": order.number}, operator, home)
+    assert [each.state for each in data(DoQuestion(), home).production] == ["waiting"]
+
+
+def test_an_issued_certificate_is_amended_by_limits_of_the_home(
+    tmp_path: Path, started: Started
+) -> None:
+    home = Home(tmp_path)
+    number = draft(home, "1").certificate.number
+    (tmp_path / "tolerances").mkdir(exist_ok=True)
+    (tmp_path / "tolerances" / "new.toml").write_text("", encoding="utf-8")
+    orders, operator = Orders(home), Visitor(name="Li", role="operator")
+    form = {"certificate": number, "reason": "--by", "tolerance": "new.toml"}
+    orders.give("amend", form, operator)
+    (command, environment) = started.commands[-1]
+    limits = f"--tolerance={tmp_path / 'tolerances' / 'new.toml'}"
+    assert command[-5:] == ["amend", "--json", number, "--why=--by", limits]
+    assert environment["MIMUCAL_USER"] == "Li"
+    with pytest.raises(Unusable, match=r"there are no limits '\.\./own.toml'"):
+        orders.give("amend", form | {"tolerance": "../own.toml"}, operator)

@@ -49,7 +49,7 @@ def test_every_value_and_u_is_that_of_the_catalogue(home: Home, shown: UnitShown
     assert len(readings) == len(of_unit)
     for item, element, reading in readings:
         row = of_unit.loc[(reading.run, item, element)]
-        pairs = ((reading.value, row["value"]), (reading.U, row["U"]))
+        pairs = ((reading.value, row["value"]), (reading.U, row["expanded_uncertainty"]))
         for found, kept in pairs:
             assert (np.nan if found is None else found) == pytest.approx(kept, nan_ok=True)
     days = [r.day for r in shown.elements[0].readings]

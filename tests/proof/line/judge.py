@@ -17,6 +17,8 @@ from tests.proof.line import own_pages
 from tests.proof.line.own_numbers import Own, own_numbers
 
 TILTED = ("accel_rate_sensitivity", "xy")
+OFF_IN_U = 2.0  # U (k = 2) of a station's difference, from which it counts as off
+SEEN_IN_U = 3.0  # U of what the tilt makes of it: then 98 of 100 comparisons find the station off
 WITHIN_U = 2.0  # U of the size found: how far it may be off
 ASKED: tuple[dict[str, str], ...] = (
     {}, {"model": "MX-400"}, {"model": "MX-210", "station": "ST-02"},
@@ -58,18 +60,30 @@ def judge(home: Home, answer: dict[str, Any]) -> Judged:
     )
     carried, faults = _carried(mismatch, answer, database)
     off = [each["station"] for each in tilted["stations"]
-           if each["U"] and abs(each["difference"]) > 2.0 * each["U"]]  # fmt: skip
+           if each["U"] and abs(each["difference"]) > OFF_IN_U * each["U"]]  # fmt: skip
+    power = _power(tilted["stations"], answer, database)
     named, elsewhere, false = _single(mismatch, answer)
-    if off != [answer["station"]]:
+    if off != [answer["station"]] and (off or power > SEEN_IN_U):
         faults.append(f"the stations that are off are {off}")
     declared = {
         "same": len(compared) - len(wrong), "numbers": len(compared), "truth": answer["station"],
         "since_truth": answer["since"][:10], "off": ", ".join(off) or "none",
+        "power": f"{power:.1f}",
         "size_truth": f"{1e6 * answer['east_rad']:.0f}, {1e6 * answer['north_rad']:.0f}",
         "named": named, "others": elsewhere, **carried,
         "same_others": len(others) - len(wrong_elsewhere), "numbers_others": len(others),
     }  # fmt: skip
     return Judged(declared, (*wrong[:5], *wrong_elsewhere[:5], *faults, *false))
+
+
+def _power(
+    stations: list[dict[str, Any]], answer: dict[str, Any], database: sqlite3.Connection
+) -> float:
+    """What the tilt makes of the tilted station's mean, over the U of its difference."""
+    asked = "select avg(recorded_on >= ?) from runs where station = ?"
+    ((share,),) = database.execute(asked, (answer["since"][:10], answer["station"]))
+    (own,) = (each for each in stations if each["station"] == answer["station"])
+    return float(abs(answer["shift"]) * share / own["U"]) if own["U"] else 0.0
 
 
 def same(declared: Any, own: Any) -> bool:

@@ -51,6 +51,15 @@ def test_a_moved_value_is_the_only_change_and_is_counted_in_its_uncertainty_befo
     assert change.in_U == pytest.approx(2.0)
 
 
+def test_what_moves_by_less_than_the_stated_share_of_u_is_no_change() -> None:
+    for x, U in ((0.25 + 1.4e-11 * 0.02, 0.02), (0.25 + 0.0099 * 0.02, 0.02), (0.25, 0.020_19)):
+        assert difference(result(), result(x, U)).changed == ()
+    for x, U in ((0.25 + 0.0101 * 0.02, 0.02), (0.25, 0.020_21)):
+        assert len(difference(result(), result(x, U)).changed) == 1
+    (change,) = difference(result(U=None), result(0.25 + 1e-12, None)).changed  # of unknown U
+    assert change.in_U is None
+
+
 def test_an_uncertainty_that_moved_alone_is_a_change_by_nothing() -> None:
     (change,) = difference(result(), result(U=0.03)).changed
     assert change.in_U == 0.0

@@ -13,6 +13,7 @@ from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from tasks.stages import acquire
 from tasks.stages.acquire import acquire_run
+from tasks.stages.ready import ready_to_acquire
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.unit import draw_unit
 from tests.tasks.station.in_memory import InMemoryStation
@@ -48,6 +49,10 @@ def named(station: StationFile, serial: str) -> StationFile:
     return station.model_copy(update={"unit": station.unit.model_copy(update={"serial": serial})})
 
 
+def left_over(home: Home) -> list[Path]:
+    return [path for path in home.acquiring.rglob("*") if path.is_file()]
+
+
 @pytest.mark.parametrize("serial", ["SN/1", "../../SN"])
 def test_serial_is_in_the_recordings_name_and_in_no_files_name(
     station: StationFile, fresh: Home, serial: str
@@ -55,7 +60,7 @@ def test_serial_is_in_the_recordings_name_and_in_no_files_name(
     ((run, _),) = acquire_run(named(station, serial), PROCEDURE, fresh, lambda _: None).kept
     assert run.recording_id.startswith(f"{serial}-short-")
     assert run.serial == serial
-    assert list(fresh.acquiring.iterdir()) == []
+    assert left_over(fresh) == []
     recorded_at = (runs.load(run, fresh).manifest.model_extra or {})["recorded_at"]
     assert recorded_at[-6] in "+-"  # the station's own day, with its offset
 
@@ -69,28 +74,48 @@ def test_run_that_recorded_nothing_leaves_no_file_and_says_why(
     with pytest.raises(Unusable) as refusal:
         acquire_run(closed, PROCEDURE, fresh, lambda _: None)
     assert "recorded so far" not in str(refusal.value)
-    assert list(fresh.acquiring.iterdir()) == []
+    assert left_over(fresh) == []
 
 
-@pytest.mark.parametrize("stop", [KeyboardInterrupt(), OSError(28, "No space left on device")])
 def test_run_that_is_broken_off_says_where_its_recording_lies(
-    station: StationFile, fresh: Home, stop: BaseException
+    station: StationFile, fresh: Home
 ) -> None:
     def report(progress: object) -> None:
         if getattr(progress, "station_s_done", 0.0) > 8.0:
-            raise stop
+            raise KeyboardInterrupt
 
-    with pytest.raises(BrokenOff) as end:
-        acquire_run(station, PROCEDURE, fresh, report)
+    with pytest.raises(BrokenOff, match="stopped by its worker") as end:
+        acquire_run(station, PROCEDURE, fresh, report, stopped_by=lambda: "its worker")
     (left,) = fresh.acquiring.iterdir()
     assert str(left) in str(end.value)
     assert "\n" not in str(end.value)
     assert len(read_mcap(left, salvage=True).imu)
 
 
+def test_a_reader_of_the_progress_that_is_gone_costs_the_progress_alone(
+    station: StationFile, fresh: Home
+) -> None:
+    def report(progress: object) -> None:
+        raise BrokenPipeError(32, "Broken pipe")
+
+    assert len(acquire_run(station, PROCEDURE, fresh, report).kept) == 1
+
+
+def test_what_fails_beside_the_recording_is_not_called_a_recording_that_cannot_be_written(
+    station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def away(request: object) -> None:
+        raise TimeoutError(110, "Connection timed out")
+
+    monkeypatch.setattr(acquire, "acquire", away)
+    with pytest.raises(BrokenOff, match=r"the run broke off \(Connection timed out\)"):
+        acquire_run(station, PROCEDURE, fresh, lambda _: None)
+
+
 def test_disk_that_is_full_is_one_sentence_and_keeps_what_was_written(
     station: StationFile, fresh: Home
 ) -> None:
+    ready_to_acquire("T1", fresh)  # the catalogue is there before the disk is full
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, before[1]))
     try:

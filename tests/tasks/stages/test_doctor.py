@@ -1,7 +1,11 @@
 """The doctor finds what is wrong with a machine or a home, and says what to do."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
+from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
+from threading import Thread
 
 import pytest
 
@@ -96,3 +100,46 @@ def test_a_prefect_server_that_does_not_answer_is_told(
 ) -> None:
     monkeypatch.setenv("PREFECT_API_URL", url)
     assert "PREFECT_API_URL" in str(examined(empty, "Prefect").remedy)
+
+
+@contextmanager
+def server_with(password: str | None) -> Iterator[str]:
+    """The address of a server that answers whoever says this password, or everybody."""
+
+    class Answering(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            is_right = password is None or self.headers.get("Authorization") == password
+            self.send_response(200 if is_right else 401)
+            self.end_headers()
+
+        def log_message(self, *_: object) -> None:
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Answering) as server:
+        thread = Thread(target=server.serve_forever, daemon=True)
+        thread.start()
+        yield f"http://127.0.0.1:{server.server_port}/api"
+        server.shutdown()
+        thread.join()
+
+
+def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_told(
+    empty: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PREFECT_API_AUTH_STRING", "line:secret")
+    remedies = []
+    for password in ("Basic bGluZTpzZWNyZXQ=", "Basic other", None):
+        with server_with(password) as url:
+            monkeypatch.setenv("PREFECT_API_URL", url)
+            remedies.append(examined(empty, "Prefect").remedy)
+    sound, wrong, is_open = remedies
+    assert sound is None
+    assert "Let PREFECT_API_AUTH_STRING be" in str(wrong)
+    assert "PREFECT_SERVER_API_AUTH_STRING=NAME:PASSWORD" in str(is_open)
+
+
+def test_a_home_that_everybody_may_read_is_told(empty: Home) -> None:
+    empty.path.mkdir(0o700)
+    assert examined(empty, "rights of the home").remedy is None
+    empty.path.chmod(0o755)
+    assert "chmod -R o=" in str(examined(empty, "rights of the home").remedy)

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any, NoReturn
 
 import pytest
-from httpx import ConnectError
+from httpx import ConnectError, HTTPStatusError, Request, Response
 from prefect.context import FlowRunContext, TaskRunContext
 
 from schemas.base import Unusable
@@ -89,3 +89,17 @@ def test_an_error_of_another_kind_is_raised_as_it_is() -> None:
 
 def _fails(number: int) -> int:
     raise RuntimeError("own")
+
+
+@pytest.mark.parametrize("code", [410, 404, 500, 503])
+def test_a_server_that_was_started_anew_and_forgot_the_run_costs_nothing(code: int) -> None:
+    request = Request("POST", "http://127.0.0.1/api/leases")
+
+    def forgotten(body: Callable[[int], int]) -> Callable[[int], Any]:
+        def by_prefect(number: int) -> Any:
+            body(number)
+            raise HTTPStatusError("gone", request=request, response=Response(code))
+
+        return by_prefect
+
+    assert without_loss(lambda number: 2 * number, forgotten)(3) == 6

@@ -1,0 +1,147 @@
+"""`mimucal deploy`, and the stations of a home: `mimucal station add|remove`."""
+
+import os
+import re
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from sysconfig import get_path
+from typing import TYPE_CHECKING
+from zoneinfo import ZoneInfo
+
+import typer
+
+from flows import options
+from schemas.base import Unusable
+
+if TYPE_CHECKING:
+    from storage.home import Home
+
+app = typer.Typer()
+LOCAL_ZONE = Path("/etc/localtime")
+
+
+@app.command(epilog="Example: mimucal deploy --timezone Asia/Shanghai")
+def deploy(timezone: options.Timezone = None) -> None:
+    """Create or update the deployments of the line on the Prefect server that is named.
+
+    Those of a station come with `mimucal station add`.
+    """
+    from storage.home import home
+
+    zone = _zone(timezone)
+    _connect(home())
+    from flows.deployments import LINE, deploy_line
+
+    for name in deploy_line(home(), zone):
+        print(name)
+    print(f"schedules in {zone}; their worker: prefect worker start --pool {LINE}")
+
+
+def add(
+    station_file: options.Station,
+    schedule: options.Schedule = None,
+    timezone: options.Timezone = None,
+) -> None:
+    """Add a station to the home, or update it.
+
+    Its station file goes to the home's stations. Where PREFECT_API_URL names a server, it gets a
+    work pool of one run at a time and the deployment produce/ID there, and its worker a unit file.
+    """
+    from flows.prefect_server import server_named
+    from schemas.station import StationFile
+    from storage import settings
+    from storage.home import home
+    from storage.stations import keep
+
+    place, zone = home(), _zone(timezone)
+    if schedule and not server_named():
+        raise Unusable(
+            "--schedule needs a Prefect server, which carries it out: set PREFECT_API_URL"
+        )
+    id_ = settings.read(Path(station_file), StationFile).station.id
+    _check_name(id_)
+    kept = keep(Path(station_file), place)
+    print(f"station {id_}: {kept}")
+    if not server_named():
+        return
+    _connect(place)
+    from flows.deployments import deploy_station
+
+    pool = deploy_station(id_, str(kept), place, schedule, zone)
+    print(f"work pool {pool}, deployment produce/{id_}")
+    print(f"its worker: {_write_unit(id_, pool, place)}")
+
+
+def remove(station: options.Added) -> None:
+    """Remove a station from the home, and its pool and deployment from the Prefect server.
+
+    What it measured stays.
+    """
+    from flows.prefect_server import server_named
+    from storage.home import home
+    from storage.station_lock import is_held
+    from storage.stations import file_of
+
+    place = home()
+    kept = file_of(station, place)
+    if is_held(station, place):
+        raise Unusable(f"a run is going on at station {station}: wait for its end, or stop it")
+    if server_named():
+        _connect(place)
+        from flows.deployments import remove_station
+
+        remove_station(station)
+    kept.unlink()
+    _unit_file(station, place).unlink(missing_ok=True)
+    print(f"station {station} removed")
+
+
+def _check_name(station: str) -> None:
+    if not re.fullmatch(r"[\w.-]+", station):
+        raise Unusable(
+            f"station.id is {station!r}: give it letters, digits, dots, hyphens and underscores "
+            "alone, for it names a work pool, a file and a service"
+        )
+
+
+def _connect(home: "Home") -> None:
+    from flows.prefect_server import connect, server_named
+
+    if not server_named():
+        raise Unusable("no Prefect server is named: set PREFECT_API_URL to one that runs")
+    connect(home)
+
+
+def _zone(named: str | None) -> str:
+    """A time zone that is known; that of this computer if none is named."""
+    zone = named or os.environ.get("TZ") or _of_this_computer()
+    try:
+        ZoneInfo(zone)
+    except (ValueError, OSError, LookupError) as error:
+        raise Unusable(f"--timezone {zone} is not known: give one like Asia/Shanghai") from error
+    return zone
+
+
+def _of_this_computer() -> str:
+    _, _, zone = str(LOCAL_ZONE.resolve()).partition("zoneinfo/")
+    return zone or "UTC"
+
+
+def _write_unit(station: str, pool: str, home: "Home") -> Path:
+    """The systemd unit of a station's worker, for `systemctl link`."""
+    from storage.whole_files import drafted, writing_in_home
+
+    text = (files("flows") / "systemd" / "mimucal-station.service").read_text(encoding="utf-8")
+    unit = Template(text).substitute(
+        station=station, pool=pool, home=home.path, server=os.environ["PREFECT_API_URL"],
+        bin=get_path("scripts"),
+    )  # fmt: skip
+    path = _unit_file(station, home)
+    with writing_in_home(path), drafted(path) as draft:
+        draft.write_text(unit, encoding="utf-8")
+    return path
+
+
+def _unit_file(station: str, home: "Home") -> Path:
+    return home.path / "systemd" / f"mimucal-station-{station}.service"

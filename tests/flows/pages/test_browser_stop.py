@@ -1,0 +1,81 @@
+"""Stop in a browser: one press stops the station, also while the page is being renewed."""
+
+import json
+import time
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from typing import Any
+
+import pytest
+
+from flows.pages import access
+from schemas.access import Visitor
+from storage.home import Home
+from tests.pages_server import served
+from tests.tasks.station.sample_stations import sample
+from tests.watched_page import watched_page
+
+pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
+RENEWALS_S = 2.5  # within which the page is asked for again
+
+
+@pytest.fixture(scope="module")
+def pressed_at() -> list[tuple[str, str, datetime]]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def faults() -> list[str]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def page(
+    tmp_path_factory: pytest.TempPathFactory, pressed_at: list[Any], faults: list[str]
+) -> Iterator[Any]:
+    home = Home(tmp_path_factory.mktemp("stop"))
+    (home.path / "stations").mkdir()
+    for id_ in ("S1", "S.2 <b>"):
+        fields = sample("mimucal")
+        fields["station"]["id"] = id_
+        (home.path / "stations" / f"{id_[:2]}.json").write_text(json.dumps(fields))
+
+    def stop(station: str, by: str, _: Home) -> None:
+        pressed_at.append((station, by, datetime.now(UTC)))
+        raise OSError("the table's cable is out")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("tasks.stages.stop.stop_station", stop)
+        operator = Visitor(name="Wang", role="operator")
+        patch.setattr(access, "_identified", lambda *_: operator)
+        with served(home) as address, watched_page(address, faults, "en-GB") as page:
+            page.goto(f"{address}/line")
+            page.wait_for_selector(".stop >> nth=1")
+            yield page
+
+
+def test_one_press_stops_that_station_and_says_what_became_of_it(page, pressed_at, faults) -> None:
+    page.click(".station:has-text('S.2 <b>') .stop")
+    page.wait_for_selector(".station:has-text('S.2 <b>') >> text=emergency stop", timeout=20_000)
+    assert [each[:2] for each in pressed_at] == [("S.2 <b>", "Wang")]
+    time.sleep(RENEWALS_S)
+    assert page.locator("text=the table's cable is out").count() == 1  # and it stays
+    assert faults == []
+
+
+def test_a_press_that_is_held_while_the_page_is_renewed_stops_all_the_same(
+    page, pressed_at, faults
+) -> None:
+    before = len(pressed_at)
+    button = page.locator(".station:has-text('S1') .stop")
+    button.scroll_into_view_if_needed()
+    box = button.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    time.sleep(RENEWALS_S)
+    page.mouse.up()
+    deadline = time.monotonic() + 10
+    while len(pressed_at) == before and time.monotonic() < deadline:
+        page.wait_for_timeout(100)
+    assert [each[0] for each in pressed_at[before:]] == ["S1"]
+    assert faults == []

@@ -1,0 +1,55 @@
+"""A run that writes to a reader which is gone goes on."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.real_time
+WRITES = """
+import logging, os, sys
+from rich.console import Console
+from flows.lasting_output import lasting_output
+console = Console(stderr=True)
+with lasting_output():
+    print("before", file=sys.stderr, flush=True)
+    sys.stdin.readline()
+    for number in range(3):
+        console.print("by rich, which would end the process")
+        print("plainly", file=sys.stderr, flush=True)
+        os.write(1, b"by the system")
+console.print("and after it")
+print("went on", file=open(sys.argv[1], "w"))
+"""
+
+
+def test_what_is_written_after_the_reader_died_ends_nothing(tmp_path) -> None:
+    out = tmp_path / "end"
+    process = subprocess.Popen(
+        [sys.executable, "-c", WRITES, str(out)],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert process.stdin
+    assert process.stdout
+    assert process.stderr
+    assert process.stderr.readline() == b"before\n"
+    process.stdout.close()
+    process.stderr.close()
+    process.stdin.write(b"\n")
+    process.stdin.close()
+    assert process.wait(60) == 0
+    assert out.read_text() == "went on\n"
+
+
+def test_a_reader_that_lives_gets_every_line_in_order() -> None:
+    code = (
+        "import os\nfrom flows.lasting_output import lasting_output\n"
+        "with lasting_output():\n"
+        "    for number in range(2000): os.write(1, b'%d\\n' % number)\n"
+        "os.write(1, b'after\\n')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, check=True, env=dict(os.environ)
+    )
+    assert done.stdout.split() == [*(b"%d" % number for number in range(2000)), b"after"]

@@ -1,0 +1,100 @@
+"""`backup`, `restore`, `upgrade`, `settings` and `alert` as an operator types them."""
+
+import json
+import shutil
+import socket
+import tarfile
+from pathlib import Path
+
+import pytest
+
+from schemas.environment import variables
+
+OLD = Path("tests/storage/homes/2026-11-22.tar.xz").absolute()
+
+
+@pytest.fixture
+def earlier(home: Path) -> Path:
+    """A home that an earlier version left."""
+    with tarfile.open(OLD) as archive:
+        archive.extractall(home, filter="data")
+    return home
+
+
+def test_upgrade_backup_and_restore_of_an_earlier_home(
+    earlier: Path, mimucal, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = mimucal("runs")
+    assert refused.code == 2
+    assert "run `mimucal upgrade`" in refused.err
+    assert mimucal("upgrade", "--json").json["done"] == "upgraded"
+    assert mimucal("upgrade").out == "The catalogue needs no upgrade.\n"
+    assert mimucal("upgrade", "--back", "--json").json["done"] == "back"
+    assert mimucal("runs").code == 2
+    mimucal("upgrade")
+    assert mimucal("upgrade", "--confirm").code == 0
+    assert mimucal("upgrade", "--back").code == 2
+    assert mimucal("upgrade", "--back", "--confirm").code == 2
+    before = mimucal("runs", "--json").json
+    made = mimucal("backup", tmp_path / "backups", "--json").json
+    assert made["missing"] == []
+    assert made["rows"]["runs"] == 1
+    assert mimucal("restore", tmp_path / "backups").code == 2  # not empty
+    monkeypatch.setenv("MIMUCAL_HOME", str(tmp_path / "other"))
+    restored = mimucal("restore", tmp_path / "backups", "--json")
+    assert (restored.code, restored.json["faults"]) == (0, [])
+    assert restored.json["backup"] == made["backup"]
+    assert mimucal("runs", "--json").json == before
+    assert mimucal("verify").code == 0
+
+
+def test_a_damaged_home_is_not_upgraded(earlier: Path, mimucal) -> None:
+    shutil.rmtree(earlier / "raw")
+    done = mimucal("upgrade")
+    assert done.code == 1
+    assert "Nothing was changed" in done.out
+    assert mimucal("runs").code == 2
+
+
+def test_a_backup_that_is_not_there_is_one_sentence(mimucal, tmp_path: Path) -> None:
+    assert "nothing to back up" in mimucal("backup", tmp_path / "backups").err
+    assert "no whole backup" in mimucal("restore", tmp_path / "nothing").err
+
+
+def test_settings_show_every_variable_and_no_secret(
+    mimucal, home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MIMUCAL_SIGNING_PASSPHRASE", "hunter2")
+    monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab:hunter2@host/mimucal")
+    monkeypatch.setenv("MIMUCAL_USER", "")
+    done = mimucal("settings", "--json")
+    assert done.code == 0
+    assert "hunter2" not in done.out + mimucal("settings").out
+    shown = {row["variable"]: row for row in done.json["settings"]}
+    assert shown.keys() == set(variables().values())
+    assert (shown["MIMUCAL_HOME"]["value"], shown["MIMUCAL_HOME"]["source"]) == (
+        str(home), "environment",
+    )  # fmt: skip
+    assert shown["MIMUCAL_DATABASE"]["value"] == "***"
+    assert (shown["MIMUCAL_USER"]["value"], shown["MIMUCAL_USER"]["source"]) == (None, "default")
+
+
+def test_a_variable_with_a_slip_of_the_pen_is_named(
+    mimucal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MIMUCAL_DATABSE", "postgresql://host/mimucal")
+    done = mimucal("settings", "--json")
+    assert (done.code, done.json["unknown"]) == (1, ["MIMUCAL_DATABSE"])
+
+
+def test_an_alert_that_no_channel_takes_exits_with_1(mimucal, home: Path) -> None:
+    assert "names no operators" in mimucal("alert", "text").err
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        port = listener.getsockname()[1]
+    home.mkdir(exist_ok=True)
+    (home / "recall.toml").write_text(
+        f'format = "mimu-recall/1"\noperators.channels.chat = "json://127.0.0.1:{port}"\n'
+    )
+    done = mimucal("alert", "text", "--json")
+    assert done.code == 1
+    assert json.loads(done.out)["channels"]["chat"]

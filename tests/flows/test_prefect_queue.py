@@ -1,0 +1,91 @@
+"""Orders on a real Prefect server: one flow run for each, named by unit and procedure."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from storage.catalogue import orders
+from storage.home import Home
+from tests.flows.order_homes import add_station
+
+pytestmark = pytest.mark.real_time
+TIMEOUT_S = 120.0
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> Home:
+    add_station(tmp_path)
+    return Home(tmp_path)
+
+
+def asked(server: str, path: str, **document: Any) -> Any:
+    answer = httpx.post(f"{server}/{path}", json=document, timeout=TIMEOUT_S)
+    answer.raise_for_status()
+    return answer.json()
+
+
+def deploy(server: str, station: str) -> None:
+    """A deployment `produce/STATION` in a pool of its own."""
+    flow = asked(server, "flows/", name="produce")["id"]
+    own = {"order": {"laboratory": "lab.toml"}}
+    asked(server, "deployments/", flow_id=flow, name=station, parameters=own)
+
+
+def runs(server: str) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = asked(server, "flow_runs/filter", sort="START_TIME_ASC")
+    return found
+
+
+def order(line: Home, url: str, *arguments: str) -> tuple[dict[str, Any], str]:
+    """`mimucal order …` in a process of its own; its document and what it says beside."""
+    keep = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
+    own = {"MIMUCAL_HOME": str(line.path), "MIMUCAL_USER": "Li", "PREFECT_API_URL": url}
+    process = subprocess.run(
+        [sys.executable, "-m", "flows.cli", "order", *arguments, "--json"],
+        capture_output=True, text=True, env=keep | own, timeout=TIMEOUT_S,
+    )  # fmt: skip
+    assert process.returncode == 0, process.stderr
+    return json.loads(process.stdout), process.stderr
+
+
+def test_each_order_is_one_flow_run_whatever_happens_to_the_server(
+    line: Home, prefect_server: str
+) -> None:
+    add = ("add", "LINE-1", "--serial", "S1", "--number", "1")
+    gone, said = order(line, "http://127.0.0.1:1/api", *add)
+    assert gone["new"] == ["1"]
+    assert "Prefect's server did not answer" in said
+    _, said = order(line, prefect_server, *add)
+    assert "no deployment produce/LINE-1: add station LINE-1" in said
+
+    deploy(prefect_server, "LINE-1")
+    order(line, prefect_server, "add", "LINE-1", "--serial", "S2", "--number", "2")
+    order(line, prefect_server, *add)
+    first, second = sorted(runs(prefect_server), key=lambda run: str(run["name"]))
+    assert [run["name"] for run in (first, second)] == ["S1 jjf2003", "S2 jjf2003"]
+    assert sorted(first["tags"]) == ["LINE-1", "S1"]
+    assert first["idempotency_key"] == "1"
+    assert first["parameters"]["order"] == {
+        "station": "LINE-1", "number": "1", "laboratory": "lab.toml",
+    }  # fmt: skip
+    assert orders.find("1", line).flow_run == first["id"]
+
+    # one that ended before it took its order is followed by another
+    crashed = {"state": {"type": "CRASHED"}, "force": True}
+    asked(prefect_server, f"flow_runs/{first['id']}/set_state", **crashed)
+    order(line, prefect_server, *add)
+    again = orders.find("1", line)
+    assert again.flow_run not in (None, first["id"])
+    assert (again.submissions, len(runs(prefect_server))) == (2, 3)
+
+    order(line, prefect_server, "cancel", "2")
+    states = {run["id"]: run["state_type"] for run in runs(prefect_server)}
+    assert states[second["id"]] == "CANCELLED"
+    order(line, prefect_server, "retry", "2")
+    assert orders.find("2", line).flow_run not in (None, second["id"])

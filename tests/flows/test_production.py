@@ -1,0 +1,217 @@
+"""Orders carried out: each once, the next whatever becomes of one, and on where a process died."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from flows import production, run_orders
+from flows.order_queue import give
+from flows.production import Production, carry_out, work_at
+from schemas.base import BrokenOff, Unusable
+from schemas.certificate_orders import ProduceOrder
+from schemas.production import OrderRequest, ProductionOrder
+from storage.catalogue import orders
+from storage.home import Home
+from storage.order_lock import one_order_at, only_worker_of
+from storage.station_lock import one_run_on
+from tests.flows.order_homes import add_station, no_workers
+
+POPEN = subprocess.Popen  # before it is replaced
+HOLD = """
+import sys, time
+from flows.production import carry_out
+from schemas.certificate_orders import ProduceOrder
+def work(production):
+    print("begun", flush=True)
+    time.sleep(600)
+carry_out(ProduceOrder(station="LINE-1", number="1"), work)
+"""
+
+
+@pytest.fixture
+def line(home: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+    """A home with a station and three orders for it, which nobody takes yet."""
+    add_station(home)
+    add_station(home, "LINE-2")
+    no_workers(monkeypatch)
+    for number in "123":
+        give(request(number), "Li", Home(home))
+    return Home(home)
+
+
+def request(number: str | None, serial: str | None = None) -> OrderRequest:
+    unit = {"serial": serial or f"S{number}"}
+    return OrderRequest.model_validate({"number": number, "station": "LINE-1", "units": [unit]})
+
+
+class Work:
+    """In the place of station and certificate: what was asked for, and what each ends with."""
+
+    def __init__(self, **faults: BaseException) -> None:
+        self.done: list[ProduceOrder] = []
+        self.faults = faults
+
+    def __call__(self, ordered: Production) -> tuple[Any, ...]:
+        self.done.append(ordered.order)
+        if fault := self.faults.get(ordered.kept.serials):
+            raise fault
+        return ()
+
+    @property
+    def serials(self) -> list[str]:
+        return [unit.serial for order in self.done for unit in order.units]
+
+
+@pytest.fixture
+def worked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Work], Work]:
+    def use(work: Work) -> Work:
+        monkeypatch.setattr(run_orders, "produce", lambda order: carry_out(order, work))
+        return work
+
+    return use
+
+
+def ignore(_: ProductionOrder) -> None: ...
+
+
+def states(home: Home) -> list[str]:
+    return [each.state for each in orders.listed(home)]
+
+
+def test_a_station_takes_its_orders_in_their_sequence_with_unit_and_person(line, worked) -> None:
+    work, reported = worked(Work()), []
+    assert work_at("LINE-1", line, reported.append)
+    assert work.serials == ["S1", "S2", "S3"]
+    assert {order.by for order in work.done} == {"Li"}
+    assert states(line) == ["done"] * 3
+    assert [each.state for each in reported] == ["done"] * 3
+    assert work_at("LINE-1", line, ignore)
+    assert len(work.done) == 3
+
+
+def test_an_order_that_fails_says_why_and_keeps_no_other_from_being_taken(line, worked) -> None:
+    worked(Work(S1=Unusable("mount S1, or order S9"), S2=BrokenOff("unit S2 was given up")))
+    assert work_at("LINE-1", line, ignore)
+    assert states(line) == ["failed", "failed", "done"]
+    assert orders.find("1", line).fault == "mount S1, or order S9"
+
+
+def test_after_an_operators_stop_nothing_begins_to_turn_by_itself(line, worked) -> None:
+    stop = BrokenOff("stopped by the operator")
+    stop.__cause__ = KeyboardInterrupt()
+    work = worked(Work(S1=stop))
+    with pytest.raises(BrokenOff, match="`mimucal order retry 1` goes on with it"):
+        work_at("LINE-1", line, ignore)
+    assert states(line) == ["failed", "waiting", "waiting"]
+    assert work.serials == ["S1"]
+
+
+def test_an_order_of_another_station_is_not_carried_out(line) -> None:
+    work = Work()
+    with pytest.raises(Unusable, match="order 1 is for station LINE-1, and this is LINE-2"):
+        carry_out(ProduceOrder(station="LINE-2", number="1"), work)
+    assert work.done == []
+    assert states(line) == ["waiting"] * 3
+
+
+def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line) -> None:
+    work = Work()
+    orders.cancel("2", "Li", line)
+    for number in ("1", "1", "2"):
+        carry_out(ProduceOrder(station="LINE-1", number=number), work)
+    assert work.serials == ["S1"]
+    assert states(line) == ["done", "cancelled", "waiting"]
+
+
+def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(line) -> None:
+    work = Work()
+    carry_out(ProduceOrder(station="LINE-1"), work)
+    own = orders.listed(line)[-1]
+    assert (own.person, own.serials, own.state) == ("schedule", "0001", "done")
+    assert work.done[0].by is None
+
+
+def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> None:
+    waited = []
+
+    def end(_: float) -> None:
+        waited.append(states(line)[0])
+        held.__exit__(None, None, None)
+
+    held = one_run_on("LINE-1", line)
+    held.__enter__()
+    monkeypatch.setattr(production, "time", SimpleNamespace(sleep=end))
+    carry_out(ProduceOrder(station="LINE-1", number="1"), Work())
+    assert waited == ["waiting"]
+    assert states(line)[0] == "done"
+
+
+def test_one_worker_takes_the_orders_of_a_station_and_another_leaves_them(line, worked) -> None:
+    work = worked(Work())
+    with only_worker_of("LINE-1", line):
+        assert not work_at("LINE-1", line, ignore)
+    assert work.done == []
+
+
+@pytest.fixture
+def killed(line: Home) -> Home:
+    """The home after a process was killed in the middle of order 1."""
+    process = POPEN(
+        [sys.executable, "-c", HOLD], stdout=subprocess.PIPE, text=True,
+        env=os.environ | {"MIMUCAL_HOME": str(line.path)},
+    )  # fmt: skip
+    with process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begun\n"
+        os.kill(process.pid, signal.SIGKILL)
+    return line
+
+
+@pytest.mark.real_time
+def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed, worked) -> None:
+    assert states(killed)[0] == "running"
+    work = worked(Work())
+    assert work_at("LINE-1", killed, ignore)
+    assert work.serials == ["S1", "S2", "S3"]
+    assert not any(order.resume for order in work.done)  # it had recorded nothing
+    first = orders.find("1", killed)
+    assert (first.state, first.attempts) == ("done", 2)
+
+
+def test_what_was_measured_is_not_measured_again_and_what_was_interrupted_goes_on(
+    line, worked, monkeypatch
+) -> None:
+    orders.claim("1", line)
+    orders.note("1", line, runs=("r1",))
+    orders.claim("2", line)
+    orders.claim("3", line)
+    with one_order_at("LINE-1", line):
+        orders.put_back("LINE-1", line)
+    monkeypatch.setattr(production, "_is_left", lambda kept, *_: kept.number == "2")
+    monkeypatch.setattr(
+        orders, "stored_since", lambda kept, _: ("r3",) if kept.number == "3" else ()
+    )
+    seen = []
+
+    def work(ordered: Production) -> tuple[Any, ...]:
+        seen.append((ordered.kept.number, ordered.runs, ordered.order.resume))
+        return ()
+
+    worked(work)
+    work_at("LINE-1", line, ignore)
+    assert seen == [("1", ("r1",), False), ("2", (), True), ("3", ("r3",), False)]
+
+
+def test_a_client_s_order_and_a_deployment_s_files_go_together(line) -> None:
+    work = Work()
+    order = ProduceOrder(station="LINE-1", number="1", laboratory="lab.toml", client_order="c.toml")
+    carry_out(order, work)
+    (done,) = work.done
+    assert (done.laboratory, done.client_order) == ("lab.toml", "c.toml")

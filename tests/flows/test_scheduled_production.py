@@ -1,0 +1,179 @@
+"""A line on a real server with real workers: what its clock orders, and what its loss costs."""
+
+import os
+import signal
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import ExitStack
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+from prefect.client.orchestration import get_client
+from prefect.client.schemas.actions import DeploymentScheduleCreate
+from prefect.client.schemas.schedules import IntervalSchedule
+from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
+from prefect.states import Cancelling
+
+from storage.catalogue import certificates, run_index
+from storage.home import Home
+from storage.station_lock import statuses
+from tasks.stages.prefect_api import post
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.process import running
+from tasks.station.virtual.unit import draw_unit
+from tests.flows.test_prefect_flows import SHORT
+from tests.prefect_line import PASSWORD, PrefectLine, flow_runs, prefect_line, wait_for
+
+pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
+STATIONS = ("S-1", "S-2")
+LONG_S = 900.0  # of a machine that does other work
+SPEED = 20.0
+TERMINAL = ("COMPLETED", "FAILED", "CRASHED", "CANCELLED")
+
+
+@pytest.fixture(scope="module")
+def line(prefect_database: Path, tmp_path_factory) -> Iterator[PrefectLine]:
+    """Two stations, each with its unit, its pool and its worker."""
+    with ExitStack() as open_:
+        line = open_.enter_context(prefect_line(tmp_path_factory.mktemp("line"), prefect_database))
+        (line.folder / "short.toml").write_text(SHORT, encoding="utf-8")
+        for seed, station in enumerate(STATIONS, 7):
+            virtual = VirtualStation(unit=draw_unit(seed))
+            found = open_.enter_context(running(virtual, speed=SPEED))
+            named = found.station.model_copy(update={"id": station})
+            file = line.folder / f"{station}.json"
+            document = found.model_copy(update={"station": named})
+            file.write_text(document.model_dump_json(), encoding="utf-8")
+            line.mimucal("station", "add", file)
+            line.work(f"station-{station}")
+        yield line
+
+
+@pytest.fixture
+def client(line):
+    with (
+        temporary_settings({PREFECT_API_URL: line.url, PREFECT_API_AUTH_STRING: PASSWORD}),
+        get_client(sync_client=True) as client,
+    ):
+        yield client
+
+
+def order(line: PrefectLine, station: str) -> dict[str, object]:
+    return {
+        "order": {
+            "station": str(line.home / f"stations/{station}.json"),
+            "procedure": str(line.folder / "short.toml"),
+        }
+    }
+
+
+def ended(deployment: str, count: int) -> list[dict]:
+    runs = flow_runs(deployment, *TERMINAL)
+    return runs if len(runs) >= count else []
+
+
+def begin(line: PrefectLine, client, station: str) -> str:
+    """A run that measures: it has written readings."""
+    deployment = client.read_deployment_by_name(f"produce/{station}")
+    run = client.create_flow_run_from_deployment(deployment.id, parameters=order(line, station))
+    left = line.home / "acquiring"
+    wait_for(lambda: any(p.stat().st_size > 50_000 for p in left.glob("*.mcap")), LONG_S)
+    return str(run.id)
+
+
+def state_of(client, run: str) -> str:
+    return str(client.read_flow_run(run).state_name)
+
+
+def settled(client, run: str) -> str:
+    return str(wait_for(lambda: client.read_flow_run(run).state.is_final() and run, LONG_S))
+
+
+def test_ten_runs_that_nobody_ordered_end_in_a_draft_each_none_twice_and_none_missing(
+    line, client
+) -> None:
+    due = [datetime.now(UTC) + timedelta(seconds=20 + 45 * number) for number in range(5)]
+    for station in STATIONS:
+        deployment = client.read_deployment_by_name(f"produce/{station}")
+        schedule = IntervalSchedule(interval=timedelta(seconds=45), anchor_date=due[0])
+        created = client.request(
+            "POST",
+            f"/deployments/{deployment.id}/schedules",
+            json=[
+                DeploymentScheduleCreate(
+                    schedule=schedule, active=True, parameters=order(line, station),
+                    max_scheduled_runs=5,
+                ).model_dump(mode="json")
+            ],
+        ).json()  # fmt: skip
+        (made,) = created
+        wait_for(lambda s=station: ended(f"produce/{s}", 5), LONG_S)
+        client.request("DELETE", f"/deployments/{deployment.id}/schedules/{made['id']}")
+    home = Home(line.home)
+    for station in STATIONS:
+        runs = [run for run in flow_runs(f"produce/{station}", *TERMINAL) if run["auto_scheduled"]]
+        times = [run["expected_start_time"] for run in runs]
+        assert len(times) == len(set(times)) >= 5
+        done = [run for run in runs if run["state_type"] == "COMPLETED"]
+        late = [run for run in runs if run["state_type"] == "CANCELLED"]
+        assert len(done) + len(late) == len(runs)
+        assert all("a newer run" in run["state"]["message"] for run in late)
+        stored = [run for run in run_index.all_runs(home) if run.station == station]
+        assert len(stored) == len(done)
+    drafts = Counter(entry.run for entry in certificates.register(home))
+    assert sorted(drafts) == sorted(run.id for run in run_index.all_runs(home))
+    assert set(drafts.values()) == {1}
+
+
+def test_a_server_that_is_killed_and_comes_back_costs_neither_recording_nor_draft(
+    line, client
+) -> None:
+    before = {run.id for run in run_index.all_runs(Home(line.home))}
+    run = begin(line, client, "S-1")
+    line.kill_server()
+    stored = wait_for(
+        lambda: {each.run for each in certificates.register(Home(line.home))} - before, LONG_S
+    )
+    line.start()
+    settled(client, run)
+    assert state_of(client, run) == "Completed"
+    assert len(stored) == 1
+    assert not list((line.home / "acquiring").rglob("*.mcap"))
+
+
+def test_a_worker_that_is_killed_stops_the_table_and_the_recording_is_kept(line, client) -> None:
+    run = begin(line, client, "S-2")
+    worker = line.workers[1]
+    os.kill(worker.pid, signal.SIGKILL)
+    ((status, is_dead),) = wait_for(lambda: stopped(line, "S-2"), LONG_S)
+    assert not is_dead
+    assert "stopped by the loss of its Prefect worker; recorded so far" in status.cause
+    assert "could not be written" not in status.cause
+    assert settled(client, run)
+    assert state_of(client, run) in ("Failed", "Crashed")
+    line.work("station-S-2")
+
+
+def stopped(line: PrefectLine, station: str) -> list:
+    found = statuses(Home(line.home))
+    return [each for each in found if each[0].station == station and each[0].state == "stopped"]
+
+
+def test_a_cancellation_stops_the_table_though_the_worker_no_longer_looks(line, client) -> None:
+    run = begin(line, client, "S-1")
+    worker = line.workers[0]
+    os.kill(worker.pid, signal.SIGSTOP)  # it neither sees the cancellation nor ends
+    try:
+        client.set_flow_run_state(run, Cancelling(), force=True)
+        ((status, _),) = wait_for(lambda: stopped(line, "S-1"), LONG_S)
+        assert "stopped by a cancellation in Prefect; recorded so far" in status.cause
+    finally:
+        os.kill(worker.pid, signal.SIGCONT)
+
+
+def test_runs_and_artifacts_are_named_by_unit_and_procedure(line, client) -> None:
+    names = {run["name"] for run in flow_runs("produce/S-1", "COMPLETED")}
+    assert names == {"V00007 short"}
+    keys = {each["key"] for each in post("/artifacts/filter", {})}
+    assert {"certificate-v00007", "calibration-v00007"} <= keys

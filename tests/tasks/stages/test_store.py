@@ -1,0 +1,144 @@
+"""The recording of a whole run waits for the catalogue, and is stored in the end."""
+
+from pathlib import Path
+
+import pytest
+
+from schemas.base import BrokenOff, Unusable
+from storage.blobs import Unreachable
+from storage.catalogue import run_index, runs
+from storage.catalogue.connection import Busy
+from storage.formats.mcap.writer import write_mcap
+from storage.home import Home
+from tasks.stages import acquire
+from tasks.stages import store as module
+from tasks.stages.acquire import acquire_run
+from tasks.stages.import_recording import import_recording
+from tasks.stages.store import LONGEST_PAUSE_S, PATIENCE_S, store, store_waiting
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.unit import draw_unit
+from tests.tasks.stages.test_acquire import PROCEDURE
+from tests.tasks.station.in_memory import InMemoryStation
+
+
+class Clock:
+    """A clock that only sleeping advances, and what is away until a moment."""
+
+    def __init__(self) -> None:
+        self.now_s, self.pauses = 0.0, []
+
+    def __call__(self) -> float:
+        return self.now_s
+
+    def sleep(self, pause_s: float) -> None:
+        self.pauses.append(pause_s)
+        self.now_s += pause_s
+
+
+@pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
+
+
+@pytest.fixture
+def recording(fresh: Home, ideal_run) -> Path:
+    path = fresh.acquired / "whole.mcap"
+    path.parent.mkdir(parents=True)
+    write_mcap(ideal_run(), path)
+    return path
+
+
+def away_until(moment_s: float, clock: Clock, fault: Unusable, monkeypatch) -> None:
+    add = runs.add
+
+    def added(*arguments):
+        if clock.now_s < moment_s:
+            raise fault
+        return add(*arguments)
+
+    monkeypatch.setattr(module.runs, "add", added)
+
+
+@pytest.mark.parametrize("fault", [Busy("the database is away."), Unreachable("no bucket")])
+def test_it_is_stored_once_the_catalogue_is_back_after_hours(
+    fresh: Home, recording: Path, monkeypatch, capsys, fault: Unusable
+) -> None:
+    clock = Clock()
+    away_until(3 * 3600.0, clock, fault, monkeypatch)
+    run = store(recording, fresh, clock, clock.sleep)
+    assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
+    assert not recording.exists()
+    assert clock.pauses[:7] == [1, 2, 4, 8, 16, 32, 60]
+    assert max(clock.pauses) == LONGEST_PAUSE_S
+    assert f"{recording} waits to be stored, again in 1 s: {fault}" in capsys.readouterr().err
+
+
+def test_a_disk_without_room_is_waited_for_and_a_fault_of_the_recording_is_not(
+    fresh: Home, recording: Path, monkeypatch
+) -> None:
+    clock = Clock()
+    full = Unusable("no room")
+    full.__cause__ = OSError(28, "No space left on device")
+    away_until(100.0, clock, full, monkeypatch)
+    store(recording, fresh, clock, clock.sleep)
+    assert clock.now_s > 100.0
+    recording.write_bytes(b"no recording")
+    with pytest.raises(BrokenOff, match=r"mimucal import .*whole\.mcap"):
+        store(recording, fresh, clock, pytest.fail)
+    assert recording.exists()
+
+
+def test_what_could_not_be_stored_stays_and_the_next_run_or_an_import_stores_it(
+    fresh: Home, recording: Path, monkeypatch
+) -> None:
+    clock = Clock()
+    with monkeypatch.context() as patch:
+        away_until(2 * PATIENCE_S, clock, Busy("away"), patch)
+        with pytest.raises(BrokenOff, match="the run is whole in"):
+            store(recording, fresh, clock, clock.sleep)
+        store_waiting(fresh)
+    assert recording.exists()
+    imported = import_recording(recording, fresh)
+    assert imported.is_new
+    assert not recording.exists()
+    write_mcap(runs.load(imported.run, fresh), recording)
+    store_waiting(fresh)
+    assert not recording.exists()
+
+
+def test_an_operator_who_ends_the_wait_loses_nothing(fresh: Home, recording: Path) -> None:
+    def pressed(_: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch:
+        away_until(1e9, Clock(), Busy("away"), patch)
+        with pytest.raises(BrokenOff, match="stopped by the operator; the run is whole in"):
+            store(recording, fresh, sleep=pressed)
+    assert recording.exists()
+
+
+def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
+    fresh: Home, monkeypatch
+) -> None:
+    """The catalogue goes away while the table turns, and comes back a minute later."""
+    station = InMemoryStation(VirtualStation(unit=draw_unit(7)))
+    turned = []
+
+    def once(request):
+        turned.append(request)
+        return station.run(request)
+
+    monkeypatch.setattr(acquire, "acquire", once)
+    add, refusals = runs.add, iter([Busy("away"), Busy("away")])
+
+    def added(*arguments):
+        for fault in refusals:
+            raise fault
+        return add(*arguments)
+
+    monkeypatch.setattr(module.runs, "add", added)
+    monkeypatch.setattr(module, "FIRST_PAUSE_S", 0.0)
+    ((run, _),) = acquire_run(station.file, PROCEDURE, fresh, lambda _: None).kept
+    assert len(turned) == 1
+    assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
