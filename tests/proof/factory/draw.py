@@ -8,7 +8,12 @@ from typing import Literal
 # Faults of FAULTS (tasks.station.virtual.faults), by what is to become of the order.
 DISTURBED = ("unit_repeats", "unit_late", "modbus_cut", "settled_too_soon")  # the run copes
 STOPPED = ("emergency_stop", "interlock", "unit_silent")  # cleared by hand, and it goes on
-REJECTED = ("stuck_channel", "wrong_sign", "saturated_axis", "unit_garbage")  # the run is kept, and is no valid one
+REJECTED = (
+    "stuck_channel",
+    "wrong_sign",
+    "saturated_axis",
+    "unit_garbage",
+)  # the run is kept, and is no valid one
 FAULTY = 0.15  # of the units have one
 STOPS_AFTER_S = (4.0, 16.0)  # wall time from the mounting to a fault that stops the run
 CLIENTS = ("North Works", "Harbour Instruments", "Valley Avionics")
