@@ -139,8 +139,9 @@ def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool
 
     Returns whether the row is new.
     """
-    insert = dialect(connection).insert(table).values(values)
-    return connection.execute(insert.on_conflict_do_nothing()).rowcount == 1
+    insert = dialect(connection).insert(table).values(values).on_conflict_do_nothing()
+    # Without this option SQLAlchemy 2.1 keeps no count of inserted rows on PostgreSQL: -1 always.
+    return connection.execute(insert.execution_options(preserve_rowcount=True)).rowcount == 1
 
 
 def add_all_new(

@@ -1,6 +1,5 @@
 """The parts of the factory on this machine, each of which can be killed and started again."""
 
-import json
 import shutil
 import socket
 import subprocess
@@ -99,26 +98,20 @@ class Works:
 
     def command(self, *words: object, given: str = "", **changes: str) -> str:
         """What a command of the line prints; raises RuntimeError with its sentence if it fails."""
-        return self._run((*MIMUCAL, *words), given, changes)
-
-    def prefect(self, *words: object) -> str:
-        """The same of a command of Prefect's."""
-        return self._run((*PREFECT, *words), "", {})
-
-    def _run(self, words: Sequence[object], given: str, changes: dict[str, str]) -> str:
         done = subprocess.run(
-            list(map(str, words)), env=self.variables | changes, input=given, capture_output=True,
-            text=True, check=False,
+            list(map(str, (*MIMUCAL, *words))), env=self.variables | changes, input=given,
+            capture_output=True, text=True, check=False,
         )  # fmt: skip
+        line = " ".join(map(str, words))
         with (self.logs / "commands.log").open("a", encoding="utf-8") as log:
-            said = done.stderr.strip()
-            log.write(f"{' '.join(map(str, words[3:]))} -> {done.returncode} {said}\n")
+            log.write(f"{line} -> {done.returncode} {done.stderr.strip()}\n")
         if done.returncode:
-            raise RuntimeError(f"{' '.join(map(str, words[2:5]))}: {done.stderr.strip()[-2000:]}")
+            raise RuntimeError(f"mimucal {line}: {done.stderr.strip()[-2000:]}")
         return done.stdout
 
     def station_file(self, station: str) -> Path:
-        return self.home / "stations" / f"{station}.json"
+        """What the station itself says of it; `mimucal station add` takes it in."""
+        return self.folder / f"{station}.json"
 
     def station(self, id_: str, serial: str, seed: int, faults: Sequence[str] = ()) -> Part:
         """A station with the unit of that seed on its table, which says that it is that serial."""
@@ -144,7 +137,7 @@ class Works:
             self._part(
                 "Prefect server", (*PREFECT, "server", "start", "--port", self.ports["prefect"]),
                 self._prefect_answers,
-                PREFECT_API_DATABASE_CONNECTION_URL=self.database.url("prefect", "+asyncpg"),
+                PREFECT_SERVER_DATABASE_CONNECTION_URL=self.database.url("prefect", "+asyncpg"),
                 PREFECT_SERVER_API_AUTH_STRING=AUTH,
                 PREFECT_SERVER_CONCURRENCY_LEASE_STORAGE=(
                     "prefect.server.concurrency.lease_storage.filesystem"
@@ -158,7 +151,6 @@ class Works:
             ),
         ]  # fmt: skip
         self._write_papers()
-        (self.home / "stations").mkdir()
         parts += [self.station(id_, "none", seed) for seed, id_ in enumerate(STATIONS)]
         parts += [
             self._part(f"dask worker {number + 1}", (
@@ -178,27 +170,10 @@ class Works:
         ).start()
 
     def deploy(self) -> None:
-        """The line's deployments and those of each station."""
-        deployments = [
-            _deployment("remind", "remind", "line", {"within_days": 30}),
-            _deployment("review", "review", "line", {}),
-        ]
-        deployments += [
-            _deployment("produce", id_, f"station-{id_}", {
-                "station": str(self.station_file(id_)), "attended": False, "invalid_run": False,
-            })
-            for id_ in STATIONS
-        ]  # fmt: skip
-        file = self.folder / "prefect.yaml"
-        pull = [
-            {"prefect.deployments.steps.set_working_directory": {"directory": str(self.checkout)}}
-        ]
-        file.write_text(json.dumps({"pull": pull, "deployments": deployments}), encoding="utf-8")
-        self.prefect("work-pool", "create", "line", "--type", "process")
+        """The line's deployments and those of each station, as the guide says."""
+        self.command("deploy", "--timezone", "Asia/Shanghai")
         for id_ in STATIONS:
-            self.prefect("work-pool", "create", f"station-{id_}", "--type", "process")
-            self.prefect("work-pool", "set-concurrency-limit", f"station-{id_}", 1)
-        self.prefect("--no-prompt", "deploy", "--all", "--prefect-file", file)
+            self.command("station", "add", self.station_file(id_), "--timezone", "Asia/Shanghai")
 
     def start_workers(self) -> None:
         """A worker for the line, and one for each station."""
@@ -303,13 +278,6 @@ class _Database:
 
     def url(self, name: str, driver: str = "") -> str:
         return f"postgresql{driver}://lab@/{name}?host={self.folder}"
-
-
-def _deployment(flow: str, name: str, pool: str, order: dict[str, object]) -> dict[str, object]:
-    return {
-        "name": name, "entrypoint": f"flows/prefect_flows.py:{flow}", "schedules": [],
-        "parameters": {"order": order}, "work_pool": {"name": pool},
-    }  # fmt: skip
 
 
 def _own_procedure() -> Procedure:

@@ -1,7 +1,7 @@
 """The catalogue on a real PostgreSQL, which it starts itself."""
 
 from collections.abc import Callable, Iterator
-from datetime import date
+from datetime import UTC, date, datetime
 from pathlib import Path
 
 import pytest
@@ -192,6 +192,13 @@ def test_catalogue_of_a_newer_program_is_refused_on_postgresql(shared_catalogue:
     engine_of(url_of(shared_catalogue), database.BUSY_S).dispose()  # as in another process
     with pytest.raises(Unusable, match="update mimucal"):
         run_index.all_runs(shared_catalogue)
+
+
+def test_a_row_says_whether_it_is_new_on_postgresql(shared_catalogue: Home) -> None:
+    values = {"nonce": "n", "taken_at": datetime.now(UTC)}
+    with database.changing(shared_catalogue) as connection:
+        new = [database.add_new(connection, tables.signatures, **values) for _ in range(2)]
+    assert new == [True, False]
 
 
 def test_history_is_made_again_and_asked_for_as_in_sqlite(
