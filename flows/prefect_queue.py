@@ -74,7 +74,7 @@ def _submitted(order: ProductionOrder, client: "SyncPrefectClient", home: Home) 
     run = client.create_flow_run_from_deployment(
         deployment.id,
         parameters={"order": {"station": order.station} | usual | {"number": order.number}},
-        name=f"{order.serials} {order.procedure}",
+        name=order.title,
         tags=[order.station, *(unit.serial for unit in order.units)],
         idempotency_key=_key(order),
     )
