@@ -8,7 +8,8 @@ from schemas.base import Unusable
 from schemas.station import StationFile
 from storage import settings
 from storage.home import Home, home
-from storage.station_lock import statuses, write_status
+from storage.station_lock import statuses
+from storage.stations import file_named
 
 if TYPE_CHECKING:
     from prefect.client.schemas.objects import FlowRun
@@ -16,16 +17,16 @@ if TYPE_CHECKING:
 
 
 def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
-    """Has the station of a run stopped, and its status say how it ended."""
+    """Stops the table of a run whose process is dead, and has its status say how it ended.
+
+    A run that goes on at the station all the same is another one, and is left alone.
+    """
+    from tasks.stages.stop import stop_station
+
     order = flow_run.parameters.get("order", {})
     place = Home(Path(order["home"])) if order.get("home") else home()
     with suppress(Unusable):
-        station = settings.read(Path(order.get("station", "")), StationFile).station.id
-        stop(station, f"Prefect ({state.name}: {state.message or flow.name})", place)
-
-
-def stop(station: str, cause: str, place: Home) -> None:
-    """A status whose process is dead says that the run stopped, and why."""
-    for status, is_dead in statuses(place):
-        if status.station == station and is_dead:
-            write_status(status.model_copy(update={"state": "stopped", "cause": cause}), place)
+        file = file_named(order.get("station", ""), place)
+        station = settings.read(file, StationFile).station.id
+        if any(status.station == station and is_dead for status, is_dead in statuses(place)):
+            stop_station(station, f"Prefect ({state.name}: {state.message or flow.name})", place)

@@ -10,7 +10,8 @@ from contextlib import ExitStack, contextmanager
 from threading import Thread
 
 STDOUT, STDERR = 1, 2
-PART = 1 << 16
+PART = 1 << 16  # bytes
+REST_S = 1.0  # for what is still on its way; a child that inherited the pipe may keep it open
 
 
 @contextmanager
@@ -39,9 +40,10 @@ def _relayed(descriptor: int) -> Iterator[None]:
         yield
     finally:
         os.dup2(reader, descriptor)  # closes our pipe, whose end the relay then sees
-        relay.join()
-        os.close(source)
-        os.close(reader)
+        relay.join(REST_S)
+        if not relay.is_alive():
+            os.close(source)
+            os.close(reader)
 
 
 def _relay(source: int, reader: int) -> None:

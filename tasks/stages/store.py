@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from schemas.base import BrokenOff, Unusable
+from schemas.recording import Recording
 from storage.blobs import Unreachable
 from storage.catalogue import runs
 from storage.catalogue.connection import Busy
@@ -35,15 +36,18 @@ def store(
     """
     end_s, pause_s = clock() + PATIENCE_S, FIRST_PAUSE_S
     try:
+        content = read_mcap(recording)  # once: another run of this home may store the file
         while True:
             try:
-                return _added(recording, home)
+                return _added(content, recording, home)
             except Unusable as fault:
                 if not may_pass(fault) or clock() + pause_s > end_s:
-                    raise BrokenOff(f"{str(fault).rstrip('.')}{_it_waits(recording)}") from fault
+                    raise
                 notify(f"{recording} waits to be stored, again in {pause_s:.0f} s: {fault}")
             sleep(pause_s)
             pause_s = min(2.0 * pause_s, LONGEST_PAUSE_S)
+    except Unusable as fault:
+        raise BrokenOff(f"{str(fault).rstrip('.')}{_it_waits(recording)}") from fault
     except (KeyboardInterrupt, StopRequested) as stop:
         raise BrokenOff(f"stopped by {str(stop) or OPERATOR}{_it_waits(recording)}") from stop
 
@@ -52,7 +56,7 @@ def store_waiting(home: Home) -> None:
     """Adds what earlier runs could not store; what cannot be stored now goes on waiting."""
     for recording in sorted(home.acquired.glob("*.mcap")):
         try:
-            _added(recording, home)
+            _added(read_mcap(recording), recording, home)
         except Unusable as fault:
             notify(f"{recording} still waits to be stored: {fault}")
 
@@ -62,9 +66,9 @@ def may_pass(fault: Unusable) -> bool:
     return isinstance(fault, Busy | Unreachable) or isinstance(fault.__cause__, OSError)
 
 
-def _added(recording: Path, home: Home) -> Run:
-    run, _ = runs.add(read_mcap(recording), home)
-    recording.unlink(missing_ok=True)  # another run of this home may have been faster
+def _added(content: Recording, recording: Path, home: Home) -> Run:
+    run, _ = runs.add(content, home)
+    recording.unlink(missing_ok=True)
     return run
 
 

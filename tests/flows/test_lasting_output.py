@@ -53,3 +53,13 @@ def test_a_reader_that_lives_gets_every_line_in_order() -> None:
         [sys.executable, "-c", code], capture_output=True, check=True, env=dict(os.environ)
     )
     assert done.stdout.split() == [*(b"%d" % number for number in range(2000)), b"after"]
+
+
+def test_a_child_that_lives_on_does_not_keep_the_run_waiting() -> None:
+    code = (
+        "import subprocess, sys\nfrom flows.lasting_output import lasting_output\n"
+        "with lasting_output():\n"
+        "    child = subprocess.Popen([sys.executable, '-c', 'input()'], stdin=subprocess.PIPE)\n"
+        "child.stdin.write(b'\\n'); child.stdin.close(); child.wait()\n"
+    )
+    subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, timeout=120)

@@ -13,7 +13,7 @@ from storage.catalogue import orders
 from storage.home import Home
 from tests.flows.order_homes import add_station
 
-pytestmark = pytest.mark.real_time
+pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]  # a server of its own
 TIMEOUT_S = 120.0
 
 
@@ -58,11 +58,11 @@ def test_each_order_is_one_flow_run_whatever_happens_to_the_server(
     add_station(home)
     line = Home(home)
     add = ("add", "LINE-1", "--serial", "S1", "--number", "1")
-    gone, said = order("http://127.0.0.1:1/api", *add)
+    gone, notice = order("http://127.0.0.1:1/api", *add)
     assert gone["new"] == ["1"]
-    assert "Prefect's server did not answer" in said
-    _, said = order(prefect_server, *add)
-    assert "no deployment produce/LINE-1: add station LINE-1" in said
+    assert "Prefect's server did not answer" in notice
+    _, notice = order(prefect_server, *add)
+    assert "no deployment produce/LINE-1: add station LINE-1" in notice
 
     deploy(prefect_server, "LINE-1")
     order(prefect_server, "add", "LINE-1", "--serial", "S2", "--number", "2")

@@ -25,9 +25,9 @@ async def attend(
     """Answers each line of a client of the unit at a place, until it hangs up."""
     try:
         while line := await lines.readline():
-            said = answer(simulation, place, line.decode("ascii", "replace").strip())
-            if said is not None:
-                client.write(f"{said}\r\n".encode("ascii", "replace"))
+            answered = answer(simulation, place, line.decode("ascii", "replace").strip())
+            if answered is not None:
+                client.write(f"{answered}\r\n".encode("ascii", "replace"))
     except (OSError, ValueError):  # it is gone, or sends what is no line
         return
 

@@ -57,7 +57,8 @@ def kill(seed: int, folder: Path) -> Killed:
     with running(config, SPEED) as station:
         unit = urlsplit(station.unit_link.url)
         tap = Tap((str(unit.hostname), int(unit.port or 0)))
-        link = station.unit_link.model_copy(update={"url": tap.url})
+        # the tap passes nothing on to the unit
+        link = station.unit_link.model_copy(update={"url": tap.url, "identify": None})
         file = folder / "station.json"
         tapped = station.model_copy(update={"unit_link": link})
         file.write_text(tapped.model_dump_json(), encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from datetime import UTC, date, datetime
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,7 @@ from storage.catalogue import (
     certificates,
     database,
     equipment,
+    orders,
     reminders,
     reprocessing,
     results,
@@ -35,6 +37,7 @@ from storage.formats.columns import write_columns
 from storage.home import Home
 from tests import postgres
 from tests.keep import keep, take_number
+from tests.storage.catalogue.test_orders import CLAIM, order
 
 Build = Callable[..., Recording]
 AtOnce = Callable[..., list[str]]
@@ -217,3 +220,15 @@ def test_history_is_made_again_and_asked_for_as_in_sqlite(
     table = dataframes.results(shared_catalogue)
     assert list(table.loc[table["newest"], "value"].dropna()) == [0.5]
     assert len(impact_of(Selection(equipment="T1"), shared_catalogue).results) == 2
+
+
+def test_of_processes_that_claim_orders_on_postgresql_each_order_has_one(
+    shared_catalogue: Home, at_once: AtOnce
+) -> None:
+    numbers = [str(number) for number in range(20)]
+    orders.add([order(number) for number in numbers], shared_catalogue)
+    assert orders.add([order("0")], shared_catalogue)[0][1] is False
+    claimed = [eval(text) for text in at_once(CLAIM, shared_catalogue, processes=4)]
+    assert sorted(chain(*claimed), key=int) == numbers
+    orders.put_back("T1", shared_catalogue)
+    assert [each.is_interrupted for each in orders.waiting(shared_catalogue)] == [True] * 20

@@ -107,6 +107,21 @@ def test_what_could_not_be_stored_stays_and_the_next_run_or_an_import_stores_it(
     assert not recording.exists()
 
 
+def test_another_run_of_the_home_may_store_it_meanwhile(
+    fresh: Home, recording: Path, monkeypatch
+) -> None:
+    clock = Clock()
+    away_until(5.0, clock, Busy("away"), monkeypatch)
+
+    def by_another(pause_s: float) -> None:
+        clock.sleep(pause_s)
+        if clock.now_s >= 5.0:
+            store_waiting(fresh)
+
+    run = store(recording, fresh, clock, by_another)
+    assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
+
+
 def test_an_operator_who_ends_the_wait_loses_nothing(fresh: Home, recording: Path) -> None:
     def pressed(_: float) -> None:
         raise KeyboardInterrupt
