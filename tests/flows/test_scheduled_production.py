@@ -30,7 +30,7 @@ pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 STATIONS = ("S-1", "S-2")
 LONG_S = 900.0  # of a machine that does other work
 SPEED = 20.0
-BEGUN = ("PENDING", "RUNNING")
+UNFINISHED = ("SCHEDULED", "PENDING", "RUNNING")
 TERMINAL = ("COMPLETED", "FAILED", "CRASHED", "CANCELLED")
 
 
@@ -115,7 +115,7 @@ def test_ten_runs_that_nobody_ordered_end_in_a_draft_each_none_twice_and_none_mi
     for deployment_id, schedule_id in schedules.items():
         client.delete_deployment_schedule(deployment_id, schedule_id)
     for station in STATIONS:
-        wait_for(lambda s=station: not flow_runs(f"produce/{s}", *BEGUN), LONG_S)
+        wait_for(lambda s=station: not flow_runs(f"produce/{s}", *UNFINISHED), LONG_S)
     home = Home(line.home)
     for station in STATIONS:
         runs = [run for run in flow_runs(f"produce/{station}", *TERMINAL) if run["auto_scheduled"]]
