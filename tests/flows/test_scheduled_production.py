@@ -5,13 +5,14 @@ import signal
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from prefect.client.orchestration import get_client
 from prefect.client.schemas.actions import DeploymentScheduleCreate
-from prefect.client.schemas.schedules import IntervalSchedule
+from prefect.client.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 from prefect.states import Cancelling
 
@@ -29,6 +30,7 @@ pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 STATIONS = ("S-1", "S-2")
 LONG_S = 900.0  # of a machine that does other work
 SPEED = 20.0
+UNFINISHED = ("SCHEDULED", "PENDING", "RUNNING")
 TERMINAL = ("COMPLETED", "FAILED", "CRASHED", "CANCELLED")
 
 
@@ -78,7 +80,13 @@ def begin(line: PrefectLine, client, station: str) -> str:
     deployment = client.read_deployment_by_name(f"produce/{station}")
     run = client.create_flow_run_from_deployment(deployment.id, parameters=order(line, station))
     left = line.home / "acquiring"
-    wait_for(lambda: any(p.stat().st_size > 50_000 for p in left.glob("*.mcap")), LONG_S)
+    before = set(left.glob("*.mcap"))
+
+    def is_written() -> bool:
+        new = set(left.glob("*.mcap")) - before
+        return any(path.stat().st_size > 50_000 for path in new)
+
+    wait_for(is_written, LONG_S)
     return str(run.id)
 
 
@@ -93,28 +101,28 @@ def settled(client, run: str) -> str:
 def test_ten_runs_that_nobody_ordered_end_in_a_draft_each_none_twice_and_none_missing(
     line, client
 ) -> None:
-    due = [datetime.now(UTC) + timedelta(seconds=20 + 45 * number) for number in range(5)]
+    every_minute = CronSchedule(cron="* * * * *", timezone="Asia/Shanghai")
+    schedules = {}
     for station in STATIONS:
         deployment = client.read_deployment_by_name(f"produce/{station}")
-        schedule = IntervalSchedule(interval=timedelta(seconds=45), anchor_date=due[0])
-        created = client.request(
-            "POST",
-            f"/deployments/{deployment.id}/schedules",
-            json=[
-                DeploymentScheduleCreate(
-                    schedule=schedule, active=True, parameters=order(line, station),
-                    max_scheduled_runs=5,
-                ).model_dump(mode="json")
-            ],
-        ).json()  # fmt: skip
-        (made,) = created
+        schedule = DeploymentScheduleCreate(
+            schedule=every_minute, active=True, parameters=order(line, station)
+        )
+        (made,) = client.create_deployment_schedules(deployment.id, [schedule])
+        schedules[deployment.id] = made.id
+    for station in STATIONS:
         wait_for(lambda s=station: ended(f"produce/{s}", 5), LONG_S)
-        client.request("DELETE", f"/deployments/{deployment.id}/schedules/{made['id']}")
+    for deployment_id, schedule_id in schedules.items():
+        client.delete_deployment_schedule(deployment_id, schedule_id)
+    for station in STATIONS:
+        wait_for(lambda s=station: not flow_runs(f"produce/{s}", *UNFINISHED), LONG_S)
     home = Home(line.home)
     for station in STATIONS:
         runs = [run for run in flow_runs(f"produce/{station}", *TERMINAL) if run["auto_scheduled"]]
-        times = [run["expected_start_time"] for run in runs]
-        assert len(times) == len(set(times)) >= 5
+        times = [datetime.fromisoformat(run["expected_start_time"]) for run in runs]
+        assert len(times) >= 5
+        minutes = {later - earlier for earlier, later in pairwise(times)}
+        assert minutes == {timedelta(minutes=1)}  # none twice, none missing
         done = [run for run in runs if run["state_type"] == "COMPLETED"]
         late = [run for run in runs if run["state_type"] == "CANCELLED"]
         assert len(done) + len(late) == len(runs)
