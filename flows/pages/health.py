@@ -112,7 +112,7 @@ def _database(home: Home) -> str | None:
 
 def _migrations(home: Home) -> str | None:
     with snapshot(home) as connection:
-        revision = connection and database.revision_of(connection)
+        revision = None if connection is None else database.revision_of(connection)
     if revision in (None, database.HEAD):
         return None
     return "the catalogue is of another version; see `mimucal upgrade`"

@@ -42,7 +42,7 @@ def restore(
             f"{database.HEAD}) does not know; update mimucal."
         )
     _check_empty(home, name)
-    wanted = {*(each.object for each in (*manifest.tables, *manifest.files))}
+    wanted = {each.object for each in manifest.tables} | {each.object for each in manifest.files}
     steps = len(wanted) + len(manifest.files)
     for done, _ in enumerate(objects.check(wanted), start=1):
         progress(done, steps)

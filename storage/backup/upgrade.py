@@ -37,7 +37,7 @@ def is_needed(home: Home) -> bool:
     if made is None:
         return False
     with dump.snapshot(home) as connection:
-        revision = connection and database.revision_of(connection)
+        revision = None if connection is None else database.revision_of(connection)
     if revision is None or revision < database.HEAD:
         return revision is not None
     database.check_revision(made, revision)
