@@ -42,7 +42,7 @@ Look = Callable[[Home], str | None]
 def endpoints(home: Home, gate: Gate) -> Blueprint:
     """The two endpoints; requests are counted for /metrics."""
     made, registry = Blueprint("health", __name__), CollectorRegistry()
-    registry.register(Line(home))
+    registry.register(LineMetrics(home))
     requests = Counter(
         "mimucal_http_requests", "Requests answered, by status.", ["status"], registry=registry
     )
@@ -137,7 +137,7 @@ LOOKS: dict[str, Look] = {
 }  # fmt: skip
 
 
-class Line:
+class LineMetrics:
     """The figures of a line, found when somebody asks."""
 
     def __init__(self, home: Home) -> None:
