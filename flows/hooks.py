@@ -29,4 +29,5 @@ def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
         file = file_named(order.get("station", ""), place)
         station = settings.read(file, StationFile).station.id
         if any(status.station == station and is_dead for status, is_dead in statuses(place)):
-            stop_station(station, f"Prefect ({state.name}: {state.message or flow.name})", place)
+            cause = f"Prefect ({state.name}: {state.message or flow.name})"
+            stop_station(station, cause, place, lockout=False)

@@ -84,6 +84,15 @@ def check_acquisition(order: AcquireOrder) -> None:
     check_run(procedure, station, ask)
 
 
+def release_station(order: AcquireOrder) -> None:
+    """Whoever starts a run by hand has seen that the station may turn after a stop."""
+    from schemas.station import StationFile
+    from storage.station_stop import release
+
+    place = home_of(order)
+    release(settings.read(file_named(order.station, place), StationFile).station.id, place)
+
+
 def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":
     """The station, the procedure, and how to prompt the operator."""
     from flows import refix_prompt

@@ -27,7 +27,7 @@ def station_file(tmp_path: Path) -> Path:
 @pytest.fixture
 def stopped(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
     calls: list[tuple[str, str]] = []
-    monkeypatch.setattr(stop, "stop_station", lambda id_, by, _: calls.append((id_, by)))
+    monkeypatch.setattr(stop, "stop_station", lambda id_, by, _, **lockout: calls.append((id_, by)))
     return calls
 
 
