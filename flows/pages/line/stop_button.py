@@ -42,15 +42,15 @@ def release_button(now: StationNow, view: View) -> list[Component]:
     if now.lockout is None:
         return []
     stopped = {"by": now.lockout.by, "at": second_of(now.lockout.at)}
-    said = html.Div(view.say(message("pages-line-lockout", **stopped)), className="station-now")
+    stop = html.Div(view.say(message("pages-line-lockout", **stopped)), className="station-now")
     if not view.visitor.may("stop"):
-        return [said]
+        return [stop]
     asked: dict[str, Any] = {
         "data-release": now.station,
         "data-failed": view.say(message("pages-line-lockout.failed")),
     }
     word = view.say(message("pages-line-lockout.release"))
-    return [said, html.Button(word, className="release", **asked)]
+    return [stop, html.Button(word, className="release", **asked)]
 
 
 def what_became_of(now: StationNow, view: View) -> list[Component]:

@@ -35,10 +35,15 @@ class Line:
     log: Path
 
     def ask(self, method: str, path: str, content: Any = None, **more: Any) -> httpx.Response:
-        """Somebody who has the server's password."""
-        return httpx.request(
-            method, f"{self.api}{path}", json=content, auth=self.auth, timeout=60.0, **more
-        )
+        """Somebody who has the server's password, and asks again while the server is busy."""
+        end_s = time.monotonic() + WAIT_S
+        while True:
+            answer = httpx.request(
+                method, f"{self.api}{path}", json=content, auth=self.auth, timeout=60.0, **more
+            )
+            if answer.status_code != httpx.codes.SERVICE_UNAVAILABLE or time.monotonic() > end_s:
+                return answer
+            time.sleep(1.0)
 
     def order(self, flow: str, parameters: dict[str, Any]) -> str:
         """The id of a flow run that is ordered with these parameters."""
