@@ -29,8 +29,8 @@ class StopRequested(Exception):  # noqa: N818 (nothing is in error)
 class StopSwitch:
     """Pressed by whoever stops a run, and by whom; a second press changes nothing.
 
-    is_live: while pressing it ends something. is_commanded, rest: whether the table was commanded to
-    stop, and its state once it was at rest.
+    is_live: while pressing it ends something. is_commanded, rest: whether the table was commanded
+    to stop, and its state once it was at rest.
     """
 
     def __init__(self) -> None:

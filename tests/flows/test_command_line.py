@@ -119,7 +119,7 @@ def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(
     assert (done.code, done.json["verdict"]) == (0, "fail")
 
 
-def test_a_value_that_just_passes_is_commanded_with_its_risk(
+def test_a_value_that_just_passes_is_told_with_its_risk(
     mimucal, home, run_on_earth, tmp_path, unprinted
 ) -> None:
     """The limit is put half of U above the largest value: one element is conditional."""
@@ -410,7 +410,7 @@ def test_topics_of_a_bag_that_no_stream_takes_are_told(mimucal, tmp_path) -> Non
     assert "/camera" in done.err
 
 
-def test_what_was_taken_in_before_a_bad_recording_is_commanded(mimucal, copied, shared) -> None:
+def test_what_was_taken_in_before_a_bad_recording_is_told(mimucal, copied, shared) -> None:
     bad = copied(SMALL)
     drop_column(bad)
     done = mimucal("import", shared / "real/ferraris_session", bad, "--json")

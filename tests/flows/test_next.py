@@ -217,7 +217,7 @@ def test_what_one_block_does_not_show_is_not_said_of_every_motion(
     assert int(re.findall(r"--minutes (\d+)", text)[0]) > 15
 
 
-def test_one_effect_is_commanded_in_the_singular(
+def test_one_effect_is_told_in_the_singular(
     run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
 ) -> None:  # fmt: skip

@@ -30,9 +30,7 @@ def station_file(folder: Path, correction: dict[str, Any], url: str, **unit: str
     return file
 
 
-def test_the_unit_is_commanded_the_coefficients_of_its_own_result(
-    mimucal, correction, tmp_path
-) -> None:
+def test_the_unit_is_told_the_coefficients_of_its_own_result(mimucal, correction, tmp_path) -> None:
     with unit(lambda _: b"$OK\r\n") as (url, document):
         file = station_file(tmp_path, correction, url)
         done = mimucal("station", "load", file, correction["run"])

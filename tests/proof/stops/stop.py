@@ -47,7 +47,7 @@ SOURCE = Path(__file__).parents[3]
 class Pressed:
     """One press. speed: of the station's clock. turning: whether the table moved at the press.
 
-    rest_s: from the press until the table was at rest, wall time; said_s: until the stop stopped so.
+    rest_s: from the press until the table was at rest, wall time; said_s: until the stop said so.
     resumed: whether the run then went on to its end; null where that was not tried.
     """
 
@@ -226,7 +226,7 @@ class _Room:
         if stopped is not None and not stopped.at_rest:
             yield f"the stop did not confirm: {stopped.fault}"
         if way in ("command", "page", "button") and stopped is None:
-            yield "the stop stopped nothing"
+            yield "the stop said nothing"
         yield from self._left()
         is_done = run.exitcode == 0  # the press came when everything was measured
         if not is_done and not any(self._is_readable(each) for each in self._recordings()):

@@ -47,7 +47,7 @@ def test_a_missing_package_and_one_of_another_release_are_named(
     assert found.remedy is not None
 
 
-def test_a_full_disk_is_commanded(empty: Home, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_is_told(empty: Home, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stage, "FREE_BYTES", 1 << 70)
     assert "prune" in str(examined(empty, "disk of the home").remedy)
 
@@ -57,26 +57,26 @@ def test_a_home_that_is_a_file_is_no_home(empty: Home) -> None:
     assert "MIMUCAL_HOME" in str(examined(empty, "home").remedy)
 
 
-def test_a_catalogue_that_is_none_is_commanded(empty: Home) -> None:
+def test_a_catalogue_that_is_none_is_told(empty: Home) -> None:
     empty.path.mkdir()
     (empty.path / "catalog.sqlite").write_bytes(b"no database at all, and long enough" * 99)
     assert examined(empty, "catalogue").remedy is not None
 
 
-def test_a_clock_behind_the_trail_is_commanded(empty: Home) -> None:
+def test_a_clock_behind_the_trail_is_told(empty: Home) -> None:
     with database.changing(empty) as connection:
         trail.add(connection, "Li Na", "issue", "A-1", at=datetime.now(UTC) + timedelta(days=2))
     assert examined(empty, "clock").remedy == "Set the computer's clock."
 
 
 @pytest.mark.parametrize("name", ["laboratory.toml", "recall.toml"])
-def test_a_file_of_settings_that_cannot_be_read_is_commanded(empty: Home, name: str) -> None:
+def test_a_file_of_settings_that_cannot_be_read_is_told(empty: Home, name: str) -> None:
     empty.path.mkdir()
     (empty.path / name).write_text("[")
     assert name in str(examined(empty, name).remedy)
 
 
-def test_a_record_of_another_code_is_commanded(
+def test_a_record_of_another_code_is_told(
     empty: Home, monkeypatch: pytest.MonkeyPatch, validated: ValidationRecord
 ) -> None:
     methods = {
@@ -88,14 +88,14 @@ def test_a_record_of_another_code_is_commanded(
     assert "mimucal validate" in str(examined(empty, "validation record").remedy)
 
 
-def test_an_interrupted_run_is_commanded(empty: Home) -> None:
+def test_an_interrupted_run_is_told(empty: Home) -> None:
     empty.acquiring.mkdir(parents=True)
     (empty.acquiring / "20260301T000000Z-ab.mcap").touch()
     assert "--resume" in str(examined(empty, "interrupted runs").remedy)
 
 
 @pytest.mark.parametrize("url", ["http://127.0.0.1:9/api", "not an address"])
-def test_a_prefect_server_that_does_not_answer_is_commanded(
+def test_a_prefect_server_that_does_not_answer_is_told(
     empty: Home, monkeypatch: pytest.MonkeyPatch, url: str
 ) -> None:
     monkeypatch.setenv("PREFECT_API_URL", url)
@@ -123,7 +123,7 @@ def server_with(password: str | None) -> Iterator[str]:
         thread.join()
 
 
-def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_commanded(
+def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_told(
     empty: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PREFECT_API_AUTH_STRING", "line:secret")
@@ -138,7 +138,7 @@ def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_commande
     assert "PREFECT_SERVER_API_AUTH_STRING=NAME:PASSWORD" in str(is_open)
 
 
-def test_a_home_that_everybody_may_read_is_commanded(empty: Home) -> None:
+def test_a_home_that_everybody_may_read_is_told(empty: Home) -> None:
     empty.path.mkdir(0o700)
     assert examined(empty, "rights of the home").remedy is None
     empty.path.chmod(0o755)

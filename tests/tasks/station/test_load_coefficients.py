@@ -39,14 +39,14 @@ def station(url: str, **changes: Any) -> StationFile:
     )
 
 
-def test_each_line_is_commanded_in_the_units_own_units_with_its_check_sum():
+def test_each_line_is_told_in_the_units_own_units_with_its_check_sum():
     with unit(lambda _: b"$OK\r\n") as (url, document):
         _, lines = load_correction(correction(), station(url))
     assert lines == 2
     assert document == [b"$WRITE,84,+0.250000*63\r\n", b"$WRITE,74,+1.0000*6A\r\n"]
 
 
-def test_a_unit_that_does_not_acknowledge_a_line_is_commanded_no_more(monkeypatch):
+def test_a_unit_that_does_not_acknowledge_a_line_is_told_no_more(monkeypatch):
     monkeypatch.setattr(load_coefficients, "ANSWER_S", 0.3)
     refused = re.escape("did not acknowledge “$WRITE,74,+1.0000*6A” with “$OK”")
     with unit(lambda line: b"$OK" if b"84" in line else b"$ERR") as (url, document):
@@ -61,7 +61,7 @@ def test_a_unit_that_does_not_acknowledge_a_line_is_commanded_no_more(monkeypatc
      ({"lines": ["{K_x}"]}, "0001", r"“\{K_x\}” of unit_link.load cannot be written"),
      ({"lines": ["{C_g[3][0]}"]}, "0001", r"cannot be written \(list index out of range\)")],
 )  # fmt: skip
-def test_what_does_not_fit_is_refused_before_anything_is_commanded(changes, serial, sentence):
+def test_what_does_not_fit_is_refused_before_anything_is_told(changes, serial, sentence):
     with pytest.raises(Unusable, match=sentence):
         load_correction(correction(serial), station("socket://127.0.0.1:1", **changes))
 

@@ -166,7 +166,7 @@ def test_samples_do_not_depend_on_how_time_is_cut():
     assert np.abs(whole - pieces).max() <= 1  # a count may fall the other way
 
 
-def test_noise_has_the_random_walk_it_is_commanded_to_have():
+def test_noise_has_the_random_walk_it_is_told_to_have():
     unit = draw_unit(2)
     quiet = {name: getattr(unit, name).model_copy(update={"flicker": 0.0})
              for name in ("gyro", "accel")}  # fmt: skip
