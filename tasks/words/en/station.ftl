@@ -72,6 +72,7 @@ station-alarm-spikes = spikes in channel { $subject } of the unit
 station-page-stop = STOP
 station-page-lockout = Orders wait since the stop by { $by }.
 station-page-release = Release: it may turn
+station-page-left = remaining
 station-page-none = no run yet
 station-page-at-rest = The table is at rest, { $seconds } s after the stop.
 station-page-not-confirmed = NOT CONFIRMED to be at rest: use the emergency stop.

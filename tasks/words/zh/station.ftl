@@ -75,6 +75,7 @@ station-alarm-spikes = 被校单元的 { $subject } 输出有野值
 station-page-stop = 停止
 station-page-lockout = { $by } 停止后，委托一直等待。
 station-page-release = 解除锁定：允许转动
+station-page-left = 剩余时间
 station-page-none = 尚无采集
 station-page-at-rest = 停止 { $seconds } s 后，转台已静止。
 station-page-not-confirmed = 未能确认转台静止，请按急停按钮。
