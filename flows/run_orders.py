@@ -57,8 +57,8 @@ if TYPE_CHECKING:
 def acquire(order: AcquireOrder) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
-    from flows.lasting_output import lasting_output
-    from flows.oversight import overseen
+    from flows.on_prefect.lasting_output import lasting_output
+    from flows.on_prefect.oversight import overseen
     from tasks.stages.acquire import acquire_run
     from tasks.station.stopping import StopSwitch
 

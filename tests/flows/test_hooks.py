@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from flows.hooks import free_station
+from flows.on_prefect.hooks import free_station
 from schemas.run_log import RunStatus
 from storage.home import Home
 from storage.station_lock import one_run_on, write_status

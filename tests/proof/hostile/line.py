@@ -21,7 +21,7 @@ WAIT_S = 600.0  # a machine that is busy with other work
 AT_ONCE = 2
 SERVE = f"""
 from prefect import serve
-from flows import prefect_flows
+from flows.on_prefect import prefect_flows
 serve(*(getattr(prefect_flows, n).to_deployment(n) for n in {FLOWS!r}), limit={AT_ONCE})
 """
 

@@ -5,7 +5,7 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 from uuid import UUID
 
-from flows.prefect_server import connect
+from flows.on_prefect.prefect_server import connect
 from schemas.base import Unusable
 from schemas.production import ProductionOrder
 from storage.catalogue import orders
