@@ -23,7 +23,7 @@ from tasks.stages.prefect_api import post
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
-from tests.flows.test_prefect_flows import SHORT
+from tests.flows.on_prefect.test_prefect_flows import SHORT
 from tests.prefect_line import PASSWORD, PrefectLine, flow_runs, prefect_line, wait_for
 
 pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
