@@ -11,7 +11,7 @@ def carry_out(name: str, order: Any, of: str) -> Any:
     name: of the flow in `prefect_flows`, and of the function in `run_orders`. of: the run or
     certificate it concerns, for the operator.
     """
-    from flows.prefect_server import server_named
+    from flows.on_prefect.prefect_server import server_named
 
     if server_named():
         return as_flow_run(name, order)
@@ -27,12 +27,12 @@ def as_flow_run(name: str, order: OrderModel) -> Any:
 
     Signs it for whoever it names: the account that runs this command may read the home's key.
     """
-    from flows.prefect_server import connect
+    from flows.on_prefect.prefect_server import connect
     from flows.run_orders import home_of
     from flows.signed_orders import sign
 
     order = sign(name, order)
     connect(home_of(order))
-    from flows import prefect_flows
+    from flows.on_prefect import prefect_flows
 
     return prefect_flows.run_now(getattr(prefect_flows, name), order)

@@ -231,7 +231,7 @@ def acquire(
     abandoned; the runs of the others are kept.
     """
     from flows.carry_out import as_flow_run
-    from flows.run_orders import check_acquisition, home_of
+    from flows.run_orders import check_acquisition, home_of, release_station
     from flows.show import print_acquired
     from schemas.orders import AcquireOrder
 
@@ -244,6 +244,7 @@ def acquire(
 
         print_dry_run(order, as_json)
         return
+    release_station(order)
     acquired = as_flow_run("acquire", order)
     is_sound = print_acquired(acquired, home_of(order), as_json)
     if acquired.given_up:

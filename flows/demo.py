@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from flows.prefect_server import connect
+from flows.on_prefect.prefect_server import connect
 from flows.print_calibration import print_calibration, summary
 from flows.print_certificate import print_verdict
 from flows.printing import print_rows
@@ -36,7 +36,7 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     _write(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
     with working("starting Prefect"):
         connect(folder)
-        from flows import prefect_flows
+        from flows.on_prefect import prefect_flows
     with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
         _write(station_file, station.model_dump_json(indent=1))
         (draft,) = prefect_flows.run_now(

@@ -31,7 +31,7 @@ def deploy(timezone: options.Timezone = None) -> None:
 
     zone = _zone(timezone)
     _connect(home())
-    from flows.deployments import LINE, deploy_line
+    from flows.on_prefect.deployments import LINE, deploy_line
 
     for name in deploy_line(home(), zone):
         print(name)
@@ -48,7 +48,7 @@ def add(
     Its station file goes to the home's stations. Where PREFECT_API_URL names a server, it gets a
     work pool of one run at a time and the deployment produce/ID there, and its worker a unit file.
     """
-    from flows.prefect_server import server_named
+    from flows.on_prefect.prefect_server import server_named
     from schemas.station import StationFile
     from storage import settings
     from storage.home import home
@@ -66,7 +66,7 @@ def add(
     if not server_named():
         return
     _connect(place)
-    from flows.deployments import deploy_station
+    from flows.on_prefect.deployments import deploy_station
 
     pool = deploy_station(id_, str(kept), place, schedule, zone)
     print(f"work pool {pool}, deployment produce/{id_}")
@@ -78,7 +78,7 @@ def remove(station: options.Added) -> None:
 
     What it measured stays.
     """
-    from flows.prefect_server import server_named
+    from flows.on_prefect.prefect_server import server_named
     from storage.home import home
     from storage.station_lock import is_held
     from storage.stations import file_of
@@ -89,7 +89,7 @@ def remove(station: options.Added) -> None:
         raise Unusable(f"a run is going on at station {station}: wait for its end, or stop it")
     if server_named():
         _connect(place)
-        from flows.deployments import remove_station
+        from flows.on_prefect.deployments import remove_station
 
         remove_station(station)
     kept.unlink()
@@ -106,7 +106,7 @@ def _check_name(station: str) -> None:
 
 
 def _connect(home: "Home") -> None:
-    from flows.prefect_server import connect, server_named
+    from flows.on_prefect.prefect_server import connect, server_named
 
     if not server_named():
         raise Unusable("no Prefect server is named: set PREFECT_API_URL to one that runs")
@@ -132,7 +132,9 @@ def _write_unit(station: str, pool: str, home: "Home") -> Path:
     """The systemd unit of a station's worker, for `systemctl link`."""
     from storage.whole_files import drafted, writing_in_home
 
-    text = (files("flows") / "systemd" / "mimucal-station.service").read_text(encoding="utf-8")
+    text = (files("flows.on_prefect") / "systemd" / "mimucal-station.service").read_text(
+        encoding="utf-8"
+    )
     unit = Template(text).substitute(
         station=station, pool=pool, home=home.path, server=os.environ["PREFECT_API_URL"],
         bin=get_path("scripts"),

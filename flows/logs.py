@@ -11,7 +11,7 @@ from storage.environment import environment
 COMMON = set(logging.makeLogRecord({}).__dict__) | {"message", "asctime"}
 
 
-class Line(logging.Formatter):
+class JsonLine(logging.Formatter):
     """A record as one line of JSON: at (UTC), level, logger, event, then its own fields."""
 
     def format(self, record: logging.LogRecord) -> str:
@@ -33,13 +33,13 @@ def set_up() -> None:
     Raises Unusable for another value than json. Again, it changes nothing.
     """
     root = logging.getLogger("mimucal")
-    if any(isinstance(each.formatter, Line) for each in root.handlers):
+    if any(isinstance(each.formatter, JsonLine) for each in root.handlers):
         return
     if environment().log is None:
         root.addHandler(logging.NullHandler())  # else Python itself would print warnings
         return
     handler = logging.StreamHandler(sys.stderr)
-    handler.setFormatter(Line())
+    handler.setFormatter(JsonLine())
     root.addHandler(handler)
     root.setLevel(logging.INFO)
     root.propagate = False  # under Prefect its handlers would write them once more

@@ -14,7 +14,7 @@ from pathlib import Path
 from secrets import token_hex
 
 from flows import run_orders
-from flows.prefect_server import server_named
+from flows.on_prefect.prefect_server import server_named
 from schemas.orders import AcquireOrder
 from schemas.production import OrderedUnit, OrderRequest, ProductionOrder
 from schemas.recording import Unit
@@ -124,7 +124,7 @@ def submit(home: Home) -> str | None:
     if not waiting:
         return None
     if server_named():
-        from flows import prefect_queue
+        from flows.on_prefect import prefect_queue
 
         return prefect_queue.submit(waiting, home)
     for station in {order.station for order in waiting}:
@@ -137,7 +137,7 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     flow_run = orders.find(number, home).flow_run
     cancelled = orders.cancel(number, person, home)
     if flow_run and server_named():
-        from flows import prefect_queue
+        from flows.on_prefect import prefect_queue
 
         prefect_queue.cancel(flow_run, home)
     return cancelled

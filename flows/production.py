@@ -23,6 +23,7 @@ from storage.catalogue.connection import Busy
 from storage.home import Home
 from storage.order_lock import no_order_at, one_order_at, only_worker_of
 from storage.station_lock import is_held
+from storage.station_stop import lockout_of
 from storage.stations import file_named, file_of
 from tasks.stages.left_run import left_runs
 
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
     from tasks.stages.published import Published
 
 SCHEDULE = "schedule"  # the person of an order that nobody gave
-BUSY_S = 1.0  # between two looks at a station where a run goes on that was no order
+BUSY_S = 1.0  # between two looks at a station where a run goes on that was no order, or that is
+# locked out after a stop
 SECOND = timedelta(seconds=1)  # to which a recording says when it began
 
 
@@ -74,7 +76,7 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
         _check_station(order.number, station.station.id, home)
     with one_order_at(station.station.id, home):
         left = orders.put_back(station.station.id, home)
-        while is_held(station.station.id, home):
+        while is_held(station.station.id, home) or lockout_of(station.station.id, home):
             time.sleep(BUSY_S)
         kept = orders.claim(order.number or _own_order(order, station, home), home)
         if left:  # not before the claim: one of them may be this order

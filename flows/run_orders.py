@@ -57,8 +57,8 @@ if TYPE_CHECKING:
 def acquire(order: AcquireOrder) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
-    from flows.lasting_output import lasting_output
-    from flows.oversight import overseen
+    from flows.on_prefect.lasting_output import lasting_output
+    from flows.on_prefect.oversight import overseen
     from tasks.stages.acquire import acquire_run
     from tasks.station.stopping import StopSwitch
 
@@ -82,6 +82,15 @@ def check_acquisition(order: AcquireOrder) -> None:
 
     station, procedure, ask = _acquisition(order)
     check_run(procedure, station, ask)
+
+
+def release_station(order: AcquireOrder) -> None:
+    """Whoever starts a run by hand has seen that the station may turn after a stop."""
+    from schemas.station import StationFile
+    from storage.station_stop import release
+
+    place = home_of(order)
+    release(settings.read(file_named(order.station, place), StationFile).station.id, place)
 
 
 def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":

@@ -188,6 +188,25 @@ def stop(
         print(f"station {stopped.station} is at rest after {stopped.seconds:.1f} s: {axes}")
         for recording in stopped.recordings:
             print(f"recorded so far: {recording} (`mimucal acquire --resume` continues)")
+        print(f"its orders wait for `mimucal station release {stopped.station}`")
+
+
+@app.command(epilog="Example: mimucal station release LAB-1")
+def release(station: order_options.OrderedStation) -> None:
+    """Let the orders of a station go on after it was stopped; see first that it may turn.
+
+    A run that is started by hand, with `mimucal acquire`, releases it, too.
+    """
+    from storage import station_stop
+    from storage.home import home
+
+    stop = station_stop.lockout_of(station, home())
+    if stop is None:
+        print(f"station {station} is not locked out")
+        return
+    station_stop.release(station, home())
+    at = f"{stop.at.astimezone():%F %T}"
+    print(f"station {station} released; it was stopped by {stop.by} at {at}")
 
 
 @app.command(epilog="Example: mimucal station page LAB-1 --port 8770")

@@ -15,6 +15,7 @@ from schemas.stop import Stopped
 from storage import settings
 from storage.home import Home
 from storage.station_lock import is_dead, read_status, status_file_of
+from storage.station_stop import lockout_of, release
 from tasks.rendering.page import BASE, page
 from tasks.stages.stop import stop_station
 
@@ -66,7 +67,7 @@ class StationPage:
 
     def whole(self) -> str:
         """The page."""
-        return page(BASE / "station_page.html", token=self.token, station=self.id, **self._now())
+        return page(BASE / "station_page.html", station=self.id, **self._now())
 
     def now(self) -> str:
         """The part of it that changes."""
@@ -80,6 +81,14 @@ class StationPage:
         except Unusable as fault:
             self._fault = str(fault)
 
+    def release(self) -> None:
+        """Let the orders of the station go on; the page then says no more that they wait."""
+        self.stopped, self._fault = None, ""
+        try:
+            release(self.id, self._home)
+        except Unusable as fault:
+            self._fault = str(fault)
+
     def _now(self) -> dict[str, object]:
         status = self._status()
         began = status is not None and self.stopped is not None and status.state != "stopped"
@@ -90,6 +99,8 @@ class StationPage:
             "is_dead": self._is_dead(status),
             "stopped": self.stopped,
             "fault": self._fault,
+            "lockout": lockout_of(self.id, self._home),
+            "token": self.token,
         }
 
     def _status(self) -> RunStatus | None:
@@ -119,15 +130,16 @@ class _Handler(BaseHTTPRequestHandler):
         token = form.get("token", [""])[0].encode()
         is_own = secrets.compare_digest(token, self._served.token.encode())
         origin = self.headers.get("Origin")
+        act = {"/stop": self._served.stop, "/release": self._served.release}.get(self.path)
         if (
-            self.path != "/stop"
+            act is None
             or not self._is_of_this_computer()
             or not is_own
             or origin not in (None, f"http://{self.headers['Host']}")
         ):
             self.send_error(HTTPStatus.FORBIDDEN)
             return
-        self._served.stop()
+        act()
         self.send_response(HTTPStatus.SEE_OTHER)
         self.send_header("Location", "/")
         self.send_header("Content-Length", "0")

@@ -1,4 +1,4 @@
-"""Requests to stop a station, and what its run answers: files beside the station's lock.
+"""Requests to stop a station, what its run answers, and lockouts: files beside its lock.
 
 They need nothing but the folder: no database, no server. A request that another computer makes
 lies in the home, where the run looks as well.
@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from schemas.base import Unusable
 from schemas.station import StationFile
 from schemas.stop import StopAnswer, StopRequest
 from storage.home import Home
@@ -44,6 +45,31 @@ def answer_in(folder: Path, request: StopRequest) -> StopAnswer | None:
 def answer_stop(answer: StopAnswer, folder: Path, station: str) -> None:
     """Answer a request in the folder in which it lies."""
     _write(answer, folder / f"{hashed(station)}.stopped")
+
+
+def lock_out(request: StopRequest, home: Home) -> None:
+    """Keep the orders of a station waiting after a stop, until somebody releases it."""
+    _write(request, home.locks / f"{hashed(request.station)}.lockout")
+
+
+def lockout_of(station: str, home: Home) -> StopRequest | None:
+    """The stop after which nobody has released the station yet; None where it is released."""
+    folders = (home.locks, home.shared_locks)
+    found = (_read(folder / f"{hashed(station)}.lockout", StopRequest) for folder in folders)
+    return next((each for each in found if each is not None), None)
+
+
+def release(station: str, home: Home) -> None:
+    """Let the orders of a station begin again; raises Unusable where that cannot be written."""
+    for folder in (home.locks, home.shared_locks):
+        file = folder / f"{hashed(station)}.lockout"
+        try:
+            file.unlink(missing_ok=True)
+        except OSError as error:
+            raise Unusable(
+                f"{file} cannot be removed ({error.strerror}), and station {station} stays locked "
+                "out: give rights there, or remove it"
+            ) from error
 
 
 def keep_station_file(station: StationFile, home: Home) -> None:

@@ -118,7 +118,7 @@ def _table(changed: tuple[Change, ...]) -> str:
 def changed_svg(report: Reprocessing, language: str) -> str:
     """The picture: a row for each item, a mark for each element of each run that moved."""
     items = list(dict.fromkeys(change.item for change in report.changed))
-    figures: dict[str, int | str] = {
+    figures: dict[str, Any] = {
         "done": report.done, "unchanged": report.unchanged, "least": f"{report.counted_in_U:g}",
     }  # fmt: skip
     title, change, in_part, nothing = (

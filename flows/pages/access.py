@@ -88,7 +88,9 @@ def guard(server: Flask, home: Home) -> Gate:
 
 def _let_in(gate: Gate, home: Home) -> AnyResponse | None:
     """Sets `g.visitor`; an answer where somebody is turned away."""
-    if request.path in OPEN or request.path.startswith(OPEN_FOLDERS):
+    # By the route, not by the path: a page that no folder has is one of Dash's, not open.
+    rule = request.url_rule.rule if request.url_rule else ""
+    if request.path in OPEN or rule.startswith(OPEN_FOLDERS):
         return None
     try:
         g.visitor = _identified(users(home), gate, home)

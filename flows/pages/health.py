@@ -42,7 +42,7 @@ Look = Callable[[Home], str | None]
 def endpoints(home: Home, gate: Gate) -> Blueprint:
     """The two endpoints; requests are counted for /metrics."""
     made, registry = Blueprint("health", __name__), CollectorRegistry()
-    registry.register(Line(home))
+    registry.register(LineMetrics(home))
     requests = Counter(
         "mimucal_http_requests", "Requests answered, by status.", ["status"], registry=registry
     )
@@ -112,7 +112,7 @@ def _database(home: Home) -> str | None:
 
 def _migrations(home: Home) -> str | None:
     with snapshot(home) as connection:
-        revision = connection and database.revision_of(connection)
+        revision = None if connection is None else database.revision_of(connection)
     if revision in (None, database.HEAD):
         return None
     return "the catalogue is of another version; see `mimucal upgrade`"
@@ -137,7 +137,7 @@ LOOKS: dict[str, Look] = {
 }  # fmt: skip
 
 
-class Line:
+class LineMetrics:
     """The figures of a line, found when somebody asks."""
 
     def __init__(self, home: Home) -> None:

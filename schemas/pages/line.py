@@ -7,6 +7,7 @@ from pydantic import AwareDatetime, Field
 
 from schemas.base import Frozen
 from schemas.run_log import RunStatus, State
+from schemas.stop import StopRequest
 from schemas.text import Statement
 
 # Beside the states of a run. free: nothing runs there, as before the first run and after one that
@@ -37,6 +38,13 @@ class StopPressed(Frozen):
     station: str = Field(min_length=1, max_length=200)
 
 
+class Released(Frozen):
+    """The orders of a station go on, as somebody wants who saw that it may turn."""
+
+    station: str
+    by: str
+
+
 class StopShown(Frozen):
     """The last stop that was pressed here for a station, and what became of it.
 
@@ -64,7 +72,7 @@ class Queued(Frozen):
 class StationNow(Frozen):
     """A station: its state, its last run (null before the first), and what waits for it.
 
-    alarm: the last one of that run.
+    alarm: the last one of that run. lockout: the stop after which nobody has released it yet.
     """
 
     station: str
@@ -72,6 +80,7 @@ class StationNow(Frozen):
     run: RunStatus | None
     alarm: AlarmShown | None
     stopped: StopShown | None
+    lockout: StopRequest | None
     waiting: tuple[Queued, ...]
 
 

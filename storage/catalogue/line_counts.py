@@ -56,4 +56,4 @@ def _orders(home: Home) -> Counted:
 
 
 def _counted(home: Home, asked: sql.Select[tuple[str, int]]) -> Counted:
-    return {tuple(names): count for *names, count in map(tuple, database.rows(home, asked))}
+    return {tuple(row[:-1]): row[-1] for row in database.rows(home, asked)}

@@ -20,25 +20,36 @@ from storage.station_lock import (
     read_status,
     status_file_of,
 )
-from storage.station_stop import answer_in, kept_station_file, request_stop, take_back
+from storage.station_stop import (
+    answer_in,
+    kept_station_file,
+    lock_out,
+    request_stop,
+    take_back,
+)
 
 ANSWER_S = 1.0  # for which a run's process has time to command every axis
 LOOK_S = 0.02
 REST_S = 30.0  # for which a process that has answered brings the table to rest
 
 
-def stop_station(station: str, by: str, home: Home) -> Stopped:
+def stop_station(station: str, by: str, home: Home, lockout: bool = True) -> Stopped:
     """Stop a station, and read that its table is at rest.
 
-    station: its id, or a station file. The process of a run that goes on there stops it, keeps
-    the recording and ends; where none answers within ANSWER_S, the table is stopped from here by
-    its station file. Neither database nor Prefect nor, where MIMUCAL_STATION names a folder of
-    this computer, the home are needed. Raises Unusable for a station that is not known.
+    station: its id, or a station file. lockout: whether the station's orders then wait until
+    somebody releases it, as after every stop by a person.
+
+    The process of a run that goes on there stops it, keeps the recording and ends; where none
+    answers within ANSWER_S, the table is stopped from here by its station file. Neither database
+    nor Prefect nor, where MIMUCAL_STATION names a folder of this computer, the home are needed.
+    Raises Unusable for a station that is not known.
     """
     began_s = time.monotonic()
     file, unknown = _file(station, home)
     id_ = file.station.id if file else station
     request = StopRequest(key=token_hex(8), station=id_, by=by, at=datetime.now(UTC))
+    if lockout:
+        lock_out(request, home)
     is_written = request_stop(request, home)
     answer = _answer(request, home) if is_written and _lives(id_, home) else None
     if answer is not None and answer.at_rest:

@@ -85,7 +85,7 @@ class _Watch(threading.Thread):
     def _answer(self, request: StopRequest) -> None:
         """That every axis was commanded to stop, then that the table is at rest."""
         answer = StopAnswer(key=request.key, process=os.getpid())
-        if not self._wait(lambda: self._switch.is_told):
+        if not self._wait(lambda: self._switch.is_commanded):
             return
         answer_stop(answer, self._folder, request.station)
         at_rest = self._wait(lambda: self._switch.rest is not None)

@@ -142,11 +142,11 @@ class BusTable:
     async def bring_to_rest(self) -> None:
         """On the bus: stop every axis, note when the table is at rest, and hand it back."""
 
-        def told() -> None:
-            self.stop_switch.is_told = True
+        def commanded() -> None:
+            self.stop_switch.is_commanded = True
 
         try:
-            state = await bring_to_rest(self.table, told)
+            state = await bring_to_rest(self.table, commanded)
             self.stop_switch.rest = state if is_at_rest(state) else None
         finally:
             await self.table.leave()

@@ -29,14 +29,14 @@ class StopRequested(Exception):  # noqa: N818 (nothing is in error)
 class StopSwitch:
     """Pressed by whoever stops a run, and by whom; a second press changes nothing.
 
-    is_live: while pressing it ends something. is_told, rest: whether the table was commanded to
-    stop, and its state once it was at rest.
+    is_live: while pressing it ends something. is_commanded, rest: whether the table was commanded
+    to stop, and its state once it was at rest.
     """
 
     def __init__(self) -> None:
         self.by: str | None = None
         self.is_live = False
-        self.is_told = False
+        self.is_commanded = False
         self.rest: TableState | None = None
         self._listeners: list[Callable[[], object]] = []
         self._lock = threading.RLock()  # a signal may press while its thread is inside
@@ -103,13 +103,13 @@ def run_until_stopped(work: Coroutine[Any, Any, T], stop: StopSwitch) -> T:
         stop.is_live = False
 
 
-async def bring_to_rest(table: Table, told: Callable[[], None] = lambda: None) -> TableState:
+async def bring_to_rest(table: Table, commanded: Callable[[], None] = lambda: None) -> TableState:
     """Stop every axis, as quickly as the table may; its state at rest, or after REST_S.
 
-    told: called once every axis was commanded. Raises Unusable where one could not be.
+    commanded: called once every axis was commanded. Raises Unusable where one could not be.
     """
     await _quick_stop(table)
-    told()
+    commanded()
     end_s, looks = wall_s() + REST_S, 0
     while True:
         state = await table.state()

@@ -4,7 +4,7 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
-from flows.prefect_server import connect
+from flows.on_prefect.prefect_server import connect
 from schemas.orders import CalibrateOrder, ReprocessOrder
 from storage.catalogue import runs
 from storage.catalogue.run_index import Run
@@ -49,7 +49,7 @@ def prefect() -> Section:
         run, _ = runs.add(recording(ROWS), home)
         bare = processor_s(partial(estimate, run, home))
         connect(home)
-        from flows import prefect_flows
+        from flows.on_prefect import prefect_flows
 
         order = CalibrateOrder(run=run.id, home=folder)
         work = partial(prefect_flows.run_now, prefect_flows.calibrate, order)

@@ -53,8 +53,8 @@ def test_systemd_reads_the_units_without_a_word(tmp_path: Path) -> None:
         (tmp_path / unit.name).write_text(own.replace("User=mimucal\n", ""))
     command = ["systemd-analyze", "verify", "--man=no", *map(str, sorted(tmp_path.iterdir()))]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    said = [line for line in done.stderr.splitlines() if "mimucal" in line]
-    assert said == []
+    warnings = [line for line in done.stderr.splitlines() if "mimucal" in line]
+    assert warnings == []
 
 
 def lines() -> list[list[str]]:

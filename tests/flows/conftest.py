@@ -33,7 +33,7 @@ asyncio.run(provide_database_interface().create_db())
 
 SERVE = """
 import socket, sys
-from flows.prefect_server import serve
+from flows.on_prefect.prefect_server import serve
 serve(socket.socket(fileno=int(sys.argv[1])))
 """
 

@@ -153,6 +153,23 @@ def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> N
     assert states(line)[0] == "done"
 
 
+def test_after_a_stop_the_next_order_waits_until_somebody_releases_the_station(
+    line: Home, monkeypatch: pytest.MonkeyPatch, mimucal
+) -> None:
+    waited = []
+
+    def see(_: float) -> None:
+        waited.append(states(line)[0])
+        assert "stopped by Li" in mimucal("station", "release", "LINE-1").out
+
+    mimucal("station", "stop", "LINE-1", "--by", "Li")
+    monkeypatch.setattr(production, "time", SimpleNamespace(sleep=see))
+    carry_out(ProduceOrder(station="LINE-1", number="1"), Work())
+    assert waited == ["waiting"]
+    assert states(line)[0] == "done"
+    assert "not locked out" in mimucal("station", "release", "LINE-1").out
+
+
 def test_one_worker_takes_the_orders_of_a_station_and_another_leaves_them(line, worked) -> None:
     work = worked(Work())
     with only_worker_of("LINE-1", line):

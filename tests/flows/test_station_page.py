@@ -50,7 +50,7 @@ def test_it_shows_how_the_station_stands(served, tmp_path):
         code, shown = asked(port, "GET", "/now")
     assert code == 200
     assert "measuring" in shown
-    assert "process ended unexpectedly" in asked(port, "GET", "/now")[1]
+    assert "Process lost" in asked(port, "GET", "/now")[1]
 
 
 def test_its_button_stops_the_station_and_shows_what_came_of_it(served):

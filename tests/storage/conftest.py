@@ -48,8 +48,8 @@ for line in sys.stdin:
     os.environ.pop("MIMUCAL_DATABASE", None)
     os.environ.update(database)
     with forked.Pool(processes) as pool:
-        said = pool.map(run, range(processes), chunksize=1)
-    print(json.dumps(said), flush=True)
+        answers = pool.map(run, range(processes), chunksize=1)
+    print(json.dumps(answers), flush=True)
 """
 
 

@@ -1,11 +1,18 @@
-// The press of a Stop button. The page is renewed every other second, and a click is lost where its
+// The press of a Stop or Release button. The page is renewed every other second, and a click is lost where its
 // button is put in anew between press and release: here the place counts, and not the element.
 (function () {
     let pressed = null;
 
-    function stopAt(event) {
+    const BUTTONS = '[data-stop], [data-release]';
+
+    function buttonAt(event) {
         const found = document.elementFromPoint(event.clientX, event.clientY);
-        return found && found.closest('[data-stop]');
+        return found && found.closest(BUTTONS);
+    }
+
+    function named(button) {
+        const {stop, release} = button.dataset;
+        return stop ? `stop ${stop}` : `release ${release}`;
     }
 
     function cookie(name) {
@@ -21,11 +28,12 @@
         document.body.append(shown);
     }
 
-    async function stop(button) {
-        const {stop: station, failed} = button.dataset;
+    async function press(button) {
+        const {stop, release, failed} = button.dataset;
+        const station = stop || release;
         button.classList.add('is-pressed');
         try {
-            const answer = await fetch('/api/v1/stop', {
+            const answer = await fetch(stop ? '/api/v1/stop' : '/api/v1/release', {
                 method: 'POST',
                 headers: {'Content-Type': 'application/json', 'X-CSRFToken': cookie('_csrf_token')},
                 body: JSON.stringify({station}),
@@ -40,17 +48,17 @@
     }
 
     window.addEventListener('pointerdown', (event) => {
-        const button = event.isPrimary && event.button === 0 && stopAt(event);
-        pressed = button ? button.dataset.stop : null;
+        const button = event.isPrimary && event.button === 0 && buttonAt(event);
+        pressed = button ? named(button) : null;
     }, true);
     window.addEventListener('pointercancel', () => { pressed = null; }, true);
     window.addEventListener('pointerup', (event) => {
-        const button = stopAt(event);
-        if (button && button.dataset.stop === pressed) stop(button);
+        const button = buttonAt(event);
+        if (button && named(button) === pressed) press(button);
         pressed = null;
     }, true);
     window.addEventListener('click', (event) => {
-        const button = event.target.closest('[data-stop]');
-        if (button && event.detail === 0) stop(button); // by the keyboard, or by what reads aloud
+        const button = event.target.closest(BUTTONS);
+        if (button && event.detail === 0) press(button); // by the keyboard, or by what reads aloud
     }, true);
 })();

@@ -7,7 +7,7 @@ import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
 
-from flows.pages.line.stop_button import stop_button, what_became_of
+from flows.pages.line.stop_button import release_button, stop_button, what_became_of
 from flows.pages.local_time import hour_of, second_of
 from flows.pages.page import View
 from flows.pages.states import Kind
@@ -41,7 +41,7 @@ def card(now: StationNow, view: View) -> Component:
     if now.alarm is not None:
         body.append(_alarm(now.alarm, now, view))
     body += _queue(now.waiting, view)
-    foot = [*what_became_of(now, view), stop_button(now.station, view)]
+    foot = [*what_became_of(now, view), *release_button(now, view), stop_button(now.station, view)]
     return html.Section(
         [
             html.Div(head, className=f"station-head station-{KINDS[now.state]}"),

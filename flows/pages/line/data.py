@@ -30,6 +30,7 @@ from storage.catalogue.connection import Busy
 from storage.catalogue.run_states import run_list
 from storage.home import Home
 from storage.station_lock import statuses
+from storage.station_stop import lockout_of
 from storage.stations import folder_of, station_files
 
 MOST_IN_A_DAY = 10_000
@@ -84,7 +85,7 @@ def _station_now(home: Home, named: Sequence[str], queued: Sequence[Queued]) -> 
         run, is_dead = last.get(station, (None, False))
         bare = StationNow(
             station=station, state=_state(run, is_dead, now), run=run, alarm=None,
-            stopped=stops_of(home).last(station),
+            stopped=stops_of(home).last(station), lockout=lockout_of(station, home),
             waiting=tuple(each for each in queued if each.station == station),
         )  # fmt: skip
         of_run = alarms.newest(alarms.of_station(bare))

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from flows.prefect_server import server_named
+from flows.on_prefect.prefect_server import server_named
 from schemas.pages.line import FlowRun, Flows
 from storage.environment import environment
 from tasks.stages import prefect_api

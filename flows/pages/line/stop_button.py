@@ -1,5 +1,6 @@
 """The Stop button of a station: one press, no question asked; and the address that it calls."""
 
+from collections.abc import Callable
 from typing import Any
 
 import dash_mantine_components as dmc
@@ -8,13 +9,13 @@ from dash.development.base_component import Component
 from flask import Blueprint, Response, request
 from pydantic import ValidationError
 
+from flows.pages.json_answers import json_answer, refusal
 from flows.pages.line.stops import stops_of
 from flows.pages.local_time import second_of
 from flows.pages.page import View, view_of_request
-from schemas.access import MAY
-from schemas.base import Unusable, first_fault
+from schemas.access import MAY, Visitor
+from schemas.base import Frozen, Unusable, first_fault
 from schemas.pages.line import StationNow, StopPressed, StopShown
-from schemas.pages.unanswered import Unanswered
 from storage.home import Home
 from tasks.words import message
 
@@ -36,6 +37,22 @@ def stop_button(station: str, view: View) -> Component:
     return html.Button([html.Span(className="stop-sign"), word], className="stop", **asked)
 
 
+def release_button(now: StationNow, view: View) -> list[Component]:
+    """Lets the orders of a station go on that was stopped; who stopped it, for whoever may not."""
+    if now.lockout is None:
+        return []
+    stopped = {"by": now.lockout.by, "at": second_of(now.lockout.at)}
+    stop = html.Div(view.say(message("pages-line-lockout", **stopped)), className="station-now")
+    if not view.visitor.may("stop"):
+        return [stop]
+    asked: dict[str, Any] = {
+        "data-release": now.station,
+        "data-failed": view.say(message("pages-line-lockout.failed")),
+    }
+    word = view.say(message("pages-line-lockout.release"))
+    return [stop, html.Button(word, className="release", **asked)]
+
+
 def what_became_of(now: StationNow, view: View) -> list[Component]:
     """The last press, for as long as no later run began."""
     stop = now.stopped
@@ -52,22 +69,28 @@ def _became(stop: StopShown, view: View) -> Component:
 
 
 def stop_presses(home: Home) -> Blueprint:
-    """POST /api/v1/stop with a station: stops it in the name of whoever is logged in."""
+    """POST /api/v1/stop and /api/v1/release with a station: stops it in the name of whoever is
+    logged in, and lets its orders go on.
+    """
     made = Blueprint("stop", __name__)
 
     @made.post("/api/v1/stop")
     def press() -> Response:
-        try:
-            asked = StopPressed.model_validate_json(request.get_data())
-            became = stops_of(home).press(asked.station, view_of_request().visitor)
-        except ValidationError as error:
-            return _answer(Unanswered(error=first_fault(error)).model_dump_json(), 400)
-        except Unusable as error:
-            return _answer(Unanswered(error=str(error)).model_dump_json(), 403)
-        return _answer(became.model_dump_json())
+        return _done(lambda station, visitor: stops_of(home).press(station, visitor))
+
+    @made.post("/api/v1/release")
+    def release() -> Response:
+        return _done(lambda station, visitor: stops_of(home).release(station, visitor))
 
     return made
 
 
-def _answer(text: str, status: int = 200) -> Response:
-    return Response(text, status, mimetype="application/json")
+def _done(act: Callable[[str, Visitor], Frozen]) -> Response:
+    """What an act with the station of the request gave, or why it was refused."""
+    try:
+        asked = StopPressed.model_validate_json(request.get_data())
+        return json_answer(act(asked.station, view_of_request().visitor).model_dump_json())
+    except ValidationError as error:
+        return refusal(400, first_fault(error))
+    except Unusable as error:
+        return refusal(403, str(error))

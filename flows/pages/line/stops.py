@@ -8,8 +8,9 @@ from threading import Lock
 
 from schemas.access import MAY, Visitor
 from schemas.base import Unusable
-from schemas.pages.line import StopShown
+from schemas.pages.line import Released, StopShown
 from storage.home import Home
+from storage.station_stop import release
 
 LOG = logging.getLogger(__name__)
 
@@ -31,16 +32,21 @@ class Stops:
 
         Raises Unusable where the role does not allow it.
         """
-        if not visitor.may("stop"):
-            raise Unusable(
-                f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not stop a station"
-                f" here: that is for {' and '.join(MAY['stop'])}; on the station's own computer "
-                f"`mimucal station stop {station}` asks nobody"
-            )
+        _check_may(visitor, "stop", station)
         shown = self._stopped(station, visitor.name)
         with self._one_at_a_time:
             self._last[station] = shown
         return shown
+
+    def release(self, station: str, visitor: Visitor) -> Released:
+        """Lets the orders of a station go on that was stopped.
+
+        Raises Unusable where the role does not allow it, or it cannot be written.
+        """
+        _check_may(visitor, "release", station)
+        release(station, self._home)
+        LOG.info("station %s released by %s", station, visitor.name)
+        return Released(station=station, by=visitor.name)
 
     def _stopped(self, station: str, by: str) -> StopShown:
         from tasks.stages.stop import stop_station
@@ -56,6 +62,15 @@ class Stops:
             return StopShown(by=by, at=datetime.now(UTC), is_at_rest=False, fault=fault)
         return StopShown(
             by=by, at=datetime.now(UTC), is_at_rest=stopped.at_rest, fault=stopped.fault
+        )
+
+
+def _check_may(visitor: Visitor, act: str, station: str) -> None:
+    if not visitor.may("stop"):
+        raise Unusable(
+            f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not {act} a station"
+            f" here: that is for {' and '.join(MAY['stop'])}; on the station's own computer "
+            f"`mimucal station {act} {station}` asks nobody"
         )
 
 

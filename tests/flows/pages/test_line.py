@@ -262,9 +262,9 @@ def test_today_is_the_day_where_the_pages_are_served(
 def press(home: Home, station: str, visitor: Visitor = OPERATOR) -> Any:
     """The answer to a press of Stop."""
     server = make_app(home).server
-    server.config["WTF_CSRF_ENABLED"] = False
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(access, "_identified", lambda *_: visitor)
+        patch.setattr(access.CSRFProtect, "protect", lambda _: None)
         return server.test_client().post("/api/v1/stop", json={"station": station})
 
 

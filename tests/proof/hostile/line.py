@@ -21,7 +21,7 @@ WAIT_S = 600.0  # a machine that is busy with other work
 AT_ONCE = 2
 SERVE = f"""
 from prefect import serve
-from flows import prefect_flows
+from flows.on_prefect import prefect_flows
 serve(*(getattr(prefect_flows, n).to_deployment(n) for n in {FLOWS!r}), limit={AT_ONCE})
 """
 
@@ -35,10 +35,15 @@ class Line:
     log: Path
 
     def ask(self, method: str, path: str, content: Any = None, **more: Any) -> httpx.Response:
-        """Somebody who has the server's password."""
-        return httpx.request(
-            method, f"{self.api}{path}", json=content, auth=self.auth, timeout=60.0, **more
-        )
+        """Somebody who has the server's password, and asks again while the server is busy."""
+        end_s = time.monotonic() + WAIT_S
+        while True:
+            answer = httpx.request(
+                method, f"{self.api}{path}", json=content, auth=self.auth, timeout=60.0, **more
+            )
+            if answer.status_code != httpx.codes.SERVICE_UNAVAILABLE or time.monotonic() > end_s:
+                return answer
+            time.sleep(1.0)
 
     def order(self, flow: str, parameters: dict[str, Any]) -> str:
         """The id of a flow run that is ordered with these parameters."""

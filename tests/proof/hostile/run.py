@@ -28,8 +28,9 @@ TEXT = """# Hostile calls
 
 `make prove ARGS="--hostile {count}"`: a Prefect server with authentication and a process that
 carries out its flows, the operations pages with a user of each role, and a home with a draft, a
-checked and an issued certificate. Each call is one that would act, or show something, if it were
-let through; forged orders are given by somebody who has the server's password.
+checked and an issued certificate. Orders to check, issue and withdraw name a certificate in the
+state that would let them act; those of runs and stations name some that are not there. Forged
+orders are given by somebody who has the server's password.
 
 | what was tried | calls | refused | logged |
 |---|---:|---:|---:|

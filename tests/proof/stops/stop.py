@@ -92,12 +92,12 @@ def press(
         press_it = _prepared(way, run, room)
         with room.without(down):
             turning, pressed_s = observed.turns, time.monotonic()
-            said = press_it()
+            stopped = press_it()
             said_s = time.monotonic() - pressed_s
             run.join(END_S)
             time.sleep(max(0.0, _until_s(way) - (time.monotonic() - pressed_s)))
         rest_s = max(observed.moved_s - pressed_s, 0.0)
-        faults = tuple(room.faults(way, run, said))
+        faults = tuple(room.faults(way, run, stopped))
     finally:
         run.kill()
         run.join()
@@ -216,16 +216,16 @@ class _Room:
         finally:
             (self.folder / "away").rename(self.folder / away)
 
-    def faults(self, way: str, run: BaseProcess, said: Stopped | None) -> Iterator[str]:
+    def faults(self, way: str, run: BaseProcess, stopped: Stopped | None) -> Iterator[str]:
         """What is not as it must be, after the run's process has ended."""
         if run.is_alive():
             yield "the run's process has not ended"
         state, _ = table_and_watchdog(self.station)
         if any(axis.is_moving for axis in state.axes):
             yield "the table still turns"
-        if said is not None and not said.at_rest:
-            yield f"the stop did not confirm: {said.fault}"
-        if way in ("command", "page", "button") and said is None:
+        if stopped is not None and not stopped.at_rest:
+            yield f"the stop did not confirm: {stopped.fault}"
+        if way in ("command", "page", "button") and stopped is None:
             yield "the stop said nothing"
         yield from self._left()
         is_done = run.exitcode == 0  # the press came when everything was measured

@@ -61,7 +61,7 @@ def test_the_same_order_acts_for_whom_it_is_meant(there: Attacked, address: str)
 
 
 def test_no_forged_order_acts_in_a_flow_and_each_is_in_the_trail(there: Attacked) -> None:
-    from flows import prefect_flows
+    from flows.on_prefect import prefect_flows
 
     calls = list(forged(there))
     with log_lines() as lines:
@@ -78,7 +78,8 @@ def test_no_forged_order_acts_in_a_flow_and_each_is_in_the_trail(there: Attacked
 
 
 def test_a_used_signature_is_refused_and_a_fresh_one_acts(there: Attacked) -> None:
-    from flows import prefect_flows, signed_orders
+    from flows import signed_orders
+    from flows.on_prefect import prefect_flows
 
     again, use = replay(there)
     use()

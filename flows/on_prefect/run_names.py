@@ -1,6 +1,6 @@
 """Names of flow runs: what it is done to, and how, as the people at the station call it.
 
-Import this module only after `flows.prefect_server.connect`.
+Import this module only after `flows.on_prefect.prefect_server.connect`.
 """
 
 from contextlib import suppress

@@ -12,8 +12,14 @@ import pytest
 from prefect.server.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 
-from flows import prefect_flows
-from flows.deployments import OF_THE_LINE, deploy_line, deploy_station, environment, remove_station
+from flows.on_prefect import prefect_flows
+from flows.on_prefect.deployments import (
+    OF_THE_LINE,
+    deploy_line,
+    deploy_station,
+    environment,
+    remove_station,
+)
 from storage.home import Home
 from tasks.stages.examine_prefect import examine_prefect
 from tasks.stages.prefect_api import get, post
@@ -101,7 +107,7 @@ def test_no_deployment_names_the_checkout_or_a_password(line, monkeypatch) -> No
     for each in post("/deployments/filter", {}):
         assert each["path"] is None
         assert each["pull_steps"] in (None, [])
-        assert each["entrypoint"].startswith("flows.prefect_flows.")
+        assert each["entrypoint"].startswith("flows.on_prefect.prefect_flows.")
         assert os.getcwd() not in str(each["job_variables"])
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://me:secret@host/mimucal")
     assert "secret" not in str(environment(Home(line.home)))

@@ -18,7 +18,7 @@ import pytest
 from prefect.client import base
 from prefect.settings import PREFECT_CLIENT_MAX_RETRIES, temporary_settings
 
-from flows import prefect_server
+from flows.on_prefect import prefect_server
 from schemas.base import Unusable
 
 
@@ -55,7 +55,7 @@ def test_only_its_command_ends_a_server(tmp_path: Path, monkeypatch: pytest.Monk
 
 SERVING = """
 import os, socket, sys, time
-from flows import prefect_server
+from flows.on_prefect import prefect_server
 def serve(listener):
     print("serves", os.getpid(), flush=True)
     time.sleep(600)

@@ -108,7 +108,7 @@ def _start(folder: Path) -> None:
         _fork(listener, log)
     import httpx
 
-    from flows import prefect_flows  # noqa: F401 (half a second while the server starts)
+    from flows.on_prefect import prefect_flows  # noqa: F401 (half a second while the server starts)
 
     gc.enable()
     try:  # the socket listens already: the answer comes once the server is there

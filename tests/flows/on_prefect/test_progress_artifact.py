@@ -2,8 +2,8 @@
 
 import pytest
 
-from flows import artifacts
-from flows.artifacts import PROGRESS_EVERY_S, UNANSWERED_S, ProgressArtifact
+from flows.on_prefect import artifacts
+from flows.on_prefect.artifacts import PROGRESS_EVERY_S, UNANSWERED_S, ProgressArtifact
 
 
 @pytest.mark.parametrize(("answers", "pause_s"), [(True, PROGRESS_EVERY_S), (False, UNANSWERED_S)])

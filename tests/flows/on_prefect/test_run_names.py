@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from flows import run_names
+from flows.on_prefect import run_names
 from schemas.certificate_orders import ProduceOrder
 from schemas.production import ProductionOrder
 from schemas.recording import Unit

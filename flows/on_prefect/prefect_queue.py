@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
-from flows.prefect_server import connect
+from flows.on_prefect.prefect_server import connect
 from schemas.base import Unusable
 from schemas.production import ProductionOrder
 from storage.catalogue import orders

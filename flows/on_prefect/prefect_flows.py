@@ -1,7 +1,7 @@
 """The orders as Prefect flows, with results and certificates as artifacts.
 
 A deployment takes the order as its parameter, which Prefect validates. Import this module only
-after `flows.prefect_server.connect`.
+after `flows.on_prefect.prefect_server.connect`.
 """
 
 from collections.abc import Callable
@@ -14,8 +14,9 @@ from prefect import Flow, flow
 from prefect.context import FlowRunContext
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
-from flows import order_queue, run_names, run_orders
-from flows.artifacts import (
+from flows import order_queue, run_orders
+from flows.on_prefect import run_names
+from flows.on_prefect.artifacts import (
     ProgressArtifact,
     show,
     show_certificate,
@@ -25,9 +26,9 @@ from flows.artifacts import (
     show_items,
     show_review,
 )
-from flows.hooks import free_station
-from flows.lasting_output import lasting_output
-from flows.late_runs import newest_only
+from flows.on_prefect.hooks import free_station
+from flows.on_prefect.lasting_output import lasting_output
+from flows.on_prefect.late_runs import newest_only
 from flows.production import station_of
 from flows.signed_orders import accepted
 from schemas.base import BrokenOff, Unusable

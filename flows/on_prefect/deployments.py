@@ -3,7 +3,7 @@
 Each names a flow by its module: a worker needs mimucal installed, and no folder. Every station has
 a work pool of its own that carries out one run at a time; the limit of a pool counts the runs in
 the server's database, and so outlives the server. Import this module only after
-`flows.prefect_server.connect`.
+`flows.on_prefect.prefect_server.connect`.
 """
 
 import os
@@ -27,8 +27,8 @@ from prefect.workers.process import ProcessWorker
 from sqlalchemy import make_url
 from sqlalchemy.exc import ArgumentError
 
-from flows import prefect_flows
-from flows.automations import automate
+from flows.on_prefect import prefect_flows
+from flows.on_prefect.automations import automate
 from schemas.base import Unusable
 from storage.home import Home
 

@@ -7,8 +7,8 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
-from flows import oversight
-from flows.oversight import CANCELLATION, FLOW_RUN, LOSS, overseen
+from flows.on_prefect import oversight
+from flows.on_prefect.oversight import CANCELLATION, FLOW_RUN, LOSS, overseen
 
 pytestmark = pytest.mark.real_time
 

@@ -17,10 +17,12 @@ if TYPE_CHECKING:
 
 
 def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
-    """Stops the table of a run whose process is dead, and has its status say how it ended.
+    """Stops the table of a run whose process is dead, and has its status say how it ended; what it
+    leaves of an order waits again.
 
     A run that goes on at the station all the same is another one, and is left alone.
     """
+    from flows.production import take_up_left
     from tasks.stages.stop import stop_station
 
     order = flow_run.parameters.get("order", {})
@@ -29,4 +31,6 @@ def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
         file = file_named(order.get("station", ""), place)
         station = settings.read(file, StationFile).station.id
         if any(status.station == station and is_dead for status, is_dead in statuses(place)):
-            stop_station(station, f"Prefect ({state.name}: {state.message or flow.name})", place)
+            cause = f"Prefect ({state.name}: {state.message or flow.name})"
+            stop_station(station, cause, place, lockout=False)
+        take_up_left(station, place)

@@ -1,6 +1,6 @@
 """What a flow made, as artifacts on Prefect's pages; those of a unit have its serial as key.
 
-Import this module only after `flows.prefect_server.connect`.
+Import this module only after `flows.on_prefect.prefect_server.connect`.
 """
 
 import re

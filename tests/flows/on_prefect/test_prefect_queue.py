@@ -9,8 +9,8 @@ import httpx
 import pytest
 from prefect.settings import PREFECT_API_URL, temporary_settings
 
-from flows import prefect_queue
-from flows.prefect_server import QUIET
+from flows.on_prefect import prefect_queue
+from flows.on_prefect.prefect_server import QUIET
 from storage.catalogue import orders
 from storage.home import Home
 from tests.flows.order_homes import add_station

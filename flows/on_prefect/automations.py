@@ -1,6 +1,6 @@
 """What Prefect watches of a line by itself: runs that are late, crashed or silent, and workers.
 
-Import this module only after `flows.prefect_server.connect`.
+Import this module only after `flows.on_prefect.prefect_server.connect`.
 """
 
 from collections.abc import Iterable

@@ -9,8 +9,8 @@ import pytest
 from prefect.client.schemas.objects import FlowRun, State, StateType
 from prefect.context import FlowRunContext
 
-from flows import late_runs
-from flows.late_runs import newest_only
+from flows.on_prefect import late_runs
+from flows.on_prefect.late_runs import newest_only
 
 DEPLOYMENT = uuid4()
 BEGAN = datetime(2026, 11, 27, 8, tzinfo=UTC)

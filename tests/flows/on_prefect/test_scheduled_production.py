@@ -5,13 +5,14 @@ import signal
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from prefect.client.orchestration import get_client
 from prefect.client.schemas.actions import DeploymentScheduleCreate
-from prefect.client.schemas.schedules import IntervalSchedule
+from prefect.client.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 from prefect.states import Cancelling
 
@@ -22,13 +23,14 @@ from tasks.stages.prefect_api import post
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
-from tests.flows.test_prefect_flows import SHORT
+from tests.flows.on_prefect.test_prefect_flows import SHORT
 from tests.prefect_line import PASSWORD, PrefectLine, flow_runs, prefect_line, wait_for
 
 pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 STATIONS = ("S-1", "S-2")
 LONG_S = 900.0  # of a machine that does other work
 SPEED = 20.0
+UNFINISHED = ("SCHEDULED", "PENDING", "RUNNING")
 TERMINAL = ("COMPLETED", "FAILED", "CRASHED", "CANCELLED")
 
 
@@ -38,6 +40,8 @@ def line(prefect_database: Path, tmp_path_factory) -> Iterator[PrefectLine]:
     with ExitStack() as open_:
         line = open_.enter_context(prefect_line(tmp_path_factory.mktemp("line"), prefect_database))
         (line.folder / "short.toml").write_text(SHORT, encoding="utf-8")
+        longer = SHORT.replace("dwell_s = 6.0", "dwell_s = 90.0")
+        (line.folder / "longer.toml").write_text(longer, encoding="utf-8")
         for seed, station in enumerate(STATIONS, 7):
             virtual = VirtualStation(unit=draw_unit(seed))
             found = open_.enter_context(running(virtual, speed=SPEED))
@@ -59,11 +63,11 @@ def client(line):
         yield client
 
 
-def order(line: PrefectLine, station: str) -> dict[str, object]:
+def order(line: PrefectLine, station: str, procedure: str = "short") -> dict[str, object]:
     return {
         "order": {
             "station": str(line.home / f"stations/{station}.json"),
-            "procedure": str(line.folder / "short.toml"),
+            "procedure": str(line.folder / f"{procedure}.toml"),
         }
     }
 
@@ -76,9 +80,16 @@ def ended(deployment: str, count: int) -> list[dict]:
 def begin(line: PrefectLine, client, station: str) -> str:
     """A run that measures: it has written readings."""
     deployment = client.read_deployment_by_name(f"produce/{station}")
-    run = client.create_flow_run_from_deployment(deployment.id, parameters=order(line, station))
+    asked = order(line, station, "longer")
+    run = client.create_flow_run_from_deployment(deployment.id, parameters=asked)
     left = line.home / "acquiring"
-    wait_for(lambda: any(p.stat().st_size > 50_000 for p in left.glob("*.mcap")), LONG_S)
+    before = set(left.glob("*.mcap"))
+
+    def is_written() -> bool:
+        new = set(left.glob("*.mcap")) - before
+        return any(path.stat().st_size > 50_000 for path in new)
+
+    wait_for(is_written, LONG_S)
     return str(run.id)
 
 
@@ -93,28 +104,28 @@ def settled(client, run: str) -> str:
 def test_ten_runs_that_nobody_ordered_end_in_a_draft_each_none_twice_and_none_missing(
     line, client
 ) -> None:
-    due = [datetime.now(UTC) + timedelta(seconds=20 + 45 * number) for number in range(5)]
+    every_minute = CronSchedule(cron="* * * * *", timezone="Asia/Shanghai")
+    schedules = {}
     for station in STATIONS:
         deployment = client.read_deployment_by_name(f"produce/{station}")
-        schedule = IntervalSchedule(interval=timedelta(seconds=45), anchor_date=due[0])
-        created = client.request(
-            "POST",
-            f"/deployments/{deployment.id}/schedules",
-            json=[
-                DeploymentScheduleCreate(
-                    schedule=schedule, active=True, parameters=order(line, station),
-                    max_scheduled_runs=5,
-                ).model_dump(mode="json")
-            ],
-        ).json()  # fmt: skip
-        (made,) = created
+        schedule = DeploymentScheduleCreate(
+            schedule=every_minute, active=True, parameters=order(line, station)
+        )
+        (made,) = client.create_deployment_schedules(deployment.id, [schedule])
+        schedules[deployment.id] = made.id
+    for station in STATIONS:
         wait_for(lambda s=station: ended(f"produce/{s}", 5), LONG_S)
-        client.request("DELETE", f"/deployments/{deployment.id}/schedules/{made['id']}")
+    for deployment_id, schedule_id in schedules.items():
+        client.delete_deployment_schedule(deployment_id, schedule_id)
+    for station in STATIONS:
+        wait_for(lambda s=station: not flow_runs(f"produce/{s}", *UNFINISHED), LONG_S)
     home = Home(line.home)
     for station in STATIONS:
         runs = [run for run in flow_runs(f"produce/{station}", *TERMINAL) if run["auto_scheduled"]]
-        times = [run["expected_start_time"] for run in runs]
-        assert len(times) == len(set(times)) >= 5
+        times = [datetime.fromisoformat(run["expected_start_time"]) for run in runs]
+        assert len(times) >= 5
+        minutes = {later - earlier for earlier, later in pairwise(times)}
+        assert minutes == {timedelta(minutes=1)}  # none twice, none missing
         done = [run for run in runs if run["state_type"] == "COMPLETED"]
         late = [run for run in runs if run["state_type"] == "CANCELLED"]
         assert len(done) + len(late) == len(runs)
@@ -174,6 +185,6 @@ def test_a_cancellation_stops_the_table_though_the_worker_no_longer_looks(line, 
 
 def test_runs_and_artifacts_are_named_by_unit_and_procedure(line, client) -> None:
     names = {run["name"] for run in flow_runs("produce/S-1", "COMPLETED")}
-    assert names == {"V00007 short"}
+    assert names <= {"V00007 short", "V00007 longer"}
     keys = {each["key"] for each in post("/artifacts/filter", {})}
     assert {"certificate-v00007", "calibration-v00007"} <= keys
