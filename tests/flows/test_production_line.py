@@ -13,8 +13,8 @@ from storage.home import Home
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.protocol import MOUNT_REQUEST
 from tasks.station.virtual.unit import draw_unit
-from tests.flows.order_homes import no_workers
 from tests.flows.on_prefect.test_prefect_flows import SHORT
+from tests.flows.order_homes import no_workers
 from tests.tasks.station.in_thread import serving
 
 pytestmark = pytest.mark.real_time
