@@ -14,7 +14,7 @@ from prefect import Flow, flow
 from prefect.context import FlowRunContext
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
-from flows import order_queue, run_orders
+from flows import logs, order_queue, run_orders
 from flows.on_prefect import run_names
 from flows.on_prefect.artifacts import (
     ProgressArtifact,
@@ -50,6 +50,8 @@ from tasks.stages.stage import without_loss
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
+
+logs.set_up()  # a worker's process comes in here, and not by the command line
 
 POOL = "station-"  # how the names of the stations' work pools begin
 
