@@ -80,18 +80,21 @@ class Part:
         return self._process is not None and self._process.poll() is None
 
     def end(self) -> None:
-        """Have it end as its service manager would, with what it started."""
-        if self._process is None:
+        """Have it end as its service manager would, with what it started.
+
+        Of one that ended before, nothing is looked for: its number may be another program's by now.
+        """
+        if self._process is None or not self.is_up:
+            self._process = None
             return
         began = _of_group(self._process.pid)
         self._count()
-        if self.is_up:
-            self._process.terminate()
-            try:
-                self._process.wait(END_S)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait(END_S)
+        self._process.terminate()
+        try:
+            self._process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait(END_S)
         for left in began:
             if left.is_running():
                 left.kill()

@@ -28,6 +28,7 @@ from tests.proof.factory.works import STATIONS, Works
 from tests.proof.load import busy
 
 LONGEST_S = 900.0  # what the issue allows
+ENDS_WITHIN_S = 15.0  # a flow run whose worker is gone
 SHARED = Path("/dev/shm")
 
 
@@ -106,8 +107,9 @@ def produced(played: Played, units: tuple[OrderedUnit, ...], works: Works) -> It
 
 def nothing_left(works: Works, shared: set[Path]) -> Iterator[Row]:
     """Processes, ports and shared memory of the factory."""
-    time.sleep(1.0)
-    alive = left()
+    end_s = time.monotonic() + ENDS_WITHIN_S
+    while (alive := left()) and time.monotonic() < end_s:
+        time.sleep(0.5)
     yield none_of("No process is left", map(_named, alive))
     end_all(alive)
     yield none_of("No port is taken", (
