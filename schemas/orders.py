@@ -212,6 +212,10 @@ class RemindOrder(OrderModel):
     within_days: int = Field(default=30, ge=0)
 
 
+class SubmitOrder(OrderModel):
+    """Every production order that waits, given to Prefect once more."""
+
+
 class AlertOrder(OrderModel):
     """A sentence to whoever operates the line."""
 

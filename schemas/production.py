@@ -4,6 +4,7 @@
 file; `ProductionOrder` is the order as the catalogue keeps it, with what became of it.
 """
 
+from pathlib import PurePath
 from typing import Annotated, Literal
 
 from pydantic import AwareDatetime, Field
@@ -81,6 +82,11 @@ class ProductionOrder(Frozen):
     def serials(self) -> str:
         """The serial numbers of its units, as they are shown."""
         return ", ".join(unit.serial for unit in self.units)
+
+    @property
+    def title(self) -> str:
+        """Its units and its procedure, as its flow run is called."""
+        return f"{self.serials} {PurePath(self.procedure).stem}"
 
     def differs_from(self, other: "ProductionOrder") -> str | None:
         """In what another order asks for something else, whoever ordered and whenever."""

@@ -70,6 +70,10 @@ OF_THE_LINE = (
         order={"within_days": 30}, alone=True, cron="*/10 * * * *",
     ),
     Deployed(
+        "submit", "Orders that wait are given to Prefect again, where it lost them.",
+        alone=True, cron="*/5 * * * *",
+    ),
+    Deployed(
         "review", "What all runs show together, who carries it, and which certificates it touched.",
         alone=True, cron="0 3 1 * *",
     ),

@@ -14,7 +14,7 @@ from prefect import Flow, flow
 from prefect.context import FlowRunContext
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
-from flows import logs, run_orders
+from flows import logs, order_queue, run_orders
 from flows.on_prefect import run_names
 from flows.on_prefect.artifacts import (
     ProgressArtifact,
@@ -41,6 +41,7 @@ from schemas.orders import (
     OrderModel,
     RemindOrder,
     ReprocessOrder,
+    SubmitOrder,
 )
 from schemas.reminders import DueUnit
 from storage.catalogue import run_index
@@ -127,7 +128,19 @@ def remind(order: RemindOrder) -> list[DueUnit]:
     return due
 
 
-@flow(name="alert")
+@flow(name="submit", flow_run_name="orders that wait")
+@newest_only
+def submit(order: SubmitOrder) -> None:
+    """Give every order that waits to Prefect, where it has none or lost it.
+
+    It loses one whose process begins while the server is started anew, and one whose worker dies
+    before the process begins. Raises BrokenOff where one cannot be given.
+    """
+    if fault := order_queue.submit(run_orders.home_of(order)):
+        raise BrokenOff(fault)
+
+
+@flow(name="alert", flow_run_name="alert")
 def alert(order: AlertOrder) -> None:
     """Send a sentence to whoever operates the line; BrokenOff where a channel did not take it."""
     from tasks.stages import alert as alerting

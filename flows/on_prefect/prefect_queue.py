@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
 from flows.on_prefect.prefect_server import connect
@@ -13,8 +14,12 @@ from storage.home import Home
 
 if TYPE_CHECKING:
     from prefect.client.orchestration import SyncPrefectClient
+    from prefect.client.schemas.objects import State
 
 MOST = 200  # flow runs that the server gives in one answer
+# A worker that was killed between taking a flow run and beginning it leaves it pending for ever,
+# and the pool of its station full. With every core busy a process takes a minute to begin.
+BEGINS_WITHIN = timedelta(minutes=5)
 
 
 def submit(waiting: Sequence[ProductionOrder], home: Home) -> str | None:
@@ -35,17 +40,27 @@ def submit(waiting: Sequence[ProductionOrder], home: Home) -> str | None:
 
 
 def _alive(flow_runs: Sequence[str], client: "SyncPrefectClient") -> set[str]:
-    """Those of some flow runs that have not ended."""
+    """Those of some flow runs that have not ended, once those that never began are crashed."""
     from prefect.client.schemas.filters import FlowRunFilter, FlowRunFilterId
+    from prefect.states import Crashed
 
     found = set()
     for at in range(0, len(flow_runs), MOST):
         ids = [UUID(each) for each in flow_runs[at : at + MOST]]
         asked = FlowRunFilter(id=FlowRunFilterId(any_=ids))
         for run in client.read_flow_runs(flow_run_filter=asked, limit=MOST):
-            if run.state is None or not run.state.is_final():
+            if _never_began(run.state):
+                lost: State[Any] = Crashed(message="its worker died before it began")
+                client.set_flow_run_state(run.id, lost, force=True)
+            elif run.state is None or not run.state.is_final():
                 found.add(str(run.id))
     return found
+
+
+def _never_began(state: "State[Any] | None") -> bool:
+    if state is None or not state.is_pending():
+        return False
+    return datetime.now(UTC) - state.timestamp > BEGINS_WITHIN
 
 
 def cancel(flow_run: str, home: Home) -> None:
@@ -74,7 +89,7 @@ def _submitted(order: ProductionOrder, client: "SyncPrefectClient", home: Home) 
     run = client.create_flow_run_from_deployment(
         deployment.id,
         parameters={"order": {"station": order.station} | usual | {"number": order.number}},
-        name=f"{order.serials} {order.procedure}",
+        name=order.title,
         tags=[order.station, *(unit.serial for unit in order.units)],
         idempotency_key=_key(order),
     )

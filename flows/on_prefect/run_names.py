@@ -13,13 +13,16 @@ from schemas.base import Unusable
 from schemas.orders import AcquireOrder
 from schemas.station import StationFile
 from storage import settings
-from storage.catalogue import run_index
+from storage.catalogue import orders, run_index
 from storage.stations import file_named
 
 
 def of_acquisition() -> str:
-    """The serial numbers of the mounted units and the procedure."""
+    """The serial numbers of the mounted units and the procedure; of an order of the queue, its."""
     order = flow_run.parameters["order"]
+    with suppress(Unusable):
+        if number := getattr(order, "number", None):
+            return orders.find(number, home_of(order)).title
     return f"{' + '.join(_serials(order))} {Path(order.procedure).stem}"
 
 

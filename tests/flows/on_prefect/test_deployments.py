@@ -57,7 +57,7 @@ def deployment(name: str) -> dict:
 
 def test_every_active_schedule_has_runs_to_come(line) -> None:
     """With Prefect 3.8.8 and SQLAlchemy 2.1.9 none ever came."""
-    for name in ("remind/remind", "review/review", "produce/VIRTUAL-1"):
+    for name in ("remind/remind", "submit/submit", "review/review", "produce/VIRTUAL-1"):
         runs = wait_for(lambda name=name: flow_runs(name, "SCHEDULED"), SCHEDULED_S)
         assert all(run["auto_scheduled"] for run in runs)
 

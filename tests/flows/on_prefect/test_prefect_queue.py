@@ -1,6 +1,7 @@
 """Orders on a real Prefect server: one flow run for each, named by unit and procedure."""
 
 from collections.abc import Callable
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import httpx
 import pytest
 from prefect.settings import PREFECT_API_URL, temporary_settings
 
+from flows.on_prefect import prefect_queue
 from flows.on_prefect.prefect_server import QUIET
 from storage.catalogue import orders
 from storage.home import Home
@@ -53,7 +55,7 @@ def order(mimucal, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Any, 
 
 
 def test_each_order_is_one_flow_run_whatever_happens_to_the_server(
-    home: Path, order, prefect_server: str
+    home: Path, order, prefect_server: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     add_station(home)
     line = Home(home)
@@ -83,6 +85,16 @@ def test_each_order_is_one_flow_run_whatever_happens_to_the_server(
     again = orders.find("1", line)
     assert again.flow_run not in (None, first["id"])
     assert (again.submissions, len(runs(prefect_server))) == (2, 3)
+
+    # one whose worker died before it began holds the place of its pool no longer
+    asked(prefect_server, f"flow_runs/{again.flow_run}/set_state", state={"type": "PENDING"})
+    order(prefect_server, *add)
+    assert orders.find("1", line).flow_run == again.flow_run
+    monkeypatch.setattr(prefect_queue, "BEGINS_WITHIN", timedelta())
+    order(prefect_server, *add)
+    assert orders.find("1", line).flow_run not in (None, again.flow_run)
+    states = {run["id"]: run["state_type"] for run in runs(prefect_server)}
+    assert states[again.flow_run] == "CRASHED"
 
     order(prefect_server, "cancel", "2")
     states = {run["id"]: run["state_type"] for run in runs(prefect_server)}

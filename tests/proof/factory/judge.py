@@ -67,16 +67,17 @@ def _orders(ordered: Sequence[OrderedUnit], facts: Facts) -> list[Row]:
 
 
 def _runs(ordered: Sequence[OrderedUnit], facts: Facts) -> list[Row]:
+    asked = Counter(unit.serial for unit in ordered)
     of_serial = Counter(run.serial for run in facts.runs)
     used = Counter(run for order in facts.orders for run in order.runs)
     return [
-        none_of("Each unit was measured, and once", (
-            f"{unit.serial}: {of_serial[unit.serial]} runs"
-            for unit in ordered
-            if of_serial[unit.serial] != 1
+        none_of("Each order measured its unit, and once", (
+            f"{serial}: {of_serial[serial]} runs"
+            for serial, orders in asked.items()
+            if of_serial[serial] != orders
         )),
         none_of("No run is of a unit that was not ordered",
-                of_serial.keys() - {unit.serial for unit in ordered}),
+                of_serial.keys() - asked.keys()),
         none_of("Each run is that of one order", (
             f"{run.id} ({run.serial}): {used[run.id]} orders"
             for run in facts.runs

@@ -3,17 +3,25 @@
 import random
 import socket
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import httpx
 
-from tests.proof.factory.draw import DISTURBED, REJECTED, STOPPED, STOPS_AFTER_S, OrderedUnit
+from tests.proof.factory.draw import (
+    BY_CHANCE,
+    DISTURBED,
+    REJECTED,
+    STOPPED,
+    STOPS_AFTER_S,
+    OrderedUnit,
+)
 from tests.proof.factory.facts import Order
 from tests.proof.factory.works import Works
 
 MOST_TRIES = 6  # of an order: what keeps failing is left, and found by the judge
 LONGEST_ANSWER_S = 10.0
 LOOK_S = 1.0
+INVALID = " is invalid: "  # as the order says why it failed
 IDLE_S = 20.0  # for which orders wait before the operator asks why
 
 
@@ -38,7 +46,11 @@ class Operator:
         if time.monotonic() < self._looked_s + LOOK_S:
             return
         self._looked_s = time.monotonic()
-        mine = [order for order in orders if self.units[order.number].station == self.station]
+        mine = [
+            order
+            for order in orders
+            if order.number in self.units and self.units[order.number].station == self.station
+        ]
         for order in mine:
             if order.state == "failed" and self._is_to_be_retried(order):
                 self._retry(order)
@@ -49,7 +61,9 @@ class Operator:
             return  # Prefect's server is away
         measuring = {order.number for order in mine if order.state == "running" and not order.runs}
         made = {order.number for order in mine if order.runs}
-        due = next((number for number in queue if number not in made), None)
+        due = next(
+            (number for number in queue if number in self.units and number not in made), None
+        )
         if due is not None and (due not in measuring or self._mounted is None):
             self._mount(self.units[due])
         self._submit_again(is_idle=not queue and any(o.state == "waiting" for o in mine))
@@ -75,23 +89,38 @@ class Operator:
             self._idle_since_s = None
 
     def _is_to_be_retried(self, order: Order) -> bool:
-        unit = self.units[order.number]
-        return order.attempts < MOST_TRIES and not (unit.is_rejected and order.runs)
+        return order.attempts < MOST_TRIES and not (
+            order.runs and self.units[order.number].is_rejected
+        )
 
     def _retry(self, order: Order) -> None:
-        """Clear what stopped it, and have it go on."""
+        """Clear what stopped it, and have it go on; an invalid run is a case for a new order."""
         unit = self.units[order.number]
         self.events.append(f"{order.number} {unit.fault or 'sound'}: {order.fault[:160]}")
+        if order.runs and INVALID in order.fault:
+            self._order_anew(unit)
+            return
         self._cleared.add(order.number)
         self._mount(unit)
         self._ask("order", "retry", order.number)
 
-    def _ask(self, *words: object) -> None:
+    def _order_anew(self, unit: OrderedUnit) -> None:
+        new = replace(unit, number=f"{unit.number}-again", fault=None)
+        procedure = self.works.procedure_of(unit.procedure)
+        client = self.works.client_order(unit.client)
+        words = ("--serial", new.serial, "--procedure", procedure, "--client-order", client)
+        if self._ask("order", "add", self.station, *words, "--number", new.number):
+            self.units[unit.number] = replace(unit, fault=BY_CHANCE)
+            self.units[new.number] = new
+
+    def _ask(self, *words: object) -> bool:
         """Give a command; what it refuses, because something is away, is tried again later."""
         try:
             self.works.command(*words, "--by", "Li Na")
         except RuntimeError as refused:
             self.events.append(str(refused)[-200:])
+            return False
+        return True
 
     def _mount(self, unit: OrderedUnit) -> None:
         faults = self._faults(unit)

@@ -24,11 +24,12 @@ COLUMNS = ("number", "station", "serial", "procedure", "client_order")
 
 @dataclass(frozen=True)
 class Played:
-    """What happened. stop: of which order, after how long (s) its table was at rest, whether the
-    unit says so, too. wrong: the order for which the wrong unit was mounted. seconds: wall time of
-    production, to the last certificate.
+    """What happened. units: the orders, with those of units that were measured anew. stop: of which
+    order, after how long (s) its table was at rest, whether the unit says so, too. wrong: the order
+    for which the wrong unit was mounted. seconds: wall time of production, to the last certificate.
     """
 
+    units: tuple[OrderedUnit, ...]
     stop: Stop
     happened: tuple[Happened, ...]
     events: tuple[str, ...]
@@ -44,7 +45,7 @@ def write_orders(units: Sequence[OrderedUnit], works: Works) -> Path:
         rows = csv.writer(opened)
         rows.writerow(COLUMNS)
         for unit in units:
-            procedure = "jjf2003" if unit.procedure == "jjf2003" else works.procedure
+            procedure = works.procedure_of(unit.procedure)
             client = works.client_order(unit.client)
             rows.writerow((unit.number, unit.station, unit.serial, procedure, client))
     return works.orders
@@ -79,19 +80,26 @@ def play(
         if found is not None:
             orders, papers = found
             done = sum(order.state in ("done", "failed") for order in orders)
-            report(done, len(units))
             for id_, operator in operators.items():
                 if id_ != disturbances.away:
                     operator.tick(orders)
             if disturbances.away is None:
                 stop.tick(orders, len(units) // STOP_AFTER)
+            report(done, len(known))
             is_over = disturbances.is_over and _is_over(orders, papers, known)
         disturbances.tick(done)
     seconds = time.monotonic() - began_s
     laboratory.end()
     events = tuple(event for each in operators.values() for event in each.events)
     return Played(
-        stop, tuple(disturbances.happened), events, tuple(laboratory.said), wrong, seconds, is_over
+        tuple(known.values()),
+        stop,
+        tuple(disturbances.happened),
+        events,
+        tuple(laboratory.said),
+        wrong,
+        seconds,
+        is_over,
     )
 
 
@@ -108,6 +116,7 @@ def _is_over(
     orders: Sequence[facts.Order], papers: Sequence[facts.Paper], known: dict[str, OrderedUnit]
 ) -> bool:
     done = [order for order in orders if order.state == "done"]
-    failed = [o for o in orders if o.state == "failed" and known[o.number].is_rejected and o.runs]
+    rejected = {number for number, unit in known.items() if unit.is_rejected}
+    failed = [o for o in orders if o.state == "failed" and o.number in rejected and o.runs]
     issued = {paper.run for paper in papers if paper.state == "issued"}
     return len(done) + len(failed) == len(known) and all(set(o.runs) <= issued for o in done)

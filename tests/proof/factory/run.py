@@ -65,7 +65,7 @@ def run(settings: Settings) -> int:
         rows += produced(played, units, works)
         with working("the books are closed"):
             rows += closed(works)
-            rows[:0] = judged(units, read(works))
+            rows[:0] = judged(played.units, read(works))
     except BaseException as fault:
         rows.append(Row("The play ends", "at its end", f"{type(fault).__name__}: {fault}", False))
         if not isinstance(fault, Exception):

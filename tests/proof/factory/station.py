@@ -8,6 +8,7 @@ of what a run costs.
 import asyncio
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from schemas.station import StationFile
@@ -17,9 +18,13 @@ from tasks.station.virtual.servers import serve
 from tasks.station.virtual.unit import draw_unit
 
 CAPTURE_MS = 100
+PRIORITY = -10  # a table has a computer of its own; here it shares the cores with everything else
 
 
 def main(config: VirtualStation, speed: float, port: int, file: Path, faults: list[str]) -> None:
+
+    with suppress(PermissionError):
+        os.setpriority(os.PRIO_PROCESS, 0, PRIORITY)
 
     def ready(station: StationFile) -> None:
         draft = file.with_suffix(".new")
