@@ -47,7 +47,7 @@ SOURCE = Path(__file__).parents[3]
 class Pressed:
     """One press. speed: of the station's clock. turning: whether the table moved at the press.
 
-    rest_s: from the press until the table was at rest, wall time; confirmed_s: until the stop said so.
+    rest_s: from the press until the table was at rest, wall time; confirmed_s: until the answer.
     resumed: whether the run then went on to its end; null where that was not tried.
     """
 
