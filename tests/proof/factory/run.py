@@ -140,7 +140,7 @@ def written(rows: list[Row], played: Played | None, works: Works, settings: Sett
         units=settings.units, seed=settings.seed, speed=settings.speed,
         machine=f"on a machine with {os.cpu_count()} cores",
         minutes=played.seconds / 60 if played else 0.0, full=min(FULL, settings.units),
-        warm_up=parts.WARM_UP_S,
+        dwell=parts.DWELL_S, hours=(played.seconds if played else 0.0) * settings.speed / 3600,
     )  # fmt: skip
     stdout(markup=False).print(table(rows), highlight=False, soft_wrap=True)
     if settings.out is not None:

@@ -64,3 +64,4 @@ class Stop:
             self.works.station_file(self.station).read_bytes()
         )
         self.is_at_rest = comes_to_rest(station, draw_unit(1).gyro.lsb)
+        self.works.command("station", "release", self.station)
