@@ -14,11 +14,7 @@ from prefect import Flow, flow
 from prefect.context import FlowRunContext
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
-<<<<<<< HEAD
 from flows import logs, run_orders
-=======
-from flows import logs, order_queue, run_orders
->>>>>>> factory
 from flows.on_prefect import run_names
 from flows.on_prefect.artifacts import (
     ProgressArtifact,
