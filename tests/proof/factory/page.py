@@ -13,10 +13,10 @@ ABOUT = """# The factory
 authentication, two stations with a worker each, a worker for the line, a dask scheduler with two
 workers, an S3 server, the pages and a mail server, each killed (SIGKILL) once while {units} units
 were produced in {minutes:.1f} min. {full} units were measured by `jjf2003` as it is shipped, the
-others by the same clauses with dwells of {dwell:g} s in place of 30 s, on which no unit passes: a run
-of the shipped procedure alone costs two cores a minute. The stations' clocks ran up to {speed:g} times
-as fast, so that these are {hours:.0f} h of each station, and their tables kept ten encoder samples a
-second.
+others by the same clauses with dwells of {dwell:g} s in place of 30 s, on which no unit passes: a
+run of the shipped procedure alone costs two cores a minute. The stations' clocks ran up to
+{speed:g} times as fast, so that these are {hours:.0f} h of each station, and their tables kept ten
+encoder samples a second.
 """
 
 

@@ -32,8 +32,8 @@ DASK_WORKERS = 2
 KEYS = {"AWS_ACCESS_KEY_ID": "of-a-proof", "AWS_SECRET_ACCESS_KEY": "of-a-proof"}
 MIMUCAL = (sys.executable, "-P", "-m", "flows.cli")
 PREFECT = (sys.executable, "-m", "prefect")
-# The factory's own procedure: every clause of jjf2003, with shorter dwells than the 30 s that it asks
-# for, so that no unit passes on it; it warms up for less, and moves faster.
+# The factory's own procedure: every clause of jjf2003, with shorter dwells than the 30 s that it
+# asks for, so that no unit passes on it; it warms up for less, and moves faster.
 DWELL_S, WARM_UP_S, SETTLE_S, MOVE_DEG_S, ACCELERATION_DEG_S2 = 3.0, 10.0, 0.5, 360.0, 1000.0
 ORDER = """format = "mimu-order/1"
 received = 2024-01-08
