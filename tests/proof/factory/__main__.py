@@ -16,7 +16,7 @@ def main(
     seed: Annotated[int, typer.Option(min=0, help="Draws units, faults and kills.")] = 1,
     speed: Annotated[
         float, typer.Option(min=1.0, help="Station seconds in a second, at most.")
-    ] = 60.0,
+    ] = 100.0,
     minutes: Annotated[
         float, typer.Option(min=1.0, help="Production is broken off after so long.")
     ] = 2 * LONGEST_S / 60,
