@@ -28,8 +28,8 @@ def as_flow_run(name: str, order: OrderModel) -> Any:
     Signs it for whoever it names: the account that runs this command may read the home's key.
     """
     from flows.on_prefect.prefect_server import connect
+    from flows.orders.signed_orders import sign
     from flows.run_orders import home_of
-    from flows.signed_orders import sign
 
     order = sign(name, order)
     connect(home_of(order))

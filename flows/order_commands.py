@@ -11,7 +11,7 @@ from flows import options, order_options
 from schemas.base import Unusable
 
 if TYPE_CHECKING:
-    from flows.order_queue import GivenProduction
+    from flows.orders.order_queue import GivenProduction
 
 app = typer.Typer(
     help="Production orders: which unit is measured on which station, for whom.",
@@ -36,8 +36,8 @@ def add(
 
     The same order under the same number is one order.
     """
-    from flows.order_files import client_order_named, request_of
-    from flows.order_queue import give
+    from flows.orders.order_files import client_order_named, request_of
+    from flows.orders.order_queue import give
     from storage.home import home
 
     units = [{"serial": each, "model": model, "manufacturer": manufacturer} for each in serial]
@@ -60,8 +60,8 @@ def import_(
     Columns: number, station, serial, and if wanted manufacturer, model, procedure, client_order (a
     file, as seen from the folder of this one). Every fault of the file is reported at once.
     """
-    from flows.order_files import read_orders
-    from flows.order_queue import give_all
+    from flows.orders.order_files import read_orders
+    from flows.orders.order_queue import give_all
     from storage.home import home
 
     person = _person(by)
@@ -82,8 +82,8 @@ def scan(
     A line is SERIAL, or MANUFACTURER,MODEL,SERIAL[,PROCEDURE[,CLIENT_ORDER]]; the client's order is
     a file in the home's folder client-orders. A unit that is in the queue is not ordered again.
     """
-    from flows.order_files import scanned
-    from flows.order_queue import give
+    from flows.orders.order_files import scanned
+    from flows.orders.order_queue import give
     from storage.home import home
 
     person, given, refused = _person(by), [], 0
@@ -146,8 +146,8 @@ def cancel(
     number: order_options.GivenNumber, by: options.By = None, as_json: options.Json = False
 ) -> None:
     """Cancel an order that waits."""
-    from flows.order_queue import GivenProduction
-    from flows.order_queue import cancel as cancel_order
+    from flows.orders.order_queue import GivenProduction
+    from flows.orders.order_queue import cancel as cancel_order
     from storage.home import home
 
     order = cancel_order(number, _person(by), home())
@@ -163,7 +163,7 @@ def retry(
     What it measured counts: an interrupted run goes on, and a run that is in the store is not
     repeated. To measure a unit anew, give a new order.
     """
-    from flows.order_queue import retry as retry_order
+    from flows.orders.order_queue import retry as retry_order
     from storage.home import home
 
     _print_given([retry_order(number, _person(by), home())], as_json)

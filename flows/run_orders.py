@@ -37,7 +37,7 @@ from storage.stations import file_named
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flows.production import Production
+    from flows.orders.production import Production
     from schemas.calibration import Calibration
     from schemas.certificate import Replaced
     from schemas.history import Reprocessing
@@ -116,7 +116,7 @@ def produce(
     drafted: called with each draft. Raises BrokenOff for units that were abandoned or have no
     certificate, once the others have theirs.
     """
-    from flows.production import carry_out
+    from flows.orders.production import carry_out
 
     return carry_out(order, partial(_produced, drafted=drafted))
 

@@ -151,7 +151,7 @@ def work(station: order_options.OrderedStation) -> None:
 
     Without a Prefect server, `mimucal order` and the pages begin it where an order needs it.
     """
-    from flows.production import work_at
+    from flows.orders.production import work_at
     from storage.home import home
 
     def report(order: "ProductionOrder") -> None:

@@ -22,7 +22,7 @@ def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
 
     A run that goes on at the station all the same is another one, and is left alone.
     """
-    from flows.production import take_up_left
+    from flows.orders.production import take_up_left
     from tasks.stages.stop import stop_station
 
     order = flow_run.parameters.get("order", {})

@@ -14,7 +14,7 @@ from prefect import Flow, flow
 from prefect.context import FlowRunContext
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
-from flows import logs, order_queue, run_orders
+from flows import logs, run_orders
 from flows.on_prefect import run_names
 from flows.on_prefect.artifacts import (
     ProgressArtifact,
@@ -29,8 +29,9 @@ from flows.on_prefect.artifacts import (
 from flows.on_prefect.hooks import free_station
 from flows.on_prefect.lasting_output import lasting_output
 from flows.on_prefect.late_runs import newest_only
-from flows.production import station_of
-from flows.signed_orders import accepted
+from flows.orders import order_queue
+from flows.orders.production import station_of
+from flows.orders.signed_orders import accepted
 from schemas.base import BrokenOff, Unusable
 from schemas.calibration import Calibration
 from schemas.certificate_orders import ProduceOrder

@@ -8,8 +8,8 @@ import sqlalchemy as sql
 from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
 from dash.development.base_component import Component
 
-from flows import order_queue
 from flows.access_log import LOGGER, plain
+from flows.orders import order_queue
 from flows.pages.local_time import second_of
 from flows.pages.orders import FIELDS, Orders, tolerance_files
 from flows.pages.page import Page, View, view_of_request

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from flows import order_queue
 from flows.access_log import UNKNOWN, refused
-from flows.order_files import client_order_named, request_of
-from flows.signed_orders import carry_out_signed
+from flows.orders import order_queue
+from flows.orders.order_files import client_order_named, request_of
+from flows.orders.signed_orders import carry_out_signed
 from schemas.access import MAY, Action, Visitor
 from schemas.base import Unusable
 from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder

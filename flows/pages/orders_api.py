@@ -3,7 +3,7 @@
 from flask import Response, g, request
 from pydantic import ValidationError
 
-from flows import order_queue
+from flows.orders import order_queue
 from flows.pages.json_answers import json_answer, refusal
 from flows.pages.orders import check_may
 from schemas.access import Visitor

@@ -23,7 +23,7 @@ class Laboratory:
             for name, role in PERSONS.items()
             if role in STEP_OF
         ]
-        self.said: list[str] = []
+        self.refusals: list[str] = []
 
     def begin(self) -> None:
         for thread in self._threads:
@@ -47,7 +47,7 @@ class Laboratory:
             except (
                 RefusedError
             ) as refused:  # by a page that came back, or for good: the judge sees it
-                self.said.append(str(refused)[:300])
+                self.refusals.append(str(refused)[:300])
                 _close(person)
                 person = None
             except (httpx.HTTPError, KeyError, ValueError):  # the pages are away

@@ -57,10 +57,10 @@ class Person:
         if answer.status_code != 200:
             raise RefusedError(f"{action}: {answer.status_code} {answer.text[:500]}")
         alert = answer.json()["response"]["do-answer"]["children"]["props"]
-        said = f"{alert.get('title', '')} {alert['children']}".strip()
+        sentence = f"{alert.get('title', '')} {alert['children']}".strip()
         if alert["color"] != "green":
-            raise RefusedError(f"{action} {fields}: {said}")
-        return said
+            raise RefusedError(f"{action} {fields}: {sentence}")
+        return sentence
 
     def close(self) -> None:
         self._client.close()

@@ -33,7 +33,7 @@ class Played:
     stop: Stop
     happened: tuple[Happened, ...]
     events: tuple[str, ...]
-    said: tuple[str, ...]
+    refusals: tuple[str, ...]
     wrong: str
     seconds: float
     is_over: bool
@@ -96,7 +96,7 @@ def play(
         stop,
         tuple(disturbances.happened),
         events,
-        tuple(laboratory.said),
+        tuple(laboratory.refusals),
         wrong,
         seconds,
         is_over,

@@ -99,7 +99,7 @@ def produced(played: Played, units: tuple[OrderedUnit, ...], works: Works) -> It
     )  # fmt: skip
     stop = played.stop
     is_stopped = stop.is_at_rest and stop.seconds is not None and stop.seconds <= WITHIN_S
-    got = f"{stop.seconds} s, at rest: {stop.is_at_rest} {'' if is_stopped else stop.said}"
+    got = f"{stop.seconds} s, at rest: {stop.is_at_rest} {'' if is_stopped else stop.answer}"
     yield Row(
         "A stop that is pressed brings the table to rest", f"≤ {WITHIN_S:g} s", got, is_stopped
     )

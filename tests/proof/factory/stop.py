@@ -17,14 +17,14 @@ MEASURING = "measuring"
 
 @dataclass
 class Stop:
-    """Pressed at the first run that is well under way. said: what the command answered."""
+    """Pressed at the first run that is well under way. answer: what the command answered."""
 
     works: Works
     station: str
     order: str | None = None
     seconds: float | None = None
     is_at_rest: bool = False
-    said: str = ""
+    answer: str = ""
 
     @property
     def is_over(self) -> bool:
@@ -56,11 +56,12 @@ class Stop:
         try:
             answer = self.works.command("station", "stop", self.station, "--by", "Li Na", "--json")
         except RuntimeError as fault:
-            self.said = str(fault)
+            self.answer = str(fault)
             return
         self.seconds = float(json.loads(answer)["seconds"])
-        self.said = answer.strip()
+        self.answer = answer.strip()
         station = StationFile.model_validate_json(
             self.works.station_file(self.station).read_bytes()
         )
         self.is_at_rest = comes_to_rest(station, draw_unit(1).gyro.lsb)
+        self.works.command("station", "release", self.station)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from flows import signed_orders
+from flows.orders import signed_orders
 from schemas.certificate_orders import (
     AmendOrder,
     CertifyOrder,

@@ -12,8 +12,8 @@ from pathlib import Path
 import httpx
 import typer
 
+from flows.orders.signed_orders import sign
 from flows.progress import counting
-from flows.signed_orders import sign
 from storage.catalogue import trail
 from storage.home import Home
 from tests.pages_server import served

@@ -60,7 +60,7 @@ def as_markdown(pressed: Sequence[Pressed]) -> str:
     """The summary, how it was held, and a row for each press."""
     rows = [
         f"| {each.seed} | {each.way} | {each.down} | {each.speed:g} | "
-        f"{'yes' if each.turning else ''} | {each.rest_s:.2f} | {each.said_s:.2f} | "
+        f"{'yes' if each.turning else ''} | {each.rest_s:.2f} | {each.confirmed_s:.2f} | "
         f"{ {True: 'yes', False: 'NO', None: ''}[each.resumed] } | {'; '.join(each.faults)} |"
         for each in sorted(pressed, key=lambda each: each.seed)
     ]

@@ -47,7 +47,7 @@ SOURCE = Path(__file__).parents[3]
 class Pressed:
     """One press. speed: of the station's clock. turning: whether the table moved at the press.
 
-    rest_s: from the press until the table was at rest, wall time; said_s: until the stop said so.
+    rest_s: from the press until the table was at rest, wall time; confirmed_s: until the answer.
     resumed: whether the run then went on to its end; null where that was not tried.
     """
 
@@ -57,7 +57,7 @@ class Pressed:
     speed: float
     turning: bool
     rest_s: float
-    said_s: float
+    confirmed_s: float
     faults: tuple[str, ...]
     resumed: bool | None = None
 
@@ -93,7 +93,7 @@ def press(
         with room.without(down):
             turning, pressed_s = observed.turns, time.monotonic()
             stopped = press_it()
-            said_s = time.monotonic() - pressed_s
+            confirmed_s = time.monotonic() - pressed_s
             run.join(END_S)
             time.sleep(max(0.0, _until_s(way) - (time.monotonic() - pressed_s)))
         rest_s = max(observed.moved_s - pressed_s, 0.0)
@@ -102,7 +102,7 @@ def press(
         run.kill()
         run.join()
         observed.close()
-    found = Pressed(seed, way, down, speed, turning, rest_s, said_s, faults)
+    found = Pressed(seed, way, down, speed, turning, rest_s, confirmed_s, faults)
     if rest_s > found.bound_s:
         late = f"at rest {rest_s:.2f} s after the press"
         found = replace(found, faults=(*faults, late))

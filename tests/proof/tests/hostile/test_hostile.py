@@ -78,8 +78,8 @@ def test_no_forged_order_acts_in_a_flow_and_each_is_in_the_trail(there: Attacked
 
 
 def test_a_used_signature_is_refused_and_a_fresh_one_acts(there: Attacked) -> None:
-    from flows import signed_orders
     from flows.on_prefect import prefect_flows
+    from flows.orders import signed_orders
 
     again, use = replay(there)
     use()

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from flows.order_queue import give
-from flows.production import work_at
+from flows.orders.order_queue import give
+from flows.orders.production import work_at
 from schemas.production import OrderRequest, ProductionOrder
 from storage.catalogue import orders, run_index
 from storage.home import Home

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from flows import order_queue
+from flows.orders import order_queue
 from schemas.base import Unusable
 from schemas.certificate import Order
 from schemas.production import OrderRequest

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from flows import signed_orders
 from flows.carry_out import carry_out
-from flows.signed_orders import accepted, carry_out_signed, sign
+from flows.orders import signed_orders
+from flows.orders.signed_orders import accepted, carry_out_signed, sign
 from schemas.base import Unusable
 from schemas.certificate_orders import CertifyOrder, CheckOrder, ProduceOrder, StepOrder
 from schemas.orders import AcquireOrder

@@ -11,9 +11,10 @@ from typing import Any
 
 import pytest
 
-from flows import production, run_orders
-from flows.order_queue import give
-from flows.production import Production, carry_out, take_up_left, work_at
+from flows import run_orders
+from flows.orders import production
+from flows.orders.order_queue import give
+from flows.orders.production import Production, carry_out, take_up_left, work_at
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import ProduceOrder
 from schemas.production import OrderRequest, ProductionOrder
@@ -26,7 +27,7 @@ from tests.flows.order_homes import add_station, no_workers
 POPEN = subprocess.Popen  # before it is replaced
 HOLD = """
 import sys, time
-from flows.production import carry_out
+from flows.orders.production import carry_out
 from schemas.certificate_orders import ProduceOrder
 def work(production):
     print("begun", flush=True)
