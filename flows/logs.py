@@ -36,7 +36,6 @@ def set_up() -> None:
     if any(isinstance(each.formatter, JsonLine) for each in root.handlers):
         return
     if environment().log is None:
-        root.addHandler(logging.NullHandler())  # else Python itself would print warnings
         return
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(JsonLine())

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
+logging.getLogger("mimucal").addHandler(logging.NullHandler())  # else Python prints its warnings
+
 P = ParamSpec("P")
 R = TypeVar("R")
 

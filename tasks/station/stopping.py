@@ -59,8 +59,8 @@ class StopSwitch:
 
     def sleep(self, seconds: float) -> None:
         """Wait; raises StopRequested where it is pressed meanwhile."""
-        end_s = wall_s() + seconds
-        while (left_s := end_s - wall_s()) > 0:
+        end_s = time.monotonic() + seconds
+        while (left_s := end_s - time.monotonic()) > 0:
             self.check()
             time.sleep(min(left_s, LOOK_S))
         self.check()

@@ -48,6 +48,7 @@ def test_station_status_says_how_each_run_stands(mimucal, home) -> None:
 
     write_status(status("measuring"), Home(home))
     (run,) = mimucal("station", "status", "--json").json["runs"]
-    assert (run["station"], run["state"], run["is_dead"]) == ("T1", "measuring", True)
+    assert (run["station"], run["state"], run["is_dead"]) == ("T1", "stopped", False)
     printed = mimucal("station", "status").out
-    assert "its process died: measuring: x; 1 of 2" in printed
+    assert "stopped: x; 1 of 2" in printed
+    assert "ended without a word" in printed

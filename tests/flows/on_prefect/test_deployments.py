@@ -141,7 +141,7 @@ def test_the_doctor_sees_schedules_workers_leases_and_the_door(line) -> None:
     found = {each.what: each for each in examine_prefect()}
     for what in ("Prefect", "Prefect's door", "Prefect's leases", "Prefect's schedules"):
         assert found[what].remedy is None, found[what]
-    assert found["Prefect's schedules"].found == "3 produce runs"
+    assert found["Prefect's schedules"].found == "4 produce runs"
     workers = found["Prefect's workers"]
     assert workers.found == "none lives of line, station-VIRTUAL-1"
     assert workers.remedy is not None

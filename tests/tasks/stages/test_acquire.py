@@ -14,6 +14,7 @@ from storage.home import Home
 from tasks.stages import acquire
 from tasks.stages.acquire import acquire_run
 from tasks.stages.ready import ready_to_acquire
+from tasks.station.stopping import StopSwitch
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.unit import draw_unit
 from tests.tasks.station.in_memory import InMemoryStation
@@ -80,12 +81,14 @@ def test_run_that_recorded_nothing_leaves_no_file_and_says_why(
 def test_run_that_is_broken_off_says_where_its_recording_lies(
     station: StationFile, fresh: Home
 ) -> None:
+    stop = StopSwitch()
+
     def report(progress: object) -> None:
         if getattr(progress, "station_s_done", 0.0) > 8.0:
-            raise KeyboardInterrupt
+            stop.press("its worker")
 
     with pytest.raises(BrokenOff, match="stopped by its worker") as end:
-        acquire_run(station, PROCEDURE, fresh, report, stopped_by=lambda: "its worker")
+        acquire_run(station, PROCEDURE, fresh, report, stop=stop)
     (left,) = fresh.acquiring.iterdir()
     assert str(left) in str(end.value)
     assert "\n" not in str(end.value)

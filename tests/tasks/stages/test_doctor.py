@@ -1,5 +1,6 @@
 """The doctor finds what is wrong with a machine or a home, and says what to do."""
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
@@ -106,11 +107,21 @@ def test_a_prefect_server_that_does_not_answer_is_told(
 def server_with(password: str | None) -> Iterator[str]:
     """The address of a server that answers whoever says this password, or everybody."""
 
+    settings = {"server": {"concurrency": {"lease_storage": "lease_storage.filesystem"}}}
+
     class Answering(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
+            self.answer(settings)
+
+        def do_POST(self) -> None:
+            self.rfile.read(int(self.headers["Content-Length"]))
+            self.answer([])
+
+        def answer(self, document: object) -> None:
             is_right = password is None or self.headers.get("Authorization") == password
             self.send_response(200 if is_right else 401)
             self.end_headers()
+            self.wfile.write(json.dumps(document).encode())
 
         def log_message(self, *_: object) -> None:
             pass
@@ -127,15 +138,18 @@ def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_told(
     empty: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PREFECT_API_AUTH_STRING", "line:secret")
-    remedies = []
-    for password in ("Basic bGluZTpzZWNyZXQ=", "Basic other", None):
-        with server_with(password) as url:
-            monkeypatch.setenv("PREFECT_API_URL", url)
-            remedies.append(examined(empty, "Prefect").remedy)
-    sound, wrong, is_open = remedies
-    assert sound is None
-    assert "Let PREFECT_API_AUTH_STRING be" in str(wrong)
-    assert "PREFECT_SERVER_API_AUTH_STRING=NAME:PASSWORD" in str(is_open)
+    with server_with("Basic bGluZTpzZWNyZXQ=") as url:
+        monkeypatch.setenv("PREFECT_API_URL", url)
+        assert examined(empty, "Prefect").remedy is None
+        assert examined(empty, "Prefect's door").remedy is None
+    with server_with("Basic other") as url:
+        monkeypatch.setenv("PREFECT_API_URL", url)
+        assert "mend PREFECT_API_URL or PREFECT_API_AUTH_STRING" in str(
+            examined(empty, "Prefect").remedy
+        )
+    with server_with(None) as url:
+        monkeypatch.setenv("PREFECT_API_URL", url)
+        assert "Set PREFECT_SERVER_API_AUTH_STRING" in str(examined(empty, "Prefect's door").remedy)
 
 
 def test_a_home_that_everybody_may_read_is_told(empty: Home) -> None:

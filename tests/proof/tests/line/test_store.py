@@ -47,7 +47,7 @@ def _errors(store: tuple[Home, Line], drawn: dict[str, LineRun], names: set[str]
         if row.item in truth:
             error = row.value - truth[row.item][row.element]
             tilted = is_tilted(line, run.station, run.at)
-            found.append((tilted, row.item, row.element, error, row.u))
+            found.append((tilted, row.item, row.element, error, row.standard_uncertainty))
     return found
 
 
