@@ -9,6 +9,7 @@ from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from storage.catalogue import runs
+from storage.formats.mcap import writer
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from tasks.stages import acquire
@@ -116,8 +117,9 @@ def test_what_fails_beside_the_recording_is_not_called_a_recording_that_cannot_b
 
 
 def test_disk_that_is_full_is_one_sentence_and_keeps_what_was_written(
-    station: StationFile, fresh: Home
+    station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(writer, "PERIOD", 0.01)  # s: simulated time is over before one of its own
     ready_to_acquire("T1", fresh)  # the catalogue is there before the disk is full
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, before[1]))
