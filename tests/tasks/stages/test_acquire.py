@@ -1,12 +1,14 @@
 """A run on a virtual station: its name, and what is left when it breaks off."""
 
 import resource
+import time
 from pathlib import Path
 
 import pytest
 
 from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
+from schemas.recording import Stream
 from schemas.station import StationFile
 from storage.catalogue import runs
 from storage.formats.mcap import writer
@@ -119,7 +121,15 @@ def test_what_fails_beside_the_recording_is_not_called_a_recording_that_cannot_b
 def test_disk_that_is_full_is_one_sentence_and_keeps_what_was_written(
     station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(writer, "PERIOD", 0.01)  # s: simulated time is over before one of its own
+    append = writer.RawWriter.append
+
+    def and_let_it_be_written(raw: writer.RawWriter, name: str, stream: Stream) -> None:
+        append(raw, name, stream)
+        time.sleep(0.03)
+
+    # Simulated time is over before the disk is given anything: it is asked after each piece.
+    monkeypatch.setattr(writer, "PERIOD", 0.01)
+    monkeypatch.setattr(writer.RawWriter, "append", and_let_it_be_written)
     ready_to_acquire("T1", fresh)  # the catalogue is there before the disk is full
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, before[1]))
