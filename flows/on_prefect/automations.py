@@ -14,6 +14,8 @@ from prefect.events.actions import ChangeFlowRunState, RunDeployment
 from prefect.events.schemas.automations import AutomationCore, EventTrigger, Posture
 
 WATCHED = ("produce", "certify", "reprocess", "remind", "review")  # the flow `alert` never
+# A queued order is late by design: it waits for its station. That no worker takes it, its pool says.
+AT_ITS_TIME = tuple(flow for flow in WATCHED if flow != "produce")
 SILENCE = timedelta(seconds=120)  # three heartbeats of a run are missing
 ENDS = ("Completed", "Failed", "Crashed", "Cancelled")
 RUN = "prefect.flow-run"
@@ -42,8 +44,8 @@ def automations(alert: UUID) -> list[AutomationCore]:
         state=StateType.CRASHED, name="Crashed", message="no heartbeat", force=False
     )
     return [
-        _on("a run is late", _of_runs([f"{RUN}.Late"]), _alerted(alert, late)),
-        _on("a run crashed", _of_runs([f"{RUN}.Crashed"]), _alerted(alert, crashed)),
+        _on("a run is late", _of_runs([f"{RUN}.Late"], AT_ITS_TIME), _alerted(alert, late)),
+        _on("a run crashed", _of_runs([f"{RUN}.Crashed"], WATCHED), _alerted(alert, crashed)),
         _on("a run is silent", _silent(), died, _alerted(alert, silent)),
         _on("a pool has no worker", _of_pools(), _alerted(alert, pool)),
         _on("a run is invalid", _of_units("run.invalid"), _alerted(alert, invalid)),
@@ -62,11 +64,11 @@ def _alerted(alert: UUID, sentence: str) -> RunDeployment:
     )
 
 
-def _of_runs(events: Iterable[str]) -> EventTrigger:
+def _of_runs(events: Iterable[str], flows: Iterable[str]) -> EventTrigger:
     return EventTrigger(
         expect=set(events),
         match={"prefect.resource.id": f"{RUN}.*"},
-        match_related={"prefect.resource.role": "flow", "prefect.resource.name": list(WATCHED)},
+        match_related={"prefect.resource.role": "flow", "prefect.resource.name": list(flows)},
         posture=Posture.Reactive,
         threshold=1,
     )
