@@ -14,7 +14,7 @@ from prefect.events.actions import ChangeFlowRunState, RunDeployment
 from prefect.events.schemas.automations import AutomationCore, EventTrigger, Posture
 
 WATCHED = ("produce", "certify", "reprocess", "remind", "review")  # the flow `alert` never
-# A queued order is late by design: it waits for its station. That no worker takes it, its pool says.
+# An order is late by design: it waits for its station. That no worker takes it, its pool says.
 AT_ITS_TIME = tuple(flow for flow in WATCHED if flow != "produce")
 SILENCE = timedelta(seconds=120)  # three heartbeats of a run are missing
 ENDS = ("Completed", "Failed", "Crashed", "Cancelled")
