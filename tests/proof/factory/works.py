@@ -1,5 +1,6 @@
 """The parts of the factory on this machine, each of which can be killed and started again."""
 
+import random
 import shutil
 import socket
 import subprocess
@@ -30,6 +31,7 @@ API_S = 30.0
 WORKER_LOOKS_S = "2"  # for the next order, in place of ten: an order takes half a minute here
 DASK_WORKERS = 2
 KEYS = {"AWS_ACCESS_KEY_ID": "of-a-proof", "AWS_SECRET_ACCESS_KEY": "of-a-proof"}
+PORTS = (20_000, 30_000)  # Linux gives clients 32768 and above
 MIMUCAL = (sys.executable, "-P", "-m", "flows.cli")
 PREFECT = (sys.executable, "-m", "prefect")
 # The factory's own procedure: every clause of jjf2003, with shorter dwells than the 30 s that it
@@ -306,10 +308,12 @@ def listens(port: int) -> bool:
 
 
 def _free_ports(*names: str) -> dict[str, int]:
-    """A free port for each; that of a unit follows that of its station."""
+    """A free port for each; that of a unit follows that of its station.
+
+    Below those that the system gives to clients: while a part is dead none of them takes its port.
+    """
     while True:
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            first = int(free.getsockname()[1])
+        first = random.randint(*PORTS)
         ports = range(first, first + len(names))
         try:
             taken = [socket.create_server(("127.0.0.1", port)) for port in ports]
