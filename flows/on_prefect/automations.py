@@ -35,8 +35,7 @@ def automate(client: SyncPrefectClient, alert: UUID) -> None:
 def automations(alert: UUID) -> list[AutomationCore]:
     """A run that is late, crashed or silent; a pool without a worker; what a run says itself."""
     late = f"{OF_A_RUN} is late: see that the worker of its pool lives."
-    crashed = f"{OF_A_RUN} crashed: see its log in Prefect, and the station."
-    silent = f"{OF_A_RUN} is silent: its process or its computer died."
+    crashed = f"{OF_A_RUN} crashed or is silent: see its log in Prefect, its station and computer."
     pool = "Work pool {{ work_pool.name }} has no live worker: start it on its computer."
     invalid = "Unit {{ event.resource.name }}: an invalid run: {{ event.payload.why }}"
     reminder = "Unit {{ event.resource.name }}: a reminder not sent: {{ event.payload.why }}"
@@ -46,7 +45,8 @@ def automations(alert: UUID) -> list[AutomationCore]:
     return [
         _on("a run is late", _of_runs([f"{RUN}.Late"], AT_ITS_TIME), _alerted(alert, late)),
         _on("a run crashed", _of_runs([f"{RUN}.Crashed"], WATCHED), _alerted(alert, crashed)),
-        _on("a run is silent", _silent(), died, _alerted(alert, silent)),
+        # It alerts as one that crashed; one that had ended meanwhile keeps its state, and alerts not.
+        _on("a run is silent", _silent(), died),
         _on("a pool has no worker", _of_pools(), _alerted(alert, pool)),
         _on("a run is invalid", _of_units("run.invalid"), _alerted(alert, invalid)),
         _on("a reminder failed", _of_units("reminder.failed"), _alerted(alert, reminder)),
