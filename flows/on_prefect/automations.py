@@ -45,7 +45,7 @@ def automations(alert: UUID) -> list[AutomationCore]:
     return [
         _on("a run is late", _of_runs([f"{RUN}.Late"], AT_ITS_TIME), _alerted(alert, late)),
         _on("a run crashed", _of_runs([f"{RUN}.Crashed"], WATCHED), _alerted(alert, crashed)),
-        # It alerts as one that crashed; one that had ended meanwhile keeps its state, and alerts not.
+        # It alerts as one that crashed; one that had ended meanwhile keeps its state.
         _on("a run is silent", _silent(), died),
         _on("a pool has no worker", _of_pools(), _alerted(alert, pool)),
         _on("a run is invalid", _of_units("run.invalid"), _alerted(alert, invalid)),
