@@ -118,7 +118,7 @@ def remove_station(station: str) -> None:
 
 def pool_of(station: str) -> str:
     """The name of a station's work pool."""
-    return f"station-{station}"
+    return f"{prefect_flows.POOL}{station}"
 
 
 @contextmanager

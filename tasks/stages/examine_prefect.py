@@ -1,11 +1,11 @@
 """Whether the Prefect server that is named does what a line asks of it."""
 
-import os
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from schemas.doctor import Examined
+from storage.environment import environment
 from tasks.stages.prefect_api import NotAnswered, get, is_open, post
 
 LATE = timedelta(minutes=10)  # a run that waits for longer than any worker's look
@@ -15,7 +15,7 @@ LIVE = "ONLINE"
 
 def examine_prefect() -> Iterator[Examined]:
     """The server, whom it lets in, its leases, its schedules, and the workers of each pool."""
-    url = os.environ.get("PREFECT_API_URL")
+    url = environment().prefect_server
     if not url:
         yield Examined(what="Prefect", found="no server named: a command starts its own")
         return
