@@ -70,7 +70,7 @@ def add(
 
     pool = deploy_station(id_, str(kept), place, schedule, zone)
     print(f"work pool {pool}, deployment produce/{id_}")
-    print(f"its worker: {_write_unit(id_, pool, place)}")
+    print(f"its worker: {_write_unit(id_, place)}")
 
 
 def remove(station: options.Added) -> None:
@@ -128,7 +128,7 @@ def _of_this_computer() -> str:
     return zone or "UTC"
 
 
-def _write_unit(station: str, pool: str, home: "Home") -> Path:
+def _write_unit(station: str, home: "Home") -> Path:
     """The systemd unit of a station's worker, for `systemctl link`."""
     from storage.whole_files import drafted, writing_in_home
 
@@ -136,7 +136,7 @@ def _write_unit(station: str, pool: str, home: "Home") -> Path:
         encoding="utf-8"
     )
     unit = Template(text).substitute(
-        station=station, pool=pool, home=home.path, server=os.environ["PREFECT_API_URL"],
+        station=station, home=home.path, server=os.environ["PREFECT_API_URL"],
         bin=get_path("scripts"),
     )  # fmt: skip
     path = _unit_file(station, home)

@@ -147,12 +147,19 @@ def status(as_json: options.Json = False) -> None:
 
 @app.command(epilog="Example: mimucal station work LINE-1")
 def work(station: order_options.OrderedStation) -> None:
-    """Take the orders of a station one by one until none waits.
+    """Take the orders of a station one by one.
 
-    Without a Prefect server, `mimucal order` and the pages begin it where an order needs it.
+    Where PREFECT_API_URL names a server, as the one worker of the station's pool, for good. Without
+    one, until none waits: `mimucal order` and the pages begin it where an order needs it.
     """
+    from flows.on_prefect.prefect_server import server_named
     from flows.orders.production import work_at
     from storage.home import home
+
+    if server_named():
+        from flows.on_prefect import pool_worker
+
+        pool_worker.work(station, home())
 
     def report(order: "ProductionOrder") -> None:
         outcome = order.fault or ", ".join(order.certificates)

@@ -55,7 +55,7 @@ class ProductionOrder(Frozen):
     goes on with that run. attempts: how often it was begun. submissions: how often it was given to
     Prefect; flow_run: the last of them, null where there is none that counts. host, process: where
     it was begun last. runs, certificates: ids and keys of drafts, in the order of the units. fault:
-    why it failed.
+    why it failed; of one that waits, what keeps it from beginning.
     """
 
     number: str

@@ -29,6 +29,7 @@ from sqlalchemy.exc import ArgumentError
 
 from flows.on_prefect import prefect_flows
 from flows.on_prefect.automations import automate
+from flows.on_prefect.prefect_queue import pool_of
 from schemas.base import Unusable
 from storage.home import Home
 
@@ -114,11 +115,6 @@ def remove_station(station: str) -> None:
             client.delete_deployment(deployment.id)
         with suppress(ObjectNotFound):
             client.delete_work_pool(pool_of(station))
-
-
-def pool_of(station: str) -> str:
-    """The name of a station's work pool."""
-    return f"{prefect_flows.POOL}{station}"
 
 
 @contextmanager

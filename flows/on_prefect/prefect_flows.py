@@ -29,6 +29,7 @@ from flows.on_prefect.artifacts import (
 from flows.on_prefect.hooks import free_station
 from flows.on_prefect.lasting_output import lasting_output
 from flows.on_prefect.late_runs import newest_only
+from flows.on_prefect.prefect_queue import POOL, pool_of
 from flows.orders import order_queue
 from flows.orders.production import station_of
 from flows.orders.signed_orders import accepted
@@ -53,8 +54,6 @@ if TYPE_CHECKING:
     from tasks.stages.published import Published
 
 logs.set_up()  # a worker's process comes in here, and not by the command line
-
-POOL = "station-"  # how the names of the stations' work pools begin
 
 Show = Callable[[Any], None]
 
@@ -98,7 +97,7 @@ def _check_pool(order: ProduceOrder) -> None:
     context = FlowRunContext.get()
     pool = context and context.flow_run and context.flow_run.work_pool_name
     station = station_of(order, run_orders.home_of(order)).station.id
-    if pool and pool.startswith(POOL) and pool != f"{POOL}{station}":
+    if pool and pool.startswith(POOL) and pool != pool_of(station):
         raise Unusable(
             f"the order is for station {station}, and this worker is one of pool {pool}: run "
             f"produce/{station}"

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from prefect.client.schemas.objects import State
 
 MOST = 200  # flow runs that the server gives in one answer
+POOL = "station-"  # how the names of the stations' work pools begin
 # A worker that was killed between taking a flow run and beginning it leaves it pending for ever,
 # and the pool of its station full. With every core busy a process takes a minute to begin.
 BEGINS_WITHIN = timedelta(minutes=5)
@@ -30,6 +31,7 @@ def submit(waiting: Sequence[ProductionOrder], home: Home) -> str | None:
     faults = {}
     try:
         with _client(home) as client:
+            _crash_pending(client, BEGINS_WITHIN)
             alive = _alive([order.flow_run for order in waiting if order.flow_run], client)
             for order in waiting:
                 if order.flow_run not in alive:
@@ -40,27 +42,54 @@ def submit(waiting: Sequence[ProductionOrder], home: Home) -> str | None:
 
 
 def _alive(flow_runs: Sequence[str], client: "SyncPrefectClient") -> set[str]:
-    """Those of some flow runs that have not ended, once those that never began are crashed."""
+    """Those of some flow runs that have not ended."""
     from prefect.client.schemas.filters import FlowRunFilter, FlowRunFilterId
-    from prefect.states import Crashed
 
     found = set()
     for at in range(0, len(flow_runs), MOST):
         ids = [UUID(each) for each in flow_runs[at : at + MOST]]
         asked = FlowRunFilter(id=FlowRunFilterId(any_=ids))
         for run in client.read_flow_runs(flow_run_filter=asked, limit=MOST):
-            if _never_began(run.state):
-                lost: State[Any] = Crashed(message="its worker died before it began")
-                client.set_flow_run_state(run.id, lost, force=True)
-            elif run.state is None or not run.state.is_final():
+            if run.state is None or not run.state.is_final():
                 found.add(str(run.id))
     return found
 
 
-def _never_began(state: "State[Any] | None") -> bool:
-    if state is None or not state.is_pending():
-        return False
-    return datetime.now(UTC) - state.timestamp > BEGINS_WITHIN
+def give_up_pending(pool: str, home: Home) -> None:
+    """Have the flow runs of a pool crash that its worker, now dead, took and did not begin."""
+    with _client(home) as client:
+        _crash_pending(client, timedelta(), pool)
+
+
+def _crash_pending(
+    client: "SyncPrefectClient", least: timedelta, pool: str | None = None
+) -> None:
+    """Crash the flow runs, of a pool or of all, that have been pending for at least so long."""
+    from prefect.client.schemas.filters import (
+        FlowRunFilter,
+        FlowRunFilterState,
+        FlowRunFilterStateType,
+        WorkPoolFilter,
+        WorkPoolFilterName,
+    )
+    from prefect.client.schemas.objects import StateType
+    from prefect.states import Crashed
+
+    is_pending = FlowRunFilterStateType(any_=[StateType.PENDING])
+    found = client.read_flow_runs(
+        flow_run_filter=FlowRunFilter(state=FlowRunFilterState(type=is_pending)),
+        work_pool_filter=pool and WorkPoolFilter(name=WorkPoolFilterName(any_=[pool])) or None,
+        limit=MOST,
+    )
+    for run in found:
+        if run.state is not None and datetime.now(UTC) - run.state.timestamp >= least:
+            lost: State[Any] = Crashed(message="its worker died before it began")
+            client.set_flow_run_state(run.id, lost, force=True)
+
+
+def pool_of(station: str) -> str:
+    """The name of a station's work pool."""
+    return f"{POOL}{station}"
 
 
 def cancel(flow_run: str, home: Home) -> None:

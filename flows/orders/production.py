@@ -23,17 +23,17 @@ from storage.catalogue import orders
 from storage.catalogue.connection import Busy
 from storage.home import Home
 from storage.order_lock import no_order_at, one_order_at, only_worker_of
-from storage.station_lock import is_held
 from storage.station_stop import lockout_of
 from storage.stations import file_named, file_of
+from tasks.stages.ready import ready_to_acquire
+from tasks.station.drivers.identity import confirm
 from tasks.stages.left_run import left_runs
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
 
 SCHEDULE = "schedule"  # the person of an order that nobody gave
-BUSY_S = 1.0  # between two looks at a station where a run goes on that was no order, or that is
-# locked out after a stop
+LOOK_S = 1.0  # between two looks at what keeps an order from beginning
 SECOND = timedelta(seconds=1)  # to which a recording says when it began
 
 
@@ -65,7 +65,7 @@ Work = Callable[[Production], "tuple[Published, ...]"]
 
 
 def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
-    """Do the work of an order of the queue, once the station is free; its drafts.
+    """Do the work of an order of the queue, once it can begin; its drafts.
 
     An order without a number, as of a schedule, is one of its own for the units of the station
     file. Nothing is done of one that waits no more. Raises Unusable for an order of another
@@ -77,12 +77,50 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
         _check_station(order.number, station.station.id, home)
     with one_order_at(station.station.id, home):
         left = orders.put_back(station.station.id, home)
-        while is_held(station.station.id, home) or lockout_of(station.station.id, home):
-            time.sleep(BUSY_S)
-        kept = orders.claim(order.number or _own_order(order, station, home), home)
+        number = order.number or _own_order(order, station, home)
+        _wait_until_it_can_begin(number, station, home, is_of_queue=order.number is not None)
+        kept = orders.claim(number, home)
         if left:  # not before the claim: one of them may be this order
             order_queue.submit(home)
         return _finished(kept, order, station, home, work) if kept else ()
+
+
+def _wait_until_it_can_begin(
+    number: str, station: StationFile, home: Home, *, is_of_queue: bool
+) -> None:
+    """Until nothing keeps an order from beginning, or it waits no more; it says what does.
+
+    is_of_queue: whether somebody is expected to mount its units; else they are those of the
+    station file, and others are refused.
+    """
+    while True:
+        with suppress(Busy):
+            kept = orders.find(number, home)
+            hindrance = _hindrance(kept, station, home, is_of_queue)
+            if kept.state != "waiting" or hindrance is None:
+                return
+            if hindrance != kept.fault:
+                orders.note(number, home, fault=hindrance)
+        time.sleep(LOOK_S)
+
+
+def _hindrance(
+    kept: ProductionOrder, station: StationFile, home: Home, is_of_queue: bool
+) -> str | None:
+    """Why an order cannot begin just now, as a sentence."""
+    id_ = station.station.id
+    if kept.runs:  # which needs no station
+        return None
+    if stop := lockout_of(id_, home):
+        return f"station {id_} was stopped by {stop.by}: release it"
+    try:
+        ready_to_acquire(id_, home)
+        if is_of_queue:
+            for each in station.with_units(kept.units).per_unit():
+                confirm(each.unit, each.unit_link)
+    except Unusable as fault:
+        return str(fault)
+    return None
 
 
 def take_up_left(station: str, home: Home) -> None:

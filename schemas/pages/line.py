@@ -58,7 +58,9 @@ class StopShown(Frozen):
 
 
 class Queued(Frozen):
-    """A production order that waits or runs. client: as the order names it."""
+    """A production order that waits or runs. client: as the order names it. hindrance: what keeps
+    one that waits from beginning.
+    """
 
     number: str
     station: str
@@ -67,6 +69,7 @@ class Queued(Frozen):
     client: str
     state: Waits
     since: AwareDatetime
+    hindrance: str | None = None
 
 
 class StationNow(Frozen):

@@ -20,6 +20,7 @@ WAITING: tuple[ProductionState, ...] = ("waiting",)
 RUNNING: tuple[ProductionState, ...] = ("running",)
 WAITING_AGAIN: dict[str, Any] = {
     "state": "waiting", "flow_run": None, "host": None, "process": None, "ended_at": None,
+    "fault": None,
 }  # fmt: skip
 
 

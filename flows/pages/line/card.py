@@ -121,12 +121,16 @@ def _alarm(alarm: AlarmShown, now: StationNow, view: View) -> Component:
 
 
 def _queue(waiting: Sequence[Queued], view: View) -> list[Component]:
-    """How many orders wait, and the next ones; a running one is on the card already."""
+    """How many orders wait, and the next ones, and what keeps one from beginning; a running one is
+    on the card already.
+    """
     ahead = [each for each in waiting if each.state == "waiting"]
     if not ahead:
         return []
     named = [f"{', '.join(each.serials)} ({each.procedure})" for each in ahead[:WAITING_SHOWN]]
-    return [_small(message("pages-line-waiting", count=len(ahead), named=tuple(named)), view)]
+    parts = [_small(message("pages-line-waiting", count=len(ahead), named=tuple(named)), view)]
+    hindrances = [each.hindrance for each in ahead if each.hindrance]
+    return [*parts, *(html.Div(each, className="station-alarm alarm-open") for each in hindrances)]
 
 
 def _small(text: Sayable, view: View) -> Component:

@@ -108,6 +108,7 @@ def _queued(order: ProductionOrder) -> Queued:
         serials=tuple(unit.serial for unit in order.units), procedure=order.procedure,
         client=client, state="running" if order.state == "running" else "waiting",
         since=order.began_at if order.state == "running" and order.began_at else order.ordered_at,
+        hindrance=order.fault,
     )  # fmt: skip
 
 

@@ -100,7 +100,7 @@ def test_a_station_has_a_pool_of_one_run_at_a_time_and_the_line_another(line) ->
     assert made["parameters"] == {"order": {"station": str(kept)}}
     assert kept.stat().st_mode & 0o777 == 0o600
     unit = line.home / "systemd/mimucal-station-VIRTUAL-1.service"
-    assert "--pool station-VIRTUAL-1" in unit.read_text(encoding="utf-8")
+    assert "mimucal station work VIRTUAL-1" in unit.read_text(encoding="utf-8")
 
 
 def test_no_deployment_names_the_checkout_or_a_password(line, monkeypatch) -> None:

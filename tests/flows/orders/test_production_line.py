@@ -1,13 +1,15 @@
-"""A virtual station with its queue: from orders to drafts, with another unit mounted in between."""
+"""A virtual station with its queue: from orders to drafts, and hands that mount what is ordered."""
 
 import socket
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from flows.orders.order_queue import give
 from flows.orders.production import work_at
-from schemas.production import OrderRequest, ProductionOrder
+from schemas.production import OrderRequest
 from storage.catalogue import orders, run_index
 from storage.home import Home
 from tasks.station.virtual.config import VirtualStation
@@ -29,15 +31,23 @@ def mount(url: str, serial: str, seed: int) -> None:
             received += client.recv(4096)
 
 
-def test_each_unit_of_the_queue_has_its_draft_and_one_that_is_not_mounted_has_none(
+def hindered(number: str, home: Home) -> str:
+    """What keeps an order from beginning, once it says so."""
+    while not (fault := orders.find(number, home).fault):
+        time.sleep(0.05)
+    return fault
+
+
+def test_the_queue_waits_for_the_unit_that_is_ordered_or_for_the_orders_cancellation(
     home: Path, monkeypatch: pytest.MonkeyPatch, unprinted
 ) -> None:
     no_workers(monkeypatch)
+    place, said = Home(home), {}
     (home / "stations").mkdir(parents=True)
     procedure = home / "short.toml"
     procedure.write_text(SHORT, encoding="utf-8")
     config = VirtualStation(unit=draw_unit(7).model_copy(update={"label": "U-1"}))
-    with serving(config, 20.0) as station:
+    with serving(config, 20.0) as station, ThreadPoolExecutor(1) as operator:
         (home / "stations" / "one.json").write_text(station.model_dump_json())
         for serial in ("U-1", "U-2", "U-3"):
             request = {
@@ -46,17 +56,22 @@ def test_each_unit_of_the_queue_has_its_draft_and_one_that_is_not_mounted_has_no
                 "procedure": str(procedure),
                 "number": serial,
             }
-            give(OrderRequest.model_validate(request), "Li", Home(home))
+            give(OrderRequest.model_validate(request), "Li", place)
 
-        def change(order: ProductionOrder) -> None:
-            if order.number == "U-2":  # which nobody mounted
-                mount(station.unit_link.url, "U-3", 31)
+        def operate() -> None:
+            said["U-2"] = hindered("U-2", place)
+            mount(station.unit_link.url, "U-2", 31)
+            said["U-3"] = hindered("U-3", place)
+            orders.cancel("U-3", "Li", place)
 
-        assert work_at("VIRTUAL-1", Home(home), change)
-    first, wrong, last = orders.listed(Home(home))
-    assert [order.state for order in (first, wrong, last)] == ["done", "failed", "done"]
-    assert "says that it is U-1, and the run is ordered for U-2" in str(wrong.fault)
-    assert wrong.runs == ()
-    kept = {run.id: run.serial for run in run_index.all_runs(Home(home))}
-    assert [kept[order.runs[0]] for order in (first, last)] == ["U-1", "U-3"]
-    assert len({*first.certificates, *last.certificates}) == 2
+        operated = operator.submit(operate)
+        assert work_at("VIRTUAL-1", place, lambda order: None)
+        operated.result()
+    first, second, last = orders.listed(place)
+    assert [order.state for order in (first, second, last)] == ["done", "done", "cancelled"]
+    assert "says that it is U-1, and the run is ordered for U-2: mount U-2" in said["U-2"]
+    assert "mount U-3" in said["U-3"]
+    assert (second.fault, last.runs) == (None, ())
+    kept = {run.id: run.serial for run in run_index.all_runs(place)}
+    assert [kept[order.runs[0]] for order in (first, second)] == ["U-1", "U-2"]
+    assert len({*first.certificates, *second.certificates}) == 2

@@ -20,6 +20,7 @@ from tests.proof.factory.works import Works
 MOST_TRIES = 6  # of an order: what keeps failing is left, and found by the judge
 LOOK_S = 1.0
 INVALID = " is invalid: "  # as the order says why it failed
+MOUNT = ": mount "  # as it says that another unit is on the table
 IDLE_S = 20.0  # for which orders wait before the operator asks why
 
 
@@ -53,6 +54,10 @@ class Operator:
             if order.state == "failed" and self._is_to_be_retried(order):
                 self._retry(order)
                 return
+        for order in mine:
+            if order.state == "waiting" and MOUNT in order.fault and order.number == self.wrong:
+                self.events.append(f"{order.number} wrong unit: {order.fault[:160]}")
+                self._cleared.add(order.number)
         try:
             queue = self._queue()
         except httpx.HTTPError:

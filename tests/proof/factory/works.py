@@ -48,6 +48,12 @@ name_zh = "{name}"
 address = "1 Road"
 address_zh = "路 1 号"
 """
+OPERATORS = """
+[operators]
+language = "en"
+[operators.channels]
+e-mail = "mailto://127.0.0.1:{port}?from=lab@example.org&to=line@example.org&mode=insecure"
+"""
 CLIENT = """
 [[clients]]
 name = "{name}"
@@ -180,10 +186,13 @@ class Works:
 
     def start_workers(self) -> None:
         """A worker for the line, and one for each station."""
-        for pool in ("line", *(f"station-{id_}" for id_ in STATIONS)):
-            words = ("worker", "start", "--pool", pool, "--name", f"worker of {pool}")
+        commands: dict[str, tuple[object, ...]] = {
+            "line": (*PREFECT, "worker", "start", "--pool", "line"),
+            **{f"station-{id_}": (*MIMUCAL, "station", "work", id_) for id_ in STATIONS},
+        }
+        for pool, command in commands.items():
             self._part(
-                f"worker {pool}", (*PREFECT, *words), PREFECT_WORKER_QUERY_SECONDS=WORKER_LOOKS_S
+                f"worker {pool}", command, PREFECT_WORKER_QUERY_SECONDS=WORKER_LOOKS_S
             ).begin()
 
     def _part(
@@ -219,7 +228,8 @@ class Works:
         (self.home / "client-orders").mkdir()
         shutil.copy(str(papers / "laboratory.toml"), self.home)
         shutil.copy(str(papers / "tolerance.toml"), self.home / "tolerances")
-        recall = [
+        recall = [OPERATORS.format(port=self.ports["mail"])]
+        recall += [
             CLIENT.format(name=name, port=self.ports["mail"], number=number)
             for number, name in enumerate(CLIENTS)
         ]
