@@ -14,6 +14,7 @@ from flows.pages.numbers import Row, csv_of
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from schemas.base import Frozen, Unusable, first_fault
+from schemas.pages.line import Released, StopPressed, StopShown
 from schemas.pages.unanswered import Unanswered
 from schemas.production import OrderRequest, OrdersQuestion, ProductionOrder, ProductionOrders
 from storage.catalogue.connection import Busy
@@ -72,19 +73,31 @@ def _csv(text: str) -> Response:
 def openapi() -> dict[str, Any]:
     """The description of all endpoints (OpenAPI 3.1), made of the models of the pages."""
     models: list[tuple[type[Frozen], Any]] = [(page.answer, "serialization") for page in PAGES]
-    of_orders: list[tuple[type[Frozen], Any]] = [
+    of_acts: list[tuple[type[Frozen], Any]] = [
         (OrderRequest, "validation"), (ProductionOrder, "serialization"),
-        (ProductionOrders, "serialization"),
+        (ProductionOrders, "serialization"), (StopPressed, "validation"),
+        (StopShown, "serialization"), (Released, "serialization"),
     ]  # fmt: skip
     _, schemas = models_json_schema(
-        [*models, *of_orders, (Unanswered, "serialization")],
+        [*models, *of_acts, (Unanswered, "serialization")],
         ref_template="#/components/schemas/{model}",
     )
     return {
         "openapi": "3.1.0",
         "info": {"title": "mimucal", "version": code_version()},
         "paths": {f"{PREFIX}/{page.name}": {"get": _operation(page)} for page in PAGES}
-        | {f"{PREFIX}/orders": {"get": _orders_listed(), "post": _order_given()}},
+        | {
+            f"{PREFIX}/{page.name}/{part}.csv": {"get": _numbers(page, part)}
+            for page in PAGES
+            for part in page.numbers
+        }
+        | {
+            f"{PREFIX}/orders": {"get": _orders_listed(), "post": _order_given()},
+            f"{PREFIX}/stop": {"post": _pressed("stop", "Stop a station's table now", StopShown)},
+            f"{PREFIX}/release": {
+                "post": _pressed("release", "Let the orders of a stopped station go on", Released)
+            },
+        },
         "components": {"schemas": schemas["$defs"]},
     }
 
@@ -95,6 +108,30 @@ def _operation(page: Page) -> dict[str, Any]:
         "summary": page.about(View()),
         "parameters": list(_parameters(page.question)),
         "responses": _answers({200: ("What the page shows.", page.answer)}, REFUSALS),
+    }
+
+
+def _numbers(page: Page, part: str) -> dict[str, Any]:
+    """A table or chart of a page as CSV."""
+    refused = _answers({}, REFUSALS)
+    text = {"text/csv": {"schema": {"type": "string"}}}
+    return {
+        "operationId": f"{page.name}-{part}",
+        "summary": f"{page.about(View())}, {part} as CSV",
+        "parameters": list(_parameters(page.question)),
+        "responses": {"200": {"description": "A row for each.", "content": text}} | refused,
+    }
+
+
+def _pressed(name: str, summary: str, answer: type[Frozen]) -> dict[str, Any]:
+    """What is pressed on the card of a station."""
+    refused = {400: "The document names no station.", 403: "The role does not allow it.",
+               401: REFUSALS[401]}  # fmt: skip
+    return {
+        "operationId": name,
+        "summary": summary,
+        "requestBody": {"required": True, "content": _content(StopPressed)},
+        "responses": _answers({200: ("What became of it.", answer)}, refused),
     }
 
 

@@ -34,6 +34,17 @@ def test_every_page_has_its_words_and_an_endpoint_that_openapi_describes(
         assert page.answer.__name__ in described["components"]["schemas"]
 
 
+def test_openapi_describes_every_address_that_answers_and_no_other(client: FlaskClient) -> None:
+    described = client.get("/api/v1/openapi.json").json["paths"]
+    served = {
+        (rule.rule, method.lower())
+        for rule in client.application.url_map.iter_rules()
+        if rule.rule.startswith("/api/v1/") and not rule.rule.endswith("openapi.json")
+        for method in (rule.methods or set()) - {"HEAD", "OPTIONS"}
+    }
+    assert {(path, method) for path, each in described.items() for method in each} == served
+
+
 @pytest.mark.parametrize("page", NAVIGATED, ids=lambda page: page.name)
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_every_page_is_shown_of_a_home_that_holds_nothing(
