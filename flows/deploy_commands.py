@@ -31,11 +31,23 @@ def deploy(timezone: options.Timezone = None) -> None:
 
     zone = _zone(timezone)
     _connect(home())
-    from flows.on_prefect.deployments import LINE, deploy_line
+    from flows.on_prefect.deployments import deploy_line
 
     for name in deploy_line(home(), zone):
         print(name)
-    print(f"schedules in {zone}; their worker: prefect worker start --pool {LINE}")
+    print(f"schedules in {zone}; their worker: mimucal work")
+
+
+@app.command(epilog="Example: mimucal work")
+def work() -> None:
+    """Be the worker of what needs no station: certificates, re-processing, schedules, alerts.
+
+    That of a station is `mimucal station work ID`.
+    """
+    from flows.on_prefect.worker import work_for_line
+
+    _named_server()
+    work_for_line()
 
 
 def add(
@@ -106,11 +118,17 @@ def _check_name(station: str) -> None:
 
 
 def _connect(home: "Home") -> None:
-    from flows.on_prefect.prefect_server import connect, server_named
+    from flows.on_prefect.prefect_server import connect
+
+    _named_server()
+    connect(home)
+
+
+def _named_server() -> None:
+    from flows.on_prefect.prefect_server import server_named
 
     if not server_named():
         raise Unusable("no Prefect server is named: set PREFECT_API_URL to one that runs")
-    connect(home)
 
 
 def _zone(named: str | None) -> str:

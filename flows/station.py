@@ -157,9 +157,9 @@ def work(station: order_options.OrderedStation) -> None:
     from storage.home import home
 
     if server_named():
-        from flows.on_prefect import pool_worker
+        from flows.on_prefect.worker import work_at_station
 
-        pool_worker.work(station, home())
+        work_at_station(station, home())
 
     def report(order: "ProductionOrder") -> None:
         outcome = order.fault or ", ".join(order.certificates)

@@ -29,17 +29,11 @@ from sqlalchemy.exc import ArgumentError
 
 from flows.on_prefect import prefect_flows
 from flows.on_prefect.automations import automate
-from flows.on_prefect.prefect_queue import pool_of
+from flows.on_prefect.prefect_queue import LINE, pool_of
+from flows.on_prefect.worker import PATIENT
 from schemas.base import Unusable
 from storage.home import Home
 
-LINE = "line"  # the pool of what needs no station
-# A server that is away for minutes is asked again: 2 s, 4 s … 256 s.
-ENVIRONMENT = {
-    "PREFECT_CLIENT_MAX_RETRIES": "8",
-    "PREFECT_FLOWS_HEARTBEAT_FREQUENCY": "30",  # s; a run without is one that died
-    "DO_NOT_TRACK": "1",
-}
 PASSED_ON = ("MIMUCAL_DATABASE", "MIMUCAL_STORE", "MIMUCAL_STATION")
 
 
@@ -177,7 +171,7 @@ def environment(home: Home) -> dict[str, str]:
     """
     named = {name: os.environ[name] for name in PASSED_ON if os.environ.get(name)}
     without = {name: value for name, value in named.items() if not _has_password(value)}
-    return {"MIMUCAL_HOME": str(home.path.absolute())} | without | ENVIRONMENT
+    return {"MIMUCAL_HOME": str(home.path.absolute())} | without | PATIENT
 
 
 def _has_password(value: str) -> bool:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from prefect.client.schemas.objects import State
 
 MOST = 200  # flow runs that the server gives in one answer
+LINE = "line"  # the pool of what needs no station
 POOL = "station-"  # how the names of the stations' work pools begin
 # A worker that was killed between taking a flow run and beginning it leaves it pending for ever,
 # and the pool of its station full. With every core busy a process takes a minute to begin.
@@ -61,9 +62,7 @@ def give_up_pending(pool: str, home: Home) -> None:
         _crash_pending(client, timedelta(), pool)
 
 
-def _crash_pending(
-    client: "SyncPrefectClient", least: timedelta, pool: str | None = None
-) -> None:
+def _crash_pending(client: "SyncPrefectClient", least: timedelta, pool: str | None = None) -> None:
     """Crash the flow runs, of a pool or of all, that have been pending for at least so long."""
     from prefect.client.schemas.filters import (
         FlowRunFilter,

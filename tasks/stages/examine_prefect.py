@@ -93,7 +93,9 @@ def _workers(deployments: list[dict[str, Any]]) -> Iterator[Examined]:
     yield Examined(
         what="Prefect's workers",
         found=f"none lives of {', '.join(silent)}" if silent else f"live in {len(pools)} pools",
-        remedy="Start each with `prefect worker start --pool NAME`." if silent else None,
+        remedy="Start them: `mimucal station work ID` for a station, `mimucal work` for the line."
+        if silent
+        else None,
     )
 
 

@@ -1,5 +1,6 @@
 """Orders on a real Prefect server: one flow run for each, named by unit and procedure."""
 
+import os
 from collections.abc import Callable
 from datetime import timedelta
 from pathlib import Path
@@ -11,6 +12,7 @@ from prefect.settings import PREFECT_API_URL, temporary_settings
 
 from flows.on_prefect import prefect_queue
 from flows.on_prefect.prefect_server import QUIET
+from flows.on_prefect.worker import work_at_station, work_for_line
 from storage.catalogue import orders
 from storage.home import Home
 from tests.flows.order_homes import add_station
@@ -25,16 +27,16 @@ def asked(server: str, path: str, **document: Any) -> Any:
     return answer.json()
 
 
-def deploy(server: str, station: str) -> None:
+def deploy(server: str, station: str, **further: Any) -> None:
     """A deployment `produce/STATION` in a pool of its own."""
     flow = asked(server, "flows/", name="produce")["id"]
     own = {"order": {"laboratory": "lab.toml"}}
-    asked(server, "deployments/", flow_id=flow, name=station, parameters=own)
+    asked(server, "deployments/", flow_id=flow, name=station, parameters=own, **further)
 
 
-def runs(server: str) -> list[dict[str, Any]]:
+def runs(server: str, station: str = "LINE-1") -> list[dict[str, Any]]:
     found: list[dict[str, Any]] = asked(server, "flow_runs/filter", sort="START_TIME_ASC")
-    return found
+    return [run for run in found if station in run["tags"]]
 
 
 @pytest.fixture
@@ -101,3 +103,42 @@ def test_each_order_is_one_flow_run_whatever_happens_to_the_server(
     assert states[second["id"]] == "CANCELLED"
     order(prefect_server, "retry", "2")
     assert orders.find("2", line).flow_run not in (None, second["id"])
+
+
+def test_a_worker_of_a_station_frees_the_place_of_what_the_one_before_it_did_not_begin(
+    home: Path, order, prefect_server: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    add_station(home, "LINE-3")
+    pool = {"name": "station-LINE-3", "type": "process", "base_job_template": {}}
+    asked(prefect_server, "work_pools/", **pool)
+    deploy(prefect_server, "LINE-3", work_pool_name="station-LINE-3")
+    order(prefect_server, "add", "LINE-3", "--serial", "S7", "--number", "7")
+    taken = orders.find("7", Home(home)).flow_run
+    asked(prefect_server, f"flow_runs/{taken}/set_state", state={"type": "PENDING"})
+
+    became: list[Any] = []
+    monkeypatch.setattr(os, "execve", lambda *command: became.append(command))
+    with temporary_settings({PREFECT_API_URL: prefect_server}):
+        work_at_station("LINE-3", Home(home))
+    ((_, command, variables),) = became
+    assert command[1:] == [
+        "-m", "prefect", "worker", "start", "--pool", "station-LINE-3", "--type", "process",
+        "--name", "LINE-3",
+    ]  # fmt: skip
+    assert variables["PREFECT_CLIENT_RETRY_EXTRA_CODES"] == "500"  # its database may be away
+    states = {run["id"]: run["state_type"] for run in runs(prefect_server, "LINE-3")}
+    assert states.pop(taken) == "CRASHED"
+    assert orders.find("7", Home(home)).flow_run in states
+
+
+def test_a_worker_is_of_the_line_or_of_a_station_that_is_there(
+    home: Path, mimucal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:1/api")
+    assert "has no file of station LINE-9" in mimucal("station", "work", "LINE-9").err
+    became: list[Any] = []
+    monkeypatch.setattr(os, "execve", lambda *command: became.append(command))
+    work_for_line()
+    assert became[0][1][-6:] == ["--pool", "line", "--type", "process", "--name", "line"]
+    monkeypatch.delenv("PREFECT_API_URL")
+    assert "no Prefect server is named" in mimucal("work").err

@@ -42,7 +42,7 @@ def test_the_queue_waits_for_the_unit_that_is_ordered_or_for_the_orders_cancella
     home: Path, monkeypatch: pytest.MonkeyPatch, unprinted
 ) -> None:
     no_workers(monkeypatch)
-    place, said = Home(home), {}
+    place, hindrances = Home(home), {}
     (home / "stations").mkdir(parents=True)
     procedure = home / "short.toml"
     procedure.write_text(SHORT, encoding="utf-8")
@@ -59,9 +59,9 @@ def test_the_queue_waits_for_the_unit_that_is_ordered_or_for_the_orders_cancella
             give(OrderRequest.model_validate(request), "Li", place)
 
         def operate() -> None:
-            said["U-2"] = hindered("U-2", place)
+            hindrances["U-2"] = hindered("U-2", place)
             mount(station.unit_link.url, "U-2", 31)
-            said["U-3"] = hindered("U-3", place)
+            hindrances["U-3"] = hindered("U-3", place)
             orders.cancel("U-3", "Li", place)
 
         operated = operator.submit(operate)
@@ -69,8 +69,8 @@ def test_the_queue_waits_for_the_unit_that_is_ordered_or_for_the_orders_cancella
         operated.result()
     first, second, last = orders.listed(place)
     assert [order.state for order in (first, second, last)] == ["done", "done", "cancelled"]
-    assert "says that it is U-1, and the run is ordered for U-2: mount U-2" in said["U-2"]
-    assert "mount U-3" in said["U-3"]
+    assert "says that it is U-1, and the run is ordered for U-2: mount U-2" in hindrances["U-2"]
+    assert "mount U-3" in hindrances["U-3"]
     assert (second.fault, last.runs) == (None, ())
     kept = {run.id: run.serial for run in run_index.all_runs(place)}
     assert [kept[order.runs[0]] for order in (first, second)] == ["U-1", "U-2"]

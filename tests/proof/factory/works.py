@@ -187,7 +187,7 @@ class Works:
     def start_workers(self) -> None:
         """A worker for the line, and one for each station."""
         commands: dict[str, tuple[object, ...]] = {
-            "line": (*PREFECT, "worker", "start", "--pool", "line"),
+            "line": (*MIMUCAL, "work"),
             **{f"station-{id_}": (*MIMUCAL, "station", "work", id_) for id_ in STATIONS},
         }
         for pool, command in commands.items():

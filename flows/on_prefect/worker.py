@@ -1,0 +1,44 @@
+"""The Prefect workers of a line and of its stations."""
+
+import os
+import sys
+from typing import NoReturn
+
+from flows.on_prefect.prefect_queue import LINE, give_up_pending, pool_of
+from flows.orders import order_queue
+from storage.home import Home
+from storage.stations import file_of
+
+# Of a worker, and of the process of each run. A server that is away for minutes is asked again:
+# 2 s, 4 s … 256 s; so is one that answers 500, as it does while its database is away.
+PATIENT = {
+    "PREFECT_CLIENT_MAX_RETRIES": "8",
+    "PREFECT_CLIENT_RETRY_EXTRA_CODES": "500",
+    "PREFECT_FLOWS_HEARTBEAT_FREQUENCY": "30",  # s; a run without is one that died
+    "DO_NOT_TRACK": "1",
+}
+
+
+def work_for_line() -> NoReturn:
+    """Become a worker of what needs no station."""
+    _become(LINE, LINE, dict(os.environ))
+
+
+def work_at_station(station: str, home: Home) -> NoReturn:
+    """Become the one worker of a station's pool.
+
+    A worker that was killed between taking a flow run and beginning it left it pending, and the
+    pool, which carries out one at a time, full: such a run crashes, and its order is given again.
+    Raises Unusable for an unknown station, and where Prefect's server does not answer.
+    """
+    own = dict(os.environ)  # without what `connect` sets for a command that prints its own words
+    file_of(station, home)
+    give_up_pending(pool_of(station), home)
+    order_queue.submit(home)
+    _become(pool_of(station), station, own)
+
+
+def _become(pool: str, name: str, variables: dict[str, str]) -> NoReturn:
+    words = ("worker", "start", "--pool", pool, "--type", "process", "--name", name)
+    command = [sys.executable, "-m", "prefect", *words]
+    os.execve(sys.executable, command, PATIENT | variables)
