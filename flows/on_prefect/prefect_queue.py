@@ -77,7 +77,7 @@ def _crash_pending(client: "SyncPrefectClient", least: timedelta, pool: str | No
     is_pending = FlowRunFilterStateType(any_=[StateType.PENDING])
     found = client.read_flow_runs(
         flow_run_filter=FlowRunFilter(state=FlowRunFilterState(type=is_pending)),
-        work_pool_filter=pool and WorkPoolFilter(name=WorkPoolFilterName(any_=[pool])) or None,
+        work_pool_filter=(pool and WorkPoolFilter(name=WorkPoolFilterName(any_=[pool]))) or None,
         limit=MOST,
     )
     for run in found:

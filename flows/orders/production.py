@@ -25,9 +25,9 @@ from storage.home import Home
 from storage.order_lock import no_order_at, one_order_at, only_worker_of
 from storage.station_stop import lockout_of
 from storage.stations import file_named, file_of
+from tasks.stages.left_run import left_runs
 from tasks.stages.ready import ready_to_acquire
 from tasks.station.drivers.identity import confirm
-from tasks.stages.left_run import left_runs
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
