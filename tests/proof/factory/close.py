@@ -16,6 +16,7 @@ from tests.proof.factory.persons import Person
 from tests.proof.factory.works import PASSWORD, Works
 
 UNFINISHED = ("SCHEDULED", "PENDING", "RUNNING", "PAUSED", "CANCELLING")
+BEFORE_DUE_DAYS = 25  # from now: within a week of what is due in a month, before what is in a year
 KILLED = "dask worker 1"  # while history is made again
 TABLES = "SELECT tablename FROM pg_tables WHERE schemaname = 'public'"
 
@@ -52,8 +53,9 @@ def _unfinished(works: Works) -> dict[str, int]:
 
 def _reminded(works: Works) -> Iterator[Row]:
     works.command("remind", "--within", 400, "--json")
+    works.python("tests.proof.factory.remind_later", BEFORE_DUE_DAYS)
     before = len(list(works.mails.glob("*.eml")))
-    works.command("remind", "--within", 400, "--json")
+    works.python("tests.proof.factory.remind_later", BEFORE_DUE_DAYS)
     after = len(list(works.mails.glob("*.eml")))
     yield row("Asked to remind again, nothing is sent", before, after)
 

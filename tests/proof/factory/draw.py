@@ -18,7 +18,7 @@ FAULTY = 0.15  # of the units have one
 BY_CHANCE = "invalid by chance"  # as where the station's computer was too busy: measured anew
 STOPS_AFTER_S = (4.0, 16.0)  # wall time from the mounting to a fault that stops the run
 CLIENTS = ("North Works", "Harbour Instruments", "Valley Avionics")
-EVERY_MONTH = CLIENTS[0]  # its units come back in a month: reminders go out at once
+EVERY_MONTH = CLIENTS[0]  # its units come back in a month
 FULL = 4  # units that are measured by jjf2003 as it is shipped
 
 Procedure = Literal["jjf2003", "factory"]

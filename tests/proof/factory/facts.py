@@ -84,7 +84,9 @@ def facts(connection: psycopg.Connection, objects: Path, home: Path, mails: Path
             row["certificate"]
             for row in _rows(connection, SENT)
         ),
-        interrupted=tuple(sorted(path.name for path in (home / "acquiring").glob("*"))),
+        interrupted=tuple(
+            sorted(path.name for path in (home / "acquiring").rglob("*") if path.is_file())
+        ),
     )  # fmt: skip
 
 

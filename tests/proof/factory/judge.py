@@ -121,7 +121,7 @@ def _count(order: Order, of_run: "Counter[str]") -> int:
 
 
 def _reminders(ordered: Sequence[OrderedUnit], facts: Facts) -> list[Row]:
-    """Units that come back in a month are reminded of at once, the others in ten months."""
+    """Of units that come back in a month; the others are due long after."""
     reminded = {u.serial for u in ordered if u.client == EVERY_MONTH and not u.is_rejected}
     serial = {run.id: run.serial for run in facts.runs}
     wrong = []

@@ -107,15 +107,24 @@ class Works:
 
     def command(self, *words: object, given: str = "", **changes: str) -> str:
         """What a command of the line prints; raises RuntimeError with its sentence if it fails."""
+        return self._run(MIMUCAL, words, given, changes)
+
+    def python(self, module: str, *words: object) -> str:
+        """The same of a module of the factory."""
+        return self._run((sys.executable, "-m", module), words, "", {})
+
+    def _run(
+        self, program: Sequence[str], words: Sequence[object], given: str, changes: dict[str, str]
+    ) -> str:
         done = subprocess.run(
-            list(map(str, (*MIMUCAL, *words))), env=self.variables | changes, input=given,
+            list(map(str, (*program, *words))), env=self.variables | changes, input=given,
             capture_output=True, text=True, check=False,
         )  # fmt: skip
-        line = " ".join(map(str, words))
+        line = " ".join(map(str, (*program[2:], *words)))
         with (self.logs / "commands.log").open("a", encoding="utf-8") as log:
             log.write(f"{line} -> {done.returncode} {done.stderr.strip()}\n")
         if done.returncode:
-            raise RuntimeError(f"mimucal {line}: {done.stderr.strip()[-2000:]}")
+            raise RuntimeError(f"{line}: {done.stderr.strip()[-2000:]}")
         return done.stdout
 
     def station_file(self, station: str) -> Path:
