@@ -64,7 +64,7 @@ def test_each_order_is_one_flow_run_whatever_happens_to_the_server(
     add = ("add", "LINE-1", "--serial", "S1", "--number", "1")
     gone, notice = order("http://127.0.0.1:1/api", *add)
     assert gone["new"] == ["1"]
-    assert "Prefect's server did not answer" in notice
+    assert "Prefect's server http://127.0.0.1:1/api did not answer" in notice
     _, notice = order(prefect_server, *add)
     assert "no deployment produce/LINE-1: add station LINE-1" in notice
 
