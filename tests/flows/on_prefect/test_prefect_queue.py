@@ -138,7 +138,8 @@ def test_a_worker_is_of_the_line_or_of_a_station_that_is_there(
     assert "has no file of station LINE-9" in mimucal("station", "work", "LINE-9").err
     became: list[Any] = []
     monkeypatch.setattr(os, "execve", lambda *command: became.append(command))
-    work_for_line()
+    work_for_line(Home(home))
     assert became[0][1][-6:] == ["--pool", "line", "--type", "process", "--name", "line"]
+    assert became[0][2]["PREFECT_HOME"] == str(home / "prefect")
     monkeypatch.delenv("PREFECT_API_URL")
     assert "no Prefect server is named" in mimucal("work").err
