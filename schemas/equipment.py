@@ -10,7 +10,7 @@ from schemas.base import Frozen
 MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
 LimitShape = Literal["normal", "rectangular", "triangular", "arcsine"]
 LimitName = Literal[
-    "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
+    "rate", "ripple", "level", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
 ]
 
 

@@ -3,6 +3,7 @@
 uncertainty-repeatability = repeatability
 uncertainty-resolution = resolution
 uncertainty-turned-angle = turned angle, { $limit }
+uncertainty-creep = angle while it is held, { $limit }
 uncertainty-zero-offset = zero offset
 uncertainty-example-table = rate and position table
 uncertainty-example-acquisition = data acquisition
@@ -15,6 +16,7 @@ uncertainty-ripple = table rate within a turn
 uncertainty-position = angular positioning
 uncertainty-angle-repeatability = repeatability of angle
 uncertainty-axes = squareness of axes
+uncertainty-level = vertical of the outermost axis
 uncertainty-fixture = squareness of fixture
 uncertainty-rate-fast = table rate from 10 °/s
 uncertainty-rate-medium = table rate 1 to 10 °/s

@@ -3,6 +3,7 @@
 uncertainty-repeatability = 测量重复性
 uncertainty-resolution = 分辨力
 uncertainty-turned-angle = 转角，{ $limit }
+uncertainty-creep = 保持期间的角位置，{ $limit }
 uncertainty-zero-offset = 零偏
 uncertainty-example-table = 位置速率转台
 uncertainty-example-acquisition = 数据采集系统
@@ -15,6 +16,7 @@ uncertainty-ripple = 转台角速率平稳性
 uncertainty-position = 角位置定位精度
 uncertainty-angle-repeatability = 角位置测量重复性
 uncertainty-axes = 轴线垂直度
+uncertainty-level = 外轴铅垂度
 uncertainty-fixture = 夹具垂直度
 uncertainty-rate-fast = 转台角速率（≥ 10 °/s）
 uncertainty-rate-medium = 转台角速率（1~10 °/s）

@@ -1,0 +1,364 @@
+"""Errors of the measuring equipment as terms with a prior, and what each does to the means.
+
+An error changes what the unit went through; the change of its readings is that of the unit's
+model (`tasks.model.simulate`) at the motion of the run. Every value of a result is a combination
+o·U of the segment means, so that a line of its budget is the error's effect under o, times its
+prior. Each error has a scope: what shares one draw of it.
+
+    run      rate of the table (by range), squareness of its axes, the vertical of its outermost
+             axis, gravity, latitude
+    mounting the fixture
+    angle    position: one error at each commanded angle of an axis, whenever it comes back to it
+    setting  repeatability: one each time that an axis is set
+    point    ripple, instants of polled encoders, the angle of one turn, creep of one rest
+
+Where encoders show how the table stood, an angle's error turns the unit about that axis, and two
+axes that are not square tilt it by how the table stands for it. Labels alone do not say that: the
+unit may then be tilted about any of its axes, in each setting, and in each face, by an error of
+its own.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from schemas.recording import AXES
+from tasks.model.simulate import predict
+from tasks.model.term import Term
+from tasks.motion.table import axis_directions, mount_of, rotation, table_angles
+from tasks.motion.whole import Motion
+from tasks.segments.attitude import VERTICAL, attitude_vector
+from tasks.specifications.evidence import ClauseEvidence
+from tasks.uncertainty.budget import Contribution, InputQuantity
+from tasks.uncertainty.equipment import Equipment, ErrorLimit
+from tasks.words import message
+
+STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
+LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of its own
+MIN_RIPPLE_ANGLE = math.sqrt(2.0)  # rad: over a smaller one a ripple does not average out
+SAME_ANGLE = 0.01  # degrees: a table set twice within this was set to the same angle
+TURNED = math.radians(1.0)  # of an axis within a segment: less is its servo
+
+Scope = Literal["run", "mounting", "face", "angle", "setting", "point"]
+
+
+@dataclass(frozen=True)
+class ErrorSource:
+    """One error of the equipment: its prior, its scope, and what it does to the means.
+
+    effects: (m, n, 6), of each of its m independent draws on the n segment means of six channels,
+    rad/s and m/s² per unit of the error. followed: parameters of the unit follow it whole, as a
+    scale factor does the rate, and nothing of it is left of a fit. of_latitude: it acts only where
+    Earth's rotation is taken from the readings.
+    """
+
+    quantity: InputQuantity
+    scope: Scope
+    effects: np.ndarray
+    followed: bool = False
+    of_latitude: bool = False
+
+    def felt(self, operator: np.ndarray) -> np.ndarray:
+        """What each draw (m,) does to Σ o·U over the channels, per unit; operator: o (6, n)."""
+        used = np.flatnonzero(operator.any(axis=0))
+        channels = np.flatnonzero(operator.any(axis=1))
+        effects = self.effects[:, used[:, None], channels]
+        return np.asarray(np.einsum("mnc,cn->m", effects, operator[channels[:, None], used]))
+
+    def line(self, operator: np.ndarray) -> Contribution:
+        """The line of a budget: independent draws count as root of the sum of their squares."""
+        felt = self.felt(operator)
+        one = float(felt[0]) if len(felt) == 1 else float(np.linalg.norm(felt))
+        return Contribution(self.quantity, one)
+
+
+@dataclass(frozen=True)
+class EquipmentErrors:
+    """Every error of the equipment of a run."""
+
+    sources: tuple[ErrorSource, ...]
+
+    def lines(self, operator: np.ndarray, without_earth: bool) -> tuple[Contribution, ...]:
+        """The lines of Σ o·U, less those that are rounding; operator: o (6, n).
+
+        without_earth: whether Earth's rotation was taken from the value.
+        """
+        every = [each.line(operator) for each in self.sources if without_earth or not each.of_latitude]
+        sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
+        least = LEAST_SHARE * max(sizes, default=0.0)
+        return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
+
+    def covariance(self, channel: int) -> np.ndarray:
+        """Covariance (n, n) of one channel's means by what no parameter of the unit follows."""
+        n = self.sources[0].effects.shape[1]
+        total = np.zeros((n, n))
+        for each in self.sources:
+            if not each.followed:
+                effects = each.effects[:, :, channel]
+                total += each.quantity.u**2 * (effects.T @ effects)
+        return total
+
+
+def equipment_errors(
+    evidence: ClauseEvidence,
+    motion: Motion,
+    terms_at: Callable[[float], tuple[Term, ...]],
+    values: np.ndarray,
+    equipment: Equipment,
+) -> EquipmentErrors:
+    """The errors of a run's equipment, for a unit of that model.
+
+    motion: mean of each segment; terms_at: the list of terms with the latitude off by so many
+    rad; values: (p,) of its parameters.
+    """
+    motion = _with_level(evidence, motion)
+    reads = predict(terms_at(0.0), motion, values)
+
+    def change(other: Motion, latitude: float = 0.0) -> np.ndarray:
+        return np.nan_to_num((predict(terms_at(latitude), other, values) - reads) / STEP)
+
+    turned = {axis: _tilted(motion, direction) for axis, direction in zip(AXES, np.eye(3), strict=True)}
+    response = _Response(
+        tilt=np.array([change(turned[axis]) for axis in AXES]),
+        lean=np.array([change(leaned) for leaned in _leaned(motion)]),
+        rate=change(replace(motion, rate=motion.rate * (1.0 + STEP))),
+        drift=np.array([change(replace(motion, rate=motion.rate + STEP * d)) for d in np.eye(3)]),
+        gravity=change(replace(motion, gravity=motion.gravity * (1.0 + STEP))) / motion.gravity,
+        latitude=change(motion, STEP),
+    )
+    sources = (
+        *_of_rates(evidence, motion, response, equipment),
+        *_of_table(evidence, motion, response, equipment),
+        *_source(
+            equipment.fixture, "mounting", response.tilted(_anyhow(evidence), evidence.mountings)
+        ),
+        # Of what is stated, the true value acts with the opposite sign.
+        *_source(equipment.gravity, "run", -response.gravity[None], followed=True),
+        *_source(
+            equipment.latitude, "run", -response.latitude[None], followed=True, of_latitude=True
+        ),
+    )
+    return EquipmentErrors(sources)
+
+
+@dataclass(frozen=True)
+class _Response:
+    """How the n mean readings of six channels follow small changes, per unit of each.
+
+    tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the table's vertical
+    towards north and east. rate, gravity, latitude: (n, 6) per relative error, m/s² and rad.
+    drift: (3, n, 6) per rad/s about each body axis.
+    """
+
+    tilt: np.ndarray
+    lean: np.ndarray
+    rate: np.ndarray
+    drift: np.ndarray
+    gravity: np.ndarray
+    latitude: np.ndarray
+
+    def tilted(self, directions: np.ndarray, groups: Sequence[object]) -> np.ndarray:
+        """Effects (m, n, 6) of tilts about each of directions (k, n, 3), common to a group.
+
+        groups: of each segment; None where it is not tilted.
+        """
+        effects = np.einsum("kni,inc->knc", directions, self.tilt)
+        members = [[each == name for each in groups] for name in dict.fromkeys(groups) if name is not None]
+        chosen = np.array(members, float).reshape(-1, 1, len(groups), 1)
+        return (chosen * effects).reshape(-1, *effects.shape[1:])
+
+
+def _source(
+    limit: ErrorLimit | None, scope: Scope, effects: np.ndarray, **flags: bool
+) -> Iterator[ErrorSource]:
+    """The error of a limit, where it is known and does anything."""
+    if limit is not None and effects.any():
+        kept = effects[effects.any(axis=(1, 2))]
+        yield ErrorSource(limit.quantity, scope, kept, **flags)
+
+
+def _of_rates(
+    evidence: ClauseEvidence, motion: Motion, response: _Response, equipment: Equipment
+) -> Iterator[ErrorSource]:
+    """Of held rates: over whole turns, within a turn, and in when they begin and end; of turns by
+    an angle, the angle. Of a rest whose angle creeps, by what it creeps.
+    """
+    speed = np.nan_to_num(np.linalg.norm(motion.rate, axis=1))
+    seconds = np.array([segment.seconds for segment in evidence.segments])
+    by_angle = np.array([label.kind == "rotation" for label in evidence.labels], bool)
+    held, turned = ~by_angle & (speed > 0.0), speed * seconds
+    belongs = [
+        equipment.rate_at(float(each)) if is_held else ()
+        for each, is_held in zip(speed, held, strict=True)
+    ]
+
+    def of_points(share: np.ndarray) -> np.ndarray:
+        return np.eye(len(speed))[:, :, None] * (share[:, None] * response.rate)
+
+    for _, limit in equipment.rates:
+        of_limit = np.array([limit in limits for limits in belongs], bool)
+        effects = -(of_limit[:, None] * response.rate)[None]
+        yield from _source(limit, "run", effects, followed=True)
+    left = held / np.maximum(turned, MIN_RIPPLE_ANGLE)  # of a ripple, over the angle turned
+    yield from _source(equipment.ripple, "point", of_points(left))
+    yield from _source(equipment.encoder_time, "point", of_points(math.sqrt(2.0) * held / seconds))
+    for limit in equipment.angles:
+        share = by_angle / np.where(by_angle, turned, 1.0)
+        name = message("uncertainty-turned-angle", limit=limit.name)
+        angle = replace(limit, symbol=f"{limit.symbol}θ", name=name)
+        yield from _source(angle, "point", of_points(share))
+        if equipment.creeps:
+            name = message("uncertainty-creep", limit=limit.name)
+            crept = replace(limit, symbol=f"{limit.symbol}t", name=name)
+            rests = np.array([label.kind == "static" for label in evidence.labels], bool)
+            own = np.eye(len(speed))[:, :, None] * (rests / seconds)[:, None]
+            effects = response.drift[:, None] * own
+            yield from _source(crept, "point", effects.reshape(-1, *effects.shape[2:]))
+
+
+def _of_table(
+    evidence: ClauseEvidence, motion: Motion, response: _Response, equipment: Equipment
+) -> Iterator[ErrorSource]:
+    """Of the table's angles, its axes and its vertical."""
+    yield from _source(equipment.level, "run", response.lean)
+    stands = _stands(evidence)
+    if stands is None:
+        settings = [_setting(evidence, i) for i in range(len(evidence.labels))]
+        faces = [up or alone for up, alone in zip(evidence.up, settings, strict=True)]
+        # A table without a second axis turns about the vertical alone.
+        about = _anyhow(evidence) if equipment.axes else np.nan_to_num(motion.up)[None]
+        for limit in equipment.angles:
+            yield from _source(limit, "setting", response.tilted(about, settings))
+        yield from _source(equipment.axes, "face", response.tilted(_anyhow(evidence), faces))
+        return
+    axes = [stands.axis_in_body(evidence, k) for k in range(stands.count)]
+    for limit, scope, groups_of in (
+        (equipment.position, "angle", stands.angles_set),
+        (equipment.repeatability, "setting", stands.times_set),
+    ):
+        effects = [response.tilted(axis[None], groups_of(k)) for k, axis in enumerate(axes)]
+        yield from _source(limit, scope, np.concatenate(effects))
+    joints = np.array([stands.joint_in_body(evidence, k) for k in range(stands.count - 1)])
+    if len(joints):
+        whole_run = [0] * len(evidence.labels)
+        yield from _source(equipment.axes, "run", response.tilted(joints, whole_run))
+
+
+@dataclass(frozen=True)
+class _Stands:
+    """How the axes of a table stood, by its encoders.
+
+    angles: (n, k) rad, mean of each segment; turns: (n, k) whether the axis turned in it.
+    """
+
+    angles: np.ndarray
+    turns: np.ndarray
+
+    @property
+    def count(self) -> int:
+        return self.angles.shape[1]
+
+    def angles_set(self, axis: int) -> list[int | None]:
+        """The angle at which the axis stood, as a number; None where it turned."""
+        steps = np.round(np.degrees(self.angles[:, axis]) / SAME_ANGLE).astype(int)
+        whole = round(360.0 / SAME_ANGLE)
+        return [
+            None if turns else int(step % whole)
+            for step, turns in zip(steps, self.turns[:, axis], strict=True)
+        ]
+
+    def times_set(self, axis: int) -> list[int | None]:
+        """How often the axis was set before; None where it turned."""
+        numbers: list[int | None] = []
+        last, number = None, 0
+        for angle in self.angles_set(axis):
+            number += angle != last
+            last = angle
+            numbers.append(None if angle is None else number)
+        return numbers
+
+    def axis_in_body(self, evidence: ClauseEvidence, axis: int) -> np.ndarray:
+        """Direction (n, 3) of an axis in the body."""
+        return self._in_body(evidence, axis_directions(evidence.recording.manifest.station)[axis], axis)
+
+    def joint_in_body(self, evidence: ClauseEvidence, axis: int) -> np.ndarray:
+        """Across an axis and the next inside it, (n, 3) in the body: about it they are not square.
+
+        Zero where the two are parallel.
+        """
+        directions = axis_directions(evidence.recording.manifest.station)
+        return self._in_body(evidence, np.cross(directions[axis], directions[axis + 1]), axis)
+
+    def _in_body(self, evidence: ClauseEvidence, vector: np.ndarray, outside: int) -> np.ndarray:
+        """A vector fixed to what axis `outside` carries, (n, 3) as the body sees it."""
+        manifest = evidence.recording.manifest
+        inside = list(enumerate(axis_directions(manifest.station)))[outside + 1 :]
+        seen = []
+        for label, angles in zip(evidence.labels, self.angles, strict=True):
+            turned = vector
+            for k, direction in inside:
+                turned = rotation(direction, -float(angles[k])) @ turned
+            seen.append(mount_of(manifest, label).T @ turned)
+        return np.array(seen).reshape(-1, 3)
+
+
+def _stands(evidence: ClauseEvidence) -> _Stands | None:
+    """None where encoders do not show how the table stood in every segment."""
+    angles = [table_angles(evidence.recording, label) for label in evidence.labels]
+    if not angles or not all(len(each) and np.isfinite(each).all() for each in angles):
+        return None
+    turns = np.array([np.ptp(each, axis=0) > TURNED for each in angles])
+    return _Stands(np.array([each.mean(axis=0) for each in angles]), turns)
+
+
+def _anyhow(evidence: ClauseEvidence) -> np.ndarray:
+    """The body's axes (3, n, 3), where nothing says about which one it is tilted."""
+    return np.eye(3)[:, None].repeat(len(evidence.labels), axis=1)
+
+
+def _setting(evidence: ClauseEvidence, i: int) -> str:
+    """What the table's angles were set for: a rest of its own, or a run of rates with its rests."""
+    label, up = evidence.labels[i], evidence.up[i]
+    if label.kind != "static":
+        return f"run {up or label.axis}"
+    return f"run {up}" if label.item == "rate_sensitivity" and up else f"rest {i}"
+
+
+def _with_level(evidence: ClauseEvidence, motion: Motion) -> Motion:
+    """The motion with a north in every rest: where it is not known, one that follows its label.
+
+    What an error does in all rests together depends on how they are turned against each other.
+    """
+    north = motion.north.copy()
+    for i, label in enumerate(evidence.labels):
+        if label.kind != "static" or np.isfinite(north[i]).all():
+            continue
+        vector = attitude_vector(evidence.recording, label)
+        if vector is not None:
+            level = np.delete(vector, VERTICAL, axis=1)[:, 1::2].sum(axis=1)
+        else:
+            level = np.roll(motion.up[i], 1)
+            level = level - (level @ motion.up[i]) * motion.up[i]
+        north[i] = level / max(float(np.linalg.norm(level)), STEP)
+    return replace(motion, north=north)
+
+
+def _leaned(motion: Motion) -> tuple[Motion, Motion]:
+    """The table's vertical leaning a little to the north, and to the east."""
+    north, up = np.nan_to_num(motion.north), motion.up
+    return (
+        replace(motion, up=up + STEP * north, north=motion.north - STEP * up),
+        replace(motion, up=up + STEP * np.cross(north, up)),
+    )
+
+
+def _tilted(motion: Motion, axis: np.ndarray) -> Motion:
+    """The body turned a little about one of its axes: what it feels turns the other way."""
+    turned = {
+        name: getattr(motion, name) + STEP * np.cross(getattr(motion, name), axis)
+        for name in ("up", "north", "rate")
+    }
+    return replace(motion, **turned)
