@@ -25,7 +25,6 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.recording import AXES
 from tasks.model.simulate import predict
 from tasks.model.term import Term
 from tasks.motion.table import axis_directions, mount_of, rotation, table_angles
@@ -77,24 +76,26 @@ class ErrorSource:
 
 @dataclass(frozen=True)
 class EquipmentErrors:
-    """Every error of the equipment of a run."""
+    """Every error of the equipment of a run with so many segments."""
 
     sources: tuple[ErrorSource, ...]
+    segments: int
 
     def lines(self, operator: np.ndarray, without_earth: bool) -> tuple[Contribution, ...]:
         """The lines of Σ o·U, less those that are rounding; operator: o (6, n).
 
         without_earth: whether Earth's rotation was taken from the value.
         """
-        every = [each.line(operator) for each in self.sources if without_earth or not each.of_latitude]
+        every = [
+            each.line(operator) for each in self.sources if without_earth or not each.of_latitude
+        ]
         sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
         least = LEAST_SHARE * max(sizes, default=0.0)
         return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
 
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means by what no parameter of the unit follows."""
-        n = self.sources[0].effects.shape[1]
-        total = np.zeros((n, n))
+        total = np.zeros((self.segments, self.segments))
         for each in self.sources:
             if not each.followed:
                 effects = each.effects[:, :, channel]
@@ -120,9 +121,8 @@ def equipment_errors(
     def change(other: Motion, latitude: float = 0.0) -> np.ndarray:
         return np.nan_to_num((predict(terms_at(latitude), other, values) - reads) / STEP)
 
-    turned = {axis: _tilted(motion, direction) for axis, direction in zip(AXES, np.eye(3), strict=True)}
     response = _Response(
-        tilt=np.array([change(turned[axis]) for axis in AXES]),
+        tilt=np.array([change(_tilted(motion, direction)) for direction in np.eye(3)]),
         lean=np.array([change(leaned) for leaned in _leaned(motion)]),
         rate=change(replace(motion, rate=motion.rate * (1.0 + STEP))),
         drift=np.array([change(replace(motion, rate=motion.rate + STEP * d)) for d in np.eye(3)]),
@@ -141,7 +141,7 @@ def equipment_errors(
             equipment.latitude, "run", -response.latitude[None], followed=True, of_latitude=True
         ),
     )
-    return EquipmentErrors(sources)
+    return EquipmentErrors(sources, len(evidence.segments))
 
 
 @dataclass(frozen=True)
@@ -166,9 +166,12 @@ class _Response:
         groups: of each segment; None where it is not tilted.
         """
         effects = np.einsum("kni,inc->knc", directions, self.tilt)
-        members = [[each == name for each in groups] for name in dict.fromkeys(groups) if name is not None]
-        chosen = np.array(members, float).reshape(-1, 1, len(groups), 1)
-        return (chosen * effects).reshape(-1, *effects.shape[1:])
+        names = [name for name in dict.fromkeys(groups) if name is not None]
+        chosen = np.array([[each == name for name in names] for each in groups], float)
+        chosen = chosen.reshape(len(groups), 1, len(names), 1)
+        every = chosen * effects.transpose(1, 0, 2)[:, :, None]
+        draws = len(names) * len(directions)
+        return every.reshape(len(groups), draws, effects.shape[2]).swapaxes(0, 1)
 
 
 def _source(
@@ -215,8 +218,7 @@ def _of_rates(
             crept = replace(limit, symbol=f"{limit.symbol}t", name=name)
             rests = np.array([label.kind == "static" for label in evidence.labels], bool)
             own = np.eye(len(speed))[:, :, None] * (rests / seconds)[:, None]
-            effects = response.drift[:, None] * own
-            yield from _source(crept, "point", effects.reshape(-1, *effects.shape[2:]))
+            yield from _source(crept, "point", np.concatenate([own * d for d in response.drift]))
 
 
 def _of_table(
@@ -235,12 +237,10 @@ def _of_table(
         yield from _source(equipment.axes, "face", response.tilted(_anyhow(evidence), faces))
         return
     axes = [stands.axis_in_body(evidence, k) for k in range(stands.count)]
-    for limit, scope, groups_of in (
-        (equipment.position, "angle", stands.angles_set),
-        (equipment.repeatability, "setting", stands.times_set),
-    ):
-        effects = [response.tilted(axis[None], groups_of(k)) for k, axis in enumerate(axes)]
-        yield from _source(limit, scope, np.concatenate(effects))
+    at = [response.tilted(axis[None], stands.angles_set(k)) for k, axis in enumerate(axes)]
+    yield from _source(equipment.position, "angle", np.concatenate(at))
+    each = [response.tilted(axis[None], stands.times_set(k)) for k, axis in enumerate(axes)]
+    yield from _source(equipment.repeatability, "setting", np.concatenate(each))
     joints = np.array([stands.joint_in_body(evidence, k) for k in range(stands.count - 1)])
     if len(joints):
         whole_run = [0] * len(evidence.labels)
@@ -282,7 +282,9 @@ class _Stands:
 
     def axis_in_body(self, evidence: ClauseEvidence, axis: int) -> np.ndarray:
         """Direction (n, 3) of an axis in the body."""
-        return self._in_body(evidence, axis_directions(evidence.recording.manifest.station)[axis], axis)
+        return self._in_body(
+            evidence, axis_directions(evidence.recording.manifest.station)[axis], axis
+        )
 
     def joint_in_body(self, evidence: ClauseEvidence, axis: int) -> np.ndarray:
         """Across an axis and the next inside it, (n, 3) in the body: about it they are not square.

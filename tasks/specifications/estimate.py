@@ -112,11 +112,15 @@ class ItemEstimate:
 
 @dataclass(frozen=True)
 class ClauseResult:
-    """Items of a clause by their keys, reasons for what is missing, and remarks."""
+    """Items of a clause by their keys, reasons for what is missing, and remarks.
+
+    errors: of the equipment, once they stand in the budgets.
+    """
 
     items: Mapping[str, ItemEstimate] = field(default_factory=dict)
     unavailable: Mapping[str, Sayable] = field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()
+    errors: EquipmentErrors | None = None
 
 
 def merged(results: Iterable[ClauseResult]) -> ClauseResult:
@@ -143,7 +147,7 @@ def with_equipment(result: ClauseResult, errors: EquipmentErrors) -> ClauseResul
             elements=with_lines(item.elements),
             without_earth_rotation=None if second is None else with_lines(second),
         )
-    return replace(result, items=items)
+    return replace(result, items=items, errors=errors)
 
 
 def _with_errors(estimate: Estimate, errors: EquipmentErrors) -> Estimate:

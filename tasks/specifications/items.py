@@ -17,7 +17,7 @@ OFF_DIAGONAL_ELEMENTS = tuple(e for e in MATRIX_ELEMENTS if e[0] != e[1])
 BY_INPUT_AXIS = ("yx", "zx", "xy", "zy", "xz", "yz")
 
 RATE_ERRORS = ("ε1", "ε2", "ε3")  # relative errors of the table's rate
-ANGLE_ERRORS = ("α1", "α2")
+ANGLE_ERRORS = ("α1θ", "α2θ")  # of a turned angle
 
 SecondValue = Literal["value_without_earth_rotation", "value_model"]
 

@@ -39,7 +39,9 @@ def errors_of_unit(
 def _values(found: Mapping[str, Estimates]) -> np.ndarray:
     """(p,) of the standard's terms."""
     values = nominal_values(STANDARD_TERMS)
-    names = [(term.name, parameter.name) for term in STANDARD_TERMS for parameter in term.parameters]
+    names = [
+        (term.name, parameter.name) for term in STANDARD_TERMS for parameter in term.parameters
+    ]
     for p, (term, element) in enumerate(names):
         estimate = found.get(term, {}).get(element)
         if estimate is not None and estimate.determined:

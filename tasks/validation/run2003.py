@@ -95,7 +95,7 @@ class SetAngles:
         self._last: list[float | None] = [None] * 3
         self._set = np.zeros(3)
 
-    def set(self, journey: Journey, degrees: tuple[float, ...], mounted: np.ndarray) -> None:
+    def set(self, journey: Journey, degrees: tuple[float, float, float], mounted: np.ndarray) -> None:
         """Moves to these angles of the axes, outermost first."""
         errors = np.zeros(3)
         for axis, angle in enumerate(degrees):
@@ -106,7 +106,8 @@ class SetAngles:
                 self._set[axis] = self._simulated.error(JJF2003.repeatability)
                 self._last[axis] = angle
             errors[axis] = self._at[place] + self._set[axis]
-        journey.place(*(angle * DEGREE for angle in degrees), mounted, errors)
+        outer, middle, inner = (angle * DEGREE for angle in degrees)
+        journey.place(outer, middle, inner, mounted, errors)
 
 
 def printed_items(

@@ -68,7 +68,9 @@ class Journey:
 
         mounted: (3,) rad, how the body is turned in its fixture.
         """
-        goal = np.array([outer, middle, inner, *(np.zeros(3) if errors is None else errors), *mounted])
+        goal = np.array(
+            [outer, middle, inner, *(np.zeros(3) if errors is None else errors), *mounted]
+        )
         goal[0] = self._state[0] + (outer - self._state[0] + np.pi) % (2.0 * np.pi) - np.pi
         part = 0.5 - 0.5 * np.cos(np.pi * self._times(MOVE_S) / MOVE_S)
         self._append(self._state[:, None] + (goal - self._state)[:, None] * part, goal)

@@ -48,9 +48,7 @@ class WholeTurns:
     angle: np.ndarray
 
 
-def misalignment_items(
-    evidence: AhrsEvidence, offset: Estimates
-) -> ClauseResult:
+def misalignment_items(evidence: AhrsEvidence, offset: Estimates) -> ClauseResult:
     """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
 
     offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.

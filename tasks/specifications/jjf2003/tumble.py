@@ -124,8 +124,9 @@ def without_earth(
 ) -> tuple[Estimates, Message | None]:
     """G with the vertical part of Earth's rotation removed, and why elements are undetermined.
 
-    The vertical part reads K·ωe·sin φ along the axis up. The horizontal part cancels in positions held at two
-    headings 180° apart; in others it is not known, and reaches the gyros that are not vertical.
+    The vertical part reads K·ωe·sin φ along the axis up. The horizontal part cancels in positions
+    held at two headings 180° apart; in others it is not known, and reaches the gyros that are not
+    vertical.
     """
     if evidence.latitude_deg is None:
         unknown_latitude = message("jjf2003-latitude-unknown")

@@ -38,7 +38,7 @@ class Joint:
     reading at zero rate in the attitude of its rate runs. excess: (6,) for each channel the largest
     factor by which its samples scatter too much. covariance: (6, n, n) of the segment means, by
     whose inverse each channel is weighted. earth: Earth's rotation as shown by the rests; it is not
-    subtracted if they refute it.
+    subtracted if they refute it. errors: of the equipment.
     """
 
     estimates: dict[str, Estimates]
@@ -46,6 +46,7 @@ class Joint:
     excess: np.ndarray
     covariance: np.ndarray
     earth: EarthRotationGain | None
+    errors: EquipmentErrors
 
 
 def solve_jointly(
@@ -99,6 +100,7 @@ def solve_jointly(
         excess=_largest_excess(operator),
         covariance=covariances,
         earth=evidence.earth,
+        errors=errors,
     )  # fmt: skip
 
 

@@ -13,9 +13,9 @@ from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from schemas.uncertainty import Budget
 from tasks.calibrate.evaluation import evaluation_for
+from tasks.motion.table import EARTH_RATE
 from tasks.specifications.register import specification_for
 from tasks.uncertainty.examples import acquisition
-from tasks.uncertainty.type_b import EARTH_RATE
 from tests.tasks.items_only import items_only
 
 EXAMPLE = "as the specification's example"
