@@ -95,7 +95,9 @@ class SetAngles:
         self._last: list[float | None] = [None] * 3
         self._set = np.zeros(3)
 
-    def set(self, journey: Journey, degrees: tuple[float, float, float], mounted: np.ndarray) -> None:
+    def set(
+        self, journey: Journey, degrees: tuple[float, float, float], mounted: np.ndarray
+    ) -> None:
         """Moves to these angles of the axes, outermost first."""
         errors = np.zeros(3)
         for axis, angle in enumerate(degrees):

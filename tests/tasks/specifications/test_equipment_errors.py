@@ -113,12 +113,12 @@ def test_without_encoders_faces_and_settings_tilt_as_the_closed_formulas_say(lim
         assert value is not None
         expected = closed_formulas.attitude_errors(own, scale[element[0]], up_down)
         assert contribution(made, "accel_cross_coupling", element, symbol) == pytest.approx(
-            u_of(expected), rel=rel
+            u_of(expected, symbol), rel=rel
         )
     for axis in "xyz":
         expected = closed_formulas.attitude_errors(own, g * scale[axis], lying)
         assert contribution(made, "accel_bias", axis, symbol) == pytest.approx(
-            u_of(expected), rel=rel, abs=1e-9
+            u_of(expected, symbol), rel=rel, abs=1e-9
         )
 
 
@@ -127,8 +127,8 @@ def contribution(made: Calibration, item: str, element: str, symbol: str) -> flo
     return sum(line.contribution for line in lines if line.symbol == symbol)
 
 
-def u_of(lines) -> float:
-    return combine("y", "1", 0.0, lines).u_c
+def u_of(lines, symbol: str) -> float:
+    return combine("y", "1", 0.0, [each for each in lines if each.quantity.symbol == symbol]).u_c
 
 
 def test_the_covariance_has_the_budgets_on_its_diagonal_and_one_rate_in_every_scale(right) -> None:
