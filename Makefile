@@ -3,6 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 LOCK := --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --quiet
 SETUP := .venv/.done
+INSTALLED := .venv/.installed
 
 .PHONY: setup install demo test bench validate prove rehearsal factory lock licences clean
 
@@ -10,13 +11,16 @@ setup: $(SETUP)
 
 $(SETUP): requirements-dev.txt pyproject.toml
 	@PYTHON=$(PYTHON) bash deploy/setup.sh requirements-dev.txt
-	@touch $@
+	@touch $(INSTALLED) $@
 
 # The program alone, without what tests and proof need besides.
-install:
-	@PYTHON=$(PYTHON) bash deploy/setup.sh requirements.txt
+install: $(INSTALLED)
 
-demo: setup
+$(INSTALLED): requirements.txt pyproject.toml
+	@PYTHON=$(PYTHON) bash deploy/setup.sh requirements.txt
+	@touch $@
+
+demo: install
 	@$(BIN)/mimucal demo
 
 test: setup

@@ -8,16 +8,21 @@ from typing import Any
 from pydantic import BaseModel
 
 from schemas.access import PagesFile
-from schemas.certificate import Laboratory
+from schemas.certificate import Laboratory, Order
 from schemas.environment import Environment
+from schemas.pages.quality import QualityFile
 from schemas.recall import RecallFile
 from schemas.station import StationFile
+from schemas.tolerance import Tolerance
 
 PAGE = Path(__file__).parent / "guide" / "settings.md"
 FILES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("`laboratory.toml` in the home", Laboratory),
     ("`recall.toml` in the home", RecallFile),
     ("`pages.toml` in the home", PagesFile),
+    ("`quality.toml` in the home", QualityFile),
+    ("Limits (`tolerances/*.toml` in the home)", Tolerance),
+    ("A client's order (`client-orders/*.toml` in the home)", Order),
     ("A station file (`stations/*.toml` in the home)", StationFile),
 )
 HEAD = """# Settings

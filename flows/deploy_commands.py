@@ -45,9 +45,10 @@ def work() -> None:
     That of a station is `mimucal station work ID`.
     """
     from flows.on_prefect.worker import work_for_line
+    from storage.home import home
 
     _named_server()
-    work_for_line()
+    work_for_line(home())
 
 
 def add(
@@ -147,21 +148,26 @@ def _of_this_computer() -> str:
 
 
 def _write_unit(station: str, home: "Home") -> Path:
-    """The systemd unit of a station's worker, for `systemctl link`."""
+    """The systemd unit of a station's worker, which finds its secrets by the name of the line."""
     from storage.whole_files import drafted, writing_in_home
 
     text = (files("flows.on_prefect") / "systemd" / "mimucal-station.service").read_text(
         encoding="utf-8"
     )
+    path = _unit_file(station, home)
     unit = Template(text).substitute(
         station=station, home=home.path, server=os.environ["PREFECT_API_URL"],
-        bin=get_path("scripts"),
+        bin=get_path("scripts"), line=_line(home), unit=path.name,
     )  # fmt: skip
-    path = _unit_file(station, home)
     with writing_in_home(path), drafted(path) as draft:
         draft.write_text(unit, encoding="utf-8")
     return path
 
 
 def _unit_file(station: str, home: "Home") -> Path:
-    return home.path / "systemd" / f"mimucal-station-{station}.service"
+    return home.path / "systemd" / f"{_line(home)}-station-{station}.service"
+
+
+def _line(home: "Home") -> str:
+    """By what the units and variables of lines on one computer differ: the home's folder name."""
+    return re.sub(r"[^A-Za-z0-9_.-]", "-", home.path.name)

@@ -7,14 +7,13 @@ the server's database, and so outlives the server. Import this module only after
 """
 
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 from uuid import UUID
 
-from httpx import HTTPError
-from prefect.client.orchestration import SyncPrefectClient, get_client
+from prefect.client.orchestration import SyncPrefectClient
 from prefect.client.schemas.actions import (
     DeploymentScheduleCreate,
     WorkPoolCreate,
@@ -29,11 +28,13 @@ from sqlalchemy.exc import ArgumentError
 
 from flows.on_prefect import prefect_flows
 from flows.on_prefect.automations import automate
+from flows.on_prefect.client import prefect_client
 from flows.on_prefect.prefect_queue import LINE, pool_of
 from flows.on_prefect.worker import PATIENT
 from schemas.base import Unusable
 from storage.home import Home
 
+AGAIN = "then repeat the command"
 PASSED_ON = ("MIMUCAL_DATABASE", "MIMUCAL_STORE", "MIMUCAL_STATION")
 
 
@@ -78,7 +79,7 @@ OF_THE_LINE = (
 
 def deploy_line(home: Home, timezone: str) -> tuple[str, ...]:
     """Creates or updates everything that needs no station; gives the names of the deployments."""
-    with _client() as client:
+    with prefect_client(AGAIN) as client:
         _pool(client, LINE, None)
         made = {each.flow: _deployment(client, each, home, timezone) for each in OF_THE_LINE}
         automate(client, made["alert"])
@@ -95,7 +96,7 @@ def deploy_station(station: str, file: str, home: Home, cron: str | None, timezo
         "produce", f"A unit on station {station}, from power-on to the draft of its certificate.",
         name=station, pool=pool, order={"station": file}, cron=cron,
     )  # fmt: skip
-    with _client() as client:
+    with prefect_client(AGAIN) as client:
         _pool(client, pool, 1)
         _deployment(client, produce, home, timezone)
     return pool
@@ -103,24 +104,12 @@ def deploy_station(station: str, file: str, home: Home, cron: str | None, timezo
 
 def remove_station(station: str) -> None:
     """Removes what `deploy_station` made, where it is there."""
-    with _client() as client:
+    with prefect_client(AGAIN) as client:
         with suppress(ObjectNotFound):
             deployment = client.read_deployment_by_name(f"produce/{station}")
             client.delete_deployment(deployment.id)
         with suppress(ObjectNotFound):
             client.delete_work_pool(pool_of(station))
-
-
-@contextmanager
-def _client() -> Iterator[SyncPrefectClient]:
-    try:
-        with get_client(sync_client=True) as client:
-            yield client
-    except (HTTPError, RuntimeError) as error:  # the latter where it cannot be reached
-        raise Unusable(
-            f"Prefect's server {os.environ['PREFECT_API_URL']} did not take the deployments "
-            f"({error}): start it, or mend PREFECT_API_URL and PREFECT_API_AUTH_STRING"
-        ) from error
 
 
 def _pool(client: SyncPrefectClient, name: str, limit: int | None) -> None:

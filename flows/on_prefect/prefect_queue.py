@@ -1,11 +1,12 @@
 """Orders as flow runs of a Prefect server: one of `produce/STATION` for each."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
+from flows.on_prefect.client import prefect_client
 from flows.on_prefect.prefect_server import connect
 from schemas.base import Unusable
 from schemas.production import ProductionOrder
@@ -13,11 +14,14 @@ from storage.catalogue import orders
 from storage.home import Home
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
     from prefect.client.orchestration import SyncPrefectClient
     from prefect.client.schemas.objects import State
 
 MOST = 200  # flow runs that the server gives in one answer
 LINE = "line"  # the pool of what needs no station
+WAITS = "the order waits, and is given to it with the next one"
 POOL = "station-"  # how the names of the stations' work pools begin
 # A worker that was killed between taking a flow run and beginning it leaves it pending for ever,
 # and the pool of its station full. With every core busy a process takes a minute to begin.
@@ -58,7 +62,7 @@ def _alive(flow_runs: Sequence[str], client: "SyncPrefectClient") -> set[str]:
 
 def give_up_pending(pool: str, home: Home) -> None:
     """Have the flow runs of a pool crash that its worker, now dead, took and did not begin."""
-    with _client(home) as client:
+    with _client(home, "then start the worker again") as client:
         _crash_pending(client, timedelta(), pool)
 
 
@@ -131,18 +135,7 @@ def _key(order: ProductionOrder) -> str:
     return f"{order.number}{again}"
 
 
-@contextmanager
-def _client(home: Home) -> "Iterator[SyncPrefectClient]":
+def _client(home: Home, otherwise: str = WAITS) -> "AbstractContextManager[SyncPrefectClient]":
     """A client of the server; what it does not answer raises Unusable."""
     connect(home)
-    from httpx import HTTPError
-    from prefect.client.orchestration import get_client
-
-    try:
-        with get_client(sync_client=True) as client:
-            yield client
-    except (HTTPError, RuntimeError) as error:  # the latter where it cannot be reached
-        raise Unusable(
-            f"Prefect's server did not answer ({error}): the order waits, and is given to it with "
-            "the next one"
-        ) from error
+    return prefect_client(otherwise)

@@ -19,9 +19,9 @@ PATIENT = {
 }
 
 
-def work_for_line() -> NoReturn:
+def work_for_line(home: Home) -> NoReturn:
     """Become a worker of what needs no station."""
-    _become(LINE, LINE, dict(os.environ))
+    _become(LINE, LINE, dict(os.environ), home)
 
 
 def work_at_station(station: str, home: Home) -> NoReturn:
@@ -35,10 +35,12 @@ def work_at_station(station: str, home: Home) -> NoReturn:
     file_of(station, home)
     give_up_pending(pool_of(station), home)
     order_queue.submit(home)
-    _become(pool_of(station), station, own)
+    _become(pool_of(station), station, own, home)
 
 
-def _become(pool: str, name: str, variables: dict[str, str]) -> NoReturn:
+def _become(pool: str, name: str, variables: dict[str, str], home: Home) -> NoReturn:
+    """Become a worker, which keeps beside its runs what Prefect would in ~/.prefect."""
     words = ("worker", "start", "--pool", pool, "--type", "process", "--name", name)
     command = [sys.executable, "-m", "prefect", *words]
-    os.execve(sys.executable, command, PATIENT | variables)
+    own = {"PREFECT_HOME": str(home.station_side / "prefect")}
+    os.execve(sys.executable, command, own | PATIENT | variables)

@@ -55,7 +55,7 @@ def guard(server: Flask, home: Home) -> Gate:
     server.config.update(
         SECRET_KEY=_key(home),
         PERMANENT_SESSION_LIFETIME=SESSION,
-        SESSION_COOKIE_NAME="mimucal_session",
+        SESSION_COOKIE_NAME=session_cookie(home),
         SESSION_COOKIE_HTTPONLY=True,
         SESSION_COOKIE_SAMESITE="Lax",
         SESSION_COOKIE_SECURE=pages.https,
@@ -84,6 +84,11 @@ def guard(server: Flask, home: Home) -> Gate:
     server.register_error_handler(Exception, _cannot_be_answered)
     server.after_request(_logged)
     return gate
+
+
+def session_cookie(home: Home) -> str:
+    """The name of a home's session cookie: a browser sends a cookie to every port of its host."""
+    return f"mimucal_session_{hashlib.sha256(str(home.path).encode()).hexdigest()[:8]}"
 
 
 def _let_in(gate: Gate, home: Home) -> AnyResponse | None:

@@ -179,8 +179,9 @@ def _check_run(run: Run, calibration: Calibration, inputs: CertificateInputs) ->
         more = len(validity.reasons) - 1
         others = f" (and {more} more reasons)" if more else ""
         raise Unusable(
-            f"run {run.id} is invalid: {validity.reasons[0].rstrip('.')}{others}; measure again, "
-            "or ask for a report of the invalid run with --invalid-run"
+            f"run {run.id} is invalid: {validity.reasons[0].rstrip('.')}{others}; measure again "
+            "(`mimucal acquire`, or a new order), or ask for a report of the invalid run with "
+            "--invalid-run"
         )
 
 

@@ -12,9 +12,12 @@ from packaging.requirements import Requirement
 
 from schemas.base import Unusable
 from schemas.doctor import Diagnosis, Examined
+from schemas.run_log import ENDED
 from storage import settings
 from storage.catalogue import run_index, trail
+from storage.environment import environment
 from storage.home import Home
+from storage.station_lock import statuses
 from tasks.stages.examine_prefect import examine_prefect
 from tasks.stages.ready import FREE_BYTES, free_bytes
 from tasks.validation import record
@@ -27,7 +30,7 @@ def diagnose(home: Home) -> Diagnosis:
     """Looks at Python, the packages, the disk, the memory, and at what the home holds."""
     looks: tuple[Callable[[Home], Iterator[Examined]], ...] = (
         _python, _packages, _disk, _memory, _home, _rights, _catalogue, _clock, _settings,
-        _validation, _interrupted, _prefect,
+        _alerts, _validation, _interrupted, _prefect,
     )  # fmt: skip
     return Diagnosis(examined=tuple(one for look in looks for one in look(home)))
 
@@ -157,6 +160,24 @@ def _settings(home: Home) -> Iterator[Examined]:
             yield Examined(what=name, found="sound" if found else f"none; {without}")
 
 
+def _alerts(home: Home) -> Iterator[Examined]:
+    """A line on a Prefect server goes on unwatched; what fails there must reach somebody."""
+    if not environment().prefect_server:
+        return
+    try:
+        found = settings.reminders(home)
+    except Unusable:  # which `_settings` says
+        return
+    operators = found.operators if found else None
+    yield Examined(
+        what="alerts",
+        found=f"go to {', '.join(operators.channels)}" if operators else "nobody is alerted",
+        remedy=None if operators
+        else f"Name in [operators] of {home.path / settings.REMINDERS} who hears of a run that is "
+        "late, crashed or invalid.",
+    )  # fmt: skip
+
+
 def _validation(home: Home) -> Iterator[Examined]:
     try:
         kept = settings.validation(home) or record.shipped()
@@ -173,12 +194,18 @@ def _validation(home: Home) -> Iterator[Examined]:
 
 
 def _interrupted(home: Home) -> Iterator[Examined]:
-    left = sorted(home.acquiring.glob("*.mcap"))
+    going_on = {
+        Path(file).name
+        for status, dead in statuses(home)
+        if status.state not in ENDED and not dead
+        for file in status.recordings
+    }
+    left = [path for path in sorted(home.acquiring.glob("*.mcap")) if path.name not in going_on]
     yield Examined(
         what="interrupted runs",
         found=", ".join(path.name for path in left) or "none",
         remedy="Go on with `mimucal acquire --resume`, or take them in with `mimucal import "
-        "--salvage`; a run that goes on now is named, too." if left else None,
+        "--salvage`." if left else None,
     )  # fmt: skip
     waiting = sorted(home.acquired.glob("*.mcap"))
     yield Examined(

@@ -9,6 +9,7 @@ CLIENT_AUTH = "PREFECT_API_AUTH_STRING"  # `user:password`, for who asks
 SERVER_AUTH = "PREFECT_SERVER_API_AUTH_STRING"  # the same, for the server
 
 TIMEOUT_S = 3.0
+REFUSED = 401
 
 
 class NotAnswered(Unusable):
@@ -34,6 +35,13 @@ def is_open() -> bool:
     return True
 
 
+def is_refusal(error: Exception) -> bool:
+    """Whether it is the server's answer to a wrong password, or to none."""
+    import httpx
+
+    return isinstance(error, httpx.HTTPStatusError) and error.response.status_code == REFUSED
+
+
 def credentials() -> tuple[str, str] | None:
     """User and password of CLIENT_AUTH, where the server asks for them."""
     user, _, password = (environment().prefect_login or "").partition(":")
@@ -50,4 +58,6 @@ def _ask(method: str, path: str, asked: dict[str, Any] | None, with_password: bo
         answer.raise_for_status()
         return answer.json()
     except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
+        if is_refusal(error):
+            raise NotAnswered(f"{url} refused {CLIENT_AUTH}") from error
         raise NotAnswered(f"{url} does not answer ({type(error).__name__}: {error})") from error

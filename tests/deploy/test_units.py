@@ -11,6 +11,8 @@ import pytest
 import typer.main
 
 from flows.cli import app
+from flows.deploy_commands import _write_unit
+from storage.home import Home
 
 UNITS = sorted(Path("deploy/systemd").glob("mimucal-*"))
 RECIPE = Path("deploy/container/Containerfile")
@@ -58,6 +60,40 @@ def test_systemd_reads_the_units_without_a_word(tmp_path: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     warnings = [line for line in done.stderr.splitlines() if "mimucal" in line]
     assert warnings == []
+
+
+@pytest.fixture
+def station_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
+    """The units of stations with one id, of two lines on one computer."""
+    monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:4201/api")
+    homes = (Home(tmp_path / "mimucal"), Home(tmp_path / "mimucal-b"))
+    one, other = (_write_unit("S-1", home) for home in homes)
+    return one, other
+
+
+def test_two_lines_with_one_station_id_have_units_and_variables_of_their_own(
+    station_units: tuple[Path, Path],
+) -> None:
+    one, other = station_units
+    assert one.name == "mimucal-station-S-1.service"
+    assert other.name == "mimucal-b-station-S-1.service"
+    assert read(one)["Service"]["EnvironmentFile"] == "-/etc/mimucal/environment"
+    assert read(other)["Service"]["EnvironmentFile"] == "-/etc/mimucal-b/environment"
+    command = shlex.split(read(other)["Service"]["ExecStart"])
+    assert command[:3] == [  # no variable of a file wins over these
+        "/usr/bin/env", f"MIMUCAL_HOME={other.parents[1]}",
+        "PREFECT_API_URL=http://127.0.0.1:4201/api",
+    ]  # fmt: skip
+    assert command[-3:] == ["station", "work", "S-1"]
+
+
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is missing")
+def test_systemd_reads_the_unit_of_a_station_without_a_word(
+    station_units: tuple[Path, Path],
+) -> None:
+    command = ["systemd-analyze", "verify", "--man=no", *map(str, station_units)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert [line for line in done.stderr.splitlines() if "mimucal" in line] == []
 
 
 def lines() -> list[list[str]]:

@@ -99,7 +99,7 @@ def test_a_station_has_a_pool_of_one_run_at_a_time_and_the_line_another(line) ->
     kept = kept_file(line)
     assert made["parameters"] == {"order": {"station": str(kept)}}
     assert kept.stat().st_mode & 0o777 == 0o600
-    unit = line.home / "systemd/mimucal-station-VIRTUAL-1.service"
+    unit = line.home / "systemd/home-station-VIRTUAL-1.service"
     assert "mimucal station work VIRTUAL-1" in unit.read_text(encoding="utf-8")
 
 

@@ -64,7 +64,7 @@ def test_each_order_is_one_flow_run_whatever_happens_to_the_server(
     add = ("add", "LINE-1", "--serial", "S1", "--number", "1")
     gone, notice = order("http://127.0.0.1:1/api", *add)
     assert gone["new"] == ["1"]
-    assert "Prefect's server did not answer" in notice
+    assert "Prefect's server http://127.0.0.1:1/api did not answer" in notice
     _, notice = order(prefect_server, *add)
     assert "no deployment produce/LINE-1: add station LINE-1" in notice
 
@@ -138,7 +138,8 @@ def test_a_worker_is_of_the_line_or_of_a_station_that_is_there(
     assert "has no file of station LINE-9" in mimucal("station", "work", "LINE-9").err
     became: list[Any] = []
     monkeypatch.setattr(os, "execve", lambda *command: became.append(command))
-    work_for_line()
+    work_for_line(Home(home))
     assert became[0][1][-6:] == ["--pool", "line", "--type", "process", "--name", "line"]
+    assert became[0][2]["PREFECT_HOME"] == str(home / "prefect")
     monkeypatch.delenv("PREFECT_API_URL")
     assert "no Prefect server is named" in mimucal("work").err

@@ -10,6 +10,7 @@ import pytest
 from flask.testing import FlaskClient
 
 from flows.pages import passwords
+from flows.pages.access import session_cookie
 from flows.pages.app import make_app
 from flows.pages.serve import serve
 from schemas.access import MAY, ROLES, User, Visitor
@@ -71,7 +72,7 @@ def test_a_session_begins_with_the_password_and_ends_with_the_user(
     assert log_in(client) == 302
     assert client.get("/api/v1/runs").status_code == 200
     assert "Wang Li" in client.get("/_dash-layout").text
-    cookie = client.get_cookie("mimucal_session")
+    cookie = client.get_cookie(session_cookie(home))
     assert cookie is not None
     assert (cookie.http_only, cookie.same_site) == (True, "Lax")
     users.add("Wang Li", "operator", passwords.hashed("another password"), home, "Admin")
@@ -90,12 +91,20 @@ def test_a_session_of_a_user_who_was_removed_is_none(client: FlaskClient, home: 
 
 def test_a_session_outlives_the_process_that_serves(client: FlaskClient, home: Home) -> None:
     log_in(client)
-    kept = client.get_cookie("mimucal_session")
+    kept = client.get_cookie(session_cookie(home))
     assert kept is not None
     again = make_app(home).server.test_client()
-    again.set_cookie("mimucal_session", kept.value)
+    again.set_cookie(session_cookie(home), kept.value)
     assert again.get("/api/v1/runs").status_code == 200
     assert (home.path / "pages.key").stat().st_mode & 0o077 == 0
+
+
+def test_two_homes_on_one_host_keep_their_sessions_apart(
+    client: FlaskClient, home: Home, tmp_path: Path
+) -> None:
+    log_in(client)
+    assert client.get_cookie(session_cookie(home)) is not None
+    assert client.get_cookie(session_cookie(Home(tmp_path / "other"))) is None
 
 
 def test_a_form_without_its_token_is_refused(client: FlaskClient) -> None:
@@ -110,11 +119,11 @@ def test_a_session_that_was_left_is_over_for_every_copy_of_its_cookie(
     client: FlaskClient, home: Home
 ) -> None:
     log_in(client)
-    kept = client.get_cookie("mimucal_session")
+    kept = client.get_cookie(session_cookie(home))
     assert kept is not None
     assert client.post("/logout", data={"csrf_token": token(client)}).status_code == 302
     for server in (client, make_app(home).server.test_client()):
-        server.set_cookie("mimucal_session", kept.value)
+        server.set_cookie(session_cookie(home), kept.value)
         assert server.get("/api/v1/runs").status_code == 401
     actions = [(entry.person, entry.action) for entry in trail.entries(home)]
     assert actions[-2:] == [("Wang Li", "log in"), ("Wang Li", "log out")]

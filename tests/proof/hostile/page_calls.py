@@ -10,12 +10,12 @@ from urllib.parse import urlencode
 from flask import Flask
 from flask.sessions import SecureCookieSessionInterface
 
+from flows.pages.access import session_cookie
 from flows.pages.register import PAGES
 from schemas.access import MAY, ROLES
 from tests.proof.hostile.attacked import PASSWORD, Attacked
 from tests.proof.hostile.browser import FORM, JSON, Answer, Browser, pressed
 
-SESSION = "mimucal_session"
 NOT_DONE = ("may not do this", "cannot be answered")
 
 
@@ -124,7 +124,7 @@ def _forged_cookies(there: Attacked, address: str) -> Iterator[Call]:
         ("without a signature", f"{plain}.."), ("empty", ""), ("long", "A" * 4000),
         ("not base64", "%%%"),
     ):  # fmt: skip
-        forger = Browser(address, {SESSION: value})
+        forger = Browser(address, {session_cookie(there.home): value})
         yield Call("forged cookie", what, partial(forger.send, "GET", "/api/v1/runs"))
 
 

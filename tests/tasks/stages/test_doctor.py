@@ -11,9 +11,11 @@ from threading import Thread
 import pytest
 
 from schemas.doctor import Examined
+from schemas.run_log import RunStatus
 from schemas.validation import ValidationRecord
 from storage.catalogue import database, trail
 from storage.home import Home
+from storage.station_lock import lock_place, one_run_on, write_status
 from tasks.stages import doctor as stage
 from tasks.stages.doctor import diagnose
 from tasks.validation import record
@@ -95,6 +97,33 @@ def test_an_interrupted_run_is_told(empty: Home) -> None:
     assert "--resume" in str(examined(empty, "interrupted runs").remedy)
 
 
+def test_a_run_that_is_going_on_is_none_of_the_interrupted(empty: Home) -> None:
+    recording = empty.acquiring / "20260301T000000Z-ab.mcap"
+    recording.parent.mkdir(parents=True)
+    recording.touch()
+    now = datetime.now(UTC)
+    status = RunStatus(
+        station="LINE-1", procedure="jjf2003", process=1, began_at=now, at=now, state="measuring",
+        now="rate x", segment=3, segments=4, station_s_done=1.0, station_s_total=2.0,
+        wall_s_left=1.0, recordings=(str(recording),), lock=lock_place(empty),
+    )  # fmt: skip
+    write_status(status, empty)
+    with one_run_on("LINE-1", empty):
+        assert examined(empty, "interrupted runs").found == "none"
+    assert recording.name in examined(empty, "interrupted runs").found
+
+
+def test_a_line_whose_operators_nobody_named_is_told(
+    empty: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert all(one.what != "alerts" for one in diagnose(empty).examined)
+    monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:9/api")
+    assert "[operators]" in str(examined(empty, "alerts").remedy)
+    empty.path.mkdir(0o700)
+    (empty.path / "recall.toml").write_text('[operators.channels]\nmail = "mailto://a@example.com"')
+    assert examined(empty, "alerts").remedy is None
+
+
 @pytest.mark.parametrize("url", ["http://127.0.0.1:9/api", "not an address"])
 def test_a_prefect_server_that_does_not_answer_is_told(
     empty: Home, monkeypatch: pytest.MonkeyPatch, url: str
@@ -144,9 +173,9 @@ def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_told(
         assert examined(empty, "Prefect's door").remedy is None
     with server_with("Basic other") as url:
         monkeypatch.setenv("PREFECT_API_URL", url)
-        assert "mend PREFECT_API_URL or PREFECT_API_AUTH_STRING" in str(
-            examined(empty, "Prefect").remedy
-        )
+        refused = examined(empty, "Prefect")
+        assert refused.found == f"{url} refused PREFECT_API_AUTH_STRING"
+        assert "mend PREFECT_API_URL or PREFECT_API_AUTH_STRING" in str(refused.remedy)
     with server_with(None) as url:
         monkeypatch.setenv("PREFECT_API_URL", url)
         assert "Set PREFECT_SERVER_API_AUTH_STRING" in str(examined(empty, "Prefect's door").remedy)
