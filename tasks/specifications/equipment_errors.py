@@ -5,9 +5,9 @@ model (`tasks.model.simulate`) at the motion of the run. Every value of a result
 o·U of the segment means, so that a line of its budget is the error's effect under o, times its
 prior. Each error has a scope: what shares one draw of it.
 
-    run      rate of the table (by range), squareness of its axes, the vertical of its outermost
-             axis, gravity, latitude
-    mounting the fixture
+    run      rate of the table (by range), time base, squareness of the table's axes, the vertical
+             of its outermost axis, gravity, latitude, heading
+    mounting the fixture, and the base of the unit in it
     angle    position: one error at each commanded angle of an axis, whenever it comes back to it
     setting  repeatability: one each time that an axis is set
     point    ripple, instants of polled encoders, the angle of one turn, creep of one rest
@@ -128,18 +128,21 @@ def equipment_errors(
         drift=np.array([change(replace(motion, rate=motion.rate + STEP * d)) for d in np.eye(3)]),
         gravity=change(replace(motion, gravity=motion.gravity * (1.0 + STEP))) / motion.gravity,
         latitude=change(motion, STEP),
+        heading=change(
+            replace(motion, north=motion.north + STEP * np.cross(motion.up, motion.north))
+        ),
     )
     sources = (
         *_of_rates(evidence, motion, response, equipment),
         *_of_table(evidence, motion, response, equipment),
-        *_source(
-            equipment.fixture, "mounting", response.tilted(_anyhow(evidence), evidence.mountings)
-        ),
+        *_of_time(evidence, motion, response, equipment),
+        *_of_mountings(evidence, response, equipment),
         # Of what is stated, the true value acts with the opposite sign.
         *_source(equipment.gravity, "run", -response.gravity[None], followed=True),
         *_source(
             equipment.latitude, "run", -response.latitude[None], followed=True, of_latitude=True
         ),
+        *_source(equipment.heading, "run", response.heading[None], of_latitude=True),
     )
     return EquipmentErrors(sources, len(evidence.segments))
 
@@ -149,7 +152,8 @@ class _Response:
     """How the n mean readings of six channels follow small changes, per unit of each.
 
     tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the table's vertical
-    towards north and east. rate, gravity, latitude: (n, 6) per relative error, m/s² and rad.
+    towards north and east. rate, gravity, latitude, heading: (n, 6) per relative error, m/s²,
+    rad and rad.
     drift: (3, n, 6) per rad/s about each body axis.
     """
 
@@ -159,6 +163,7 @@ class _Response:
     drift: np.ndarray
     gravity: np.ndarray
     latitude: np.ndarray
+    heading: np.ndarray
 
     def tilted(self, directions: np.ndarray, groups: Sequence[object]) -> np.ndarray:
         """Effects (m, n, 6) of tilts about each of directions (k, n, 3), common to a group.
@@ -219,6 +224,32 @@ def _of_rates(
             rests = np.array([label.kind == "static" for label in evidence.labels], bool)
             own = np.eye(len(speed))[:, :, None] * (rests / seconds)[:, None]
             yield from _source(crept, "point", np.concatenate([own * d for d in response.drift]))
+
+
+def _of_time(
+    evidence: ClauseEvidence, motion: Motion, response: _Response, equipment: Equipment
+) -> Iterator[ErrorSource]:
+    """Of the clock that stamps the readings, where either a mean reading or the rate that it is
+    compared with is formed by it, and not both.
+
+    Angles over times are the means of a unit that accumulates them, and the rates of encoders; a
+    rate that only a label states is the table's own; of a turn by an angle the label has no rate.
+    """
+    turning = np.nan_to_num(np.linalg.norm(motion.rate, axis=1)) > 0.0
+    by_angle = np.array([label.kind == "rotation" for label in evidence.labels], bool)
+    reference = by_angle | evidence.has_table
+    timed = turning & (reference != evidence.accumulates)
+    effects = -(timed[:, None] * response.rate)[None]
+    yield from _source(equipment.time_base, "run", effects, followed=True)
+
+
+def _of_mountings(
+    evidence: ClauseEvidence, response: _Response, equipment: Equipment
+) -> Iterator[ErrorSource]:
+    """Of the fixture, and of the unit's base in it, each time that the unit is mounted."""
+    tilts = response.tilted(_anyhow(evidence), evidence.mountings)
+    yield from _source(equipment.fixture, "mounting", tilts)
+    yield from _source(equipment.mounting, "mounting", tilts)
 
 
 def _of_table(

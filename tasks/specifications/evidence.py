@@ -121,6 +121,11 @@ class ClauseEvidence:
         return len({repr(label.mount) for label in self.labels}) < 2
 
     @property
+    def accumulates(self) -> bool:
+        """Whether the unit accumulates angles, so that its mean rates are formed by the times."""
+        return False
+
+    @property
     def mountings(self) -> list[str]:
         """What tells the unit's mountings in its fixture apart, of each segment."""
         if self.mounted_once:

@@ -67,6 +67,14 @@ LATITUDE = _limit(
 )
 
 
+# What no specification recommends a limit for: symbol, name and unit of one that is stated.
+UNSTATED: dict[LimitName, ErrorLimit] = {
+    "time_base": _limit("ε4", "time-base", "1", 0.0, "rectangular", ""),
+    "mounting": _limit("α6", "mounting", "rad", 0.0, "rectangular", ""),
+    "heading": _limit("ψ", "heading", "rad", 0.0, "rectangular", ""),
+}
+
+
 @dataclass(frozen=True)
 class Equipment:
     """Table, fixture and site of a calibration; None: not known, or not there.
@@ -76,8 +84,9 @@ class Equipment:
     position, repeatability: of each table angle. axes: between the table's axes.
     fixture: between the fixture's faces. encoder_time: when each angle of a table that is polled
     was read (s), with which a mean rate begins and ends. level: of the vertical of the outermost
-    axis, about each of two directions. creeps: whether an angle may move by its errors while it is
-    held.
+    axis, about each of two directions. mounting: of the unit's base in the fixture. time_base: of
+    the clock of the recording, relative. creeps: whether an angle may move by its errors while it
+    is held.
     """
 
     rates: tuple[tuple[float, ErrorLimit], ...] = ()
@@ -90,6 +99,9 @@ class Equipment:
     gravity: ErrorLimit = GRAVITY
     latitude: ErrorLimit = LATITUDE
     encoder_time: ErrorLimit | None = None
+    time_base: ErrorLimit | None = None
+    mounting: ErrorLimit | None = None
+    heading: ErrorLimit | None = None
     creeps: bool = False
 
     @property
@@ -139,6 +151,8 @@ UNKNOWN = Equipment()
 
 def limit_of(name: LimitName) -> ErrorLimit:
     """The limit that a laboratory's own takes the place of; it keeps symbol, name and unit."""
+    if name in UNSTATED:
+        return UNSTATED[name]
     limit: ErrorLimit = RATE if name == "rate" else getattr(JJF2003, name)
     return limit
 

@@ -75,6 +75,10 @@ class AhrsEvidence(ClauseEvidence):
         )
 
     @property
+    def accumulates(self) -> bool:
+        return self.by_angle
+
+    @property
     def mountings(self) -> list[str]:
         """On a table of one axis the unit is mounted anew for each position of 7.2 and each axis
         that is turned; one of several axes brings it there.

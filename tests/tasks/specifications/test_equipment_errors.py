@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from tasks.calibrate.evaluation import Evaluation
+from schemas.equipment import EquipmentLimit
+from schemas.recording import Recording
+from tasks.calibrate.evaluation import Evaluation, evaluation_for
 from tasks.motion.table import EARTH_RATE
+from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003 as JJF2003_CLAUSES
 from tasks.specifications.joint import JOINT
 from tasks.uncertainty.budget import combine
 from tasks.uncertainty.equipment import JJF2003, Equipment, ErrorLimit
 from tasks.validation import run2003
+from tasks.validation.coverage import simulate
 from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit
 from tests.tasks.items_only import items_only
 from tests.tasks.uncertainty import closed_formulas
@@ -146,3 +150,42 @@ def test_the_covariance_has_the_budgets_on_its_diagonal_and_one_rate_in_every_sc
         full[p, : p + 1] = full[: p + 1, p] = row
     size = np.sqrt(np.diag(full))
     assert np.linalg.eigvalsh(full / np.outer(size, size))[0] > -1e-9
+
+
+FAST = 1e-4  # by so much the clock of the recording runs fast
+
+
+def by_another_clock(recording: Recording) -> Recording:
+    """The same with all its times longer."""
+    labels = tuple(
+        label.model_copy(
+            update={"t_start": label.t_start * (1 + FAST), "t_end": label.t_end * (1 + FAST)}
+        )
+        for label in recording.manifest.segments or ()
+    )
+    manifest = recording.manifest.model_copy(update={"segments": labels})
+    imu, table = (
+        stream and replace(stream, t=stream.t * (1 + FAST))
+        for stream in (recording.imu, recording.table)
+    )
+    return replace(recording, manifest=manifest, imu=imu, table=table)
+
+
+@pytest.mark.parametrize("method", [JJF2003_CLAUSES, JOINT, JJF1536], ids=lambda m: m.method)
+def test_a_clock_that_runs_fast_is_inside_of_a_time_base_that_is_stated(method) -> None:
+    """And blocks every pass, where encoders show rates that the table was not set to."""
+    recording, _ = simulate(method.method, 4, ideal=True)
+    stated = EquipmentLimit(half_width=FAST, distribution="rectangular", source="c")
+    own = evaluation_for(recording, own={"time_base": stated})
+    right = items_only(method, recording, own)
+    wrong = items_only(method, by_another_clock(recording), own)
+    scale = "ahrs_scale_factor" if method is JJF1536 else "gyro_scale_factor"
+    for element, value in right.items[scale].value.items():
+        change = wrong.items[scale].value[element] - value
+        (line,) = (
+            line for line in right.items[scale].budgets[element].inputs if line.symbol == "ε4"
+        )
+        assert abs(change) == pytest.approx(abs(line.sensitivity) * FAST, rel=0.01)
+    codes = {each.code for each in wrong.remarks if each.blocks_pass}
+    assert ("time_base" in codes) == (method is not JJF1536)
+    assert "time_base" not in {each.code for each in right.remarks}
