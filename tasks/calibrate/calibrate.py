@@ -100,6 +100,7 @@ def _covariance(
     found = {
         f"{key}.{element}": estimate
         for key, item in result.items.items()
+        if key in items
         for element, estimate in item.elements.items()
         if element in items[key].budgets and estimate.operator is not None
     }

@@ -75,7 +75,7 @@ def test_every_element_with_a_value_has_a_budget_that_gives_its_u(calibrations) 
                 assert budget.unit == item.unit
                 assert sum(line.share for line in budget.inputs) == pytest.approx(1.0)
                 kinds = {line.kind for line in budget.inputs}
-                assert kinds == {"A", "B"}
+                assert {"A"} <= kinds <= {"A", "B"}  # what the equipment does may cancel in a bias
 
 
 def test_gtc_agrees_on_every_budget_of_a_calibration(calibrations) -> None:
