@@ -1,21 +1,13 @@
 """Errors of the measuring equipment as terms with a prior, and what each does to the means.
 
-An error changes what the unit went through; the change of its readings is that of the unit's
-model (`tasks.model.simulate`) at the motion of the run. Every value of a result is a combination
-o·U of the segment means, so that a line of its budget is the error's effect under o, times its
-prior. Each error has a scope: what shares one draw of it.
+An error changes what the unit went through; the change of its readings is that of the unit's model
+at the motion of the run. Every value of a result is a combination o·U of the segment means: a line
+of its budget is the error's effect under o, times its prior. Its scope is what shares one draw of
+it: the run, a mounting, an angle of an axis whenever it comes back, a setting, a face, a point.
 
-    run      rate of the table (by range), time base, squareness of the table's axes, the vertical
-             of its outermost axis, gravity, latitude, heading
-    mounting the fixture, and the base of the unit in it
-    angle    position: one error at each commanded angle of an axis, whenever it comes back to it
-    setting  repeatability: one each time that an axis is set
-    point    ripple, instants of polled encoders, the angle of one turn, creep of one rest
-
-Where encoders show how the table stood, an angle's error turns the unit about that axis, and two
-axes that are not square tilt it by how the table stands for it. Labels alone do not say that: the
-unit may then be tilted about any of its axes, in each setting, and in each face, by an error of
-its own.
+Where encoders show how the table stood, an angle's error turns the unit about that axis, and axes
+that are not square tilt it by how the table stands for it. Labels alone do not say that: the unit
+is then tilted about any of its axes, in each setting and in each face, by an error of its own.
 """
 
 import math
@@ -47,9 +39,8 @@ class ErrorSource:
     """One error of the equipment: its prior, its scope, and what it does to the means.
 
     effects: (m, n, 6), of each of its m independent draws on the n segment means of six channels,
-    rad/s and m/s² per unit of the error. followed: parameters of the unit follow it whole, as a
-    scale factor does the rate, and nothing of it is left of a fit. of_latitude: it acts only where
-    Earth's rotation is taken from the readings.
+    rad/s and m/s² per unit. followed: by parameters of the unit, as the rate is by a scale factor:
+    nothing of it is left of a fit. of_latitude: it acts only where Earth's rotation is taken off.
     """
 
     quantity: InputQuantity
@@ -80,10 +71,7 @@ class EquipmentErrors:
     segments: int
 
     def lines(self, operator: np.ndarray, without_earth: bool) -> tuple[Contribution, ...]:
-        """The lines of Σ o·U, less those that are rounding; operator: o (6, n).
-
-        without_earth: whether Earth's rotation was taken from the value.
-        """
+        """The lines of Σ o·U, o (6, n), but rounding; without_earth: Earth's rate was taken off."""
         every = [
             each.line(operator) for each in self.sources if without_earth or not each.of_latitude
         ]
@@ -110,8 +98,7 @@ def equipment_errors(
 ) -> EquipmentErrors:
     """The errors of a run's equipment, for a unit of that model.
 
-    motion: mean of each segment; terms_at: the list of terms with the latitude off by so many
-    rad; values: (p,) of its parameters.
+    motion: mean of each segment; terms_at: the terms with the latitude off by rad; values: (p,).
     """
     motion = _with_level(evidence, motion)
     reads = predict(terms_at(0.0), motion, values)
@@ -149,10 +136,8 @@ def equipment_errors(
 class _Response:
     """How the n mean readings of six channels follow small changes, per unit of each.
 
-    tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the table's vertical
-    towards north and east. rate, gravity, latitude, heading: (n, 6) per relative error, m/s²,
-    rad and rad.
-    drift: (3, n, 6) per rad/s about each body axis.
+    tilt, drift: (3, n, 6) per rad, rad/s about each body axis. lean: (2, n, 6) per rad of the
+    table's vertical to north, east. rate, gravity, latitude, heading: (n, 6); relative, m/s², rad.
     """
 
     tilt: np.ndarray
@@ -164,10 +149,7 @@ class _Response:
     heading: np.ndarray
 
     def tilted(self, directions: np.ndarray, groups: Sequence[object]) -> np.ndarray:
-        """Effects (m, n, 6) of tilts about each of directions (k, n, 3), common to a group.
-
-        groups: of each segment; None where it is not tilted.
-        """
+        """Effects (m, n, 6) of tilts about directions (k, n, 3), by groups; None: not tilted."""
         effects = np.einsum("kni,inc->knc", directions, self.tilt)
         names = [name for name in dict.fromkeys(groups) if name is not None]
         chosen = np.array([[each == name for name in names] for each in groups], float)
@@ -189,9 +171,7 @@ def _source(
 def _of_rates(
     evidence: ClauseEvidence, motion: Motion, response: _Response, equipment: Equipment
 ) -> Iterator[ErrorSource]:
-    """Of held rates: over whole turns, within a turn, and in when they begin and end; of turns by
-    an angle, the angle. Of a rest whose angle creeps, by what it creeps.
-    """
+    """Of held rates, their ripple and their ends; of turned angles; of rests that creep."""
     speed = np.nan_to_num(np.linalg.norm(motion.rate, axis=1))
     seconds = np.array([segment.seconds for segment in evidence.segments])
     by_angle = np.array([label.kind == "rotation" for label in evidence.labels], bool)
@@ -227,11 +207,8 @@ def _of_rates(
 def _of_time(
     evidence: ClauseEvidence, motion: Motion, response: _Response, equipment: Equipment
 ) -> Iterator[ErrorSource]:
-    """Of the clock that stamps the readings, where either a mean reading or the rate that it is
-    compared with is formed by it, and not both.
-
-    Angles over times are the means of a unit that accumulates them, and the rates of encoders; a
-    rate that only a label states is the table's own; of a turn by an angle the label has no rate.
+    """Of the clock that stamps the readings, where it forms a mean reading (of accumulated angles)
+    or the rate that it is compared with (of encoders, of a turn by an angle), and not both.
     """
     turning = np.nan_to_num(np.linalg.norm(motion.rate, axis=1)) > 0.0
     by_angle = np.array([label.kind == "rotation" for label in evidence.labels], bool)
@@ -290,10 +267,7 @@ def _setting(evidence: ClauseEvidence, i: int) -> str:
 
 
 def _with_level(evidence: ClauseEvidence, motion: Motion) -> Motion:
-    """The motion with a north in every rest: where it is not known, one that follows its label.
-
-    What an error does in all rests together depends on how they are turned against each other.
-    """
+    """The motion with a north in every rest: where it is unknown, one that follows its label."""
     north = motion.north.copy()
     for i, label in enumerate(evidence.labels):
         if label.kind != "static" or np.isfinite(north[i]).all():
