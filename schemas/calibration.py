@@ -1,6 +1,6 @@
 """The result of a calibration: values, uncertainties, and what is missing and why."""
 
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from pydantic import Field, computed_field, model_validator
 
@@ -45,6 +45,23 @@ class Item(Frozen):
     value_model: Elements | None = Field(
         default=None, description="the same with the sign of model (2)"
     )
+
+
+class Covariance(Frozen):
+    """Covariance of the elements of a result, type A and type B together.
+
+    elements: as in gyro_scale_factor.x; those without an uncertainty are left out. rows: the lower
+    triangle, each row up to its diagonal u², in the product of the units of two items.
+    """
+
+    elements: tuple[str, ...]
+    rows: tuple[tuple[Finite, ...], ...]
+
+    @model_validator(mode="after")
+    def _is_a_triangle(self) -> Self:
+        if [len(row) for row in self.rows] != list(range(1, len(self.elements) + 1)):
+            raise ValueError("covariance.rows must be the lower triangle: 1, 2, 3 … numbers")
+        return self
 
 
 class Information(Frozen):
@@ -117,6 +134,9 @@ class Calibration(Frozen):
         default=(), description="physics beside models (1) and (2), taken off the readings"
     )
     items: dict[str, Item]
+    covariance: Covariance | None = Field(
+        default=None, description="of all elements; null where an evaluation has none"
+    )
     information: dict[str, Information] = Field(default_factory=dict)
     unavailable: dict[str, str]
     unavailable_zh: dict[str, str] = Field(default_factory=dict)

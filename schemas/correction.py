@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from schemas.base import Finite, Frozen
-from schemas.calibration import Method
+from schemas.calibration import Covariance, Method, UncertaintyKind
 
 Form = Literal["json", "yaml", "c", "ros", "kalibr", "csv"]
 Three = tuple[Finite, Finite, Finite]
@@ -47,7 +47,8 @@ class Correction(Frozen):
     """The correction that a calibration gives, in SI units.
 
     unit: null for a result whose run is not in the store. model: what a unit reads; correction: the
-    steps that undo it, in order. assumed_ideal: elements that the calibration does not provide.
+    steps that undo it, in order. uncertainty: how U was evaluated; covariance: of the elements as
+    the calibration states them, in its units. assumed_ideal: elements that it does not provide.
     left_in: physics that the calibration corrected for first, but these formulas do not.
     """
 
@@ -62,6 +63,8 @@ class Correction(Frozen):
     model: tuple[str, ...]
     correction: tuple[str, ...]
     coefficients: dict[str, Coefficient]
+    uncertainty: UncertaintyKind
+    covariance: Covariance | None = None
     assumed_ideal: tuple[str, ...] = ()
     left_in: tuple[str, ...] = ()
     example: CorrectionExample

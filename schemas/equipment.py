@@ -10,14 +10,28 @@ from schemas.base import Frozen
 MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
 LimitShape = Literal["normal", "rectangular", "triangular", "arcsine"]
 LimitName = Literal[
-    "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
+    "rate",
+    "ripple",
+    "time_base",
+    "level",
+    "position",
+    "repeatability",
+    "axes",
+    "fixture",
+    "mounting",
+    "gravity",
+    "latitude",
+    "heading",
 ]
 
 
 class ErrorBound(Frozen):
     """How far one property of the equipment may be off.
 
-    half_width: relative for rate and ripple, rad for angles and latitude, m/s² for gravity.
+    half_width: relative for rate, ripple and time_base (of the clock that stamps the readings);
+    rad for angles, latitude and heading; m/s² for gravity. mounting: of the unit's base in the
+    fixture, by the flatness of the surface over the length of the base; without it the results
+    hold for the axes of the fixture. level: of the vertical of the table's outermost axis.
     For `normal` it is an expanded uncertainty with k = 2.
     """
 

@@ -37,12 +37,16 @@ class Coverage(Frozen):
     by_element: dict[str, float] = Field(description="share inside the 95 % interval, of each")
 
     @property
-    def outside(self) -> dict[str, float]:
-        """The elements whose intervals contain the truth too rarely or too often, which an average
-        over the item would hide.
+    def too_short(self) -> dict[str, float]:
+        """The elements whose intervals contain the truth too rarely, which an average over the
+        item would hide: what is stated of them does not hold.
         """
-        low, high = TARGET_SHARE
-        return {name: share for name, share in self.by_element.items() if not low <= share <= high}
+        return {name: share for name, share in self.by_element.items() if share < TARGET_SHARE[0]}
+
+    @property
+    def too_long(self) -> dict[str, float]:
+        """Those whose intervals contain it more often than stated: it holds, with room to spare."""
+        return {name: share for name, share in self.by_element.items() if share > TARGET_SHARE[1]}
 
 
 class ItemValidation(Frozen):

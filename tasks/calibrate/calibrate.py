@@ -1,16 +1,19 @@
 """The calibration of a recording by a specification."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
-from schemas.calibration import Calibration, EnvironmentSeen, SegmentUsed
+from schemas.calibration import Calibration, Covariance, EnvironmentSeen, Item, SegmentUsed
 from schemas.recording import Recording, Stream
-from tasks.calibrate.evaluation import Evaluation, evaluation_for
+from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.run_validity.judge import run_remarks
 from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
+from tasks.specifications.covariance import covariance_of
+from tasks.specifications.estimate import ClauseResult
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.specification import Specification
 from tasks.words import say
@@ -76,6 +79,7 @@ def without_information(
             **evaluation.settings,
         },
         items=items,
+        covariance=_covariance(result, evidence, items),
         unavailable={key: say(why, "en") for key, why in missing.items()},
         unavailable_zh={key: say(why, "zh") for key, why in missing.items()},
         remarks=(*result.remarks, *evaluation.remarks, *checked),
@@ -85,6 +89,26 @@ def without_information(
             humidity_percent=_extent(evidence.recording.environment, "humidity"),
         ),
     )
+
+
+def _covariance(
+    result: ClauseResult, evidence: ClauseEvidence, items: Mapping[str, Item]
+) -> Covariance | None:
+    """Of the elements that have a budget and are combinations of the segment means."""
+    if result.errors is None or any(item.uncertainty_kind == EXAMPLE for item in items.values()):
+        return None
+    found = {
+        f"{key}.{element}": estimate
+        for key, item in result.items.items()
+        if key in items
+        for element, estimate in item.elements.items()
+        if element in items[key].budgets and estimate.operator is not None
+    }
+    if not found:
+        return None
+    matrix = covariance_of(tuple(found.values()), evidence, result.errors)
+    rows = tuple(tuple(map(float, row[: p + 1])) for p, row in enumerate(matrix))
+    return Covariance(elements=tuple(found), rows=rows)
 
 
 def _used(evidence: ClauseEvidence, i: int) -> SegmentUsed:

@@ -10,7 +10,7 @@ from tasks.certificate.cover import by_document
 from tasks.certificate.fields import given
 from tasks.conformity.equipment import bound_text
 from tasks.specifications.specification import Specification
-from tasks.uncertainty.equipment import GRAVITY, LATITUDE, RECOMMENDED, limit_of
+from tasks.uncertainty.equipment import GRAVITY, LATITUDE, LEVELLED, RECOMMENDED, limit_of
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import plain, quantity_text
 from tasks.words.typography import clause
@@ -18,6 +18,7 @@ from tasks.words.typography import clause
 ASSUMED = {
     GRAVITY.clause: message("certificate-assumed.gravity"),
     LATITUDE.clause: message("certificate-assumed.latitude"),
+    LEVELLED: message("certificate-assumed.level"),
 }
 
 
@@ -97,9 +98,11 @@ def whose_limits(calibration: Calibration, specification: Specification) -> tupl
     parts += [_assumed(name_of(line), half_width(line)) for line in assumed]
     if _latitude_of_second_values(calibration, limits):
         parts.append(_assumed(LATITUDE.name, f"{math.degrees(LATITUDE.half_width):g}°"))
+    stated = message("certificate-limits", parts=clauses(parts))
+    if any(line.symbol == limit_of("mounting").symbol for line in limits):
+        return (stated,)
     # The plate tilts with the unit's base, whose length nobody states.
-    flatness = message(by_document("flatness", specification))
-    return message("certificate-limits", parts=clauses(parts)), flatness
+    return stated, message(by_document("flatness", specification))
 
 
 def _assumed(name: Sayable, known: str | None) -> Message:

@@ -79,17 +79,18 @@ def as_ros(correction: Correction) -> str:
 
 
 def as_csv(correction: Correction) -> str:
-    """A row for each element: coefficient, reading axis, input axis, value, U, unit."""
+    """A row for each element: coefficient, axes, value, U and how that was evaluated, unit."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("coefficient", "reads", "input", "value", "U", "unit"))
+    writer.writerow(("coefficient", "reads", "input", "value", "U", "evaluation", "unit"))
     for name, coefficient in correction.coefficients.items():
         values = _flat(coefficient.value)
         expanded = _flat(coefficient.U) if coefficient.U else [None] * len(values)
         for n, (value, U) in enumerate(zip(values, expanded, strict=True)):
             axes = (AXES[n], "") if len(values) == len(AXES) else (AXES[n // 3], AXES[n % 3])
             shown = "" if U is None else repr(U)
-            writer.writerow((name, *axes, repr(value), shown, coefficient.unit))
+            evaluation = correction.uncertainty if shown else ""
+            writer.writerow((name, *axes, repr(value), shown, evaluation, coefficient.unit))
     return text.getvalue()
 
 
@@ -99,6 +100,7 @@ def heading(correction: Correction, mark: str) -> str:
     lines = [
         f"unit: {unit.manufacturer} {unit.model} {unit.serial}" if unit else "unit: unknown",
         f"recording: {correction.recording_id} (run {correction.run}), method {correction.method}",
+        f"U: {correction.uncertainty}",
         "model:",
         *(f"  {formula}" for formula in correction.model),
         "correction, in this order (rad/s, m/s2):",
@@ -142,6 +144,8 @@ def document(calibration: Calibration, unit: Unit | None) -> Correction:
         model=MODEL,
         correction=(FIRST, *PASS * PASSES),
         coefficients=_coefficients(known, expanded),
+        uncertainty=next(iter(calibration.items.values())).uncertainty_kind,
+        covariance=calibration.covariance,
         assumed_ideal=assumed,
         left_in=tuple(term.name for term in calibration.terms),
         example=_example(known),

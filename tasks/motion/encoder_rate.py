@@ -175,8 +175,12 @@ def _means(angle: np.ndarray, side: int) -> tuple[np.ndarray, np.ndarray]:
 def _rest(
     angle: np.ndarray, interval: float, noise: np.ndarray, first: int, last: int
 ) -> Rest | None:
-    """The rest around samples that stand still; None where they follow a slope, or shake."""
+    """The rest around samples that stand still; None where they follow a slope, shake, or are too
+    few to show it.
+    """
     count = last - first
+    if count < 2:  # of an encoder that is read slowly: one sample shows no slope
+        return None
     place = np.arange(count) - 0.5 * (count - 1)
     spread = float((place**2).sum())
     slope = float(place @ angle[first:last]) / spread

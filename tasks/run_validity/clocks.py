@@ -14,6 +14,9 @@ INTERVAL = 0.05  # s at which both are compared
 SEARCHED = 10.0  # s to either side
 PARTS = 4  # of the run, so that a drifting clock shows
 GAP = 1.0  # s without a row, as where a run was interrupted: nothing is known of its rates
+TIME_BASE = 3e-5  # relative: three times what Table 1 of JJF 2003 allows a rate
+FEWEST_POINTS = 4  # rates that show the same
+COVERED = 3.0  # standard uncertainties of the ratio, by how the points scatter
 MOVING = np.radians(5.0)  # rad/s: a part in which nothing turns as fast says nothing
 
 
@@ -33,6 +36,31 @@ def clock_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     if abs(worst) > LARGEST:
         yield run_remark(
             "clocks_apart", run="invalid", delay=f"{worst:+.2f}", limit=f"{LARGEST:g}",
+        )  # fmt: skip
+
+
+def time_base_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Rates that all are by the recording's time another than the table was set to.
+
+    The table turns by its own clock, and holds what it is set to; the recording is stamped by
+    another. Where both disagree, one of them is wrong, and every scale factor with it.
+    """
+    points = [
+        point
+        for point in evidence.turning_points.values()
+        if point.by_table and point.shown is not None and not (point.contradicted or point.unsteady)
+    ]
+    label = np.array([point.label for point in points])
+    shown = np.array([point.shown for point in points], float)
+    if len(points) < FEWEST_POINTS or not label.any():
+        return
+    ratio = float(label @ shown / (label @ label))
+    left = shown - ratio * label
+    u = float(np.sqrt(left @ left / (len(points) - 1) / (label @ label)))
+    if abs(ratio - 1.0) > TIME_BASE + COVERED * u:
+        yield run_remark(
+            "time_base", off=f"{1e6 * (ratio - 1.0):+.0f}", limit=f"{1e6 * TIME_BASE:.0f}",
+            count=len(points),
         )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from schemas.calibration import Item
 from schemas.text import Remark, Statement
-from tasks.run_validity.clocks import clock_remarks
+from tasks.run_validity.clocks import clock_remarks, time_base_remarks
 from tasks.run_validity.encoders import encoder_remarks
 from tasks.run_validity.environment import (
     environment_remarks,
@@ -46,6 +46,7 @@ def run_remarks(
         *scatter_remarks(evidence, items),
         *lost_data_remarks(evidence),
         *clock_remarks(evidence),
+        *time_base_remarks(evidence),
         *point_remarks(evidence, conditions),
         *environment_remarks(evidence, conditions),
         *unit_temperature_remarks(evidence),

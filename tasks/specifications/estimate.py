@@ -9,6 +9,7 @@ import numpy as np
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.segments.summarise import CHANNELS
+from tasks.specifications.equipment_errors import EquipmentErrors
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.linear import (
@@ -18,9 +19,8 @@ from tasks.specifications.linear import (
     birge_ratio,
     solve,
 )
-from tasks.uncertainty.budget import Contribution, observed
+from tasks.uncertainty.budget import Contribution, observed, resolution
 from tasks.uncertainty.type_a import type_a_dof
-from tasks.uncertainty.type_b import resolution
 from tasks.words import Message, Sayable, clauses, message, remark
 
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
@@ -32,6 +32,9 @@ NO_EXCESS = BirgeRatio()
 class Estimate:
     """A value, the lines of its budget so far, and what Appendix A adds up to its u₃.
 
+    operator: (6, n), the value as a combination of the segment means of all channels; None where
+    it is none. without_earth: whether Earth's rotation was taken from it.
+
     lines: of the data first (type A, the unit's resolution), then those of the equipment, with
     sensitivities in the unit of the value per their own; no unit: that of the value.
     repeated: standard uncertainties, each as if its position alone gave the result; empty: the
@@ -41,6 +44,8 @@ class Estimate:
     value: float
     lines: tuple[Contribution, ...] = ()
     repeated: tuple[float, ...] = ()
+    operator: np.ndarray | None = field(default=None, compare=False)
+    without_earth: bool = False
 
     @property
     def determined(self) -> bool:
@@ -64,6 +69,8 @@ class Estimate:
             self.value * factor,
             tuple(line.scaled(factor) for line in self.lines),
             tuple(abs(factor) * u for u in self.repeated),
+            None if self.operator is None else factor * self.operator,
+            self.without_earth,
         )
 
     def with_lines(self, *more: Contribution) -> "Estimate":
@@ -105,11 +112,15 @@ class ItemEstimate:
 
 @dataclass(frozen=True)
 class ClauseResult:
-    """Items of a clause by their keys, reasons for what is missing, and remarks."""
+    """Items of a clause by their keys, reasons for what is missing, and remarks.
+
+    errors: of the equipment, once they stand in the budgets.
+    """
 
     items: Mapping[str, ItemEstimate] = field(default_factory=dict)
     unavailable: Mapping[str, Sayable] = field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()
+    errors: EquipmentErrors | None = None
 
 
 def merged(results: Iterable[ClauseResult]) -> ClauseResult:
@@ -120,6 +131,29 @@ def merged(results: Iterable[ClauseResult]) -> ClauseResult:
         {key: reason for result in every for key, reason in result.unavailable.items()},
         tuple(remark for result in every for remark in result.remarks),
     )
+
+
+def with_equipment(result: ClauseResult, errors: EquipmentErrors) -> ClauseResult:
+    """The same with the lines of the equipment's errors in the budget of every element."""
+
+    def with_lines(estimates: Estimates) -> Estimates:
+        return {e: _with_errors(estimate, errors) for e, estimate in estimates.items()}
+
+    items = {}
+    for key, item in result.items.items():
+        second = item.without_earth_rotation
+        items[key] = replace(
+            item,
+            elements=with_lines(item.elements),
+            without_earth_rotation=None if second is None else with_lines(second),
+        )
+    return replace(result, items=items, errors=errors)
+
+
+def _with_errors(estimate: Estimate, errors: EquipmentErrors) -> Estimate:
+    if estimate.operator is None:
+        return estimate
+    return estimate.with_lines(*errors.lines(estimate.operator, estimate.without_earth))
 
 
 def linear_estimate(
@@ -140,14 +174,16 @@ def linear_estimate(
     rounding = 0.0
     if evidence.coarse_channels[channel]:
         rounding = float(o @ evidence.rounding_covariance(channel)[block] @ o)
+    operator = np.zeros((len(CHANNELS), len(weights)))
+    operator[channel] = weights
     if excess.factor > 1.0:
         u = excess.factor * np.sqrt(max(noise + rounding, 0.0))
-        return Estimate(value, (observed(float(u), "", excess.dof),))
+        return Estimate(value, (observed(float(u), "", excess.dof),), operator=operator)
     dof = type_a_dof(weights, evidence.noise, channel, noise)
     lines: tuple[Contribution, ...] = (observed(float(np.sqrt(max(noise, 0.0))), "", dof),)
     if rounding > 0.0:
         lines = (*lines, resolution(float(np.sqrt(3.0 * rounding)), "", 1.0))
-    return Estimate(value, lines)
+    return Estimate(value, lines, operator=operator)
 
 
 @dataclass(frozen=True)
@@ -164,17 +200,17 @@ def fit_means(
     channel: int,
     design: np.ndarray,
     outputs: np.ndarray,
-    expected: np.ndarray | float = 0.0,
+    errors: EquipmentErrors,
 ) -> MeansFit:
     """Least squares of a (m, p) design to m outputs of a channel.
 
-    outputs: (m, n), each a combination of all segment means. expected: (m, m) covariance of the
-    outputs beside that of the data, which is then no excess of scatter.
+    outputs: (m, n), each a combination of all segment means. errors: of the equipment; what they
+    scatter is no excess.
     """
     solution, used = solve(design), outputs.any(axis=0)
     readings = outputs[:, used] @ evidence.means[used, channel]
-    noise = evidence.covariance(channel)[np.ix_(used, used)]
-    covariance = outputs[:, used] @ noise @ outputs[:, used].T + expected
+    expected = evidence.covariance(channel) + errors.covariance(channel)
+    covariance = outputs[:, used] @ expected[np.ix_(used, used)] @ outputs[:, used].T
     excess = birge_ratio(solution, design, readings, covariance)
     estimates = (
         linear_estimate(evidence, channel, row @ outputs, excess) if known else UNDETERMINED

@@ -120,6 +120,18 @@ class ClauseEvidence:
         """Whether one mounting held all segments: none has a mounting of its own."""
         return len({repr(label.mount) for label in self.labels}) < 2
 
+    @property
+    def accumulates(self) -> bool:
+        """Whether the unit accumulates angles, so that its mean rates are formed by the times."""
+        return False
+
+    @property
+    def mountings(self) -> list[str]:
+        """What tells the unit's mountings in its fixture apart, of each segment."""
+        if self.mounted_once:
+            return [""] * len(self.segments)
+        return [up or label.name for up, label in zip(self.up, self.labels, strict=True)]
+
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
         return self.noise_covariances[channel] + self.rounding_covariance(channel)

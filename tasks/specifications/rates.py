@@ -1,15 +1,13 @@
 """The rate points about an axis, as both specifications use them: a line, 7 to 11 points."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from schemas.text import Remark
+from tasks.specifications.equipment_errors import EquipmentErrors
 from tasks.specifications.estimate import MeansFit, fit_means
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.uncertainty.equipment import Equipment
-from tasks.uncertainty.type_b import turning_rate
 from tasks.words import message, remark
 
 FEWEST_RATES, MOST_RATES = 7, 11
@@ -39,7 +37,7 @@ def fit_line(
     evidence: ClauseEvidence,
     channel: int,
     points: Sequence[int],
-    equipment: Equipment,
+    errors: EquipmentErrors,
     rests: Sequence[int] = (),
 ) -> MeansFit:
     """Slope and offset over the rate points, eq. (5) of JJF 2003 and eq. (14) of JJF 1536.
@@ -47,12 +45,7 @@ def fit_line(
     rests: whose mean is subtracted from the output of each point.
     """
     rates = evidence.rate[list(points)]
-    seconds = np.array([evidence.segments[i].seconds for i in points])
     outputs = np.eye(len(evidence.segments))[list(points)]
     outputs[:, list(rests)] = -1.0 / max(1, len(rests))
-    fit = fit_means(evidence, channel, np.column_stack([rates, np.ones(len(rates))]), outputs)
-    with_lines = (
-        estimate.with_lines(*turning_rate(equipment, fit.estimates[0].value, row, rates, seconds))
-        for estimate, row in zip(fit.estimates, fit.solution.operator, strict=True)
-    )
-    return replace(fit, estimates=tuple(with_lines))
+    design = np.column_stack([rates, np.ones(len(rates))])
+    return fit_means(evidence, channel, design, outputs, errors)

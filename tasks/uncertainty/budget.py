@@ -185,6 +185,19 @@ def observed(u: float, unit: str, dof: float = math.inf) -> Contribution:
     return Contribution(quantity, 1.0)
 
 
+def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution:
+    """The unit's own resolution: readings rounded to a step, half-width step/2 (GUM F.2.2.1).
+
+    sensitivity: ‖o‖ for means with the weights o that are each rounded by an error of their own.
+    For a unit whose noise is above its step, averaging removes it and the type A line already
+    holds it.
+    """
+    u = half_width / math.sqrt(3.0)
+    name = message("uncertainty-resolution")
+    quantity = InputQuantity("q", name, unit, u, "B", "rectangular")
+    return Contribution(quantity, sensitivity)
+
+
 def _line(contribution: Contribution, share: float) -> BudgetInput:
     """A contribution as the line of a budget."""
     quantity = contribution.quantity

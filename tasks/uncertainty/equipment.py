@@ -67,6 +67,14 @@ LATITUDE = _limit(
 )
 
 
+# What no specification recommends a limit for: symbol, name and unit of one that is stated.
+UNSTATED: dict[LimitName, ErrorLimit] = {
+    "time_base": _limit("ε4", "time-base", "1", 0.0, "rectangular", ""),
+    "mounting": _limit("α6", "mounting", "rad", 0.0, "rectangular", ""),
+    "heading": _limit("ψ", "heading", "rad", 0.0, "rectangular", ""),
+}
+
+
 @dataclass(frozen=True)
 class Equipment:
     """Table, fixture and site of a calibration; None: not known, or not there.
@@ -75,11 +83,15 @@ class Equipment:
     (rad/s) on, fastest first; ripple: within a turn.
     position, repeatability: of each table angle. axes: between the table's axes.
     fixture: between the fixture's faces. encoder_time: when each angle of a table that is polled
-    was read (s), with which a mean rate begins and ends.
+    was read (s), with which a mean rate begins and ends. level: of the vertical of the outermost
+    axis, about each of two directions. mounting: of the unit's base in the fixture. time_base: of
+    the clock of the recording, relative. creeps: whether an angle may move by its errors while it
+    is held.
     """
 
     rates: tuple[tuple[float, ErrorLimit], ...] = ()
     ripple: ErrorLimit | None = None
+    level: ErrorLimit | None = None
     position: ErrorLimit | None = None
     repeatability: ErrorLimit | None = None
     axes: ErrorLimit | None = None
@@ -87,16 +99,15 @@ class Equipment:
     gravity: ErrorLimit = GRAVITY
     latitude: ErrorLimit = LATITUDE
     encoder_time: ErrorLimit | None = None
+    time_base: ErrorLimit | None = None
+    mounting: ErrorLimit | None = None
+    heading: ErrorLimit | None = None
+    creeps: bool = False
 
     @property
     def angles(self) -> tuple[ErrorLimit, ...]:
         """What turns the unit by an error of its own in every position, rad."""
         return tuple(limit for limit in (self.position, self.repeatability) if limit is not None)
-
-    @property
-    def squareness(self) -> tuple[ErrorLimit, ...]:
-        """What turns the unit by an error common to all positions of one mounting, rad."""
-        return tuple(limit for limit in (self.axes, self.fixture) if limit is not None)
 
     def rate_at(self, rate: float) -> tuple[ErrorLimit, ...]:
         """The limit of the mean rate at a rate (rad/s); empty where none is known.
@@ -107,11 +118,13 @@ class Equipment:
         return tuple(limits[:1])
 
 
+LEVELLED = "assumed: the vertical axis is levelled as well as the axes are square"
 TABLE_1, FIXTURE_2003 = "JJF 2003-2022, Table 1", "JJF 2003-2022, 6.2"
 RATE = _limit("ε1", "rate", "1", 1e-5, "rectangular", TABLE_1)
 JJF2003 = Equipment(
     rates=((0.0, RATE),),
     ripple=_limit("ε2", "ripple", "1", 5e-4, "rectangular", TABLE_1),
+    level=_limit("α5", "level", "rad", 10 * ARCSECOND, "rectangular", LEVELLED),
     position=_limit("α1", "position", "rad", 10 * ARCSECOND, "rectangular", TABLE_1),
     repeatability=_limit("α2", "angle-repeatability", "rad", 5 * ARCSECOND, "rectangular", TABLE_1),
     axes=_limit("α3", "axes", "rad", 10 * ARCSECOND, "rectangular", TABLE_1),
@@ -127,6 +140,7 @@ JJF1536 = Equipment(
     ),
     position=_limit("α1", "table-angle", "rad", 10 * ARCSECOND, "normal", TABLE_1_AHRS),
     fixture=_limit("α4", "fixture", "rad", 5 * ARCSECOND, "rectangular", FIXTURE_1536),
+    creeps=True,  # 1800 s at each position
 )
 POLLED = "the recording: longest exchange with the table"
 RECOMMENDED = {TABLE_1, FIXTURE_2003, TABLE_1_AHRS, FIXTURE_1536}
@@ -137,6 +151,8 @@ UNKNOWN = Equipment()
 
 def limit_of(name: LimitName) -> ErrorLimit:
     """The limit that a laboratory's own takes the place of; it keeps symbol, name and unit."""
+    if name in UNSTATED:
+        return UNSTATED[name]
     limit: ErrorLimit = RATE if name == "rate" else getattr(JJF2003, name)
     return limit
 

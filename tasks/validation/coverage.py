@@ -145,7 +145,7 @@ def coverage_check(coverage: Coverage) -> Check:
     """Whether an item's intervals hold the truth as often as they say, over enough units.
 
     Intervals that hold it more often are longer than they need be, which is said here; the gate
-    asks each element (`Coverage.outside`).
+    asks each element (`Coverage.too_short`).
     """
     low, high = (f"{100 * share:.0f}" for share in TARGET_SHARE)
     long = ".too-long" if coverage.inside_95 > TARGET_SHARE[1] else ""

@@ -65,7 +65,7 @@ def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict
         parts = (name, WITHOUT_EARTH) if both else (name,)
         found = [method.items.get(part) for part in parts]
         failed = filter(None, (_failed(name, part) for part in found))
-        if doubt := next(failed, None) or _outside(name, found):
+        if doubt := next(failed, None) or _too_short(name, found):
             doubts[name] = doubt
     return doubts
 
@@ -103,21 +103,20 @@ def _failed(name: str, item: ItemValidation | None) -> Doubt | None:
     return Doubt(message("validation-failed", item=name, evidence=", ".join(open_)))
 
 
-def _outside(name: str, parts: list[ItemValidation | None]) -> Doubt | None:
-    """The elements of an item whose own intervals hold the truth too rarely or too often.
+def _too_short(name: str, parts: list[ItemValidation | None]) -> Doubt | None:
+    """The elements of an item whose own intervals hold the truth too rarely.
 
     Where an item has two values, an element is validated if both of it are.
     """
     shares: dict[str, list[float]] = {}
     for part in parts:
-        for element, share in (part.coverage.outside if part and part.coverage else {}).items():
+        for element, share in (part.coverage.too_short if part and part.coverage else {}).items():
             shares.setdefault(element, []).append(share)
     if not shares:
         return None
-    low, high = (f"{100 * share:.0f}" for share in TARGET_SHARE)
     sentence = message(
         "validation-failed.element", item=item_title(name), elements=_listed(shares),
-        low=low, high=high,
+        low=f"{100 * TARGET_SHARE[0]:.0f}",
     )  # fmt: skip
     return Doubt(sentence, frozenset(shares))
 
@@ -162,7 +161,8 @@ def validation_html(record: ValidationRecord) -> str:
         record=record,
         rows=rows,
         valid=sum(item.valid for _, _, item in rows),
-        outside=sum(len(coverage.outside) for _, coverage in covered),
+        short=sum(len(coverage.too_short) for _, coverage in covered),
+        long=sum(len(coverage.too_long) for _, coverage in covered),
         asked=[f"{100 * share:.0f}" for share in TARGET_SHARE],
         evidence=EVIDENCE,
         picture=inline(_picture(covered)) if covered else "",

@@ -24,18 +24,18 @@ def record(
 ) -> tuple[Recording, dict[str, dict[str, float]]]:
     """A simulated unit's recording, and the truth of each element of every item, in printed units.
 
-    Errors of Table 1: the rate's for the run; the outer axis off the vertical for the run; table
-    angles drawn for each setting of middle and inner axis; one fixture and one set of non-square
-    axes for the run. An ideal table makes whole turns, over which the level part of Earth's
+    Errors of Table 1: the rate's for the run; the outer axis off the vertical, axes that are not
+    square and one fixture for the run; of each axis an error at each angle, and one each time that
+    it is set. An ideal table makes whole turns, over which the level part of Earth's
     rotation averages out.
     """
     errors = TableErrors(
         rate=simulated.error(*JJF2003.rate_at(RATES[0] * DEGREE)),
         ripple=simulated.error(JJF2003.ripple),
         phase=simulated.random.uniform(0.0, 2.0 * np.pi),
-        level=(simulated.error(*JJF2003.angles, JJF2003.axes),
-               simulated.error(*JJF2003.angles, JJF2003.axes)),
-    )  # fmt: skip
+        level=tuple(simulated.errors(2, JJF2003.level)),
+        joints=tuple(simulated.errors(2, JJF2003.axes)),
+    )
     site = simulated.site(JJF2003.gravity, JJF2003.latitude)
     journey = _journey(simulated)
     track = journey.track()
@@ -63,20 +63,17 @@ def truth(simulated: SimulatedUnit, site: Site) -> dict[str, dict[str, float]]:
 
 def _journey(simulated: SimulatedUnit) -> Journey:
     journey, dwell = Journey(RATE_HZ), WHOLE_TURNS_S if simulated.ideal else DWELL_S
-    fixture, axes = simulated.errors(3, JJF2003.fixture), simulated.errors(2, JJF2003.axes)
-    faces = {up: fixture + _tilt_by_axes(axes, *np.radians(PLACES[up])) for up in PLACES}
+    fixture, table = simulated.errors(3, JJF2003.fixture), SetAngles(simulated)
     for up, (middle, inner) in PLACES.items():
         for turn in (0.0, 180.0):
-            setting = faces[up] + simulated.errors(3, *JJF2003.angles)
-            journey.place(turn * DEGREE, middle * DEGREE, inner * DEGREE, setting)
+            table.set(journey, (turn, middle, inner), fixture)
             label = {"name": f"position_{up}_{turn:03.0f}", "kind": "static", "up": up,
                      "item": "twelve_position", "turn_deg": turn}  # fmt: skip
             journey.stay(dwell, label)
     for axis in AXES:
         up = f"+{axis}"
         middle, inner = PLACES[up]
-        setting = faces[up] + simulated.errors(3, *JJF2003.angles)
-        journey.place(0.0, middle * DEGREE, inner * DEGREE, setting)
+        table.set(journey, (0.0, middle, inner), fixture)
         rest = {"kind": "static", "item": "rate_sensitivity", "up": up}
         journey.stay(dwell, {"name": f"rest_before_{axis}", **rest})
         for rate in RATES:
@@ -89,14 +86,30 @@ def _journey(simulated: SimulatedUnit) -> Journey:
     return journey
 
 
-def _tilt_by_axes(axes: np.ndarray, middle: float, inner: float) -> np.ndarray:
-    """Small turn of the body (3,) by axes (2,) rad that are not square: outer to middle to inner.
+class SetAngles:
+    """What each axis of a table is off by: at each angle, and each time that it is set."""
 
-    Either turns what it carries about the y axis of its joint, middle axis x, the others z.
-    """
-    about = np.array([0.0, axes[0] * np.cos(middle) + axes[1], -axes[0] * np.sin(middle)])
-    cos, sin = np.cos(inner), np.sin(inner)
-    return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ about
+    def __init__(self, simulated: SimulatedUnit) -> None:
+        self._simulated = simulated
+        self._at: dict[tuple[int, float], float] = {}
+        self._last: list[float | None] = [None] * 3
+        self._set = np.zeros(3)
+
+    def set(
+        self, journey: Journey, degrees: tuple[float, float, float], mounted: np.ndarray
+    ) -> None:
+        """Moves to these angles of the axes, outermost first."""
+        errors = np.zeros(3)
+        for axis, angle in enumerate(degrees):
+            place = axis, angle % 360.0
+            if place not in self._at:
+                self._at[place] = self._simulated.error(JJF2003.position)
+            if angle != self._last[axis]:
+                self._set[axis] = self._simulated.error(JJF2003.repeatability)
+                self._last[axis] = angle
+            errors[axis] = self._at[place] + self._set[axis]
+        outer, middle, inner = (angle * DEGREE for angle in degrees)
+        journey.place(outer, middle, inner, mounted, errors)
 
 
 def printed_items(

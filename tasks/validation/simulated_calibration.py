@@ -34,33 +34,43 @@ class TableErrors:
     """Errors of the table relative to what it reports.
 
     rate: true over reported rate of a whole turn, minus one. ripple, phase: the same within a turn,
-    ripple·cos(angle + phase). level: (2,) rad, the outer axis off the vertical.
+    ripple·cos(angle + phase). level: (2,) rad, the outer axis off the vertical. joints: (2,) rad,
+    middle axis off square to the outer one, inner axis to the middle one.
     """
 
     rate: float = 0.0
     ripple: float = 0.0
     phase: float = 0.0
     level: tuple[float, float] = (0.0, 0.0)
+    joints: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass
 class Journey:
-    """Table angles and attitude errors of the body, appended piece by piece at `step_s` / 2.
+    """Table angles and their errors, appended piece by piece at half the interval of the rows.
 
-    A piece is (6, n): outer, middle and inner angle as the table says them, and a small turn
-    vector of the body against them, rad.
+    A piece is (9, n), rad: outer, middle and inner angle as the table says them, by how much each
+    truly differs, and a small turn vector of the body in its fixture.
     """
 
     rate_hz: float
     segments: list[dict[str, Any]] = field(default_factory=list)
     _pieces: list[np.ndarray] = field(default_factory=list)
-    _state: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    _state: np.ndarray = field(default_factory=lambda: np.zeros(9))
     _rate: float = 0.0
     _half_steps: int = 0
 
-    def place(self, outer: float, middle: float, inner: float, error: np.ndarray) -> None:
-        """Moves to table angles (rad), where the body is off by `error` (3,) rad, at rest."""
-        goal = np.array([outer, middle, inner, *error])
+    def place(
+        self, outer: float, middle: float, inner: float, mounted: np.ndarray,
+        errors: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
+        """Moves to table angles (rad), where each is off by `errors` (3,) rad, and rests.
+
+        mounted: (3,) rad, how the body is turned in its fixture.
+        """
+        goal = np.array(
+            [outer, middle, inner, *(np.zeros(3) if errors is None else errors), *mounted]
+        )
         goal[0] = self._state[0] + (outer - self._state[0] + np.pi) % (2.0 * np.pi) - np.pi
         part = 0.5 - 0.5 * np.cos(np.pi * self._times(MOVE_S) / MOVE_S)
         self._append(self._state[:, None] + (goal - self._state)[:, None] * part, goal)
@@ -83,14 +93,14 @@ class Journey:
         start = self._half_steps / (2.0 * self.rate_hz)
         self._turn(self._rate * self._times(seconds), self._rate * seconds)
         if creep is not None:
-            self._pieces[-1][3:] += creep[:, None] * self._times(seconds) / seconds
-            self._state[3:] += creep
+            self._pieces[-1][6:] += creep[:, None] * self._times(seconds) / seconds
+            self._state[6:] += creep
         end = self._half_steps / (2.0 * self.rate_hz)
         self._turn(self._rate * self._times(SETTLE_S), self._rate * SETTLE_S)
         self.segments.append({**label, "t_start": start, "t_end": end})
 
     def track(self) -> np.ndarray:
-        """(6, n) at half steps from time 0."""
+        """(9, n) at half steps from time 0."""
         return np.hstack(self._pieces)
 
     def _times(self, seconds: float) -> np.ndarray:
@@ -110,14 +120,15 @@ class Journey:
 
 
 def attitudes(track: np.ndarray, errors: TableErrors) -> np.ndarray:
-    """True attitude R_n_body (4, n) along a track (6, n)."""
-    outer, middle, inner = track[:3]
+    """True attitude R_n_body (4, n) along a track (9, n)."""
+    outer, middle, inner = track[:3] + track[3:6]
     truly = outer * (1.0 + errors.rate) + errors.ripple * np.sin(outer + errors.phase)
     level = np.array([[*errors.level, 0.0]]).T
+    across = [_small(np.array([[0.0, joint, 0.0]]).T) for joint in errors.joints]
     q = quaternion.product(_small(level), quaternion.about(UP, truly))
-    q = quaternion.product(q, quaternion.about(X, middle))
-    q = quaternion.product(q, quaternion.about(UP, inner))
-    return quaternion.product(q, _small(track[3:]))
+    q = quaternion.product(quaternion.product(q, across[0]), quaternion.about(X, middle))
+    q = quaternion.product(quaternion.product(q, across[1]), quaternion.about(UP, inner))
+    return quaternion.product(q, _small(track[6:]))
 
 
 def _small(turn: np.ndarray) -> np.ndarray:

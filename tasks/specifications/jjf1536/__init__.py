@@ -8,13 +8,15 @@ from schemas.base import Unusable
 from schemas.recording import ANGLE, GYRO, Recording
 from schemas.text import Remark
 from tasks.segments.conditions import Conditions
-from tasks.specifications.estimate import ClauseResult, merged
+from tasks.specifications.estimate import DEG, ClauseResult, merged, scaled, with_equipment
 from tasks.specifications.items import AHRS_ITEMS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_position
-from tasks.specifications.jjf1536.misalignment import misalignment_items
+from tasks.specifications.jjf1536.misalignment import MISALIGNMENT, misalignment_items
 from tasks.specifications.jjf1536.scale import SCALE_FACTOR, scale_items
 from tasks.specifications.jjf1536.zero import ZERO_OFFSET, zero_items
+from tasks.specifications.mean_motion import mean_motion
 from tasks.specifications.specification import Section, Specification
+from tasks.specifications.unit_model import doubled, errors_of_unit
 from tasks.uncertainty.equipment import JJF1536 as EQUIPMENT
 from tasks.uncertainty.equipment import Equipment
 from tasks.words import message, remark
@@ -72,16 +74,20 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
 
     Of the accumulated angles angle_* where they were recorded, else of the rates gyro_*.
     """
-    scale, zero = scale_items(evidence, equipment), zero_items(evidence, equipment)
-    known = scale.items[SCALE_FACTOR].elements, zero.items[ZERO_OFFSET].elements
-    return merged(
-        (
-            scale,
-            zero,
-            misalignment_items(evidence, *known, equipment),
-            ClauseResult(remarks=tuple(_sampling_remarks(evidence))),
-        )
+    motion, _ = mean_motion(evidence)
+    ideal = errors_of_unit(evidence, motion, equipment)
+    scale, zero = scale_items(evidence, ideal), zero_items(evidence, ideal)
+    offset = zero.items[ZERO_OFFSET].elements
+    misalignment = misalignment_items(evidence, offset)
+    result = merged(
+        (scale, zero, misalignment, ClauseResult(remarks=tuple(_sampling_remarks(evidence))))
     )
+    found = {
+        "gyro_matrix": doubled(scale.items[SCALE_FACTOR].elements)
+        | scaled(misalignment.items[MISALIGNMENT].elements, 1.0 / DEG),
+        "gyro_bias": scaled(offset, 1.0 / DEG),
+    }
+    return with_equipment(result, errors_of_unit(evidence, motion, equipment, found))
 
 
 def _sampling_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:

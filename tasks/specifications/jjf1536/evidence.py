@@ -74,6 +74,24 @@ class AhrsEvidence(ClauseEvidence):
             if label.kind == "rotation" or (label.kind == "rate" and label.item == "misalignment")
         )
 
+    @property
+    def accumulates(self) -> bool:
+        return self.by_angle
+
+    @property
+    def mountings(self) -> list[str]:
+        """On a table of one axis the unit is mounted anew for each position of 7.2 and each axis
+        that is turned; one of several axes brings it there.
+        """
+        if self.has_table and self.recording.manifest.station.table_axes:
+            return super().mountings
+        known = zip(self.segments, self.attitude, self.up, strict=True)
+        return [
+            str(np.round(attitude, 1)) if is_zero_position(s) and attitude is not None
+            else str(up or s.segment.axis or s.segment.name)
+            for s, attitude, up in known
+        ]  # fmt: skip
+
     @cached_property
     def noise_covariances(self) -> np.ndarray:
         """Covariances (6, n, n) of each channel's mean rates: rate noise, drift, and angle noise.

@@ -3,7 +3,6 @@
 The angle of a turn and how fast it was: by the table's encoders, else by the label.
 """
 
-import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -11,7 +10,6 @@ import numpy as np
 
 from schemas.recording import AXES, Axis, Recording, Segment
 from schemas.text import Remark
-from schemas.uncertainty import Distribution
 from tasks.motion.table import mean_rate
 from tasks.specifications.estimate import (
     DEG,
@@ -27,11 +25,9 @@ from tasks.specifications.estimate import (
 )
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
-from tasks.uncertainty.budget import Contribution, InputQuantity, combine
-from tasks.uncertainty.equipment import Equipment
-from tasks.uncertainty.type_b import ahrs_misalignment
 from tasks.words import Message, message, remark
 
+MISALIGNMENT = "ahrs_misalignment"
 CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
 TURN = 2 * np.pi
 WHOLE = np.radians(1.0)  # rad: what may be missing of a whole number of turns
@@ -52,13 +48,9 @@ class WholeTurns:
     angle: np.ndarray
 
 
-def misalignment_items(
-    evidence: AhrsEvidence, scale: Estimates, offset: Estimates, equipment: Equipment
-) -> ClauseResult:
+def misalignment_items(evidence: AhrsEvidence, offset: Estimates) -> ClauseResult:
     """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
 
-    scale: K of 7.1 by axis, with which a tilt of the turning axis is read; 1 where it is not
-    determined. Eq. (17) does not divide by K: its uncertainty counts to second order only.
     offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.
     """
     zero = scaled(offset, 1.0 / DEG)
@@ -70,16 +62,14 @@ def misalignment_items(
         if why is not None:
             return why
         elements = {
-            AXES[i] + axis: _ratio(
-                evidence, i, turns, _value_or_one(scale[AXES[i]]), zero[AXES[i]], equipment
-            ).scaled(DEG)
+            AXES[i] + axis: _ratio(evidence, i, turns, zero[AXES[i]]).scaled(DEG)
             for i in range(3)
             if i != j
         }
         return elements, _remarks(evidence, turns, zero_known)
 
     item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
-    return item_by_axis("ahrs_misalignment", item, of_axis)
+    return item_by_axis(MISALIGNMENT, item, of_axis)
 
 
 def _turns(evidence: AhrsEvidence, axis: Axis) -> WholeTurns:
@@ -101,46 +91,26 @@ def _not_determined(evidence: AhrsEvidence, turns: WholeTurns) -> Message | None
     return None
 
 
-def _value_or_one(scale: Estimate) -> float:
-    return scale.value if scale.determined else 1.0
-
-
-def _ratio(
-    evidence: AhrsEvidence,
-    channel: int,
-    turns: WholeTurns,
-    scale: float,
-    zero: Estimate,
-    equipment: Equipment,
-) -> Estimate:
-    """(N₊ − N₋)/(2·2π·n), rad, with the lines of its budget.
+def _ratio(evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estimate) -> Estimate:
+    """(N₊ − N₋)/(2·2π·n), rad.
 
     N₊, N₋: angle gained by the axis that reads, the mean over the turns each way. 2·2π·n: the
-    angle turned forward plus the angle turned back.
+    angle turned forward plus the angle turned back. Where one direction took longer, the zero
+    offset does not cancel and is taken away.
     """
     share = _shares(turns)
     gain = np.zeros(len(evidence.segments))
     for i, per_angle in zip(turns.index, share / (share @ turns.angle), strict=True):
         gain[i] += evidence.segments[i].seconds * per_angle
-    ratio = linear_estimate(evidence, channel, gain)
-    longer = float(gain.sum()) if zero.determined else 0.0
-    lines = ahrs_misalignment(equipment, ratio.value, scale, share, turns.angle)
-    if longer:
-        ratio = replace(ratio, value=ratio.value - longer * zero.value)
-        lines = (*lines, _zero_line(zero, longer))
+    longer = float(gain.sum())
+    weights = gain
+    if zero.operator is not None:
+        weights = gain - longer * zero.operator[channel]
     forward, back = np.clip(gain, 0.0, None), np.clip(gain, None, 0.0)
     # N/(2π·n) of each direction, as if it alone gave the result
     repeated = 2.0 * u_of_means(evidence, channel, np.array([forward, back]))
-    return replace(ratio.with_lines(*lines), repeated=tuple(map(float, repeated)))
-
-
-def _zero_line(zero: Estimate, longer: float) -> Contribution:
-    """The zero offset that does not cancel, where one direction took longer by `longer` s/rad."""
-    known = combine("zero offset", "rad/s", zero.value, zero.lines_in("rad/s"))
-    shape: Distribution = "normal" if math.isinf(known.dof) else "t"
-    name = message("uncertainty-zero-offset")
-    quantity = InputQuantity("B", name, "rad/s", known.u_c, "A", shape, zero.value, known.dof)
-    return Contribution(quantity, -longer)
+    ratio = linear_estimate(evidence, channel, weights)
+    return replace(ratio, repeated=tuple(map(float, repeated)))
 
 
 def _shares(turns: WholeTurns) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
+from tasks.specifications.equipment_errors import EquipmentErrors
 from tasks.specifications.estimate import (
     ClauseResult,
     Estimates,
@@ -17,7 +18,6 @@ from tasks.specifications.estimate import (
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
 from tasks.specifications.linear import BLOCKING_EXCESS
 from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
-from tasks.uncertainty.equipment import Equipment
 from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.1.2 eq. (10)-(15)"
@@ -26,7 +26,7 @@ SCALE_FACTOR = "ahrs_scale_factor"
 Rests = tuple[tuple[int, ...], tuple[int, ...]]  # before and after the rate points
 
 
-def scale_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
+def scale_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
     """K (3,) of eq. (14): the output of each point less the mean of the rests, eq. (11) to (13)."""
     readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
     readings += ("jjf1536.table_rate",) if evidence.has_table else ()
@@ -37,7 +37,7 @@ def scale_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
         if count < 2:
             return message("specifications-rates-needed", axis=axis, count=count)
         rests = _rests(evidence, points, axis)
-        line = fit_line(evidence, channel, points, equipment, [i for side in rests for i in side])
+        line = fit_line(evidence, channel, points, errors, [i for side in rests for i in side])
         return {axis: line.estimates[0]}, (
             *rate_remarks(axis, evidence.rate[points], "7.1.1 c)"),
             *_rest_remarks(axis, rests),

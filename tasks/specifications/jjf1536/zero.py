@@ -8,6 +8,7 @@ import numpy as np
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.segments.attitude import COMPONENTS, VERTICAL, attitude_contradicted
+from tasks.specifications.equipment_errors import EquipmentErrors
 from tasks.specifications.estimate import (
     DEG,
     ClauseResult,
@@ -22,8 +23,6 @@ from tasks.specifications.estimate import (
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.specifications.jjf1536.scale import scatter_remark
 from tasks.specifications.linear import BirgeRatio, birge_ratio, solve
-from tasks.uncertainty.equipment import Equipment
-from tasks.uncertainty.type_b import ahrs_zero_offset
 from tasks.words import Message, message, remark
 
 ZERO_OFFSET = "ahrs_zero_offset"
@@ -54,7 +53,7 @@ class Positions:
         return [i for group in self.groups for i in group]
 
 
-def zero_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
+def zero_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
     """B (3,) of eq. (16), deg/s: the mean over the positions of the angle gained per second."""
 
     def of_axis(channel: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
@@ -62,7 +61,7 @@ def zero_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
         why = _not_determined(positions)
         if why is not None:
             return message("specifications-of-axis", axis=axis, reason=why)
-        mean, factor = _mean(evidence, channel, positions, equipment)
+        mean, factor = _mean(evidence, channel, positions, errors)
         scatter = scatter_remark("jjf1536-positions-scatter", axis, factor)
         return {axis: mean.scaled(DEG)}, (*_remarks(evidence, positions), *scatter)
 
@@ -106,9 +105,9 @@ def _not_determined(positions: Positions) -> Message | None:
 
 
 def _mean(
-    evidence: AhrsEvidence, channel: int, positions: Positions, equipment: Equipment
+    evidence: AhrsEvidence, channel: int, positions: Positions, errors: EquipmentErrors
 ) -> tuple[Estimate, float]:
-    """B (rad/s) with the lines of its budget, and how much more than the noise positions differ.
+    """B (rad/s), and how much more than noise and equipment explain the positions differ.
 
     Every position counts once, so that Earth's rotation cancels; with one time T for all this is
     ΣN/(n·T).
@@ -120,15 +119,14 @@ def _mean(
     excess = BirgeRatio()
     if positions.direction is not None:
         readings = average[:, rests] @ evidence.means[rests, channel]
-        covariance = average @ evidence.covariance(channel) @ average.T
+        expected = evidence.covariance(channel) + errors.covariance(channel)
+        covariance = average @ expected @ average.T
         # What gravity does to a gyro follows the attitude, too, and cancels as Earth's rotation.
         design = np.column_stack([np.ones(len(readings)), positions.direction, positions.up])
         excess = birge_ratio(solve(design), design, readings, covariance)
     mean = linear_estimate(evidence, channel, average.mean(axis=0), excess)
-    seconds = float(np.mean([evidence.segments[i].seconds for i in rests]))
-    lines = ahrs_zero_offset(equipment, seconds, len(groups))
     repeated = tuple(map(float, excess.factor * u_of_means(evidence, channel, average)))
-    return replace(mean.with_lines(*lines), repeated=repeated), excess.factor
+    return replace(mean, repeated=repeated), excess.factor
 
 
 def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:

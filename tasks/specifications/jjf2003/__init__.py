@@ -1,18 +1,29 @@
 """JJF 2003-2022, clause 7: every item that a recording allows, clause by clause."""
 
+from collections.abc import Mapping
 from functools import partial
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.segments.conditions import Conditions
-from tasks.specifications.estimate import ClauseResult, merged
+from tasks.specifications.estimate import (
+    DEG,
+    ClauseResult,
+    Estimates,
+    ItemEstimate,
+    merged,
+    scaled,
+    with_equipment,
+)
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.gather import gather
 from tasks.specifications.items import MIMU_ITEMS
 from tasks.specifications.jjf2003.rate_sensitivity import rate_sensitivity_item
 from tasks.specifications.jjf2003.tumble import tumble_items
 from tasks.specifications.jjf2003.turning import gyro_matrix, turning_items
+from tasks.specifications.mean_motion import mean_motion
 from tasks.specifications.specification import Section, Specification
+from tasks.specifications.unit_model import doubled, errors_of_unit
 from tasks.uncertainty.equipment import JJF2003 as EQUIPMENT
 from tasks.uncertainty.equipment import Equipment
 
@@ -53,14 +64,32 @@ def check_imu_columns(recording: Recording, use: str) -> None:
 
 def estimate(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """The eight items of Table 2 and the fit offset of eq. (4)."""
-    turning = turning_items(evidence, equipment)
-    return merged(
+    motion, _ = mean_motion(evidence)
+    ideal = errors_of_unit(evidence, motion, equipment)
+    turning = turning_items(evidence, ideal)
+    result = merged(
         (
             turning,
-            tumble_items(evidence, gyro_matrix(turning), equipment),
-            rate_sensitivity_item(evidence, equipment),
+            tumble_items(evidence, gyro_matrix(turning), ideal),
+            rate_sensitivity_item(evidence),
         )
     )
+    errors = errors_of_unit(evidence, motion, equipment, _as_terms(result.items))
+    return with_equipment(result, errors)
+
+
+def _as_terms(items: Mapping[str, ItemEstimate]) -> dict[str, Estimates]:
+    """What the items say of models (1) and (2), by term, in SI units."""
+    of = {key: item.elements for key, item in items.items()}
+    sensitivity = items["gyro_g_sensitivity"].without_earth_rotation or {}
+    return {
+        "gyro_matrix": doubled(of["gyro_scale_factor"]) | of["gyro_cross_coupling"],
+        "gyro_bias": scaled(of["gyro_bias"], 1.0 / DEG),
+        "gyro_g_sensitivity": scaled(sensitivity, 1.0 / DEG),
+        "accel_matrix": doubled(of["accel_scale_factor"]) | of["accel_cross_coupling"],
+        "accel_bias": of["accel_bias"],
+        "accel_rate_sensitivity": scaled(of["accel_rate_sensitivity"], -1.0),
+    }
 
 
 JJF2003 = Specification(

@@ -1,6 +1,5 @@
 """The positions of 7.2.2.1: axes up, headings, averages U_i; their fit by eq. (7) and (10)."""
 
-import math
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -10,10 +9,9 @@ import numpy as np
 from schemas.recording import AXES, UPS
 from schemas.text import Remark
 from tasks.segments.summarise import SegmentMean
-from tasks.specifications.estimate import Estimate, fit_means, u_of_means
+from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.estimate import MATRIX, Estimate, Estimates, fit_means, u_of_means
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.linear import Solution
-from tasks.uncertainty.type_b import Weights
 from tasks.words import message, remark
 
 Positions = dict[str, tuple[int, ...]]  # rests by axis up
@@ -113,47 +111,27 @@ class PositionFit:
     """The positions of one triad, solved.
 
     estimates: (3, 4), the matrix and the bias column of the three channels, unit of the channel.
-    factors: (3,) by how much each channel scatters more than its noise.
-    solution: of the positions; average: (positions, segments), U_i of the segment means.
-    ups: the axis up of each position. mounted_once: whether the fixture held them all alike.
+    factors: (3,) by how much each channel scatters more than noise and equipment.
     """
 
     estimates: tuple[tuple[Estimate, ...], ...]
     factors: np.ndarray
-    solution: Solution
-    average: np.ndarray
-    ups: tuple[str, ...]
-    mounted_once: bool
 
-    def weights(self, column: int, lying: str | None = None) -> Weights:
-        """Weights of rests, faces and mountings in a column; lying: where that axis is level."""
-        row = self.solution.operator[column]
-        level = np.array([lying is None or up[1] != lying for up in self.ups])
-        faces = np.where(level, row, 0.0)
-        mountings = faces
-        if self.mounted_once:
-            mountings = faces @ input_matrix(self.ups)[:, :BIAS]
-        return Weights(faces @ self.average, faces, mountings)
-
-    def across(self, i: int, j: int) -> float:
-        """√Σ of the squared elements of row i for the other inputs k ≠ j, where known."""
-        others = [self.estimates[i][k].value for k in range(3) if k != j]
-        return math.hypot(*(value for value in others if math.isfinite(value)))
+    @property
+    def by_element(self) -> tuple[Estimates, Estimates]:
+        """Matrix and bias."""
+        matrix = {AXES[i] + AXES[j]: self.estimates[i][j] for i, j in MATRIX}
+        return matrix, {axis: self.estimates[i][BIAS] for i, axis in enumerate(AXES)}
 
 
 def fit_positions(
-    evidence: ClauseEvidence, positions: Positions, first: int, tilts: float = 0.0
+    evidence: ClauseEvidence, positions: Positions, first: int, errors: EquipmentErrors
 ) -> PositionFit:
-    """Eq. (7), (10) for channels first, first+1, first+2.
-
-    tilts: variance, unit of the channel squared, that errors of table and fixture give the
-    reading of a position in which the channel's axis lies level; they are no excess of scatter.
-    """
+    """Eq. (7), (10) for channels first, first+1, first+2."""
     design, average = input_matrix(tuple(positions)), _averages(evidence, positions)
     rows, factors = [], np.ones(3)
     for i in range(3):
-        level = np.diag([up[1] != AXES[i] for up in positions])
-        fit = fit_means(evidence, first + i, design, average, tilts * level)
+        fit = fit_means(evidence, first + i, design, average, errors)
         factors[i] = fit.excess.factor
         u = fit.excess.factor * u_of_means(evidence, first + i, average)
         counted = np.abs(fit.solution.operator) > ROUNDING
@@ -163,5 +141,4 @@ def fit_positions(
                 for estimate, c in zip(fit.estimates, counted, strict=True)
             )
         )
-    ups = tuple(positions)
-    return PositionFit(tuple(rows), factors, fit.solution, average, ups, evidence.mounted_once)
+    return PositionFit(tuple(rows), factors)

@@ -18,10 +18,8 @@ from tasks.specifications.estimate import (
     u_of_means,
     undetermined,
 )
-from tasks.specifications.evidence import NOMINAL_GRAVITY, ClauseEvidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
-from tasks.uncertainty import type_b
-from tasks.uncertainty.equipment import Equipment
 from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 2003-2022, 7.2.5.2 eq. (12), (13)"
@@ -43,7 +41,7 @@ class TurningWithRests:
     rests: tuple[int, ...]
 
 
-def rate_sensitivity_item(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
+def rate_sensitivity_item(evidence: ClauseEvidence) -> ClauseResult:
     """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13)."""
 
     def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
@@ -51,7 +49,7 @@ def rate_sensitivity_item(evidence: ClauseEvidence, equipment: Equipment) -> Cla
         if isinstance(runs, Message):
             return message("specifications-of-axis", axis=axis, reason=runs)
         across = (i for i in range(3) if i != j)
-        elements = {AXES[i] + axis: _difference(evidence, i, runs, equipment) for i in across}
+        elements = {AXES[i] + axis: _difference(evidence, i, runs) for i in across}
         return elements, _one_sided(evidence, axis, runs)
 
     item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
@@ -81,7 +79,7 @@ def _runs(evidence: ClauseEvidence, axis: Axis) -> tuple[TurningWithRests, ...] 
 
 
 def _difference(
-    evidence: ClauseEvidence, channel: int, runs: tuple[TurningWithRests, ...], equipment: Equipment
+    evidence: ClauseEvidence, channel: int, runs: tuple[TurningWithRests, ...]
 ) -> Estimate:
     """Rest minus turning over ω² for one accelerometer (m).
 
@@ -89,12 +87,10 @@ def _difference(
     turning counts once, so that what changes its sign with the direction cancels.
     """
     rest, turning = np.zeros((2, len(evidence.segments)))
-    squares = []
     for run in runs:
         directions = _directions(evidence, run)
         square = np.mean([np.mean(evidence.rate[direction] ** 2) for direction in directions])
         share = 1.0 / square / len(runs)
-        squares.append(square)
         for i in run.rests:
             rest[i] += share / len(run.rests)
         for direction in directions:
@@ -102,11 +98,8 @@ def _difference(
                 turning[i] += share / len(directions) / len(direction)
     column = ACCEL_COLUMNS.start + channel
     difference = linear_estimate(evidence, column, rest - turning)
-    rate = float(np.sqrt(np.mean(squares)))
-    gravity = evidence.gravity or NOMINAL_GRAVITY
-    lines = type_b.accel_rate_sensitivity(equipment, difference.value, rate, gravity)
     repeated = u_of_means(evidence, column, np.array([rest, turning]))
-    return replace(difference.with_lines(*lines), repeated=tuple(map(float, repeated)))
+    return replace(difference, repeated=tuple(map(float, repeated)))
 
 
 def _directions(evidence: ClauseEvidence, run: TurningWithRests) -> list[list[int]]:

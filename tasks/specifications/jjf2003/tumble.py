@@ -1,6 +1,5 @@
 """7.2.2 and 7.2.4: biases, g-sensitivity, accelerometer scale factor and cross coupling."""
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -10,12 +9,12 @@ from schemas.recording import AXES, UPS
 from schemas.text import Remark
 from tasks.motion.table import EARTH_RATE
 from tasks.specifications.earth_gain import earth_rotation_message
+from tasks.specifications.equipment_errors import EquipmentErrors
 from tasks.specifications.estimate import (
     DEG,
     MATRIX,
     UNDETERMINED,
     ClauseResult,
-    Estimate,
     Estimates,
     ItemEstimate,
     diagonal,
@@ -25,20 +24,15 @@ from tasks.specifications.estimate import (
     scaled,
     undetermined,
 )
-from tasks.specifications.evidence import NOMINAL_GRAVITY, ClauseEvidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS
 from tasks.specifications.jjf2003.positions import (
-    BIAS,
-    PositionFit,
     Positions,
     fit_positions,
     is_paired,
     position_remarks,
     usable_positions,
 )  # fmt: skip
-from tasks.uncertainty import type_b
-from tasks.uncertainty.equipment import Equipment
-from tasks.uncertainty.type_b import earth_removed
 from tasks.words import Message, Sayable, clauses, message, remark
 
 CLAUSE_GYRO = "JJF 2003-2022, 7.2.2.2 eq. (6)-(8)"
@@ -47,7 +41,7 @@ READINGS = ("jjf2003.positions", "jjf2003.input_matrix")
 
 
 def tumble_items(
-    evidence: ClauseEvidence, gyro_k: np.ndarray, equipment: Equipment
+    evidence: ClauseEvidence, gyro_k: np.ndarray, errors: EquipmentErrors
 ) -> ClauseResult:
     """All items of the twelve positions.
 
@@ -57,20 +51,19 @@ def tumble_items(
     return merged(
         (
             ClauseResult(remarks=tuple(position_remarks(evidence))),
-            _gyro_items(evidence, gyro, gyro_k, equipment),
-            _accel_items(evidence, accel, equipment),
+            _gyro_items(evidence, gyro, gyro_k, errors),
+            _accel_items(evidence, accel, errors),
         )
     )
 
 
 def _gyro_items(
-    evidence: ClauseEvidence, positions: Positions, gyro_k: np.ndarray, equipment: Equipment
+    evidence: ClauseEvidence, positions: Positions, gyro_k: np.ndarray, errors: EquipmentErrors
 ) -> ClauseResult:
     """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8)."""
-    fit = fit_positions(evidence, positions, 0)
-    k = np.where(np.isfinite(gyro_k), gyro_k, np.eye(3)).diagonal()
-    matrix, bias = _gyro_estimates(fit, k, equipment)
-    corrected, why_not = without_earth(evidence, positions, matrix, gyro_k, equipment)
+    fit = fit_positions(evidence, positions, 0, errors)
+    matrix, bias = fit.by_element
+    corrected, why_not = without_earth(evidence, positions, matrix, gyro_k)
     items = {
         "gyro_bias": ItemEstimate(scaled(bias, DEG), CLAUSE_GYRO, READINGS),
         "gyro_g_sensitivity": ItemEstimate(
@@ -84,29 +77,17 @@ def _gyro_items(
     return ClauseResult(items, reasons, (*earth_remarks(evidence, gyro_k), *excess))
 
 
-def _gyro_estimates(
-    fit: PositionFit, k: np.ndarray, equipment: Equipment
-) -> tuple[Estimates, Estimates]:
-    """g-sensitivity (rad/s per g) and bias (rad/s) with their budgets' lines; k: (3,) K_ii."""
-    matrix, bias = undetermined(MATRIX_ELEMENTS), undetermined(AXES)
-    for i, j in MATRIX:
-        per_radian = math.hypot(k[i] * EARTH_RATE, fit.across(i, j))
-        lines = type_b.attitude_errors(equipment, per_radian, fit.weights(j))
-        matrix[AXES[i] + AXES[j]] = fit.estimates[i][j].with_lines(*lines)
-    for i, axis in enumerate(AXES):
-        lines = type_b.attitude_errors(equipment, k[i] * EARTH_RATE, fit.weights(BIAS))
-        bias[axis] = fit.estimates[i][BIAS].with_lines(*lines)
-    return matrix, bias
-
-
 def _accel_items(
-    evidence: ClauseEvidence, positions: Positions, equipment: Equipment
+    evidence: ClauseEvidence, positions: Positions, errors: EquipmentErrors
 ) -> ClauseResult:
     """Scale factor and cross coupling (ratio to local gravity) and bias (m/s²), eq. (11)."""
     gravity = evidence.gravity
-    tilt = type_b.tilt_of_a_face(equipment, evidence.mounted_once)
-    fit = fit_positions(evidence, positions, 3, (gravity or 0.0) ** 2 * tilt)
-    matrix, bias = _accel_estimates(fit, gravity, equipment)
+    fit = fit_positions(evidence, positions, 3, errors)
+    by_gravity, bias = fit.by_element
+    matrix = undetermined(MATRIX_ELEMENTS)
+    if gravity is not None:  # A.1 and A.4 add nothing up for a ratio
+        ratios = scaled(by_gravity, 1.0 / gravity)
+        matrix = {element: replace(ratio, repeated=()) for element, ratio in ratios.items()}
     azx = (*READINGS, "jjf2003.k_azx")
     items = {
         "accel_scale_factor": ItemEstimate(diagonal(matrix), CLAUSE_ACCEL, READINGS),
@@ -115,38 +96,10 @@ def _accel_items(
     }
     if not positions:
         return ClauseResult(items, dict.fromkeys(items, message("jjf2003-no-rest-accel")))
-    ratios = ("accel_scale_factor", "accel_cross_coupling") if gravity is None else ()
-    unknown = dict.fromkeys(ratios, message("specifications-no-gravity"))
+    ratios_of = ("accel_scale_factor", "accel_cross_coupling") if gravity is None else ()
+    unknown = dict.fromkeys(ratios_of, message("specifications-no-gravity"))
     excess = excess_remarks("jjf2003-positions-scatter", fit.factors.tolist(), first_channel=3)
     return ClauseResult(items, _reasons(items, positions, unknown), excess)
-
-
-def _accel_estimates(
-    fit: PositionFit, gravity: float | None, equipment: Equipment
-) -> tuple[Estimates, Estimates]:
-    """K (ratio to local gravity) and bias (m/s²) with their budgets' lines, eq. (11).
-
-    Without a gravity the bias stands, with what the accelerometer reads of it for the
-    sensitivity to a tilt.
-    """
-    matrix, bias = undetermined(MATRIX_ELEMENTS), undetermined(AXES)
-    reads = [abs(fit.estimates[i][i].value) for i in range(3)]  # K_ii·g, m/s²
-    for i, axis in enumerate(AXES):
-        level = reads[i] if np.isfinite(reads[i]) else NOMINAL_GRAVITY
-        lines = type_b.attitude_errors(equipment, level, fit.weights(BIAS, lying=axis))
-        bias[axis] = fit.estimates[i][BIAS].with_lines(*lines)
-    if gravity is None:
-        return matrix, bias
-    for i, j in MATRIX:
-        ratio = fit.estimates[i][j].scaled(1.0 / gravity)
-        k = reads[i] / gravity if np.isfinite(reads[i]) else 1.0
-        per_radian = fit.across(i, j) / gravity if i == j else k
-        alone = Estimate(ratio.value, ratio.lines)  # A.1 and A.4 add nothing up
-        matrix[AXES[i] + AXES[j]] = alone.with_lines(
-            *type_b.gravity_error(equipment, ratio.value, gravity),
-            *type_b.attitude_errors(equipment, per_radian, fit.weights(j)),
-        )
-    return matrix, bias
 
 
 def _reasons(
@@ -168,13 +121,12 @@ def without_earth(
     positions: dict[str, tuple[int, ...]],
     sensitivity: Estimates,
     gyro_k: np.ndarray,
-    equipment: Equipment,
 ) -> tuple[Estimates, Message | None]:
     """G with the vertical part of Earth's rotation removed, and why elements are undetermined.
 
-    The vertical part reads K·ωe·sin φ along the axis up; its budget has the latitude's line
-    beside those of the clause's value. The horizontal part cancels in positions held at two
-    headings 180° apart; in others it is not known, and reaches the gyros that are not vertical.
+    The vertical part reads K·ωe·sin φ along the axis up. The horizontal part cancels in positions
+    held at two headings 180° apart; in others it is not known, and reaches the gyros that are not
+    vertical.
     """
     if evidence.latitude_deg is None:
         unknown_latitude = message("jjf2003-latitude-unknown")
@@ -187,9 +139,8 @@ def without_earth(
     for i, j in MATRIX:
         element = AXES[i] + AXES[j]
         by_clause = sensitivity[element]
-        lines = earth_removed(equipment, float(k[i, j]), phi)
         value = by_clause.value - float(k[i, j]) * EARTH_RATE * float(np.sin(phi))
-        less = replace(by_clause, value=value).with_lines(*lines)
+        less = replace(by_clause, value=value, without_earth=True)
         corrected[element] = UNDETERMINED if i != j and j in unknown else less
     if not single:
         return corrected, None

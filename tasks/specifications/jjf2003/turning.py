@@ -4,9 +4,9 @@ import numpy as np
 
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
+from tasks.specifications.equipment_errors import EquipmentErrors
 from tasks.specifications.estimate import (
     DEG,
-    MATRIX,
     ClauseResult,
     Estimates,
     ItemEstimate,
@@ -19,15 +19,13 @@ from tasks.specifications.estimate import (
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS
 from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
-from tasks.uncertainty import type_b
-from tasks.uncertainty.equipment import Equipment
 from tasks.words import Sayable, clauses, message, remark
 
 CLAUSE_SCALE = "JJF 2003-2022, 7.2.1.2 eq. (3)-(5)"
 CLAUSE_CROSS = "JJF 2003-2022, 7.2.3.2"
 
 
-def turning_items(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
+def turning_items(evidence: ClauseEvidence, errors: EquipmentErrors) -> ClauseResult:
     """Scale factor matrix K (3, 3) and fit offset b (3,) of the gyro, eq. (3) to (5).
 
     Where an axis has no rate points but turns by a known angle, those give its column of K.
@@ -38,13 +36,13 @@ def turning_items(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResul
         points = [i for i in evidence.points[axis] if evidence.segments[i].has_gyro]
         rates = distinct_rates(evidence.rate[points])
         if len(rates) >= 2:
-            lines = [fit_line(evidence, i, points, equipment) for i in range(3)]
+            lines = [fit_line(evidence, i, points, errors) for i in range(3)]
             scale |= {AXES[i] + axis: lines[i].estimates[0] for i in range(3)}
             offset[axis] = lines[j].estimates[1].scaled(DEG)
             factors = [line.excess.factor for line in lines]
             remarks += rate_remarks(axis, evidence.rate[points], "7.2.1.1 c)")
             remarks += excess_remarks("jjf2003-line-scatter", factors, axis=axis)
-        elif column := _fit_turns(evidence, axis, equipment):
+        elif column := _fit_turns(evidence, axis):
             scale |= column
             by_angle = True
         if not scale[axis * 2].determined:
@@ -53,10 +51,10 @@ def turning_items(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResul
     if by_angle:
         readings += ("jjf2003.turned_angle",)
         remarks.append(remark("turned_angle", message("jjf2003-turned-angle"), blocks_pass=True))
-    return _as_result(scale, offset, readings, missing, remarks, equipment)
+    return _as_result(scale, offset, readings, missing, remarks)
 
 
-def _fit_turns(evidence: ClauseEvidence, axis: Axis, equipment: Equipment) -> Estimates:
+def _fit_turns(evidence: ClauseEvidence, axis: Axis) -> Estimates:
     """A column of K from turns by a known angle: (∫ω′dt − B·T)/angle, B from the rests.
 
     Empty without turns or without rests.
@@ -71,29 +69,16 @@ def _fit_turns(evidence: ClauseEvidence, axis: Axis, equipment: Equipment) -> Es
         gain = evidence.segments[turn].seconds / angle / len(turns)
         weights[turn] += gain
         weights[rests] -= gain / len(rests)
-    scale = [linear_estimate(evidence, i, weights) for i in range(3)]
-    return {
-        AXES[i] + axis: k.with_lines(*type_b.turned_angle(equipment, k.value, angles))
-        for i, k in enumerate(scale)
-    }
+    return {AXES[i] + axis: linear_estimate(evidence, i, weights) for i in range(3)}
 
 
 def _as_result(
-    by_axis: Estimates,
+    scale: Estimates,
     offset: Estimates,
     readings: tuple[str, ...],
     missing: list[Sayable],
     remarks: list[Remark],
-    equipment: Equipment,
 ) -> ClauseResult:
-    """The items; a scale factor or coupling has the direction of the axis in its budget."""
-    matrix = np.array([[by_axis[a + b].value for b in AXES] for a in AXES])
-    scale = {
-        AXES[i] + AXES[j]: by_axis[AXES[i] + AXES[j]].with_lines(
-            *type_b.turning_axis(equipment, *_across(matrix, i, j))
-        )
-        for i, j in MATRIX
-    }
     crossed = (*readings, "jjf2003.k_gzy")
     items = {
         "gyro_scale_factor": ItemEstimate(diagonal(scale), CLAUSE_SCALE, readings),
@@ -107,12 +92,6 @@ def _as_result(
     if without := items["gyro_fit_offset"].undetermined:
         unavailable["gyro_fit_offset"] = message("jjf2003-no-line", axes=", ".join(without))
     return ClauseResult(items, unavailable, tuple(remarks))
-
-
-def _across(matrix: np.ndarray, i: int, j: int) -> list[float]:
-    """K_ik of row i over the axes k ≠ j; where it is not determined, that of an ideal unit."""
-    row = np.where(np.isfinite(matrix[i]), matrix[i], np.eye(3)[i])
-    return [float(row[k]) for k in range(3) if k != j]
 
 
 def gyro_matrix(turning: ClauseResult) -> np.ndarray:

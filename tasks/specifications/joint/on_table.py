@@ -43,7 +43,7 @@ def joint_on_table(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResu
         *earth_remarks(evidence, joint, motion),
         *excess_remarks("joint-scatter", joint.excess.tolist()),
     )
-    return ClauseResult(items, table_reasons(items, motion, evidence), remarks)
+    return ClauseResult(items, table_reasons(items, motion, evidence), remarks, joint.errors)
 
 
 def _items(

@@ -17,9 +17,9 @@ from tasks.model.terms.standard import (
     STANDARD_TERMS,
 )
 from tasks.specifications.earth_gain import EarthRotationGain
+from tasks.specifications.equipment_errors import EquipmentErrors, equipment_errors
 from tasks.specifications.estimate import UNDETERMINED, Estimate, Estimates, linear_estimate
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.joint.equipment import EquipmentResponse, equipment_response
 from tasks.specifications.joint.mean_operator import Operator, operator_of
 from tasks.specifications.joint.segment_motion import SegmentMotion, level_covariance
 from tasks.specifications.linear import BirgeRatio
@@ -38,7 +38,7 @@ class Joint:
     reading at zero rate in the attitude of its rate runs. excess: (6,) for each channel the largest
     factor by which its samples scatter too much. covariance: (6, n, n) of the segment means, by
     whose inverse each channel is weighted. earth: Earth's rotation as shown by the rests; it is not
-    subtracted if they refute it.
+    subtracted if they refute it. errors: of the equipment.
     """
 
     estimates: dict[str, Estimates]
@@ -46,6 +46,7 @@ class Joint:
     excess: np.ndarray
     covariance: np.ndarray
     earth: EarthRotationGain | None
+    errors: EquipmentErrors
 
 
 def solve_jointly(
@@ -70,9 +71,9 @@ def solve_jointly(
         return (*known, *terms)
 
     values = ideal = nominal_values(terms)
-    response = equipment_response(evidence, motion.mean, terms_at, ideal, equipment)
+    errors = equipment_errors(evidence, motion.mean, terms_at, ideal, equipment)
     covariances = np.array([
-        np.nan_to_num(evidence.covariance(c)) + response.covariance(c) for c in range(CHANNEL_COUNT)
+        np.nan_to_num(evidence.covariance(c)) + errors.covariance(c) for c in range(CHANNEL_COUNT)
     ])  # fmt: skip
     for c in range(len(AXES)):
         covariances[c] += level_covariance(evidence, motion, c)
@@ -89,16 +90,17 @@ def solve_jointly(
         with_earth = predict(terms_at(0.0), motion.mean, values)
         earth = np.nan_to_num(with_earth - predict(terms, motion.mean, values))
     reduced = replace(evidence, means=evidence.means - known)
-    response = equipment_response(evidence, motion.mean, terms_at, values, equipment)
+    errors = equipment_errors(evidence, motion.mean, terms_at, values, equipment)
     return Joint(
         estimates=_by_term(terms, [
-            _estimate(reduced, weights, excess, response)
+            _estimate(reduced, weights, excess, errors)
             for weights, excess in zip(operator.weights, operator.excess, strict=True)
         ]),
-        offset=_offsets(terms, evidence, motion, operator, response),
+        offset=_offsets(terms, evidence, motion, operator, errors),
         excess=_largest_excess(operator),
         covariance=covariances,
         earth=evidence.earth,
+        errors=errors,
     )  # fmt: skip
 
 
@@ -125,7 +127,7 @@ def _by_term(terms: tuple[Term, ...], estimates: Sequence[Estimate]) -> dict[str
 
 
 def _estimate(
-    evidence: ClauseEvidence, weights: np.ndarray, excess: BirgeRatio, response: EquipmentResponse
+    evidence: ClauseEvidence, weights: np.ndarray, excess: BirgeRatio, errors: EquipmentErrors
 ) -> Estimate:
     """Σ o·U over the channels, with its budget's lines; weights: o (6, n)."""
     if not np.isfinite(weights).all() or not weights.any():
@@ -133,7 +135,9 @@ def _estimate(
     channels = np.flatnonzero(weights.any(axis=1)).tolist()
     parts = [linear_estimate(evidence, c, weights[c], excess) for c in channels]
     lines = parts[0].lines if len(parts) == 1 else (_summed_type_a(parts),)
-    return Estimate(sum(part.value for part in parts), (*lines, *response.lines(weights)))
+    value = sum(part.value for part in parts)
+    every = (*lines, *errors.lines(weights, without_earth=True))
+    return Estimate(value, every, operator=weights, without_earth=True)
 
 
 def _summed_type_a(parts: Sequence[Estimate]) -> Contribution:
@@ -150,7 +154,7 @@ def _offsets(
     evidence: ClauseEvidence,
     motion: SegmentMotion,
     operator: Operator,
-    response: EquipmentResponse,
+    errors: EquipmentErrors,
 ) -> Estimates:
     """Mean of reading less K·rate over the rate points about each axis, its own gyro, rad/s."""
     offsets: Estimates = {}
@@ -166,5 +170,5 @@ def _offsets(
         weights = -np.tensordot(turned, np.where(turned[:, None, None] == 0.0, 0.0, of_k), axes=1)
         weights[i] += mean
         excess = operator.excess[rows[0]]
-        offsets[axis] = _estimate(evidence, weights, excess, response) if points else UNDETERMINED
+        offsets[axis] = _estimate(evidence, weights, excess, errors) if points else UNDETERMINED
     return offsets

@@ -209,6 +209,7 @@ certificate-limit-of-standard = { $limit } { $half_width } ({ $shape })
 certificate-assumed =
     .gravity = assumed: calculated from latitude and height, anomalies within 50 mGal
     .latitude = assumed: latitude stated to 0.1°
+    .level = assumed: the outermost axis is as vertical as the axes are square
 certificate-flatness =
     .jjf-2003-2022 = The flatness of table and fixture (Table 1, 6.2: 0.02 mm) is in no budget: the tilt it causes depends on the length of the unit's base, which the specification does not give; over 100 mm it would be about 41″, more than the limit of the fixture's squareness.
     .jjf-1536-2015 = The flatness of the fixture (6.2.2 b): 0.01 mm) is in no budget: the tilt it causes depends on the length of the unit's base, which the specification does not give; over 100 mm it would be about 21″, more than the limit of the fixture's squareness.

@@ -57,6 +57,7 @@ validity-vibration = { $channel }: in { $count } rests ({ $first } first) the st
 validity-drift = { $channel }: { $segment } deviates by { $left } { $unit } from the other rests, which U = { $U } { $unit } does not cover: the zero drifted or jumped.
 validity-unsteady-zero = { $channel }: { $segment } deviates by { $left } from the other rests; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the zero drifted or jumped.
 validity-lost-share = { $share } % of the samples of the { $stream } stream are missing within the segments; { $limit } % is allowed.
+validity-time-base = By the times of the recording the table turned by { $off }·10⁻⁶ otherwise than it was set to, at all { $count } rates alike; { $limit }·10⁻⁶ is allowed: check the clock that stamps the readings, or the table's.
 validity-clocks-apart = The clocks of unit and table differ by up to { $delay } s; { $limit } s is allowed.
 validity-environment-in-part = { $quantity ->
         [temperature] Air temperature

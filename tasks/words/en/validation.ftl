@@ -2,7 +2,7 @@
 
 validation-stale = Estimation by the method { $method } is not validated for this version of the program
 validation-failed = The estimation of { $item } is not validated for this version of the program ({ $evidence } not shown)
-    .element = The estimation of { $item } is not validated for { $elements }: over simulated units the coverage of its 95 % interval lies outside { $low } % to { $high } %
+    .element = The estimation of { $item } is not validated for { $elements }: over simulated units the coverage of its 95 % interval is below { $low } %
 validation-none = No validation record of this version covers the estimation
 validation-record = Estimation validated by the record of { $record }: { $valid } of { $items } items
     .in-part = Estimation validated by the record of { $record }: { $valid } of { $items } items in full; not validated: { $elements }

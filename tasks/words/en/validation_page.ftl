@@ -21,5 +21,5 @@ validation-page-yes = yes
 validation-page-no = no
 validation-page-in-words = In words
 validation-page-by-element = Element by element
-validation-page-outside = { $count } elements are not validated: their intervals contain the truth in less than { $least } % or more than { $most } % of cases. No unit passes on them.
+validation-page-outside = { $short } elements are not validated: their intervals contain the truth in less than { $least } % of cases, and no unit passes on them. The intervals of { $long } elements contain it in more than { $most } %: longer than they need be, and valid.
 validation-page-column-element = element

@@ -209,6 +209,7 @@ certificate-limit-of-standard = { $limit } { $half_width }（{ $shape }）
 certificate-assumed =
     .gravity = 假定：由纬度和高程计算，重力异常不超过 50 mGal
     .latitude = 假定：纬度给出至 0.1°
+    .level = 假定：外轴铅垂度与轴线垂直度相当
 certificate-flatness =
     .jjf-2003-2022 = 台面和夹具的平面度（表 1、6.2：0.02 mm）未列入评定：其引起的倾角取决于被校仪器的安装基面长度，规范未给出；按 100 mm 计约 41″，大于夹具垂直度的极限。
     .jjf-1536-2015 = 夹具的平面度（6.2.2 b）：0.01 mm）未列入评定：其引起的倾角取决于被校仪器的安装基面长度，规范未给出；按 100 mm 计约 21″，大于夹具垂直度的极限。

@@ -57,6 +57,7 @@ validity-vibration = { $channel }：{ $count } 个静止段（首个为 { $first
 validity-drift = { $channel }：{ $segment } 与其余静止段相差 { $left } { $unit }，U = { $U } { $unit } 未能涵盖：零位漂移或跳变。
 validity-unsteady-zero = { $channel }：{ $segment } 与其余静止段相差 { $left }，允许 { $limit }（陀螺为 rad/s，加速度计为 m/s²）：零位漂移或跳变。
 validity-lost-share = 各段中 { $stream } 数据流缺少 { $share }% 的采样，允许 { $limit }%。
+validity-time-base = 按记录的时间，{ $count } 个速率点的转台速率均与设定值相差 { $off }×10⁻⁶，允许 { $limit }×10⁻⁶：请检查记录读数的时钟或转台的时钟。
 validity-clocks-apart = 器件与转台的时间最多相差 { $delay } s，允许 { $limit } s。
 validity-environment-in-part = { $quantity ->
         [temperature] 环境温度

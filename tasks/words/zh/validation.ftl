@@ -2,7 +2,7 @@
 
 validation-stale = 本版本的 { $method } 估计方法未经验证
 validation-failed = 本版本的 { $item } 估计未经验证（{ $evidence } 未通过）
-    .element = { $item } 的 { $elements } 的估计未经验证：仿真单元中其 95 % 区间包含真值的比例不在 { $low } %～{ $high } % 内
+    .element = { $item } 的 { $elements } 的估计未经验证：仿真单元中其 95 % 区间包含真值的比例低于 { $low } %
 validation-none = 无适用于本版本的估计验证记录
 validation-record = 估计方法经验证，记录 { $record }：{ $items } 项中 { $valid } 项通过
     .in-part = 估计方法经验证，记录 { $record }：{ $items } 项中 { $valid } 项全部通过；未经验证：{ $elements }

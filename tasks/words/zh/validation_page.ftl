@@ -21,5 +21,5 @@ validation-page-yes = 是
 validation-page-no = 否
 validation-page-in-words = 文字说明
 validation-page-by-element = 各元素
-validation-page-outside = { $count } 个元素未经验证：其区间包含真值的比例低于 { $least } % 或高于 { $most } %，不得据以判为合格。
+validation-page-outside = { $short } 个元素未经验证：其区间包含真值的比例低于 { $least } %，不得据以判为合格。{ $long } 个元素的区间包含真值的比例高于 { $most } %：区间偏宽，但有效。
 validation-page-column-element = 元素

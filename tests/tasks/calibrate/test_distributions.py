@@ -14,6 +14,7 @@ from tasks.specifications.items import ITEMS
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine, observed
+from tasks.uncertainty.equipment import limit_of
 from tests.tasks.items_only import items_only
 
 DRAWN = {  # every divisor, and what has none; drawing every element takes a while
@@ -121,10 +122,10 @@ def test_an_element_that_nothing_makes_uncertain_is_not_drawn() -> None:
 
 
 def test_every_symbol_of_a_divisor_is_one_of_the_equipment() -> None:
-    known = {"g"}
+    known = {"g", limit_of("time_base").symbol}
     for equipment in (JJF2003.equipment, JJF1536.equipment):
         known |= {limit.symbol for _, limit in equipment.rates}
-        known |= {limit.symbol for limit in equipment.angles}
+        known |= {f"{limit.symbol}θ" for limit in equipment.angles}  # of a turned angle
         known |= {limit.symbol for limit in (equipment.ripple,) if limit}
     assert {symbol for item in ITEMS.values() for symbol in item.divisor} <= known
     assert np.all([item.power in (1, 2) for item in ITEMS.values()])

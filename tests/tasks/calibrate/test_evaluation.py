@@ -13,9 +13,9 @@ from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from schemas.uncertainty import Budget
 from tasks.calibrate.evaluation import evaluation_for
+from tasks.motion.table import EARTH_RATE
 from tasks.specifications.register import specification_for
 from tasks.uncertainty.examples import acquisition
-from tasks.uncertainty.type_b import EARTH_RATE
 from tests.tasks.items_only import items_only
 
 EXAMPLE = "as the specification's example"
@@ -75,7 +75,7 @@ def test_every_element_with_a_value_has_a_budget_that_gives_its_u(calibrations) 
                 assert budget.unit == item.unit
                 assert sum(line.share for line in budget.inputs) == pytest.approx(1.0)
                 kinds = {line.kind for line in budget.inputs}
-                assert kinds == {"A", "B"}
+                assert {"A"} <= kinds <= {"A", "B"}  # what the equipment does may cancel in a bias
 
 
 def test_gtc_agrees_on_every_budget_of_a_calibration(calibrations) -> None:

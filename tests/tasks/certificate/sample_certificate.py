@@ -17,9 +17,9 @@ from tasks.certificate.content import Content, in_languages
 from tasks.certificate.content import content as content_of
 from tasks.conformity import decide
 from tasks.specifications.items import BY_INPUT_AXIS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS
-from tasks.uncertainty import type_b
 from tasks.uncertainty.budget import combine, observed
 from tasks.uncertainty.equipment import JJF2003
+from tests.tasks.uncertainty import closed_formulas
 
 AXES = ("x", "y", "z")
 
@@ -73,8 +73,10 @@ def items() -> dict[str, Item]:
 
 def with_budgets(made: dict[str, Item]) -> dict[str, Item]:
     """The items with a budget of seven lines for each element, k above two."""
-    lines = type_b.turning_axis(JJF2003, 0.98)
-    rate = type_b.turning_rate(JJF2003, 1.0, np.array([1.0]), np.array([5.2]), np.array([30.0]))
+    lines = closed_formulas.turning_axis(JJF2003, 0.98)
+    rate = closed_formulas.turning_rate(
+        JJF2003, 1.0, np.array([1.0]), np.array([5.2]), np.array([30.0])
+    )
     return {
         name: each.model_copy(
             update={

@@ -15,11 +15,13 @@ from schemas.base import Unusable
 from schemas.correction import Coefficient, Correction
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
 from tasks.coefficients.correct import coefficients, correct
 from tasks.coefficients.kalibr import as_kalibr
 from tasks.coefficients.tables import as_c, as_csv, as_json, as_ros, as_yaml, document
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.coefficients import kalibr_reader, ros_reader
+from tests.tasks.items_only import items_only
 
 RNG = np.random.default_rng(9)
 COMPILERS = {"gcc": ("-std=c99", "reading.c"), "g++": ("-std=c++11", "reading.cpp")}
@@ -159,6 +161,19 @@ def test_csv_has_a_row_for_each_element(correction) -> None:
     assert float(element["value"]) == matrix(correction, "K_g")[0, 1]
     assert float(element["U"]) == correction.coefficients["K_g"].U[0][1]
     assert (found["B_g", "z", ""]["unit"], found["C_a", "x", "x"]["U"]) == ("rad/s", "")
+
+
+def test_every_form_says_how_its_uncertainties_were_evaluated(recording, correction) -> None:
+    by_example = evaluation_for(recording, "as the specification's example")
+    made = document(items_only(JJF2003, recording, by_example), recording.manifest.unit)
+    for each, kind in ((correction, "GUM"), (made, "as the specification's example")):
+        assert each.uncertainty == kind
+        stated = next(csv.DictReader(io.StringIO(as_csv(each))))
+        assert stated["evaluation"] == kind
+        assert f"U: {kind}" in as_c(each)
+    assert made.covariance is None
+    assert correction.covariance is not None
+    assert "gyro_scale_factor.x" in correction.covariance.elements
 
 
 def test_kalibr_reads_the_file_and_its_model_gives_the_units_readings(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from tasks.motion.encoder_rate import EncoderRate, encoder_rate
+from tasks.motion.encoder_rate import EncoderRate, encoder_rate, rests
 
 T = np.arange(0.0, 60.0, 0.01)
 NOISE = 1e-3  # rad
@@ -60,3 +60,10 @@ def test_a_rest_has_one_rate_whose_mean_is_no_less_uncertain() -> None:
     assert rest.mean() > 0.3
     assert np.ptp(of.rate[rest]) == 0.0
     assert of.variance_of_mean(0.5)[rest] == pytest.approx(of.variance[rest])
+
+
+def test_a_rest_of_which_an_encoder_gives_one_sample_has_no_rate_of_its_own() -> None:
+    """Read once in four seconds; of the rests in between smoothing leaves the middle alone."""
+    angle = np.repeat([0.0, 0.5, 1.0, 1.5], 11)
+    found = list(rests(angle, 4.0, np.full(len(angle), 1e-12)))
+    assert [(rest.first, rest.last) for rest in found] == [(0, 3), (36, 44)]

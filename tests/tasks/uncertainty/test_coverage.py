@@ -172,12 +172,9 @@ def stands_beside(budget: Budget, model) -> None:
 @pytest.mark.parametrize("element", ["yx", "xz"])
 def test_the_linear_budget_of_p_stands_beside_monte_carlo(clean, element: str) -> None:
     budget = clean.items["accel_rate_sensitivity"].budgets[element]
-    tilt = slope(budget, "α1")
+    tilt = slope(budget, "α5")
     stands_beside(
-        budget,
-        lambda x: (
-            (budget.value + x["u_A"] + tilt * (x["α1"] + x["α2"] + x["α3"])) / (1.0 + x["ε1"]) ** 2
-        ),
+        budget, lambda x: (budget.value + x["u_A"] + tilt * x["α5"]) / (1.0 + x["ε1"]) ** 2
     )
 
 
@@ -207,11 +204,11 @@ def test_the_linear_budget_of_the_accel_scale_factor_stands_beside_monte_carlo(c
 
 def test_the_linear_budget_of_the_misalignment_stands_beside_monte_carlo(ahrs) -> None:
     budget = ahrs.items["ahrs_misalignment"].budgets["yx"]
-    relative, fixture = -slope(budget, "α1") / budget.value, slope(budget, "α4")
+    relative, fixture = -slope(budget, "α1θ") / budget.value, slope(budget, "α4")
     stands_beside(
         budget,
         lambda x: (
-            (budget.value + x["u_A"]) / (1.0 + relative * x["α1"]) + fixture * np.tan(x["α4"])
+            (budget.value + x["u_A"]) / (1.0 + relative * x["α1θ"]) + fixture * np.tan(x["α4"])
         ),
     )
 

@@ -175,10 +175,10 @@ def hidden(calibration) -> ValidationRecord:
 
 def test_an_element_that_the_average_hides_is_doubted(calibration, hidden) -> None:
     (doubt,) = doubts_of(hidden, calibration).values()
-    assert doubt.elements == {"xz", "yz"}
-    assert "xz (91.1 %), yz (98.9 %)" in say(doubt.sentence, "en")
+    assert doubt.elements == {"xz"}  # yz is covered too often, which is no fault
+    assert "xz (91.1 %)" in say(doubt.sentence, "en")
     assert say(named(hidden, calibration), "en").endswith(
-        "8 of 9 items in full; not validated: Gyro cross coupling coefficient xz, yz"
+        "8 of 9 items in full; not validated: Gyro cross coupling coefficient xz"
     )
     assert '<td>xz</td><td class="number">91.1 %</td>' in validation_html(hidden)
 
@@ -191,7 +191,7 @@ def test_an_element_that_is_not_validated_gets_no_pass_and_the_others_do(
     made = decide(calibration, tolerance, doubts_of=doubts_of(hidden, calibration))
     assert made.verdict == "inconclusive"
     passed = {each.element for each in made.limits if each.verdict == "pass"}
-    assert passed == {"xy", "yx", "zx", "zy"}
+    assert passed == {"xy", "yx", "yz", "zx", "zy"}
     others = limit.model_copy(update={"elements": ("xy", "zy")})
     apart = tolerance.model_copy(update={"limits": (others,)})
     about = decide(calibration, apart, doubts_of=doubts_of(hidden, calibration))

@@ -1,4 +1,4 @@
-"""Type B contributions of each calibration item: equipment limits times sensitivities.
+"""Closed formulas of the type B contributions of each item, independent of the product's.
 
 Everything is in SI; `Contribution.scaled` turns it into the unit that is printed. Appendix A of
 both specifications gives the table one relative uncertainty with sensitivity 1 for every item.
@@ -21,12 +21,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.motion.table import EARTH_RATE
-from tasks.uncertainty.budget import Contribution, InputQuantity
+from tasks.uncertainty.budget import Contribution
 from tasks.uncertainty.equipment import Equipment, ErrorLimit
 from tasks.words import message
 
 MIN_RIPPLE_ANGLE = math.sqrt(2.0)  # rad: over a smaller one a ripple does not average out
-HEADINGS = 2  # at which 7.2.2.1 holds each face
 ROUNDING = 1e-12  # of a sum: what is less is zero
 
 
@@ -101,7 +100,7 @@ def turning_axis(equipment: Equipment, *across: float) -> tuple[Contribution, ..
     itself, for a scale factor only its cross couplings (silent). One mounting for all rates, so
     nothing averages.
     """
-    return _lines(math.hypot(*across), *equipment.angles, *equipment.squareness)
+    return _lines(math.hypot(*across), *equipment.angles, *_squareness(equipment))
 
 
 def attitude_errors(
@@ -170,7 +169,7 @@ def ahrs_zero_offset(
     """
     share = 1.0 / math.sqrt(positions)
     angles = _lines(share / seconds, *equipment.angles)
-    return angles + _lines(share * EARTH_RATE, *equipment.squareness)
+    return angles + _lines(share * EARTH_RATE, *_squareness(equipment))
 
 
 def ahrs_misalignment(
@@ -184,30 +183,12 @@ def ahrs_misalignment(
     turn: c = K (silent).
     """
     c = -misalignment * float(np.linalg.norm(shares) / (shares @ angles))
-    return _lines(c, *equipment.angles) + _lines(k, *equipment.squareness)
+    return _lines(c, *equipment.angles) + _lines(k, *_squareness(equipment))
 
 
-def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution:
-    """The unit's own resolution: readings rounded to a step, half-width step/2 (GUM F.2.2.1).
-
-    sensitivity: ‖o‖ for means with the weights o that are each rounded by an error of their own.
-    For a unit whose noise is above its step, averaging removes it and the type A line already
-    holds it.
-    """
-    u = half_width / math.sqrt(3.0)
-    name = message("uncertainty-resolution")
-    quantity = InputQuantity("q", name, unit, u, "B", "rectangular")
-    return Contribution(quantity, sensitivity)
-
-
-def tilt_of_a_face(equipment: Equipment, mounted_once: bool) -> float:
-    """Variance (rad²) of the tilt that a face has of its own: table angles halved by two headings.
-
-    A fixture that is mounted once tilts all faces alike.
-    """
-    angles = sum(limit.u**2 for limit in equipment.angles) / HEADINGS
-    own = (equipment.axes, None if mounted_once else equipment.fixture)
-    return angles + sum(limit.u**2 for limit in own if limit is not None)
+def _squareness(equipment: Equipment) -> tuple[ErrorLimit, ...]:
+    """What turns the unit by an error common to all positions of one mounting, rad."""
+    return tuple(limit for limit in (equipment.axes, equipment.fixture) if limit is not None)
 
 
 def _lines(sensitivity: float, *limits: ErrorLimit | None) -> tuple[Contribution, ...]:

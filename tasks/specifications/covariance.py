@@ -1,0 +1,49 @@
+"""The covariance of all elements of a result, type A and type B together.
+
+Elements that are combinations of the same means share their noise, and whatever the equipment was
+off by: one error of the rate is in every scale factor.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.estimate import Estimate
+from tasks.specifications.evidence import ClauseEvidence
+
+OF_DATA = ("u_A", "q")  # symbols of the lines of repeatability and resolution
+
+
+def covariance_of(
+    estimates: Sequence[Estimate], evidence: ClauseEvidence, errors: EquipmentErrors
+) -> np.ndarray:
+    """Covariance (p, p) of estimates that are combinations of the segment means, in their units.
+
+    Its diagonal is that of their budgets: where points scatter more than noise explains, what the
+    data give is taken in the same proportion.
+    """
+    weights = np.array([estimate.operator for estimate in estimates], float)  # (p, 6, n)
+    noise = np.zeros((len(estimates), len(estimates)))
+    for channel in range(weights.shape[1]):
+        used = np.flatnonzero(weights[:, channel].any(axis=0))
+        of_means = evidence.covariance(channel)[np.ix_(used, used)]
+        part = weights[:, channel][:, used]
+        noise += part @ of_means @ part.T
+    stated = np.array([_of_data(estimate) for estimate in estimates])
+    shown = np.sqrt(np.maximum(np.diag(noise), 0.0))
+    scale = np.divide(stated, shown, out=np.zeros_like(stated), where=shown > 0.0)
+    total = noise * np.outer(scale, scale)
+    free = np.array([estimate.without_earth for estimate in estimates])
+    for source in errors.sources:
+        felt = np.array([source.felt(each) for each in weights]).reshape(len(estimates), -1)
+        if source.of_latitude:
+            felt = felt * free[:, None]
+        total += source.quantity.u**2 * felt @ felt.T
+    return np.asarray(0.5 * (total + total.T))
+
+
+def _of_data(estimate: Estimate) -> float:
+    """Standard uncertainty by the data: noise, scatter and the unit's resolution."""
+    lines = [line for line in estimate.lines if line.quantity.symbol in OF_DATA]
+    return float(np.linalg.norm([line.quantity.u * line.sensitivity for line in lines]))

@@ -1,0 +1,191 @@
+"""What budgets say that the equipment does, against runs in which it does, and closed formulas."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from schemas.calibration import Calibration
+from schemas.equipment import EquipmentLimit
+from schemas.recording import Recording
+from tasks.calibrate.evaluation import Evaluation, evaluation_for
+from tasks.motion.table import EARTH_RATE
+from tasks.specifications.jjf1536 import JJF1536
+from tasks.specifications.jjf2003 import JJF2003 as JJF2003_CLAUSES
+from tasks.specifications.joint import JOINT
+from tasks.uncertainty.budget import combine
+from tasks.uncertainty.equipment import JJF2003, Equipment, ErrorLimit
+from tasks.validation import run2003
+from tasks.validation.coverage import simulate
+from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit
+from tests.tasks.items_only import items_only
+from tests.tasks.uncertainty import closed_formulas
+from tests.tasks.uncertainty.closed_formulas import Weights
+
+LIMITS = {
+    limit.symbol: limit
+    for limit in (
+        JJF2003.rates[0][1],
+        JJF2003.gravity,
+        JJF2003.latitude,
+        JJF2003.fixture,
+        JJF2003.axes,
+        JJF2003.level,
+    )
+    if limit is not None
+}
+SIZES = {"ε1": 1e-4, "g": 1e-2, "φ": 1e-3, "α4": 1e-4, "α3": 1e-4, "α5": 1e-4}  # in the units
+DRAWS = {"α4": 3, "α3": 2, "α5": 2}  # of what is drawn more than once in a run
+METHODS = {each.method: each for each in (JJF2003_CLAUSES, JOINT)}
+
+
+@dataclass(frozen=True)
+class Planted(SimulatedUnit):
+    """A unit with noise on equipment without errors but one: the noise is the same each time."""
+
+    symbol: str = ""
+    axis: int = 0
+
+    def error(self, *limits: ErrorLimit | None) -> float:
+        wrong = [limit for limit in limits if limit is not None and limit.symbol == self.symbol]
+        return SIZES[self.symbol] if wrong and len(limits) == 1 else 0.0
+
+    def errors(self, count: int, *limits: ErrorLimit | None) -> np.ndarray:
+        return self.error(*limits) * np.eye(count)[min(self.axis, count - 1)]
+
+
+def calibrated(method: str, symbol: str = "", axis: int = 0) -> Calibration:
+    simulated = draw_simulated_unit(4, run2003.RATE_HZ)
+    recording, _ = run2003.record(Planted(simulated.unit, simulated.random, False, symbol, axis))
+    return items_only(METHODS[method], recording)
+
+
+@pytest.fixture(scope="module", params=METHODS)
+def right(request) -> Calibration:
+    return calibrated(request.param)
+
+
+@pytest.mark.parametrize("symbol", SIZES)
+def test_each_value_moves_by_the_error_times_its_sensitivity(right, symbol: str) -> None:
+    """To a twentieth of what one standard uncertainty of all equipment does.
+
+    A fixture wrong about each axis: the lines hold the root of the sum of three squares.
+    """
+    moved = [calibrated(right.method, symbol, axis) for axis in range(DRAWS.get(symbol, 1))]
+    compared = 0
+    for name, item in right.items.items():
+        for element, budget in item.budgets.items():
+            changes = [each.items[name].value[element] - budget.value for each in moved]
+            lines = [line for line in budget.inputs if line.symbol == symbol]
+            expected = sum(abs(line.sensitivity) for line in lines) * SIZES[symbol]
+            left = 0.05 * budget.u_c * SIZES[symbol] / LIMITS[symbol].u
+            assert np.linalg.norm(changes) == pytest.approx(expected, rel=0.05, abs=left), (
+                f"{name}.{element}"
+            )
+            compared += expected > left
+    assert compared >= {"ε1": 3, "g": 3, "φ": 0, "α4": 12, "α3": 6, "α5": 3}[symbol], compared
+
+
+def test_what_is_left_of_earth_s_rotation_follows_the_latitude(right) -> None:
+    """The clause's own value holds Earth's rotation, whatever the latitude is said to be."""
+    item = right.items["gyro_g_sensitivity"]
+    without = item.u_without_earth_rotation
+    assert without is not None
+    more = np.degrees(EARTH_RATE * np.cos(np.radians(39.9)) * JJF2003.latitude.u)
+    symbols = [line.symbol for line in item.budgets["xx"].inputs]
+    if right.method == "joint":
+        assert "φ" in symbols
+    else:
+        assert "φ" not in symbols
+        assert without["xx"] ** 2 - item.u["xx"] ** 2 == pytest.approx(more**2, rel=0.05)
+
+
+@pytest.mark.parametrize(("limit", "rel"), [("position", 0.01), ("axes", 0.01), ("fixture", 0.01)])
+def test_without_encoders_faces_and_settings_tilt_as_the_closed_formulas_say(limit, rel) -> None:
+    """Twelve positions by labels alone: each setting, each face or the mounting is off anyhow."""
+    simulated = draw_simulated_unit(4, run2003.RATE_HZ, ideal=True)
+    recording, _ = run2003.record(simulated)
+    own = Equipment(**{"axes": JJF2003.axes, limit: getattr(JJF2003, limit)})
+    labelled = replace(recording, table=None)
+    made = items_only(JJF2003_CLAUSES, labelled, Evaluation(own))
+    lying = Weights(np.full(8, 1 / 12), np.full(4, 1 / 6), np.zeros(3))
+    up_down = Weights(np.array([1, 1, -1, -1]) / 4, np.array([1, -1]) / 2, np.array([1.0]))
+    symbol = getattr(JJF2003, limit).symbol
+    g = recording.manifest.station.gravity_m_s2
+    scale = made.items["accel_scale_factor"].value
+    for element, value in made.items["accel_cross_coupling"].value.items():
+        assert value is not None
+        expected = closed_formulas.attitude_errors(own, scale[element[0]], up_down)
+        assert contribution(made, "accel_cross_coupling", element, symbol) == pytest.approx(
+            u_of(expected, symbol), rel=rel
+        )
+    for axis in "xyz":
+        expected = closed_formulas.attitude_errors(own, g * scale[axis], lying)
+        assert contribution(made, "accel_bias", axis, symbol) == pytest.approx(
+            u_of(expected, symbol), rel=rel, abs=1e-9
+        )
+
+
+def contribution(made: Calibration, item: str, element: str, symbol: str) -> float:
+    lines = made.items[item].budgets[element].inputs
+    return sum(line.contribution for line in lines if line.symbol == symbol)
+
+
+def u_of(lines, symbol: str) -> float:
+    return combine("y", "1", 0.0, [each for each in lines if each.quantity.symbol == symbol]).u_c
+
+
+def test_the_covariance_has_the_budgets_on_its_diagonal_and_one_rate_in_every_scale(right) -> None:
+    assert right.covariance is not None
+    elements, rows = right.covariance.elements, right.covariance.rows
+    u = {f"{key}.{e}": each for key, item in right.items.items() for e, each in item.u.items()}
+    for name, row in zip(elements, rows, strict=True):
+        assert row[-1] ** 0.5 == pytest.approx(u[name], rel=1e-6), name
+    x, y = (elements.index(f"gyro_scale_factor.{axis}") for axis in "xy")
+    correlation = rows[y][x] / (rows[x][-1] * rows[y][-1]) ** 0.5
+    rate = contribution(right, "gyro_scale_factor", "x", "ε1")
+    assert correlation == pytest.approx((rate / u["gyro_scale_factor.x"]) ** 2, abs=0.05)
+    full = np.zeros((len(rows), len(rows)))
+    for p, row in enumerate(rows):
+        full[p, : p + 1] = full[: p + 1, p] = row
+    size = np.sqrt(np.diag(full))
+    assert np.linalg.eigvalsh(full / np.outer(size, size))[0] > -1e-9
+
+
+FAST = 1e-4  # by so much the clock of the recording runs fast
+
+
+def by_another_clock(recording: Recording) -> Recording:
+    """The same with all its times longer."""
+    labels = tuple(
+        label.model_copy(
+            update={"t_start": label.t_start * (1 + FAST), "t_end": label.t_end * (1 + FAST)}
+        )
+        for label in recording.manifest.segments or ()
+    )
+    manifest = recording.manifest.model_copy(update={"segments": labels})
+    imu, table = (
+        stream and replace(stream, t=stream.t * (1 + FAST))
+        for stream in (recording.imu, recording.table)
+    )
+    return replace(recording, manifest=manifest, imu=imu, table=table)
+
+
+@pytest.mark.parametrize("method", [JJF2003_CLAUSES, JOINT, JJF1536], ids=lambda m: m.method)
+def test_a_clock_that_runs_fast_is_inside_of_a_time_base_that_is_stated(method) -> None:
+    """And blocks every pass, where encoders show rates that the table was not set to."""
+    recording, _ = simulate(method.method, 4, ideal=True)
+    stated = EquipmentLimit(half_width=FAST, distribution="rectangular", source="c")
+    own = evaluation_for(recording, own={"time_base": stated})
+    right = items_only(method, recording, own)
+    wrong = items_only(method, by_another_clock(recording), own)
+    scale = "ahrs_scale_factor" if method is JJF1536 else "gyro_scale_factor"
+    for element, value in right.items[scale].value.items():
+        change = wrong.items[scale].value[element] - value
+        (line,) = (
+            line for line in right.items[scale].budgets[element].inputs if line.symbol == "ε4"
+        )
+        assert abs(change) == pytest.approx(abs(line.sensitivity) * FAST, rel=0.01)
+    codes = {each.code for each in wrong.remarks if each.blocks_pass}
+    assert ("time_base" in codes) == (method is not JJF1536)
+    assert "time_base" not in {each.code for each in right.remarks}
