@@ -26,7 +26,8 @@ def correction(serial: str = "0001") -> Correction:
     return Correction.model_validate({
         "unit": {"manufacturer": "Example", "model": "MIMU", "serial": serial},
         "recording_id": "r", "run": "1", "digest": "d", "method": "jjf2003", "code_version": "0",
-        "gravity_m_s2": 9.8, "model": [], "correction": [], "coefficients": coefficients, "uncertainty": "GUM",
+        "gravity_m_s2": 9.8, "model": [], "correction": [], "coefficients": coefficients,
+        "uncertainty": "GUM",
         "example": {name: [0.0, 0.0, 0.0] for name in ("gyro", "accel", "rate", "force")},
     })  # fmt: skip
 
