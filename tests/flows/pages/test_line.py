@@ -189,6 +189,15 @@ def test_the_queue_is_by_station_unit_and_procedure(tmp_path: Path) -> None:
     assert "jjf2003" in shown(home)
 
 
+def test_a_card_says_what_keeps_the_next_order_from_beginning(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    orders.add([ordered("A-1")], home)
+    orders.note("A-1", home, fault="the unit says that it is V9: mount V7")
+    assert "the unit says that it is V9: mount V7" in shown(home)
+    orders.claim("A-1", home)
+    assert "mount V7" not in shown(home)
+
+
 def test_failed_orders_and_reminders_are_alarms(tmp_path: Path) -> None:
     home, now = Home(tmp_path), datetime.now(UTC)
     orders.add([ordered("A-1")], home)
