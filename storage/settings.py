@@ -29,6 +29,18 @@ READERS = {".toml": tomllib.loads, ".json": json.loads}
 Model = TypeVar("Model", bound=Frozen)
 
 
+def text_of(path: Path) -> str:
+    """The text of a file; raises Unusable for one that is not there, or not UTF-8."""
+    try:
+        return text_bytes(path).decode("utf-8-sig")
+    except OSError as error:
+        raise Unusable(
+            f"{path} cannot be read ({error.strerror}); check that it exists and is readable."
+        ) from error
+    except UnicodeDecodeError as error:
+        raise Unusable(f"{path} is not UTF-8 (byte {error.start}); save it as UTF-8.") from error
+
+
 def read(path: Path, model: type[Model]) -> Model:
     """A file of a laboratory's own: limits, letterhead, order, station, procedure, result.
 
@@ -39,15 +51,10 @@ def read(path: Path, model: type[Model]) -> Model:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise Unusable(f"{path} is neither .toml nor .json; write it as one of them ({form}).")
+    text = text_of(path)
     try:
-        fields = reader(text_bytes(path).decode("utf-8-sig"))
+        fields = reader(text)
         check_depth(fields)
-    except OSError as error:
-        raise Unusable(
-            f"{path} cannot be read ({error.strerror}); check that it exists and is readable."
-        ) from error
-    except UnicodeDecodeError as error:
-        raise Unusable(f"{path} is not UTF-8 (byte {error.start}); save it as UTF-8.") from error
     except (ValueError, RecursionError) as error:
         kind = path.suffix[1:].upper()
         raise Unusable(f"{path} is not {kind} ({error}); correct it there.") from error

@@ -15,7 +15,6 @@ from schemas.production import OrderRequest
 from storage import settings
 from storage.catalogue.orders import check_number
 from storage.home import Home
-from storage.whole_files import text_bytes
 
 COLUMNS = ("number", "station", "manufacturer", "model", "serial", "procedure", "client_order")
 NEEDED = ("number", "station", "serial")
@@ -57,15 +56,9 @@ class _ColumnError(Exception):
 
 def _lines(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Line number and fields of each row that is not empty."""
-    try:
-        text = text_bytes(path).decode("utf-8-sig")
-    except OSError as error:
-        raise Unusable(
-            f"{path} cannot be read ({error.strerror}); check that it exists and is readable."
-        ) from error
-    except UnicodeDecodeError as error:
-        raise Unusable(f"{path} is not UTF-8 (byte {error.start}); save it as UTF-8.") from error
-    reader = csv.DictReader(text.splitlines(keepends=True), restkey="", strict=True)
+    reader = csv.DictReader(
+        settings.text_of(path).splitlines(keepends=True), restkey="", strict=True
+    )
     try:
         names = [name.strip() for name in reader.fieldnames or ()]
         _check_columns(path, names)
