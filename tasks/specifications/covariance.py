@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import Estimate
 from tasks.specifications.evidence import ClauseEvidence
 

@@ -13,7 +13,6 @@ is then tilted about any of its axes, in each setting and in each face, by an er
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -22,71 +21,14 @@ from tasks.model.term import Term
 from tasks.motion.whole import Motion
 from tasks.segments.attitude import VERTICAL, attitude_vector
 from tasks.specifications.axes_of_table import axes_of_table
+from tasks.specifications.error_sources import EquipmentErrors, ErrorSource, Scope
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.uncertainty.budget import Contribution, InputQuantity
+from tasks.specifications.horizontal_earth import horizontal_earth
 from tasks.uncertainty.equipment import Equipment, ErrorLimit
 from tasks.words import message
 
 STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
-LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of its own
 MIN_RIPPLE_ANGLE = math.sqrt(2.0)  # rad: over a smaller one a ripple does not average out
-
-Scope = Literal["run", "mounting", "face", "angle", "setting", "point"]
-
-
-@dataclass(frozen=True)
-class ErrorSource:
-    """One error of the equipment: its prior, its scope, and what it does to the means.
-
-    effects: (m, n, 6), of each of its m independent draws on the n segment means of six channels,
-    rad/s and m/s² per unit. followed: by parameters of the unit, as the rate is by a scale factor:
-    nothing of it is left of a fit. of_latitude: it acts only where Earth's rotation is taken off.
-    """
-
-    quantity: InputQuantity
-    scope: Scope
-    effects: np.ndarray
-    followed: bool = False
-    of_latitude: bool = False
-
-    def felt(self, operator: np.ndarray) -> np.ndarray:
-        """What each draw (m,) does to Σ o·U over the channels, per unit; operator: o (6, n)."""
-        used = np.flatnonzero(operator.any(axis=0))
-        channels = np.flatnonzero(operator.any(axis=1))
-        effects = self.effects[:, used[:, None], channels]
-        return np.asarray(np.einsum("mnc,cn->m", effects, operator[channels[:, None], used]))
-
-    def line(self, operator: np.ndarray) -> Contribution:
-        """The line of a budget: independent draws count as root of the sum of their squares."""
-        felt = self.felt(operator)
-        one = float(felt[0]) if len(felt) == 1 else float(np.linalg.norm(felt))
-        return Contribution(self.quantity, one)
-
-
-@dataclass(frozen=True)
-class EquipmentErrors:
-    """Every error of the equipment of a run with so many segments."""
-
-    sources: tuple[ErrorSource, ...]
-    segments: int
-
-    def lines(self, operator: np.ndarray, without_earth: bool) -> tuple[Contribution, ...]:
-        """The lines of Σ o·U, o (6, n), but rounding; without_earth: Earth's rate was taken off."""
-        every = [
-            each.line(operator) for each in self.sources if without_earth or not each.of_latitude
-        ]
-        sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
-        least = LEAST_SHARE * max(sizes, default=0.0)
-        return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
-
-    def covariance(self, channel: int) -> np.ndarray:
-        """Covariance (n, n) of one channel's means by what no parameter of the unit follows."""
-        total = np.zeros((self.segments, self.segments))
-        for each in self.sources:
-            if not each.followed:
-                effects = each.effects[:, :, channel]
-                total += each.quantity.u**2 * (effects.T @ effects)
-        return total
 
 
 def equipment_errors(
@@ -128,6 +70,7 @@ def equipment_errors(
             equipment.latitude, "run", -response.latitude[None], followed=True, of_latitude=True
         ),
         *_source(equipment.heading, "run", response.heading[None], of_latitude=True),
+        *horizontal_earth(evidence),
     )
     return EquipmentErrors(sources, len(evidence.segments))
 

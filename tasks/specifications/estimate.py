@@ -9,7 +9,7 @@ import numpy as np
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.segments.summarise import CHANNELS
-from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.linear import (

@@ -14,7 +14,6 @@ from tasks.specifications.earth_gain import EarthRotationGain
 from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means
 
 SAMPLES = 20  # times within a rest at which north is looked up
-NOMINAL_GRAVITY = 9.8  # m/s², for what a tilt does where the local gravity is not known
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from schemas.text import Remark
-from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import MeansFit, fit_means
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message, remark

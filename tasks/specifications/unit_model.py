@@ -9,7 +9,8 @@ from tasks.model.term import Term, nominal_values
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import Motion
-from tasks.specifications.equipment_errors import EquipmentErrors, equipment_errors
+from tasks.specifications.equipment_errors import equipment_errors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import Estimates
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.uncertainty.equipment import Equipment

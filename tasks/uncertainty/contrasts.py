@@ -6,6 +6,7 @@ Biometrika 58, 1971).
 """
 
 import math
+from collections.abc import Sequence
 from typing import get_args
 
 import numpy as np
@@ -13,10 +14,13 @@ import numpy as np
 from schemas.recording import AXES, Segment, Up
 from tasks.motion.table import EARTH_RATE
 from tasks.segments.summarise import SegmentMean
-from tasks.uncertainty.drift import LEVELS, TREND, WALK, Contrasts
+from tasks.uncertainty.drift import LEVELS, TREND, WALK, Contrasts, strength_grid, strength_prior
 
 FACES: tuple[Up, ...] = get_args(Up)
 MIN_CONTRASTS = 4
+GRAVITY = 9.8  # m/s², for what a tilt does to a level accelerometer
+MAX_SHARE = 1e6  # of a variance in that of the white noise: a tilt of arcminutes at full rate
+TILT_ABSENT = 0.5  # a priori probability that no point is tilted for itself
 # Across the vertical, rad/s and m/s²: Earth's rotation; gravity by a tilt of 20″ (Table 1).
 LEVEL_FIELD = (EARTH_RATE, 1e-3)
 
@@ -36,20 +40,68 @@ def contrasts(
     if not used:
         return none
     known = [segments[i] for i in used]
-    scale = 1.0 / np.sqrt(variance[used] + _level_residuals(known, channel) ** 2)
-    design = _design(known, channel) * scale[:, None]
-    size = np.linalg.norm(design, axis=0)
-    vectors, weight, _ = np.linalg.svd(design[:, size > 0] / size[size > 0])
-    null_space = vectors[:, (weight > 1e-9 * weight[0]).sum() :]
-    if null_space.shape[1] < MIN_CONTRASTS:
-        return none
     means = np.array([segment.mean[channel] for segment in known])
-    residual = null_space.T @ (means * scale)
-    covariance = null_space.T @ (shapes[:, used][:, :, used] * scale[:, None] * scale) @ null_space
+    design, shapes = _design(known, channel), shapes[:, used][:, :, used]
+    spread = variance[used] + _level_residuals(known, channel) ** 2
+    tilting = _tilting(known, channel) ** 2
+    if tilting.any():
+        residual, covariance = _without(design, means, [*shapes[:1], np.diag(tilting)], spread)
+        if len(residual) >= MIN_CONTRASTS:
+            spread = spread + tilting * _tilt_variance(residual, *covariance)
+    residual, covariance = _without(design, means, shapes, spread)
+    if len(residual) < MIN_CONTRASTS:
+        return none
     modes = np.linalg.eigh(covariance[: len(LEVELS)])[1]
     drifts = covariance[[[level, WALK, TREND] for level in range(len(LEVELS))]]
     gain = (modes[:, None] * (drifts @ modes[:, None])).sum(axis=2).clip(min=0.0)
     return Contrasts(residual @ modes, gain)
+
+
+def _without(
+    design: np.ndarray, means: np.ndarray, covariances: Sequence[np.ndarray], spread: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals (m,) of unit variance by `spread` (n,), and the covariances (…, m, m) there."""
+    scale = 1.0 / np.sqrt(spread)
+    scaled = design * scale[:, None]
+    size = np.linalg.norm(scaled, axis=0)
+    vectors, weight, _ = np.linalg.svd(scaled[:, size > 0] / size[size > 0])
+    null_space = vectors[:, (weight > 1e-9 * weight[0]).sum() :]
+    of_residuals = null_space.T @ (np.asarray(covariances) * scale[:, None] * scale) @ null_space
+    return null_space.T @ (means * scale), of_residuals
+
+
+def _tilting(segments: list[SegmentMean], channel: int) -> np.ndarray:
+    """What a tilt of a rate point's axis does to its mean, (n,) per rad."""
+    across = np.array([
+        s.segment.kind == "rate" and s.segment.axis != AXES[channel % len(AXES)] for s in segments
+    ])  # fmt: skip
+    if channel >= len(AXES):
+        return GRAVITY * across
+    rate = np.radians([segment.segment.rate_deg_s or 0.0 for segment in segments])
+    return np.asarray(across * np.abs(rate))
+
+
+def _tilt_variance(residual: np.ndarray, flicker: np.ndarray, tilted: np.ndarray) -> float:
+    """Mean variance (rad²) of the tilt that each rate point has for itself, beside flicker.
+
+    It belongs to the rate points alone: taken for drift it would enter every item at rest.
+    residual: (m,) of unit variance by noise; flicker, tilted: (m, m), its covariance per unit.
+    """
+    strengths = []
+    for shape in (flicker, tilted):
+        detectable = 1.0 / np.linalg.eigvalsh(shape)[-1]
+        strengths.append((strength_grid(detectable, MAX_SHARE * detectable), detectable))
+    (flickers, usual), (tilts, visible) = strengths
+    total = np.eye(len(residual)) + np.multiply.outer(flickers, flicker)[:, None]
+    total = total + np.multiply.outer(tilts, tilted)
+    root = np.linalg.cholesky(total)
+    likelihood = -np.log(np.diagonal(root, axis1=2, axis2=3)).sum(axis=2)
+    whitened = np.linalg.solve(root, residual[:, None])[..., 0]
+    likelihood = likelihood - 0.5 * (whitened**2).sum(axis=2)
+    prior = strength_prior(tilts, visible, TILT_ABSENT)
+    posterior = np.exp(likelihood - likelihood.max())
+    posterior *= strength_prior(flickers, usual, 0.0)[:, None] * prior
+    return float(posterior.sum(axis=0) @ tilts / posterior.sum())
 
 
 def _has_known_input(label: Segment, channel: int) -> bool:

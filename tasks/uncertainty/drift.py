@@ -26,6 +26,9 @@ MAX_DEGREES = 100.0  # no Allan variance counts more: the shapes are not exact
 # In the contrast that shows the drift best, as parts of the white noise there: the smallest
 # strength on the grid, and the prior medians of flicker, walk and trend.
 FAINTEST_SHARE, PRIOR_MEDIAN = 0.01, (1.0, 0.5, 0.05)
+# A priori probability that there is none: every inertial sensor flickers, but as often as not
+# nothing walks or has a trend while a run lasts.
+PRIOR_ABSENT = (0.0, 0.5, 0.5)
 GRID_POINTS = 9  # strengths of a drift on each of two grids
 INSTANT = 1e-3  # s: a segment of one row has no length
 
@@ -150,17 +153,17 @@ def _wide_grid(contrasts: Contrasts, allan: PooledAllan, shape: int, scale: floa
     if contrasts.value.size:
         gain = contrasts.gain[:, shape].sum(axis=1).min()
         largest = max(largest, 10.0 * float((contrasts.value[0] ** 2).sum() / gain))
-    return _grid(FAINTEST_SHARE * scale, largest)
+    return strength_grid(FAINTEST_SHARE * scale, largest)
 
 
 def _fine_grid(grid: np.ndarray, posterior: np.ndarray) -> np.ndarray:
     """As many strengths where the posterior is."""
     supported = np.flatnonzero(posterior[1:] > 1e-3 * posterior.max()) + 1
     low, high = (supported[0], supported[-1]) if len(supported) else (1, 1)
-    return _grid(grid[max(low - 1, 1)], grid[min(high + 1, len(grid) - 1)])
+    return strength_grid(grid[max(low - 1, 1)], grid[min(high + 1, len(grid) - 1)])
 
 
-def _grid(lowest: float, largest: float) -> np.ndarray:
+def strength_grid(lowest: float, largest: float) -> np.ndarray:
     """0, and GRID_POINTS strengths that grow by one factor."""
     share = np.arange(GRID_POINTS) / (GRID_POINTS - 1)
     return np.append(0.0, lowest * (largest / lowest) ** share)
@@ -176,16 +179,16 @@ def _posterior(
 ) -> np.ndarray:
     """Posterior (LEVELS, …) of the level at which flicker ends and of the strengths.
 
-    A priori all levels are equally probable, and the share of each drift in the sum of itself and
-    its PRIOR_MEDIAN strength is uniform between 0 and 1 (uniform shrinkage prior: Daniels, Canad.
-    J. Statist. 27, 1999).
+    A priori all levels are equally probable. A drift is absent by PRIOR_ABSENT; else its share in
+    the sum of itself and its PRIOR_MEDIAN strength is uniform between 0 and 1 (uniform shrinkage
+    prior: Daniels, Canad. J. Statist. 27, 1999).
     """
     strengths = np.array(np.meshgrid(*grids, indexing="ij"))
     likelihood = _likelihood(strengths.reshape(len(grids), -1), contrasts, allan)
     likelihood = likelihood.reshape(-1, *strengths.shape[1:])
     posterior = np.exp(likelihood - likelihood.max())
     for shape, (grid, scale) in enumerate(zip(grids, scales, strict=True)):
-        prior = _prior(grid, PRIOR_MEDIAN[shape] * scale)
+        prior = strength_prior(grid, PRIOR_MEDIAN[shape] * scale, PRIOR_ABSENT[shape])
         posterior *= prior.reshape([-1 if j == shape else 1 for j in range(len(grids))])
     return posterior / posterior.sum()
 
@@ -206,11 +209,17 @@ def _likelihood(strengths: np.ndarray, contrasts: Contrasts, allan: PooledAllan)
     return np.asarray(likelihood)
 
 
-def _prior(grid: np.ndarray, median: float) -> np.ndarray:
-    """Prior weight of each strength (0 first), if s/(s + median) is uniform between 0 and 1."""
+def strength_prior(grid: np.ndarray, median: float, absent: float) -> np.ndarray:
+    """Prior weight of each strength (0 first), if s/(s + median) is uniform between 0 and 1.
+
+    absent: probability that the strength is zero whatever the median.
+    """
     edges = np.concatenate([[0.5 * grid[1]], np.sqrt(grid[1:-1] * grid[2:])])
     above = median / (edges + median)  # probability to exceed each edge, not 1 − probability
-    return np.concatenate([[edges[0] / (edges[0] + median)], -np.diff(above), above[-1:]])
+    weights = np.concatenate([[edges[0] / (edges[0] + median)], -np.diff(above), above[-1:]])
+    weights *= 1.0 - absent
+    weights[0] += absent
+    return np.asarray(weights)
 
 
 def flicker_integral(x: np.ndarray) -> np.ndarray:

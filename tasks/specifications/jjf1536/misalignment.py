@@ -54,7 +54,6 @@ def misalignment_items(evidence: AhrsEvidence, offset: Estimates) -> ClauseResul
     offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.
     """
     zero = scaled(offset, 1.0 / DEG)
-    zero_known = all(estimate.determined for estimate in zero.values())
 
     def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
         turns = _turns(evidence, axis)
@@ -66,7 +65,7 @@ def misalignment_items(evidence: AhrsEvidence, offset: Estimates) -> ClauseResul
             for i in range(3)
             if i != j
         }
-        return elements, _remarks(evidence, turns, zero_known)
+        return elements, _remarks(evidence, turns)
 
     item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
     return item_by_axis(MISALIGNMENT, item, of_axis)
@@ -119,7 +118,7 @@ def _shares(turns: WholeTurns) -> np.ndarray:
     return forward / forward.sum() - back / back.sum()
 
 
-def _remarks(evidence: AhrsEvidence, turns: WholeTurns, zero_known: bool) -> Iterator[Remark]:
+def _remarks(evidence: AhrsEvidence, turns: WholeTurns) -> Iterator[Remark]:
     for i, angle in zip(turns.index, turns.angle, strict=True):
         yield from _angle_remarks(evidence, i, float(angle))
     count = (np.abs(turns.angle) / TURN).round().min()
@@ -132,7 +131,7 @@ def _remarks(evidence: AhrsEvidence, turns: WholeTurns, zero_known: bool) -> Ite
         )  # fmt: skip
         yield remark("turns_as_agreed", text)
     longer = abs(_shares(turns) @ seconds)
-    if longer > 0.01 * seconds.max() and not zero_known:
+    if longer > 0.01 * seconds.max():
         text = message("jjf1536-turn-times-differ", axis=turns.axis, seconds=f"{longer:.1f}")
         yield remark("turn_times_differ", text, blocks_pass=True)
 

@@ -8,7 +8,7 @@ import numpy as np
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.segments.attitude import COMPONENTS, VERTICAL, attitude_contradicted
-from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import (
     DEG,
     ClauseResult,

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.recording import AXES, UPS
 from schemas.text import Remark
 from tasks.segments.summarise import SegmentMean
-from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import MATRIX, Estimate, Estimates, fit_means, u_of_means
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message, remark

@@ -9,7 +9,7 @@ from schemas.recording import AXES, UPS
 from schemas.text import Remark
 from tasks.motion.table import EARTH_RATE
 from tasks.specifications.earth_gain import earth_rotation_message
-from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import (
     DEG,
     MATRIX,

@@ -4,7 +4,7 @@ import numpy as np
 
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
-from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import (
     DEG,
     ClauseResult,

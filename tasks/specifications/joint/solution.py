@@ -17,7 +17,8 @@ from tasks.model.terms.standard import (
     STANDARD_TERMS,
 )
 from tasks.specifications.earth_gain import EarthRotationGain
-from tasks.specifications.equipment_errors import EquipmentErrors, equipment_errors
+from tasks.specifications.equipment_errors import equipment_errors
+from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import UNDETERMINED, Estimate, Estimates, linear_estimate
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.joint.mean_operator import Operator, operator_of

@@ -25,7 +25,7 @@ jjf1536-no-back = { $axis }: no backward turns about { $axis }; eq. (17) takes t
 jjf1536-no-forward = { $axis }: no forward turns about { $axis }; eq. (17) takes the difference of both directions
 jjf1536-turn-not-read = { $axis }: in turns about { $axis } its own angle disagrees; check the labels and the mount
 jjf1536-turns-as-agreed = { $axis } axis: { $count } turns at { $rate } deg/s; 7.3.1 specifies { $turns_asked } turns at a high rate, for example { $rate_asked } deg/s, unless agreed otherwise.
-jjf1536-turn-times-differ = { $axis } axis: the durations of forward and backward rotation differ by { $seconds } s; if the zero offset is unknown, it does not cancel.
+jjf1536-turn-times-differ = { $axis } axis: the durations of forward and backward rotation differ by { $seconds } s; what the zero offset and gravity add in that time does not cancel (a known zero offset is taken off).
 jjf1536-turned-angle-contradicted = { $segment }: labelled { $label } deg about { $axis }, but the table shows { $table } deg: the table's angle was used.
 jjf1536-not-whole-turns = { $segment }: rotated by { $angle } deg, not by whole turns as 7.3.1 requires; Earth's rotation does not cancel.
 

@@ -25,3 +25,4 @@ uncertainty-rate-fast = table rate from 10 °/s
 uncertainty-rate-medium = table rate 1 to 10 °/s
 uncertainty-rate-slow = table rate below 1 °/s
 uncertainty-table-angle = table angle
+uncertainty-horizontal-earth = horizontal part of Earth's rotation, beyond whole turns

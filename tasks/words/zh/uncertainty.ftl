@@ -25,3 +25,4 @@ uncertainty-rate-fast = 转台角速率（≥ 10 °/s）
 uncertainty-rate-medium = 转台角速率（1~10 °/s）
 uncertainty-rate-slow = 转台角速率（< 1 °/s）
 uncertainty-table-angle = 转台角位移
+uncertainty-horizontal-earth = 地球自转水平分量（非整圈部分）

@@ -1,0 +1,67 @@
+"""An error as a term with a prior, what it does to the segment means, and all those of a run."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tasks.uncertainty.budget import Contribution, InputQuantity
+
+LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of its own
+
+Scope = Literal["run", "mounting", "face", "angle", "setting", "point"]
+
+
+@dataclass(frozen=True)
+class ErrorSource:
+    """One error of the equipment: its prior, its scope, and what it does to the means.
+
+    effects: (m, n, 6), of each of its m independent draws on the n segment means of six channels,
+    rad/s and m/s² per unit. followed: by parameters of the unit, as the rate is by a scale factor:
+    nothing of it is left of a fit. of_latitude: it acts only where Earth's rotation is taken off.
+    """
+
+    quantity: InputQuantity
+    scope: Scope
+    effects: np.ndarray
+    followed: bool = False
+    of_latitude: bool = False
+
+    def felt(self, operator: np.ndarray) -> np.ndarray:
+        """What each draw (m,) does to Σ o·U over the channels, per unit; operator: o (6, n)."""
+        used = np.flatnonzero(operator.any(axis=0))
+        channels = np.flatnonzero(operator.any(axis=1))
+        effects = self.effects[:, used[:, None], channels]
+        return np.asarray(np.einsum("mnc,cn->m", effects, operator[channels[:, None], used]))
+
+    def line(self, operator: np.ndarray) -> Contribution:
+        """The line of a budget: independent draws count as root of the sum of their squares."""
+        felt = self.felt(operator)
+        one = float(felt[0]) if len(felt) == 1 else float(np.linalg.norm(felt))
+        return Contribution(self.quantity, one)
+
+
+@dataclass(frozen=True)
+class EquipmentErrors:
+    """Every error of the equipment of a run with so many segments."""
+
+    sources: tuple[ErrorSource, ...]
+    segments: int
+
+    def lines(self, operator: np.ndarray, without_earth: bool) -> tuple[Contribution, ...]:
+        """The lines of Σ o·U, o (6, n), but rounding; without_earth: Earth's rate was taken off."""
+        every = [
+            each.line(operator) for each in self.sources if without_earth or not each.of_latitude
+        ]
+        sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
+        least = LEAST_SHARE * max(sizes, default=0.0)
+        return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
+
+    def covariance(self, channel: int) -> np.ndarray:
+        """Covariance (n, n) of one channel's means by what no parameter of the unit follows."""
+        total = np.zeros((self.segments, self.segments))
+        for each in self.sources:
+            if not each.followed:
+                effects = each.effects[:, :, channel]
+                total += each.quantity.u**2 * (effects.T @ effects)
+        return total
