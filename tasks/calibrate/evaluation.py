@@ -248,5 +248,7 @@ def monte_carlo_budget(item: ItemDefinition, element: str, estimate: Estimate, s
         return np.asarray(total / divisor**item.power)
 
     number = int.from_bytes(hashlib.sha256(f"{seed} {result}".encode()).digest()[:8])
-    errors = [replace(line.quantity, estimate=0.0) for line in lines]
+    errors = [
+        replace(line.quantity, estimate=0.0, distribution=line.distribution) for line in lines
+    ]
     return with_monte_carlo(budget, monte_carlo(equation, errors, seed=number))

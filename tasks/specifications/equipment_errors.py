@@ -18,7 +18,7 @@ import numpy as np
 
 from tasks.model.simulate import predict
 from tasks.model.term import Term
-from tasks.motion.whole import Motion
+from tasks.motion.whole import Motion, unit_vector
 from tasks.segments.attitude import VERTICAL, attitude_vector
 from tasks.specifications.axes_of_table import axes_of_table
 from tasks.specifications.error_sources import EquipmentErrors, ErrorSource, Scope
@@ -210,9 +210,14 @@ def _setting(evidence: ClauseEvidence, i: int) -> str:
 
 
 def _with_level(evidence: ClauseEvidence, motion: Motion) -> Motion:
-    """The motion with a north in every rest: where it is unknown, one that follows its label."""
-    north = motion.north.copy()
+    """The motion with a vertical in every turn, and a north in every rest.
+
+    Where they are unknown: the axis that turns, and a north that follows the label.
+    """
+    north, up = motion.north.copy(), motion.up.copy()
     for i, label in enumerate(evidence.labels):
+        if label.axis is not None and not np.isfinite(up[i]).all():
+            up[i] = unit_vector(f"+{label.axis}")
         if label.kind != "static" or np.isfinite(north[i]).all():
             continue
         vector = attitude_vector(evidence.recording, label)
@@ -222,7 +227,7 @@ def _with_level(evidence: ClauseEvidence, motion: Motion) -> Motion:
             level = np.roll(motion.up[i], 1)
             level = level - (level @ motion.up[i]) * motion.up[i]
         north[i] = level / max(float(np.linalg.norm(level)), STEP)
-    return replace(motion, north=north)
+    return replace(motion, north=north, up=up)
 
 
 def _leaned(motion: Motion) -> tuple[Motion, Motion]:

@@ -37,8 +37,11 @@ class ErrorSource:
     def line(self, operator: np.ndarray) -> Contribution:
         """The line of a budget: independent draws count as root of the sum of their squares."""
         felt = self.felt(operator)
-        one = float(felt[0]) if len(felt) == 1 else float(np.linalg.norm(felt))
-        return Contribution(self.quantity, one)
+        if len(felt) == 1 or not felt.any():
+            return Contribution(self.quantity, float(felt[0]))
+        squares = felt**2
+        draws = squares.sum() ** 2 / (squares**2).sum()  # Kish's effective number
+        return Contribution(self.quantity, float(np.sqrt(squares.sum())), float(draws))
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -22,6 +22,7 @@ from tasks.uncertainty.propagation import (
 from tasks.words import Message, message, texts
 
 PROBABILITY = 0.95
+TWO_DRAWS = (1.5, 2.5)  # between them a sum counts as one of two draws
 SMOOTHING = 0.005  # of u_c, where no input is normal: moves the interval by less than 0.1 %
 FADED = 16.0  # over the standard deviation of what is normal or t: nothing is left of it there
 LAST = 4.0 / SMOOTHING  # where the smoothing alone leaves 3e-4 of the characteristic function
@@ -119,14 +120,27 @@ class InputQuantity:
 
 @dataclass(frozen=True)
 class Contribution:
-    """An input quantity and its sensitivity coefficient c = ∂y/∂x (result unit per own unit)."""
+    """An input quantity and its sensitivity coefficient c = ∂y/∂x (result unit per own unit).
+
+    draws: how many independent draws of the quantity, as if of equal weight, make up the
+    contribution; c is then the root of the sum of the squares of theirs.
+    """
 
     quantity: InputQuantity
     sensitivity: float
+    draws: float = 1.0
+
+    @property
+    def distribution(self) -> Distribution:
+        """Of the contribution: the sum of two rectangular ones is triangular, of more normal."""
+        if self.draws > TWO_DRAWS[1]:
+            return "normal"
+        twice = self.draws > TWO_DRAWS[0] and self.quantity.distribution == "rectangular"
+        return "triangular" if twice else self.quantity.distribution
 
     def scaled(self, factor: float) -> "Contribution":
         """The same contribution to a result in another unit, or multiplied by a factor."""
-        return Contribution(self.quantity, self.sensitivity * factor)
+        return replace(self, sensitivity=self.sensitivity * factor)
 
 
 def combine(
@@ -153,7 +167,10 @@ def combine(
     variance = max(float(terms.sum()), 0.0)
     dof = effective_dof(c * u, r, [q.dof for q in quantities], [q.sample for q in quantities])
     k, u_c = coverage_factor(dof, probability), math.sqrt(variance)
-    shapes = [(q.distribution, abs(x), q.dof) for q, x in zip(quantities, c * u, strict=True)]
+    shapes = [
+        (each.distribution, abs(x), each.quantity.dof)
+        for each, x in zip(contributions, c * u, strict=True)
+    ]
     shares = terms / variance if variance > 0.0 else np.zeros(len(terms))
     correlated = [(i, j) for i, j in np.argwhere(r).tolist() if i < j]
     return Budget(

@@ -36,7 +36,8 @@ def contrasts(
         and math.isfinite(segment.mean[channel])
         and _has_known_input(segment.segment, channel)
     ]
-    none = Contrasts(np.zeros((len(LEVELS), 0)), np.zeros((len(LEVELS), 3, 0)))
+    tilted = np.zeros(len(segments))
+    none = Contrasts(np.zeros((len(LEVELS), 0)), np.zeros((len(LEVELS), 3, 0)), tilted)
     if not used:
         return none
     known = [segments[i] for i in used]
@@ -47,14 +48,15 @@ def contrasts(
     if tilting.any():
         residual, covariance = _without(design, means, [*shapes[:1], np.diag(tilting)], spread)
         if len(residual) >= MIN_CONTRASTS:
-            spread = spread + tilting * _tilt_variance(residual, *covariance)
+            tilted[used] = tilting * _tilt_variance(residual, *covariance)
+            spread = spread + tilted[used]
     residual, covariance = _without(design, means, shapes, spread)
     if len(residual) < MIN_CONTRASTS:
         return none
     modes = np.linalg.eigh(covariance[: len(LEVELS)])[1]
     drifts = covariance[[[level, WALK, TREND] for level in range(len(LEVELS))]]
     gain = (modes[:, None] * (drifts @ modes[:, None])).sum(axis=2).clip(min=0.0)
-    return Contrasts(residual @ modes, gain)
+    return Contrasts(residual @ modes, gain, tilted)
 
 
 def _without(
@@ -84,7 +86,7 @@ def _tilting(segments: list[SegmentMean], channel: int) -> np.ndarray:
 def _tilt_variance(residual: np.ndarray, flicker: np.ndarray, tilted: np.ndarray) -> float:
     """Mean variance (rad²) of the tilt that each rate point has for itself, beside flicker.
 
-    It belongs to the rate points alone: taken for drift it would enter every item at rest.
+    It belongs to the rate points alone; taken for drift it would enter every item at rest.
     residual: (m,) of unit variance by noise; flicker, tilted: (m, m), its covariance per unit.
     """
     strengths = []

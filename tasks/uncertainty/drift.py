@@ -25,10 +25,10 @@ FLICKER_ALLAN = 2.0 * np.log(2.0)  # Allan variance of flicker noise, per unit o
 MAX_DEGREES = 100.0  # no Allan variance counts more: the shapes are not exact
 # In the contrast that shows the drift best, as parts of the white noise there: the smallest
 # strength on the grid, and the prior medians of flicker, walk and trend.
-FAINTEST_SHARE, PRIOR_MEDIAN = 0.01, (1.0, 0.5, 0.05)
-# A priori probability that there is none: every inertial sensor flickers, but as often as not
-# nothing walks or has a trend while a run lasts.
-PRIOR_ABSENT = (0.0, 0.5, 0.5)
+FAINTEST_SHARE, PRIOR_MEDIAN = 0.01, (2.0, 0.5, 0.05)
+# A priori probability that there is none. Every inertial sensor flickers; slow flicker is hardly
+# told from a walk, so that a walk besides is the exception; a trend there is as often as not.
+PRIOR_ABSENT = (0.0, 0.75, 0.5)
 GRID_POINTS = 9  # strengths of a drift on each of two grids
 INSTANT = 1e-3  # s: a segment of one row has no length
 
@@ -41,10 +41,12 @@ class Contrasts:
     and trend are taken as diagonal there too, which they nearly are.
     value: (LEVELS, m) over the standard deviation that white noise gives each.
     gain: (LEVELS, 3, m) variance per unit of each drift's strength, in units of the white one.
+    tilted: (segments,) variance of each mean, unit², by a tilt that its axis has for itself.
     """
 
     value: np.ndarray
     gain: np.ndarray
+    tilted: np.ndarray
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,8 @@ MIN_LENGTH = 0.5  # of the longest segment: shorter ones know less of drift, at 
 class ChannelNoise:
     """White noise and drift of the six channels.
 
-    white: (segments, 6) variance of a mean over 1 s, unit²·s.
+    white: (segments, 6) variance of a mean over 1 s, unit²·s; of a rate point with what it is
+        tilted for itself.
     drift: (DRIFTS, 6) flicker h of S(f) = h/f, unit², by where it ends (`drift.LEVELS`); random
         walk, unit²/s; slope², unit²/s².
     shapes: (DRIFTS, segments, segments) covariance of the segment means per unit of each drift.
@@ -82,7 +83,7 @@ def fit_noise(
     shapes = drift_shapes(segments)
     seconds = seconds_of(segments)
     white_variance = white_only / seconds[:, None]
-    drift, count = np.zeros((DRIFTS, 6)), np.zeros(6)
+    drift, count, tilted = np.zeros((DRIFTS, 6)), np.zeros(6), np.zeros_like(white_variance)
     known = np.array([np.isfinite(segment.allan).all(axis=0) for segment in segments])
     for channel in range(6):
         pooled = _pooled_allan([segments[i] for i in np.flatnonzero(known[:, channel])], channel)
@@ -90,7 +91,8 @@ def fit_noise(
             errors = contrasts(segments, shapes, white_variance[:, channel], channel)
             drift[:, channel] = drift_strengths(errors, pooled)
             count[channel] = errors.value.shape[1]
-    white = _white(segments, drift)
+            tilted[:, channel] = errors.tilted
+    white = _white(segments, drift) + tilted * seconds[:, None]
     return ChannelNoise(white, drift, shapes, count, seconds, _white_degrees(segments))
 
 

@@ -36,6 +36,7 @@ LIMITS = {
 }
 SIZES = {"ε1": 1e-4, "g": 1e-2, "φ": 1e-3, "α4": 1e-4, "α3": 1e-4, "α5": 1e-4}  # in the units
 DRAWS = {"α4": 3, "α3": 2, "α5": 2}  # of what is drawn more than once in a run
+PLACE_M = 0.005  # of the accelerometers from the axes, at most
 METHODS = {each.method: each for each in (JJF2003_CLAUSES, JOINT)}
 
 
@@ -67,7 +68,7 @@ def right(request) -> Calibration:
 
 @pytest.mark.parametrize("symbol", SIZES)
 def test_each_value_moves_by_the_error_times_its_sensitivity(right, symbol: str) -> None:
-    """To a twentieth of what one standard uncertainty of all equipment does.
+    """To a hundredth of it, or of what all standard uncertainties together do.
 
     A fixture wrong about each axis: the lines hold the root of the sum of three squares.
     """
@@ -78,8 +79,10 @@ def test_each_value_moves_by_the_error_times_its_sensitivity(right, symbol: str)
             changes = [each.items[name].value[element] - budget.value for each in moved]
             lines = [line for line in budget.inputs if line.symbol == symbol]
             expected = sum(abs(line.sensitivity) for line in lines) * SIZES[symbol]
-            left = 0.05 * budget.u_c * SIZES[symbol] / LIMITS[symbol].u
-            assert np.linalg.norm(changes) == pytest.approx(expected, rel=0.05, abs=left), (
+            left = 0.01 * budget.u_c * SIZES[symbol] / LIMITS[symbol].u
+            if name == "accel_rate_sensitivity":
+                left += PLACE_M * SIZES[symbol]  # a tilted axis passes the sensors elsewhere
+            assert np.linalg.norm(changes) == pytest.approx(expected, rel=0.01, abs=left), (
                 f"{name}.{element}"
             )
             compared += expected > left

@@ -1,0 +1,1 @@
+"""Coverage of the stated uncertainties on tables unlike that of the validation."""
