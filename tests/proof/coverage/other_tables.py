@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.equipment import EquipmentLimit, LimitName
-from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.station.virtual.unit import DEGREE
 from tasks.uncertainty.equipment import JJF2003, ErrorLimit
 from tasks.validation import run1536, run2003

@@ -35,7 +35,8 @@ def main(units: int, seed: int) -> None:
         f"{units} units each, seeds from {seed} on; share of the truths within the stated 95 % "
         "interval. Below and above are named where the 95 % interval of the share itself (Wilson) "
         "is outside of 93 to 97 %.", "",
-        "| table | method | elements | within 93 to 97 % | below | above |", "|---|---|---|---|---|---|",
+        "| table | method | elements | within 93 to 97 % | below | above |",
+        "|---|---|---|---|---|---|",
     ]  # fmt: skip
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:

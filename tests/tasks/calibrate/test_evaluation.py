@@ -138,7 +138,7 @@ def test_a_recording_of_no_specification_counts_no_table_and_says_so(ideal_run) 
     (remark,) = [r for r in calibration.remarks if r.code == "equipment_unknown"]
     assert remark.blocks_pass
     symbols = {line.symbol for b in budgets(calibration).values() for line in b.inputs}
-    assert symbols <= {"u_A", "g", "q"}
+    assert symbols <= {"u_A", "g", "q", "ωN"}
     assert calibration.settings["limits"] == "table and fixture not known"
 
 

@@ -68,7 +68,7 @@ def test_differences_of_means_scatter_as_stated(weights, drift: float) -> None:
         of = weights(len(means))
         squares.append((of @ means) ** 2 / (of @ covariance @ of))
     # Labels that name no axis up leave no contrast to show that there is no drift.
-    assert (0.75 if drift else 0.5) < np.sqrt(np.mean(squares)) < 1.25
+    assert (0.75 if drift else 0.45) < np.sqrt(np.mean(squares)) < 1.25
 
 
 def test_correlated_samples_are_not_counted_as_independent() -> None:
