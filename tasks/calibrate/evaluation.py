@@ -159,7 +159,8 @@ def evaluation_for(
         remarks = () if known else (remark("equipment_unknown", phrase, blocks_pass=True),)
         return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)
     if "rate" in own:
-        table, table_source = equipment.rates[0][1].u, own["rate"].source
+        table = max(limit.u for _, limit in equipment.rates)
+        table_source = own["rate"].source
     settings["u1 of the table"] = (
         f"{table:g} ({own['rate'].source if 'rate' in own else BY_EXAMPLE})"
     )

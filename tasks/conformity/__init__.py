@@ -2,7 +2,7 @@
 
 from tasks.conformity.decide import decide
 from tasks.conformity.deviations import deviations
-from tasks.conformity.equipment import expired, smaller_than_stated
+from tasks.conformity.equipment import expired, failed_checks, smaller_than_stated
 from tasks.conformity.reasons import Doubt
 
-__all__ = ["Doubt", "decide", "deviations", "expired", "smaller_than_stated"]
+__all__ = ["Doubt", "decide", "deviations", "expired", "failed_checks", "smaller_than_stated"]

@@ -15,7 +15,7 @@ from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
-from tasks.stages.equipment_in_use import limits_in_use
+from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
 from tasks.stages.stage import stage
 from tasks.version import code_version
 from tasks.words import say
@@ -34,7 +34,8 @@ def estimate(
     """Calibrate a run and store the result; the same result twice is stored once.
 
     laboratory: that of the home, unless given. Its limits, and those of the standards in use, take
-    precedence over Table 1 of the specification, and its latitude is checked. With terms, the
+    precedence over Table 1 of the specification, errors that the standards state are taken off the
+    reference, and its latitude is checked. With terms, the
     readings are corrected for their contributions first; that result stands beside the one without
     them and supersedes only one with the same terms. Raises Unusable for a term that this recording
     cannot have or does not determine.
@@ -49,7 +50,7 @@ def calibration_of(
     run: Run, home: Home, how: Estimation, laboratory: Laboratory | None
 ) -> Calibration:
     """The calibration of a run, which is not kept; see `estimate`."""
-    recording = runs.load(run, home)
+    recording = reference_in_use(runs.load(run, home), home, laboratory)
     specification = specification_for(recording.manifest.standard, how.method)
     limits = limits_in_use(recording.manifest, home, laboratory)
     calibrated = partial(

@@ -102,6 +102,7 @@ certificate-setting =
     .u1-of-the-table = u1 of the table
     .effective-bits = effective bits
 certificate-setting-with = { $name }: { $value }
+certificate-setting-stated = { $half_width } ({ $source })
 certificate-setting-limit = laboratory limit, { $limit }
 certificate-setting-by-example = { $number } (as in the specification's example)
 certificate-setting-of-unit = { $number } (the unit's own)
@@ -206,6 +207,13 @@ certificate-limits = Limits used for type B: { $parts }.
     .recommended = for table and fixture the limits recommended by { $sources }, which this equipment is assumed to meet: { $limits }
     .assumed = { $limit } assumed known to { $known }
 certificate-limit-of-standard = { $limit } { $half_width } ({ $shape })
+certificate-function-of-standard =
+    .corrected = { $limit }{ $range }: deviation within { $deviation }, corrected; U ≤ { $U } (k = { $k })
+    .budgeted = { $limit }{ $range }: deviation within { $deviation }, not corrected but counted with U; U ≤ { $U } (k = { $k })
+certificate-by-function =
+    .corrected = { $paper }, deviation corrected
+    .budgeted = { $paper }, deviation not corrected but counted with U
+    .drift = { $source }, drift over { $years } years included
 certificate-assumed =
     .gravity = assumed: calculated from latitude and height, anomalies within 50 mGal
     .latitude = assumed: latitude stated to 0.1°

@@ -102,6 +102,7 @@ certificate-setting =
     .u1-of-the-table = 转台的 u1
     .effective-bits = 有效位数
 certificate-setting-with = { $name }：{ $value }
+certificate-setting-stated = { $half_width }（{ $source }）
 certificate-setting-limit = 实验室给出的极限，{ $limit }
 certificate-setting-by-example = { $number }（取规范示例值）
 certificate-setting-of-unit = { $number }（被校对象的值）
@@ -206,6 +207,13 @@ certificate-limits = B 类分量的极限：{ $parts }。
     .recommended = 转台和夹具取 { $sources } 推荐的技术指标（视为本装置满足）：{ $limits }
     .assumed = { $limit }假定已知至 { $known }
 certificate-limit-of-standard = { $limit } { $half_width }（{ $shape }）
+certificate-function-of-standard =
+    .corrected = { $limit }{ $range }：示值误差在 { $deviation } 内，已修正；U ≤ { $U }（k = { $k }）
+    .budgeted = { $limit }{ $range }：示值误差在 { $deviation } 内，未修正，与 U 一并计入；U ≤ { $U }（k = { $k }）
+certificate-by-function =
+    .corrected = { $paper }，示值误差已修正
+    .budgeted = { $paper }，示值误差未修正，与 U 一并计入
+    .drift = { $source }，含 { $years } 年的漂移
 certificate-assumed =
     .gravity = 假定：由纬度和高程计算，重力异常不超过 50 mGal
     .latitude = 假定：纬度给出至 0.1°
