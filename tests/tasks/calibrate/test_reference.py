@@ -64,7 +64,7 @@ def on_wrong_table(
         if segment.kind != "rate" or segment.axis is None:
             continue
         indicated = math.radians(segment.rate_deg_s or 0.0)
-        missing = indicated / (1.0 + error(abs(segment.rate_deg_s or 0.0))) - said
+        missing = indicated / (1.0 + error(abs(segment.rate_deg_s or 0.0))) - indicated
         rows = recording.imu.rows(segment.t_start, segment.t_end)
         for channel, name in enumerate(GYRO):
             columns[name][rows] += scale[channel, AXES.index(segment.axis)] * missing
