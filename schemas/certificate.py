@@ -12,7 +12,7 @@ from schemas.calibration import Calibration
 from schemas.configuration import Configuration, configuration_of
 from schemas.curve import Curve
 from schemas.decision import Decision
-from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard
+from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
 from schemas.recording import Manifest
 
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
@@ -151,7 +151,9 @@ class Order(Frozen):
     asked for; without one, no verdict is given. waived_conditions: conditions that need not be met
     or checked for a pass. configuration: of the unit, in addition to the recording's manifest.
     place: of calibration, if not the laboratory's own. language: of the certificate, if not the
-    laboratory's.
+    laboratory's. axes: about which the results are: those of the unit's mounting plane (its base)
+    or those of the fixture; where nothing is said, those of the mounting plane if the laboratory
+    states the limit `mounting`, else those of the fixture.
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
@@ -166,6 +168,7 @@ class Order(Frozen):
     place: str | None = None
     place_zh: str | None = None
     language: PrintedIn | None = None
+    axes: ResultAxes | None = None
 
     @property
     def agrees_on_recalibration(self) -> bool:

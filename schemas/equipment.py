@@ -26,6 +26,7 @@ LimitName = Literal[
     "latitude",
     "heading",
 ]
+ResultAxes = Literal["mounting plane", "fixture"]  # which axes of the unit results are about
 
 
 class ErrorBound(Frozen):

@@ -130,11 +130,22 @@ def whose_limits(calibration: Calibration, specification: Specification) -> tupl
     parts += [_assumed(name_of(line), half_width(line)) for line in assumed]
     if _latitude_of_second_values(calibration, limits):
         parts.append(_assumed(LATITUDE.name, f"{math.degrees(LATITUDE.half_width):g}°"))
-    stated = message("certificate-limits", parts=clauses(parts))
-    if any(line.symbol == limit_of("mounting").symbol for line in limits):
-        return (stated,)
+    return (message("certificate-limits", parts=clauses(parts)),)
+
+
+def axes_of_results(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
+    """About which axes the results are, and whether the tilt of the unit's base is in a budget.
+
+    Results of earlier versions do not say it: they are about the axes of the fixture unless a
+    budget has the limit of the mounting.
+    """
+    counted = any(line.symbol == limit_of("mounting").symbol for line in limits_of(calibration))
+    axes = calibration.settings.get("axes") or ("mounting plane" if counted else "fixture")
+    if axes == "mounting plane" and counted:
+        return (message("certificate-axes.mounting-plane"),)
+    kind = "fixture" if axes == "fixture" else "mounting-unknown"
     # The plate tilts with the unit's base, whose length nobody states.
-    return stated, message(by_document("flatness", specification))
+    return message(f"certificate-axes.{kind}"), message(by_document("flatness", specification))
 
 
 def _assumed(name: Sayable, known: str | None) -> Message:

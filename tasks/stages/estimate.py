@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import get_args
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, UncertaintyKind
 from schemas.certificate import Laboratory
+from schemas.equipment import ResultAxes
 from schemas.orders import Estimation, UncertaintyName
 from schemas.recording import Recording
 from storage import settings
@@ -58,7 +60,7 @@ def calibration_of(
         specification,
         run=run.id,
         code_version=code_version(),
-        evaluation=evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits),
+        evaluation=evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits, how.axes),
         own_latitude_deg=laboratory.latitude_deg if laboratory else None,
     )
     if how.terms is None:
@@ -67,13 +69,15 @@ def calibration_of(
 
 
 def how_made(calibration: Calibration) -> Estimation:
-    """How a result was estimated: its method, its way to the uncertainties, its terms."""
+    """How a result was estimated: its method, its way to the uncertainties, its terms, its axes."""
     kind = calibration.settings.get("uncertainty")
+    stated = calibration.settings.get("axes")
     names = [name for name, each in UNCERTAINTIES.items() if each == kind]
     return Estimation(
         method=calibration.method,
         uncertainty=names[0] if names else "gum",
         terms=tuple(term.name for term in calibration.terms) or None,
+        axes=next((axes for axes in get_args(ResultAxes) if axes == stated), None),
     )
 
 
