@@ -13,6 +13,7 @@ from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks import conformity, reminders
+from tasks.conformity.capabilities import certificate_as_stated
 from tasks.curves import curves_of_run, history
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.certificate_inputs import (
@@ -68,6 +69,8 @@ def certify(
         laboratory = laboratory.model_copy(update={"equipment": equipment})
         laboratory = with_appearance(laboratory, home)
     check_order(order, calibrated_on, today)
+    capabilities = laboratory.capabilities if laboratory else ()
+    conformity.check_capabilities(capabilities)
     validated = settings.validation(home) or record.shipped()
     on = calibrated_on or today
     standing = (*conformity.expired(equipment, on), *conformity.failed_checks(equipment))
@@ -80,7 +83,8 @@ def certify(
         unmet = (each.printed for each in deviating if not each.waived)
         doubts = record.doubts_of(validated, result)
         smaller = conformity.smaller_than_stated(result, equipment, on)
-        return conformity.decide(result, tolerance, (*standing, *smaller, *unmet), doubts)
+        stated = conformity.as_stated(result, capabilities)
+        return conformity.decide(stated, tolerance, (*standing, *smaller, *unmet), doubts)
 
     decision = decide(calibration)
     found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)
@@ -106,7 +110,8 @@ def certify(
         steps=(drafted,) if drafted else (),
         replaces=replaces,
     )
-    moved = tuple(history(certificate, earlier_certificates(run, calibrated_on, home)))
+    earlier = map(certificate_as_stated, earlier_certificates(run, calibrated_on, home))
+    moved = tuple(history(certificate_as_stated(certificate), tuple(earlier)))
     drawn = certificate.model_copy(update={"curves": (*certificate.curves, *moved)})
     return keep_draft(drawn, home, now)
 

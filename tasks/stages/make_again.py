@@ -98,7 +98,8 @@ def _made(job: Job, began: float) -> Outcome:
     )  # fmt: skip
     if not before:
         return Outcome(made, Difference())
-    return Outcome(made, difference(before.calibration, calibration, job.tolerance))
+    capabilities = job.laboratory.capabilities if job.laboratory else ()
+    return Outcome(made, difference(before.calibration, calibration, job.tolerance, capabilities))
 
 
 def circumstances(laboratory: Laboratory | None, home: Home) -> str:

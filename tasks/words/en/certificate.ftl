@@ -229,6 +229,10 @@ certificate-axes-setting =
 certificate-flatness =
     .jjf-2003-2022 = The flatness of table and fixture (Table 1, 6.2: 0.02 mm) is not included: the tilt of the base that it causes depends on the length of the base, which the specification does not give; over 100 mm it would be about 41″, more than the limit of the fixture's squareness.
     .jjf-1536-2015 = The flatness of the fixture (6.2.2 b): 0.01 mm) is not included: the tilt of the base that it causes depends on the length of the base, which the specification does not give; over 100 mm it would be about 21″, more than the limit of the fixture's squareness.
+certificate-capability =
+    .stated = The laboratory states no U below its calibration and measurement capability (CMC, k = 2): of { $items } the evaluated U is smaller, and the capability is stated in its place.
+    .outside = The laboratory's calibration and measurement capabilities do not cover { $items }, which are outside its accreditation: this certificate does not refer to the accreditation.
+certificate-capability-item = { $item } ({ $symbols })
 certificate-validation = { $record }.
 certificate-distribution =
     .normal = normal

@@ -229,6 +229,10 @@ certificate-axes-setting =
 certificate-flatness =
     .jjf-2003-2022 = 台面和夹具的平面度（表 1、6.2：0.02 mm）未计入：其引起的基面倾角取决于安装基面的长度，规范未给出；按 100 mm 计约 41″，大于夹具垂直度的极限。
     .jjf-1536-2015 = 夹具的平面度（6.2.2 b）：0.01 mm）未计入：其引起的基面倾角取决于安装基面的长度，规范未给出；按 100 mm 计约 21″，大于夹具垂直度的极限。
+certificate-capability =
+    .stated = 本实验室给出的 U 不小于其校准和测量能力（CMC，k = 2）：{ $items }评定的 U 小于该能力，以该能力给出。
+    .outside = 本实验室的校准和测量能力未覆盖{ $items }，这些项目不在认可范围内：本证书不使用认可标识。
+certificate-capability-item = { $item }（{ $symbols }）
 certificate-validation = { $record }。
 certificate-distribution =
     .normal = 正态
