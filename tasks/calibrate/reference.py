@@ -151,7 +151,7 @@ def _check(
             )
     if beyond:
         raise ValueError(
-            f"states it {' and '.join(beyond.values())}: add what the certificate says there, or "
+            f"{' and '.join(beyond.values())}: add what the certificate says there, or "
             f"state a limit of {name}"
         )
 

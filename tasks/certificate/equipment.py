@@ -23,7 +23,7 @@ ASSUMED = {
     LATITUDE.clause: message("certificate-assumed.latitude"),
     LEVELLED: message("certificate-assumed.level"),
 }
-FUNCTION_UNITS: dict[LimitName, str] = {"rate": "°/s", "position": "°"}
+FUNCTION_UNITS: dict[LimitName, str] = {"rate": "deg/s", "position": "deg"}
 
 
 def limits_of(calibration: Calibration) -> tuple[BudgetInput, ...]:
@@ -102,7 +102,7 @@ def _function(name: LimitName, function: ErrorFunction) -> Message:
     stated = [row.U for row in function.rows] + [part.U for part in function.polynomials]
     return message(
         f"certificate-function-of-standard.{function.deviation}", limit=limit.name,
-        range=f" {low:g} … {high:g} {unit}" if unit else "",
+        range=f" {' … '.join(quantity_text(plain(x), unit) for x in (low, high))}" if unit else "",
         deviation=bound_text(largest, limit.unit),
         U=bound_text(max(stated), limit.unit).removeprefix("±"),
         k=f"{function.k:g}",

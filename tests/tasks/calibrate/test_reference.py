@@ -182,6 +182,39 @@ def test_encoders_are_corrected_axis_by_axis_at_their_angle(
         assert np.abs(moved[np.abs(np.degrees(column)) < 1e-6]).max() < 1e-9
 
 
+def test_encoders_that_deviate_by_a_known_function_give_the_truth_once_corrected(
+    simulated: tuple[Recording, np.ndarray],
+) -> None:
+    """The table stands where it stood, and its inner axis shows 2e-4·sin² of its angle too much.
+
+    With x up or down gravity is then looked for 2e-4 beside x, with y up or down where it is: a
+    cross coupling of x and y.
+    """
+    exact, _ = simulated
+    axes = [axis.name for axis in exact.manifest.station.table_axes or ()]
+    at = np.arange(-180.0, 181.0, 5.0)
+    rows = [
+        {"axis": axis, "at": float(x), "U": 1e-6,
+         "deviation": 2e-4 * math.sin(math.radians(x)) ** 2 if axis == axes[2] else 0.0}
+        for axis in axes
+        for x in at
+    ]  # fmt: skip
+    assert exact.table is not None
+    columns = dict(exact.table.columns)
+    actual = columns[f"{axes[2]}_angle"]
+    columns[f"{axes[2]}_angle"] = actual + 2e-4 * np.sin(actual) ** 2
+    wrong = replace(exact, table=replace(exact.table, columns=columns))
+    paper = standard("position", {"deviation": "corrected", "rows": rows})
+    right, left, corrected = (
+        items_only(JOINT, each).items["accel_cross_coupling"].value
+        for each in (exact, wrong, as_certified(wrong, [paper]))
+    )
+    off = max(abs((left[e] or 0.0) - (right[e] or 0.0)) for e in right)
+    assert off == pytest.approx(2e-4, rel=0.05)
+    for element, value in right.items():
+        assert corrected[element] == pytest.approx(value, abs=1e-6)
+
+
 def test_gravity_and_the_clock_are_corrected(ideal_run: Callable[..., Recording]) -> None:
     exact = ideal_run(dwell=1.0)
     g = exact.manifest.station.gravity_m_s2
