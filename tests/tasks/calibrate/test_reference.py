@@ -17,11 +17,13 @@ from schemas.equipment import MeasurementStandard
 from schemas.recording import GYRO, Recording, Stream
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.calibrate.reference import as_certified
+from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
 from tasks.specifications.specification import Specification
 from tasks.uncertainty.equipment import stated_limits
 from tasks.validation import run2003
+from tasks.validation.coverage import simulate
 from tasks.validation.simulated_units import draw_simulated_unit
 from tests.tasks.items_only import items_only
 
@@ -98,6 +100,17 @@ def test_a_table_that_deviates_is_corrected_by_its_certificate(
     for axis in AXES:
         assert corrected[axis] == pytest.approx(right[axis], abs=2e-8)
         assert left[axis] - right[axis] == pytest.approx(-off * right[axis], rel=0.02)
+
+
+def test_a_unit_that_accumulates_angles_is_corrected_too() -> None:
+    recording = simulate("jjf1536", 3)[0]
+    rates = {abs(s.rate_deg_s) for s in recording.manifest.segments or () if s.rate_deg_s}
+    rows = [{"at": at, "deviation": 3e-4, "U": 1e-5} for at in (min(rates), max(rates))]
+    paper = standard("rate", {"deviation": "corrected", "rows": rows})
+    plain = items_only(JJF1536, recording).items["ahrs_scale_factor"].value
+    corrected = calibrated(JJF1536, recording, paper).items["ahrs_scale_factor"].value
+    for axis in AXES:
+        assert corrected[axis] == pytest.approx((plain[axis] or 0.0) * 1.0003, rel=1e-7)
 
 
 @settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
