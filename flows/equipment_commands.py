@@ -1,11 +1,15 @@
-"""The register of the laboratory's measurement standards: `mimucal equipment add|renew|list`."""
+"""The register of the laboratory's measurement standards: `mimucal equipment`."""
 
 from datetime import date
+from typing import TYPE_CHECKING
 
 import typer
 
-from flows import options
+from flows import equipment_options, options
 from schemas.base import Unusable
+
+if TYPE_CHECKING:
+    from schemas.equipment import MeasurementStandard
 
 app = typer.Typer(help="The laboratory's measurement standards, their certificates and due dates.")
 
@@ -39,6 +43,63 @@ def renew(file: options.EquipmentFile, by: options.By = None) -> None:
     print(f"{len(given)} renewed")
 
 
+@app.command(
+    name="import", epilog="Example: mimucal equipment import dcc.xml budgeted --out table.json"
+)
+def import_(
+    file: equipment_options.StandardDcc,
+    deviation: equipment_options.Deviation,
+    out: equipment_options.Entry,
+) -> None:
+    """Write what a standard's own DCC (XML) states as an entry that `add` and `renew` read.
+
+    Look it through first: a DCC does not say until when it is valid, or how the standard drifts.
+    """
+    from schemas.equipment import EquipmentFile
+    from storage.formats.standard_dcc import read_standard
+    from storage.whole_files import written_out
+
+    entry = EquipmentFile(equipment=(read_standard(file, deviation),))
+    with written_out(out) as draft:
+        draft.write_text(entry.model_dump_json(indent=1, exclude_unset=True), encoding="utf-8")
+    (standard,) = entry.equipment
+    for name, function in standard.functions.items():
+        axes = ", ".join(axis for axis in function.axes if axis) or "every axis"
+        print(f"{name}: {len(function.rows)} rows ({axes})")
+    print(f"Look through {out}, complete valid_until, then: mimucal equipment add {out}")
+
+
+@app.command(epilog="Example: mimucal equipment check T-1 --what rate --result 3e-6 --limit 1e-5")
+def check(
+    serial: equipment_options.OfStandard,
+    what: equipment_options.Checked,
+    result: equipment_options.CheckResult,
+    limit: equipment_options.CheckLimit,
+    unit: equipment_options.CheckUnit = "",
+    what_zh: equipment_options.CheckedZh = "",
+    on: equipment_options.CheckedOn = None,
+    by: options.By = None,
+) -> None:
+    """Record an intermediate check of a standard; one beyond its limit prevents every pass."""
+    from pydantic import ValidationError
+
+    from schemas.base import first_fault
+    from schemas.equipment import IntermediateCheck
+    from storage.catalogue import equipment
+    from storage.home import home
+
+    day = on.date() if on else date.today()
+    try:
+        made = IntermediateCheck(
+            checked_on=day, what=what, what_zh=what_zh, result=result, limit=limit, unit=unit
+        )
+    except ValidationError as fault:
+        raise Unusable(f"the check of {serial}: {first_fault(fault)}; correct it.") from fault
+    checked = equipment.add_check(serial, made, home(), _person(by))
+    found = "passed" if made.passed else "FAILED: nothing passes with this standard"
+    print(f"{serial}, certificate {checked.certificate}: {found}")
+
+
 @app.command(name="list", epilog="Example: mimucal equipment list --json")
 def list_(as_json: options.Json = False) -> None:
     """List the standards with the certificates valid today."""
@@ -61,10 +122,15 @@ def list_(as_json: options.Json = False) -> None:
         ("serial", "name", "certificate", "calibrated", "valid until", "states", ""),
         [
             (s.serial, s.name, s.certificate, str(s.calibrated_on or ""), str(s.valid_until or ""),
-             ", ".join(s.limits), "PAST DUE" if s.serial in late else "")
+             ", ".join((*s.limits, *s.functions)), _state(s, s.serial in late))
             for s in standards
         ],
     )  # fmt: skip
+
+
+def _state(standard: "MeasurementStandard", late: bool) -> str:
+    failed = not all(check.passed for check in standard.checks)
+    return ", ".join(["PAST DUE"] * late + ["CHECK FAILED"] * failed)
 
 
 def _person(by: str | None) -> str:

@@ -237,6 +237,8 @@ def _certified(
     from tasks.stages.estimate import estimate
     from tasks.stages.import_recording import run_of
 
+    if inputs.order and inputs.order.axes:
+        how = how.model_copy(update={"axes": inputs.order.axes})
     run = run_of(run_reference, place)
     found = run_of(found_reference, place) if found_reference is not None else None
     calibration = estimate(run, place, how, inputs.laboratory)

@@ -9,10 +9,11 @@ from pydantic import AwareDatetime, Field, model_validator
 from schemas.appearance import Appearance, Wording
 from schemas.base import Frozen
 from schemas.calibration import Calibration
+from schemas.capability import Capability, check_apart
 from schemas.configuration import Configuration, configuration_of
 from schemas.curve import Curve
 from schemas.decision import Decision
-from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard
+from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
 from schemas.recording import Manifest
 
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
@@ -84,13 +85,14 @@ class Laboratory(Frozen):
 
     accreditation: body and number, as it may be claimed for these results. place: where it
     calibrates, if not at its address. limits: error limits of its equipment, in place of Table 1 of
-    the specification. latitude_deg: of its site, compared with that of each recording.
-    number_scheme: how {prefix}, {year} of issue and {serial} form the number of a certificate.
-    separate_persons: whether drafting, checking and issuing a certificate require three different
-    persons. language: of its printed certificates. wording: its own texts for labels of the
-    certificate, by label name. logo, seal, template: its files, relative to the home folder unless
-    absolute; their content becomes appearance. signing: the key that signs issued certificates. The
-    record of a certificate does not contain the paths of these files.
+    the specification. capabilities: its CMC: no smaller U is decided on or printed, and the
+    accreditation is printed only where they cover every item. latitude_deg: of its site, compared
+    with that of each recording. number_scheme: how {prefix}, {year} of issue and {serial} form the
+    number of a certificate. separate_persons: whether drafting, checking and issuing a certificate
+    require three different persons. language: of its printed certificates. wording: its own texts
+    for labels of the certificate, by label name. logo, seal, template: its files, relative to the
+    home folder unless absolute; their content becomes appearance. signing: the key that signs
+    issued certificates. The record of a certificate does not contain the paths of these files.
     """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
@@ -106,6 +108,7 @@ class Laboratory(Frozen):
     language: PrintedIn = "both"
     equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
+    capabilities: tuple[Capability, ...] = ()
     latitude_deg: float | None = Field(default=None, ge=-90, le=90)
     wording: dict[str, Wording] = Field(default_factory=dict)
     logo: str | None = Field(default=None, exclude=True)
@@ -118,6 +121,11 @@ class Laboratory(Frozen):
     issuer: str | None = None
     issuer_title: str | None = None
     issuer_title_zh: str | None = None
+
+    @model_validator(mode="after")
+    def _capabilities_do_not_overlap(self) -> Self:
+        check_apart(self.capabilities)
+        return self
 
     @model_validator(mode="after")
     def _scheme_gives_names_of_files(self) -> Self:
@@ -151,7 +159,9 @@ class Order(Frozen):
     asked for; without one, no verdict is given. waived_conditions: conditions that need not be met
     or checked for a pass. configuration: of the unit, in addition to the recording's manifest.
     place: of calibration, if not the laboratory's own. language: of the certificate, if not the
-    laboratory's.
+    laboratory's. axes: about which the results are: those of the unit's mounting plane (its base)
+    or those of the fixture; where nothing is said, those of the mounting plane if the laboratory
+    states the limit `mounting`, else those of the fixture.
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
@@ -166,6 +176,7 @@ class Order(Frozen):
     place: str | None = None
     place_zh: str | None = None
     language: PrintedIn | None = None
+    axes: ResultAxes | None = None
 
     @property
     def agrees_on_recalibration(self) -> bool:

@@ -1,11 +1,14 @@
 """Measuring equipment of a laboratory: standards, their certificates and their error limits."""
 
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from datetime import date
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from schemas.base import Frozen
+from schemas.base import Finite, Frozen
 
 MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
 LimitShape = Literal["normal", "rectangular", "triangular", "arcsine"]
@@ -23,6 +26,7 @@ LimitName = Literal[
     "latitude",
     "heading",
 ]
+ResultAxes = Literal["mounting plane", "fixture"]  # which axes of the unit results are about
 
 
 class ErrorBound(Frozen):
@@ -45,12 +49,145 @@ class EquipmentLimit(ErrorBound):
     source: str = Field(min_length=1)
 
 
+# What a certificate states an error of indication for, and over what: °/s, °, or one value.
+Argument = Literal["rate", "angle"]
+STATED_OVER: Mapping[LimitName, Argument | None] = {
+    "rate": "rate",
+    "position": "angle",
+    "gravity": None,
+    "time_base": None,
+}
+MAX_ERROR = 0.25  # relative, rad or m/s²: deviation, U and drift together stay below MAX_HALF_WIDTH
+Uncertainty = Annotated[float, Field(gt=0, le=MAX_ERROR, allow_inf_nan=False)]
+Error = Annotated[float, Field(ge=-MAX_ERROR, le=MAX_ERROR, allow_inf_nan=False)]
+STEPS = 200  # of the range of a polynomial, at which it is looked at
+
+
+class StatedError(Frozen):
+    """One row of a certificate: the error of indication at a rate or an angle of a table's axis.
+
+    at: °/s for rate (without a sign: of both directions), ° for position; none for what has one
+    value. axis: as the station file names it; none: every axis. deviation: indicated less actual,
+    in the unit of the limit (relative to the actual for rate and time_base; rad; m/s²).
+    """
+
+    at: Finite | None = None
+    axis: str | None = Field(default=None, min_length=1)
+    deviation: Error
+    U: Uncertainty
+
+
+class ErrorPolynomial(Frozen):
+    """The error of indication as c₀ + c₁·x + c₂·x² …, x in °/s or ° from lowest to highest.
+
+    Its values and U have the unit of a row's deviation.
+    """
+
+    axis: str | None = Field(default=None, min_length=1)
+    coefficients: tuple[Finite, ...] = Field(min_length=1)
+    lowest: Finite
+    highest: Finite
+    U: Uncertainty
+
+    def at(self, x: float) -> float:
+        """Its value."""
+        value = 0.0
+        for coefficient in reversed(self.coefficients):
+            value = value * x + coefficient
+        return value
+
+    @model_validator(mode="after")
+    def _is_an_error(self) -> Self:
+        if not self.lowest < self.highest:
+            raise ValueError(f"lowest = {self.lowest:g} is not below highest = {self.highest:g}")
+        step = (self.highest - self.lowest) / STEPS
+        largest = max(abs(self.at(self.lowest + n * step)) for n in range(STEPS + 1))
+        if not largest <= MAX_ERROR:
+            raise ValueError(
+                f"the polynomial reaches {largest:g} between {self.lowest:g} and {self.highest:g}, "
+                f"more than {MAX_ERROR:g}: its coefficients are relative (rad for angles), of °/s "
+                "or °"
+            )
+        return self
+
+
+class Drift(Frozen):
+    """How far an error may move in a year, in its unit; for `normal` with k = 2."""
+
+    per_year: Annotated[float, Field(gt=0, le=0.01, allow_inf_nan=False)]
+    distribution: LimitShape
+
+
+class ErrorFunction(Frozen):
+    """What a certificate states of a property: a table with linear interpolation, or polynomials.
+
+    deviation: whether it is corrected, so that U and drift alone count, or budgeted: it then counts
+    with U (GUM F.2.4.5). k: of every U. drift: since `calibrated_on`.
+    """
+
+    deviation: Literal["corrected", "budgeted"]
+    k: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = 2.0
+    rows: tuple[StatedError, ...] = ()
+    polynomials: tuple[ErrorPolynomial, ...] = ()
+    drift: Drift | None = None
+
+    @property
+    def axes(self) -> tuple[str | None, ...]:
+        """The axes that it is stated for; one None for all of them."""
+        stated = [row.axis for row in self.rows] + [part.axis for part in self.polynomials]
+        return tuple(dict.fromkeys(stated))
+
+    @model_validator(mode="after")
+    def _one_function_of_each_axis(self) -> Self:
+        if bool(self.rows) == bool(self.polynomials):
+            raise ValueError("give either rows or polynomials, at least one")
+        if None in self.axes and len(self.axes) > 1:
+            raise ValueError("some entries name an axis and some do not: name one in each, or none")
+        twice = [a for a, n in Counter(part.axis for part in self.polynomials).items() if n > 1]
+        if twice:
+            raise ValueError(f"there are two polynomials of axis {twice[0] or '(every)'}: give one")
+        for axis in self.axes:
+            _rising([row for row in self.rows if row.axis == axis])
+        return self
+
+
+def _rising(rows: list[StatedError]) -> None:
+    for one, other in pairwise(rows):
+        if one.at is None or other.at is None:
+            raise ValueError("a row of several needs `at`: the rate (°/s) or the angle (°)")
+        if not one.at < other.at:
+            raise ValueError(
+                f"row at = {other.at:g} follows at = {one.at:g}: sort the rows of an axis by `at`, "
+                "each once"
+            )
+
+
+class IntermediateCheck(Frozen):
+    """An intermediate check of a standard (ISO/IEC 17025:2017, 6.4.10): passed if |result| ≤ limit.
+
+    what: was checked, with unit as the laboratory writes it.
+    """
+
+    checked_on: date
+    what: str = Field(min_length=1)
+    what_zh: str = ""
+    result: Finite
+    limit: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    unit: str = ""
+
+    @property
+    def passed(self) -> bool:
+        return abs(self.result) <= self.limit
+
+
 class MeasurementStandard(Frozen):
     """A measurement standard, as clause 8 h) wants it on the certificate.
 
     limits: what its certificate says it may be off by, which goes into the budgets and is printed
-    in the place of `accuracy`. It may be used from `calibrated_on` to `valid_until`.
-    traceable: whether its certificate shows an unbroken chain of calibrations to the SI.
+    in the place of `accuracy`. functions: the same of rate, position, gravity or time_base as an
+    error with U, by rate or angle. It may be used from `calibrated_on` to `valid_until`.
+    traceable: whether its certificate shows an unbroken chain of calibrations to the SI. checks:
+    between calibrations; one that failed prevents a pass.
     """
 
     name: str
@@ -63,6 +200,23 @@ class MeasurementStandard(Frozen):
     calibrated_on: date | None = None
     valid_until: date | None = None
     limits: dict[LimitName, ErrorBound] = Field(default_factory=dict)
+    functions: dict[LimitName, ErrorFunction] = Field(default_factory=dict)
+    checks: tuple[IntermediateCheck, ...] = ()
+
+    @model_validator(mode="after")
+    def _functions_of_what_has_one(self) -> Self:
+        for name, function in self.functions.items():
+            if name not in STATED_OVER:
+                raise ValueError(
+                    f"functions.{name}: a function is of {', '.join(STATED_OVER)}; state {name} in "
+                    "limits"
+                )
+            if name in self.limits:
+                raise ValueError(f"{name} stands in limits and in functions: leave one out")
+            if function.drift and self.calibrated_on is None:
+                raise ValueError(f"functions.{name}.drift counts from calibrated_on: give that day")
+            _check_argument(name, function)
+        return self
 
     @model_validator(mode="after")
     def _due_after_it_was_calibrated(self) -> Self:
@@ -72,6 +226,25 @@ class MeasurementStandard(Frozen):
                 f"calibrated_on = {self.calibrated_on}"
             )
         return self
+
+
+def _check_argument(name: LimitName, function: ErrorFunction) -> None:
+    over, at = STATED_OVER[name], [row.at for row in function.rows]
+    if over is None and (function.polynomials or function.axes != (None,) or at != [None]):
+        raise ValueError(f"functions.{name} has one value: give one row without `at` and axis")
+    if over is not None and None in at:
+        raise ValueError(f"functions.{name}: a row needs `at`, the {over}")
+    if over == "rate":
+        _without_sign([*filter(None, at), *(part.lowest for part in function.polynomials)])
+
+
+def _without_sign(rates: Iterable[float]) -> None:
+    for rate in rates:
+        if rate < 0.0:
+            raise ValueError(
+                f"functions.rate at {rate:g} °/s: rates are stated without a sign, of both "
+                "directions; where they differ, state the mean with a U that holds both"
+            )
 
 
 class EquipmentFile(Frozen):

@@ -14,6 +14,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from schemas.base import Frozen, Unusable
 from schemas.calibration import Method
 from schemas.correction import Form
+from schemas.equipment import ResultAxes
 from schemas.recording import Unit
 
 UncertaintyName = Literal["gum", "montecarlo", "example"]
@@ -30,12 +31,14 @@ class Estimation(OrderModel):
 
     method: null is that of the specification for which the recording was made. terms: physics
     that `explain` found, by catalogue name, taken off the readings first; as a text, the names
-    stand with commas between.
+    stand with commas between. axes: about which the results are, if the client's order does not
+    say; null: those of the mounting plane where its limit is stated, else those of the fixture.
     """
 
     method: Method | None = None
     uncertainty: UncertaintyName = "gum"
     terms: tuple[str, ...] | None = None
+    axes: ResultAxes | None = None
 
     @field_validator("terms", mode="before")
     @classmethod

@@ -194,7 +194,11 @@ def joined(parts: Sequence[Stream]) -> Stream:
 
 @dataclass(frozen=True)
 class Recording:
-    """A whole recording in memory. `digest`: SHA-256 of its content (storage.formats.content)."""
+    """A whole recording in memory. `digest`: SHA-256 of its content (storage.formats.content).
+
+    rate_errors: by how much (relative) the table's rate in a segment, by its name, is less than
+    encoders and label say, as the certificate of the table has it; not in the file.
+    """
 
     manifest: Manifest
     imu: Stream
@@ -203,6 +207,7 @@ class Recording:
     environment: Stream | None = None
     digest: str = ""
     extra: Mapping[str, Any] = field(default_factory=dict)
+    rate_errors: Mapping[str, float] = field(default_factory=dict)
 
     def streams(self) -> dict[str, Stream]:
         """The streams that are present, by name."""

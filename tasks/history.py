@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
+from schemas.capability import Capability
 from schemas.history import COUNTED_IN_U, Change, Difference, Flip, Reprocessing
 from schemas.tolerance import Tolerance
-from tasks.conformity import decide
+from tasks.conformity import as_stated, decide
 from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw, picture_file
 from tasks.specifications.items import item_title
 from tasks.words import LANGUAGES, message, say
@@ -24,16 +25,23 @@ GOLDEN = 0.618034  # of the spread, from one mark to the next: no two are near
 
 
 def difference(
-    before: Calibration, after: Calibration, tolerance: Tolerance | None = None
+    before: Calibration,
+    after: Calibration,
+    tolerance: Tolerance | None = None,
+    capabilities: Sequence[Capability] = (),
 ) -> Difference:
     """What changed between two results by one method; nothing for two whose numbers agree.
 
     Verdicts on elements are by the same limits for both, and by the results alone: the effect of an
     expired standard or a missing validation on either verdict is not a difference of code. Limits
-    that do not apply to such a result change nothing.
+    that do not apply to such a result change nothing. capabilities: the laboratory's, below which
+    no U is decided on.
     """
     return Difference(
-        changed=tuple(_changes(before, after)), flips=tuple(_flips(before, after, tolerance))
+        changed=tuple(_changes(before, after)),
+        flips=tuple(
+            _flips(as_stated(before, capabilities), as_stated(after, capabilities), tolerance)
+        ),
     )
 
 

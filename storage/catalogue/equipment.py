@@ -7,7 +7,7 @@ from datetime import UTC, date, datetime
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.equipment import MeasurementStandard
+from schemas.equipment import IntermediateCheck, MeasurementStandard
 from storage.catalogue import database, tables, trail
 from storage.home import Home
 
@@ -51,6 +51,36 @@ def renew(standards: Iterable[MeasurementStandard], home: Home, person: str) -> 
             _note(connection, person, "renew equipment", standard)
 
 
+def add_check(
+    serial: str, check: IntermediateCheck, home: Home, person: str
+) -> MeasurementStandard:
+    """Adds an intermediate check to the certificate of its day, which is returned.
+
+    Raises Unusable for a standard that is not in the register.
+    """
+    table = tables.standards
+    with database.changing(home) as connection:
+        asked = sql.select(table.c.document).where(table.c.serial == serial)
+        known = [_standard(row.document) for row in connection.execute(asked.with_for_update())]
+        if not known:
+            raise Unusable(
+                f"{serial} is not in the register; add it with `mimucal equipment add`, or see "
+                "`mimucal equipment list`."
+            )
+        standard = _of_day(known, check.checked_on)[serial]
+        checked = standard.model_copy(update={"checks": (*standard.checks, check)})
+        connection.execute(
+            sql.update(table)
+            .where(table.c.serial == serial, table.c.certificate == standard.certificate)
+            .values(document=checked.model_dump_json())
+        )
+        trail.add(
+            connection, person, "check equipment", serial,
+            certificate=standard.certificate, check=check.model_dump(mode="json"),
+        )  # fmt: skip
+    return checked
+
+
 def register(home: Home) -> list[MeasurementStandard]:
     """Every certificate of every standard: by serial number, then from the oldest."""
     table = tables.standards.c
@@ -64,8 +94,15 @@ def on_day(home: Home, day: date | None) -> dict[str, MeasurementStandard]:
 
     This is the last one from before the day, or else the first of all. None: the last one.
     """
+    return _of_day(register(home), day)
+
+
+def _of_day(
+    standards: Iterable[MeasurementStandard], day: date | None
+) -> dict[str, MeasurementStandard]:
+    """By serial number, of the certificates of each in the order of their days."""
     found: dict[str, MeasurementStandard] = {}
-    for standard in register(home):
+    for standard in sorted(standards, key=lambda each: each.calibrated_on or date.min):
         began = standard.calibrated_on or date.min
         if standard.serial not in found or day is None or began <= day:
             found[standard.serial] = standard

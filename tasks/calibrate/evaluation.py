@@ -11,7 +11,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from schemas.base import Unusable
 from schemas.calibration import Elements, Item, UncertaintyKind
-from schemas.equipment import EquipmentLimit, LimitName
+from schemas.equipment import EquipmentLimit, LimitName, ResultAxes
 from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.uncertainty import Budget
@@ -132,15 +132,21 @@ def evaluation_for(
     recording: Recording,
     kind: UncertaintyKind = "GUM",
     own: Mapping[LimitName, EquipmentLimit] | None = None,
+    axes: ResultAxes | None = None,
 ) -> Evaluation:
     """The evaluation of a recording with the limits of its specification's Table 1.
 
     own: a laboratory's limits, which go before them. Of a recording without specification
     the equipment is not known: then gravity and latitude alone are counted, and the result says so.
+    axes: about which the results are: those of the mounting plane count its limit, and give no pass
+    without one; those of the fixture leave it out. None: those of the mounting plane where it has a
+    limit that counts.
     Raises Unusable where the unit's `effective_bits` are no number of bits, or `table_time` does
     not say within how many seconds the times of polled encoders are known.
     """
-    own = own or {}
+    counts = own is not None and "mounting" in own and kind != EXAMPLE
+    axes = axes or ("mounting plane" if counts else "fixture")
+    own = {n: limit for n, limit in (own or {}).items() if n != "mounting" or axes != "fixture"}
     specification = BY_STANDARD.get(recording.manifest.standard)
     equipment, named = NO_SPECIFICATION
     if specification is not None:
@@ -148,25 +154,31 @@ def evaluation_for(
     equipment = with_limits(equipment, own)
     if half_width_s := _polled_within(recording):
         equipment = with_polled_encoders(equipment, half_width_s)
-    settings: dict[str, str | float] = {"uncertainty": kind}
+    settings: dict[str, str | float] = {"uncertainty": kind, "axes": axes}
+    remarks: tuple[Remark, ...] = ()
+    if axes == "mounting plane" and not counts:
+        phrase = message("specifications-mounting-unknown")
+        remarks = (remark("mounting_unknown", phrase, blocks_pass=True),)
     table, table_source, bits = TABLE, BY_APPENDIX, _bits(recording)
     if kind != EXAMPLE:
         settings["limits"] = named
         for name, limit in own.items():
             settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
         known = equipment.rates and equipment.angles
-        phrase = message("specifications-equipment-unknown")
-        remarks = () if known else (remark("equipment_unknown", phrase, blocks_pass=True),)
+        if not known:
+            phrase = message("specifications-equipment-unknown")
+            remarks = (remark("equipment_unknown", phrase, blocks_pass=True), *remarks)
         return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)
     if "rate" in own:
-        table, table_source = equipment.rates[0][1].u, own["rate"].source
+        table = max(limit.u for _, limit in equipment.rates)
+        table_source = own["rate"].source
     settings["u1 of the table"] = (
         f"{table:g} ({own['rate'].source if 'rate' in own else BY_EXAMPLE})"
     )
     settings["effective bits"] = f"{bits:g} (the unit's)" if bits else f"{BITS} ({BY_EXAMPLE})"
     return Evaluation(
         equipment, kind, table=table, table_source=table_source, bits=bits or BITS,
-        settings=settings,
+        settings=settings, remarks=remarks,
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from tasks.certificate import cover
 from tasks.certificate.as_found import FoundSection, as_found, scope_with_found
 from tasks.certificate.budgets import Budgets, budgets
 from tasks.certificate.calibrated_object import calibrated_object
+from tasks.certificate.capabilities import stated_above, without_accreditation
 from tasks.certificate.conditions import ReportedConditions, conditions
 from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conformity
@@ -33,6 +34,7 @@ from tasks.certificate.statements import (
     uncertainty,
     uncertainty_in_short,
 )
+from tasks.conformity.capabilities import certificate_as_stated
 from tasks.conformity.deviations import deviations
 from tasks.conformity.reasons import conditional
 from tasks.specifications.register import SPECIFICATIONS
@@ -99,7 +101,9 @@ class Content:
 
 
 def content(certificate: Certificate) -> Content:
-    """Everything the certificate prints."""
+    """Everything the certificate prints, every U as it is stated."""
+    capability, outside = stated_above(certificate), without_accreditation(certificate)
+    certificate = certificate_as_stated(certificate)
     calibration, decision = certificate.calibration, certificate.decision
     specification, laboratory = SPECIFICATIONS[calibration.method], certificate.laboratory
     configuration, order = certificate.configuration, certificate.order
@@ -120,7 +124,7 @@ def content(certificate: Certificate) -> Content:
         scope=scope_with_found(certificate, cover.scope(calibration, decision, specification)),
         uncertainty_in_short=uncertainty_in_short(calibration),
         signatures=cover.signatures(certificate),
-        statement=basis(calibration, specification, bool(deviating)),
+        statement=(*basis(calibration, specification, bool(deviating)), *outside),
         calibrated_object=calibrated_object(certificate),
         standards=_standards(certificate),
         traceability=_traceability(certificate),
@@ -130,12 +134,16 @@ def content(certificate: Certificate) -> Content:
         as_found=as_found(certificate, specification),
         figures=figures(certificate),
         information=information_rows(calibration),
-        uncertainty=(*uncertainty(calibration, specification), *_validation(certificate)),
+        uncertainty=(
+            *uncertainty(calibration, specification),
+            *capability,
+            *_validation(certificate),
+        ),
         conformity=conformity(decision),
         reasons=(*reasons(calibration, decision, deviating), *conditional(decision)),
         readings=readings(calibration),
         remarks=remarks(calibration, deviating),
-        budgets=budgets(calibration) if certificate.budgets else None,
+        budgets=budgets(calibration, capability) if certificate.budgets else None,
         trace=_trace(certificate),
     )
 

@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
+
 from schemas.calibration import Calibration
-from schemas.equipment import MeasurementStandard
+from schemas.equipment import ErrorFunction, LimitName, MeasurementStandard
 from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
 from tasks.certificate.cover import by_document
@@ -11,6 +13,7 @@ from tasks.certificate.fields import given
 from tasks.conformity.equipment import bound_text
 from tasks.specifications.specification import Specification
 from tasks.uncertainty.equipment import GRAVITY, LATITUDE, LEVELLED, RECOMMENDED, limit_of
+from tasks.uncertainty.standards import FunctionSource, error_at, extent, stated_at
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import plain, quantity_text
 from tasks.words.typography import clause
@@ -20,6 +23,7 @@ ASSUMED = {
     LATITUDE.clause: message("certificate-assumed.latitude"),
     LEVELLED: message("certificate-assumed.level"),
 }
+FUNCTION_UNITS: dict[LimitName, str] = {"rate": "deg/s", "position": "deg"}
 
 
 def limits_of(calibration: Calibration) -> tuple[BudgetInput, ...]:
@@ -41,7 +45,18 @@ def name_of(line: BudgetInput) -> Statement:
 
 def source(line: BudgetInput) -> Sayable:
     """Who states a limit: the specification that recommends it, the laboratory, or nobody."""
-    return ASSUMED.get(line.source or "") or clause(line.source or "")
+    return stated_by(line.source or "")
+
+
+def stated_by(source: str) -> Sayable:
+    """The source of a limit, and of a function whether its deviation is corrected or budgeted."""
+    function = FunctionSource.read(source)
+    if function is None:
+        return ASSUMED.get(source) or clause(source)
+    by = message(f"certificate-by-function.{function.deviation}", paper=given(function.paper))
+    if not function.years:
+        return by
+    return message("certificate-by-function.drift", source=by, years=function.years)
 
 
 def half_width(line: BudgetInput) -> str | None:
@@ -61,19 +76,36 @@ def size(half_width: float, unit: str, is_latitude: bool) -> str:
 
 def accuracy(standard: MeasurementStandard) -> Sayable:
     """What a standard may be off by: the limits that go into the budgets, else as it was given."""
-    if not standard.limits:
+    if not standard.limits and not standard.functions:
         return given(standard.accuracy, standard.accuracy_zh)
-    return clauses(
-        [
-            message(
-                "certificate-limit-of-standard", limit=limit.name,
-                half_width=bound_text(bound.half_width, limit.unit),
-                shape=message(f"certificate-distribution.{bound.distribution}"),
-            )
-            for limit, bound in (
-                (limit_of(name), bound) for name, bound in standard.limits.items()
-            )
-        ]
+    limits = [
+        message(
+            "certificate-limit-of-standard", limit=limit.name,
+            half_width=bound_text(bound.half_width, limit.unit),
+            shape=message(f"certificate-distribution.{bound.distribution}"),
+        )
+        for limit, bound in ((limit_of(name), bound) for name, bound in standard.limits.items())
+    ]  # fmt: skip
+    functions = [_function(name, function) for name, function in standard.functions.items()]
+    return clauses([*limits, *functions])
+
+
+def _function(name: LimitName, function: ErrorFunction) -> Message:
+    """The extent of a stated function, its largest deviation and U, and what is done with it."""
+    limit, unit = limit_of(name), FUNCTION_UNITS.get(name)
+    extents = [extent(function, axis) or (0.0, 0.0) for axis in function.axes]
+    low, high = min(e[0] for e in extents), max(e[1] for e in extents)
+    largest = max(
+        float(np.abs(error_at(function, axis, np.array(stated_at(function, axis)))).max())
+        for axis in function.axes
+    )
+    stated = [row.U for row in function.rows] + [part.U for part in function.polynomials]
+    return message(
+        f"certificate-function-of-standard.{function.deviation}", limit=limit.name,
+        range=f" {' … '.join(quantity_text(plain(x), unit) for x in (low, high))}" if unit else "",
+        deviation=bound_text(largest, limit.unit),
+        U=bound_text(max(stated), limit.unit).removeprefix("±"),
+        k=f"{function.k:g}",
     )  # fmt: skip
 
 
@@ -98,11 +130,22 @@ def whose_limits(calibration: Calibration, specification: Specification) -> tupl
     parts += [_assumed(name_of(line), half_width(line)) for line in assumed]
     if _latitude_of_second_values(calibration, limits):
         parts.append(_assumed(LATITUDE.name, f"{math.degrees(LATITUDE.half_width):g}°"))
-    stated = message("certificate-limits", parts=clauses(parts))
-    if any(line.symbol == limit_of("mounting").symbol for line in limits):
-        return (stated,)
+    return (message("certificate-limits", parts=clauses(parts)),)
+
+
+def axes_of_results(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
+    """About which axes the results are, and whether the tilt of the unit's base is in a budget.
+
+    Results of earlier versions do not say it: they are about the axes of the fixture unless a
+    budget has the limit of the mounting.
+    """
+    counted = any(line.symbol == limit_of("mounting").symbol for line in limits_of(calibration))
+    axes = calibration.settings.get("axes") or ("mounting plane" if counted else "fixture")
+    if axes == "mounting plane" and counted:
+        return (message("certificate-axes.mounting-plane"),)
+    kind = "fixture" if axes == "fixture" else "mounting-unknown"
     # The plate tilts with the unit's base, whose length nobody states.
-    return stated, message(by_document("flatness", specification))
+    return message(f"certificate-axes.{kind}"), message(by_document("flatness", specification))
 
 
 def _assumed(name: Sayable, known: str | None) -> Message:

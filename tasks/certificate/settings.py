@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration
-from tasks.certificate.equipment import limits_of, size
+from tasks.certificate.equipment import limits_of, size, stated_by
 from tasks.certificate.fields import NOT_GIVEN, first_known, given, literal, slug
 from tasks.uncertainty.equipment import TAKEN_TO_BE_MET
 from tasks.words import Message, Sayable, message
@@ -73,6 +73,8 @@ def _printed_value(name: str, value: str | None) -> Sayable:
         limit = name.removeprefix(LIMIT)
         number, _, source = value.partition(" ")
         shown = size(float(number), LIMIT_UNITS.get(limit, "rad"), limit == "latitude")
-        return given(f"±{shown} {source}")
-    kind = first_known(f"certificate-kind.{slug(value)}") if name == "uncertainty" else None
+        by = stated_by(source.removeprefix("(").removesuffix(")"))
+        return message("certificate-setting-stated", half_width=f"±{shown}", source=by)
+    worded = {"uncertainty": "kind", "axes": "axes-setting"}.get(name)
+    kind = first_known(f"certificate-{worded}.{slug(value)}") if worded else None
     return kind or (clause(value) if value.startswith("JJF") else given(value))

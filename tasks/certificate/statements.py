@@ -8,7 +8,7 @@ from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.decision import Decision
 from schemas.text import Remark
 from tasks.certificate.cover import by_document, by_method
-from tasks.certificate.equipment import whose_limits
+from tasks.certificate.equipment import axes_of_results, whose_limits
 from tasks.certificate.fields import given, quoted, slug
 from tasks.certificate.merged_remarks import alike
 from tasks.conformity.deviations import NOT_RECORDED, Deviation
@@ -108,6 +108,7 @@ def uncertainty(calibration: Calibration, specification: Specification) -> tuple
         message("certificate-rounding"),
         *(message(f"certificate-u-contains.{slug(kind)}") for kind in kinds),
         *whose_limits(calibration, specification),
+        *axes_of_results(calibration, specification),
     )
 
 

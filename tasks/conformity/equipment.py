@@ -6,7 +6,7 @@ from datetime import date
 
 from schemas.calibration import Calibration
 from schemas.decision import LimitDecision
-from schemas.equipment import MeasurementStandard
+from schemas.equipment import EquipmentLimit, MeasurementStandard
 from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
 from tasks.uncertainty.equipment import (
@@ -15,6 +15,7 @@ from tasks.uncertainty.equipment import (
     standard_uncertainty,
     stated_limits,
 )
+from tasks.uncertainty.standards import FunctionSource
 from tasks.words import Message, message
 from tasks.words.quantities import plain, quantity_text
 from tasks.words.typography import clause
@@ -32,6 +33,22 @@ def expired(equipment: Iterable[MeasurementStandard], on: date) -> tuple[Message
         )
         for standard in equipment
         if standard.valid_until and standard.valid_until < on
+    )  # fmt: skip
+
+
+def failed_checks(equipment: Iterable[MeasurementStandard]) -> tuple[Message, ...]:
+    """A reason against a pass for each intermediate check of a standard beyond its limit."""
+    return tuple(
+        message(
+            "conformity-check-failed",
+            name=name_of(standard), serial=standard.serial, day=str(check.checked_on),
+            what=Statement(en=check.what, zh=check.what_zh or check.what),
+            result=quantity_text(plain(check.result, 6), check.unit or "1"),
+            limit=quantity_text(plain(check.limit, 6), check.unit or "1"),
+        )
+        for standard in equipment
+        for check in standard.checks
+        if not check.passed
     )  # fmt: skip
 
 
@@ -56,13 +73,15 @@ def taken_to_be_met(
 
 
 def smaller_than_stated(
-    calibration: Calibration, equipment: Iterable[MeasurementStandard]
+    calibration: Calibration, equipment: Iterable[MeasurementStandard], day: date
 ) -> tuple[Message, ...]:
     """A reason against a pass for each limit in a budget below what the equipment's paper states.
 
-    Compared are standard uncertainties, of the lines that are the laboratory's own.
+    Compared are standard uncertainties, of the lines that are the laboratory's own; of what is
+    stated by rate or angle the largest. day: of the measurement. What a line has from the function
+    of the same certificate, drift of its own day included, is what is stated.
     """
-    stated = stated_limits(equipment)
+    stated = stated_limits(equipment, day)
     used = {LIMIT_NAMES[line.symbol]: line for line in _own_lines(calibration)}
     return tuple(
         message(
@@ -73,7 +92,9 @@ def smaller_than_stated(
             stated_shape=_shape(stated[name].distribution), paper=stated[name].source,
         )
         for name, line in used.items()
-        if name in stated and line.u < standard_uncertainty(stated[name]) * (1 - ROUNDING)
+        if name in stated
+        and not _is_its_function(line, stated[name])
+        and line.u < standard_uncertainty(stated[name]) * (1 - ROUNDING)
     )  # fmt: skip
 
 
@@ -103,6 +124,11 @@ def _own_lines(calibration: Calibration) -> Iterator[BudgetInput]:
                 own = line.source is not None and line.source not in TAKEN_TO_BE_MET
                 if own and line.half_width is not None and line.symbol in LIMIT_NAMES:
                     yield line
+
+
+def _is_its_function(line: BudgetInput, stated: EquipmentLimit) -> bool:
+    used, paper = (FunctionSource.read(str(each.source)) for each in (line, stated))
+    return used is not None and paper is not None and used.paper == paper.paper
 
 
 def _shape(distribution: str) -> Message:

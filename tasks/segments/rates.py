@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from schemas.recording import AXES, Axis, Recording
+from schemas.recording import AXES, Axis, Recording, Segment
 from tasks.motion.table import mean_rate
 from tasks.segments.summarise import SegmentMean, median
 
@@ -56,13 +56,20 @@ def turning_points(
     points = {}
     for i, segment in turning.items():
         axis = AXES.index(segment.segment.axis)
-        label = float(np.radians(segment.segment.rate_deg_s or 0.0))
-        body = mean_rate(recording, segment.segment)
+        error = recording.rate_errors.get(segment.segment.name, 0.0)
+        label = float(np.radians(segment.segment.rate_deg_s or 0.0)) / (1.0 + error)
+        body = held_rate(recording, segment.segment)
         if body is not None:
             points[i] = _by_encoders(recording, segment, label, float(body[axis]))
         else:
             points[i] = _by_gyro_and_label(segment, label, axis, lines[axis])
     return points
+
+
+def held_rate(recording: Recording, segment: Segment) -> np.ndarray | None:
+    """Mean body rate (3,) rad/s of a held rate by the encoders, None where there are none."""
+    rate = mean_rate(recording, segment)
+    return None if rate is None else rate / (1.0 + recording.rate_errors.get(segment.name, 0.0))
 
 
 def _input_rate(rate: float) -> float:
@@ -75,7 +82,7 @@ def _by_encoders(
 ) -> TurningPoint:
     edges = np.linspace(segment.segment.t_start, segment.segment.t_end, 4).tolist()
     thirds = [
-        mean_rate(recording, segment.segment.model_copy(update={"t_start": start, "t_end": stop}))
+        held_rate(recording, segment.segment.model_copy(update={"t_start": start, "t_end": stop}))
         for start, stop in pairwise(edges)
     ]
     sizes = [float(np.linalg.norm(part)) for part in thirds if part is not None]

@@ -119,17 +119,12 @@ def _of_rates(
     seconds = np.array([segment.seconds for segment in evidence.segments])
     by_angle = np.array([label.kind == "rotation" for label in evidence.labels], bool)
     held, turned = ~by_angle & (speed > 0.0), speed * seconds
-    belongs = [
-        equipment.rate_at(float(each)) if is_held else ()
-        for each, is_held in zip(speed, held, strict=True)
-    ]
 
     def of_points(share: np.ndarray) -> np.ndarray:
         return np.eye(len(speed))[:, :, None] * (share[:, None] * response.rate)
 
-    for _, limit in equipment.rates:
-        of_limit = np.array([limit in limits for limits in belongs], bool)
-        effects = -(of_limit[:, None] * response.rate)[None]
+    for limit, share in equipment.rate_errors(np.where(held, speed, np.nan)):
+        effects = -(share[:, None] * response.rate)[None]
         yield from _source(limit, "run", effects, followed=True)
     left = held / np.maximum(turned, MIN_RIPPLE_ANGLE)  # of a ripple, over the angle turned
     yield from _source(equipment.ripple, "point", of_points(left))

@@ -11,6 +11,7 @@ from tasks.motion.whole import (
     unit_vector,
     whole_motion,
 )
+from tasks.segments.rates import held_rate
 from tasks.specifications.evidence import ClauseEvidence
 
 SAMPLES = 400  # times within a segment at which its attitude is looked up
@@ -60,7 +61,8 @@ def _rate(recording: Recording, evidence: ClauseEvidence, i: int) -> np.ndarray:
         return np.zeros(3)
     if label.kind == "rate" and not np.isfinite(evidence.rate[i]):
         return np.full(3, np.nan)
-    by_table = mean_rate(recording, label)
+    shown = held_rate if label.kind == "rate" else mean_rate
+    by_table = shown(recording, label)
     if by_table is not None:
         return by_table
     about = np.eye(3)[AXES.index(label.axis or "x")]

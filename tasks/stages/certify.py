@@ -13,6 +13,7 @@ from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks import conformity, reminders
+from tasks.conformity.capabilities import certificate_as_stated
 from tasks.curves import curves_of_run, history
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.certificate_inputs import (
@@ -26,7 +27,7 @@ from tasks.stages.certificate_inputs import (
     with_appearance,
 )
 from tasks.stages.draft import DRAFT, keep_draft
-from tasks.stages.equipment_in_use import standards_in_use
+from tasks.stages.equipment_in_use import reference_in_use, standards_in_use
 from tasks.stages.published import Published
 from tasks.stages.stage import announce, stage
 from tasks.validation import record
@@ -58,6 +59,7 @@ def certify(
     free = manifest_fields(manifest.model_extra or {}, run)
     tolerance = tolerance_of(inputs, run, manifest.unit, home)
     laboratory = inputs.laboratory or settings.laboratory(home)
+    recording = reference_in_use(recording, home, laboratory)
     order, now = inputs.order, datetime.now(UTC)
     today = day_of_moment(now)
     calibrated_on = day_of_calibration(free, inputs, run)
@@ -67,8 +69,11 @@ def certify(
         laboratory = laboratory.model_copy(update={"equipment": equipment})
         laboratory = with_appearance(laboratory, home)
     check_order(order, calibrated_on, today)
+    capabilities = laboratory.capabilities if laboratory else ()
+    conformity.check_capabilities(capabilities)
     validated = settings.validation(home) or record.shipped()
-    expired = conformity.expired(equipment, calibrated_on or today)
+    on = calibrated_on or today
+    standing = (*conformity.expired(equipment, on), *conformity.failed_checks(equipment))
 
     configuration = configuration_of(manifest.unit, order.configuration if order else None)
     waived = order.waived_conditions if order else ()
@@ -77,8 +82,9 @@ def certify(
         deviating = conformity.deviations(result, configuration, waived)
         unmet = (each.printed for each in deviating if not each.waived)
         doubts = record.doubts_of(validated, result)
-        smaller = conformity.smaller_than_stated(result, equipment)
-        return conformity.decide(result, tolerance, (*expired, *smaller, *unmet), doubts)
+        smaller = conformity.smaller_than_stated(result, equipment, on)
+        stated = conformity.as_stated(result, capabilities)
+        return conformity.decide(stated, tolerance, (*standing, *smaller, *unmet), doubts)
 
     decision = decide(calibration)
     found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)
@@ -91,7 +97,7 @@ def certify(
         state="draft",
         calibrated_on=calibrated_on,
         issued_on=today,
-        due=due_date(calibrated_on or today, order, calibration),
+        due=due_date(on, order, calibration),
         laboratory=laboratory,
         order=order,
         manifest=manifest,
@@ -104,7 +110,8 @@ def certify(
         steps=(drafted,) if drafted else (),
         replaces=replaces,
     )
-    moved = tuple(history(certificate, earlier_certificates(run, calibrated_on, home)))
+    earlier = map(certificate_as_stated, earlier_certificates(run, calibrated_on, home))
+    moved = tuple(history(certificate_as_stated(certificate), tuple(earlier)))
     drawn = certificate.model_copy(update={"curves": (*certificate.curves, *moved)})
     return keep_draft(drawn, home, now)
 

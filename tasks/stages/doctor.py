@@ -11,6 +11,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 from schemas.base import Unusable
+from schemas.certificate import Laboratory
 from schemas.doctor import Diagnosis, Examined
 from schemas.run_log import ENDED
 from storage import settings
@@ -18,6 +19,7 @@ from storage.catalogue import run_index, trail
 from storage.environment import environment
 from storage.home import Home
 from storage.station_lock import statuses
+from tasks.conformity import check_capabilities
 from tasks.stages.examine_prefect import examine_prefect
 from tasks.stages.ready import FREE_BYTES, free_bytes
 from tasks.validation import record
@@ -146,7 +148,7 @@ def _settings(home: Home) -> Iterator[Examined]:
     looks = (
         (
             settings.LABORATORY,
-            settings.laboratory,
+            _laboratory,
             "certificates need one: deploy/guide/certificates.md",
         ),
         (settings.REMINDERS, settings.reminders, "nobody is reminded without one"),
@@ -158,6 +160,12 @@ def _settings(home: Home) -> Iterator[Examined]:
             yield Examined(what=name, found="cannot be used", remedy=str(fault))
         else:
             yield Examined(what=name, found="sound" if found else f"none; {without}")
+
+
+def _laboratory(home: Home) -> Laboratory | None:
+    found = settings.laboratory(home)
+    check_capabilities(found.capabilities if found else ())
+    return found
 
 
 def _alerts(home: Home) -> Iterator[Examined]:

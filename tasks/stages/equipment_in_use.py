@@ -1,4 +1,4 @@
-"""The measurement standards used for a run, and the limits that they state."""
+"""The measurement standards used for a run, and what they state of its reference."""
 
 import json
 from datetime import date
@@ -8,10 +8,11 @@ from pydantic import ValidationError
 
 from schemas.certificate import Laboratory
 from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard
-from schemas.recording import Manifest
+from schemas.recording import Manifest, Recording
 from storage.catalogue import equipment
 from storage.catalogue.lineage import provenance
 from storage.home import Home
+from tasks.calibrate.reference import as_certified
 from tasks.uncertainty.equipment import own_limits
 
 
@@ -29,12 +30,28 @@ def limits_in_use(
     """What the equipment of a run may be off by.
 
     What laboratory.toml states goes before the certificates of the standards, which are those that
-    it lists, else those of the manifest.
+    it lists, else those of the manifest. Raises Unusable for a drift since an unknown day.
     """
+    standards, day = _standards_of(manifest, home, laboratory)
+    return own_limits(standards, laboratory.limits if laboratory else {}, day)
+
+
+def reference_in_use(recording: Recording, home: Home, laboratory: Laboratory | None) -> Recording:
+    """The recording with its reference corrected by the certificates of the same standards.
+
+    Raises Unusable for a run outside of what they state, see `as_certified`.
+    """
+    standards, _ = _standards_of(recording.manifest, home, laboratory)
+    return as_certified(recording, standards, laboratory.limits if laboratory else ())
+
+
+def _standards_of(
+    manifest: Manifest, home: Home, laboratory: Laboratory | None
+) -> tuple[tuple[MeasurementStandard, ...], date | None]:
+    """The standards of a run, and the day on which they were used."""
     listed = laboratory.equipment if laboratory else ()
     day: date | None = provenance(manifest)["recorded_on"]
-    standards = standards_in_use(listed or _of_manifest(manifest), home, day)
-    return own_limits(standards, laboratory.limits if laboratory else {})
+    return standards_in_use(listed or _of_manifest(manifest), home, day), day
 
 
 def _of_manifest(manifest: Manifest) -> tuple[MeasurementStandard, ...]:

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import get_args
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, UncertaintyKind
 from schemas.certificate import Laboratory
+from schemas.equipment import ResultAxes
 from schemas.orders import Estimation, UncertaintyName
 from schemas.recording import Recording
 from storage import settings
@@ -15,7 +17,7 @@ from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
-from tasks.stages.equipment_in_use import limits_in_use
+from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
 from tasks.stages.stage import stage
 from tasks.version import code_version
 from tasks.words import say
@@ -34,7 +36,8 @@ def estimate(
     """Calibrate a run and store the result; the same result twice is stored once.
 
     laboratory: that of the home, unless given. Its limits, and those of the standards in use, take
-    precedence over Table 1 of the specification, and its latitude is checked. With terms, the
+    precedence over Table 1 of the specification, errors that the standards state are taken off the
+    reference, and its latitude is checked. With terms, the
     readings are corrected for their contributions first; that result stands beside the one without
     them and supersedes only one with the same terms. Raises Unusable for a term that this recording
     cannot have or does not determine.
@@ -49,7 +52,7 @@ def calibration_of(
     run: Run, home: Home, how: Estimation, laboratory: Laboratory | None
 ) -> Calibration:
     """The calibration of a run, which is not kept; see `estimate`."""
-    recording = runs.load(run, home)
+    recording = reference_in_use(runs.load(run, home), home, laboratory)
     specification = specification_for(recording.manifest.standard, how.method)
     limits = limits_in_use(recording.manifest, home, laboratory)
     calibrated = partial(
@@ -57,7 +60,7 @@ def calibration_of(
         specification,
         run=run.id,
         code_version=code_version(),
-        evaluation=evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits),
+        evaluation=evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits, how.axes),
         own_latitude_deg=laboratory.latitude_deg if laboratory else None,
     )
     if how.terms is None:
@@ -66,13 +69,15 @@ def calibration_of(
 
 
 def how_made(calibration: Calibration) -> Estimation:
-    """How a result was estimated: its method, its way to the uncertainties, its terms."""
+    """How a result was estimated: its method, its way to the uncertainties, its terms, its axes."""
     kind = calibration.settings.get("uncertainty")
+    stated = calibration.settings.get("axes")
     names = [name for name, each in UNCERTAINTIES.items() if each == kind]
     return Estimation(
         method=calibration.method,
         uncertainty=names[0] if names else "gum",
         terms=tuple(term.name for term in calibration.terms) or None,
+        axes=next((axes for axes in get_args(ResultAxes) if axes == stated), None),
     )
 
 

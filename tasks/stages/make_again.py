@@ -98,7 +98,8 @@ def _made(job: Job, began: float) -> Outcome:
     )  # fmt: skip
     if not before:
         return Outcome(made, Difference())
-    return Outcome(made, difference(before.calibration, calibration, job.tolerance))
+    capabilities = job.laboratory.capabilities if job.laboratory else ()
+    return Outcome(made, difference(before.calibration, calibration, job.tolerance, capabilities))
 
 
 def circumstances(laboratory: Laboratory | None, home: Home) -> str:
@@ -106,7 +107,8 @@ def circumstances(laboratory: Laboratory | None, home: Home) -> str:
     limits = laboratory.limits if laboratory else {}
     listed = laboratory.equipment if laboratory else ()
     texts = [f"{name} {limit.model_dump_json()}" for name, limit in sorted(limits.items())]
-    texts += [standard.model_dump_json() for standard in (*listed, *equipment.register(home))]
+    standards = (*listed, *equipment.register(home))
+    texts += [standard.model_dump_json(exclude={"checks"}) for standard in standards]
     return hashlib.sha256("\n".join([code_version(), *texts]).encode()).hexdigest()[:12]
 
 

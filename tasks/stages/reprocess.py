@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
+from schemas.capability import Capability
 from schemas.history import Change, Difference, Failure, Plan, Reprocessing, Touched
 from schemas.orders import ReprocessOrder
 from schemas.tolerance import Tolerance
@@ -70,7 +71,9 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
     for outcome in _carried_out(jobs, order):
         outcomes.append(outcome)
         progress(len(outcomes), len(jobs))
-    report = _report(runs, [*_again(earlier, runs, limits, home), *outcomes], home).model_copy(
+    capabilities = laboratory.capabilities if laboratory else ()
+    before = _again(earlier, runs, limits, capabilities, home)
+    report = _report(runs, [*before, *outcomes], home).model_copy(
         update={
             "circumstances": now,
             "done_before": len(earlier),
@@ -120,6 +123,7 @@ def _again(
     earlier: Sequence[Made],
     runs: Sequence[Run],
     limits: Callable[[str, str], Tolerance | None],
+    capabilities: Sequence[Capability],
     home: Home,
 ) -> Iterator[Outcome]:
     """The differences of what was made again before."""
@@ -130,7 +134,7 @@ def _again(
             run = by_id[made.run]
             before, after = (results.find(each, home) for each in (made.before, made.after))
             tolerance = limits(run.manufacturer, run.model)
-            changes = difference(before.calibration, after.calibration, tolerance)
+            changes = difference(before.calibration, after.calibration, tolerance, capabilities)
         yield Outcome(made, changes)
 
 

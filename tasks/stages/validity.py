@@ -25,13 +25,14 @@ def validity_of(run: Run, home: Home) -> Validity:
     from tasks.calibrate.calibrate import calibrate
     from tasks.calibrate.evaluation import evaluation_for
     from tasks.specifications.register import SPECIFICATIONS
-    from tasks.stages.equipment_in_use import limits_in_use
+    from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
 
     recording = runs.load(run, home)
     laboratory = settings.laboratory(home)
-    own = limits_in_use(recording.manifest, home, laboratory)
-    evaluation = evaluation_for(recording, own=own)
     try:
+        own = limits_in_use(recording.manifest, home, laboratory)
+        recording = reference_in_use(recording, home, laboratory)
+        evaluation = evaluation_for(recording, own=own)
         calibration = calibrate(
             SPECIFICATIONS[method], recording, run=run.id, code_version="", evaluation=evaluation,
             own_latitude_deg=laboratory.latitude_deg if laboratory else None,

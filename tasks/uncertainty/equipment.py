@@ -5,15 +5,19 @@ The defaults are the tables' own recommendations; a laboratory's own limits go b
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from datetime import date
 from functools import cached_property
 from typing import get_args
+
+import numpy as np
 
 from schemas.equipment import EquipmentLimit, ErrorBound, LimitName, LimitShape, MeasurementStandard
 from tasks.uncertainty.budget import InputQuantity
 from tasks.uncertainty.distributions import DIVISORS
 from tasks.uncertainty.examples import EXAMPLE
+from tasks.uncertainty.standards import LimitByRate, function_limit, source_of
 from tasks.words import Message, message
 
 ARCSECOND = math.radians(1.0 / 3600.0)
@@ -80,7 +84,7 @@ class Equipment:
     """Table, fixture and site of a calibration; None: not known, or not there.
 
     rates: relative error of the mean rate over whole turns, each limit from its slowest rate
-    (rad/s) on, fastest first; ripple: within a turn.
+    (rad/s) on, fastest first; those of one symbol are one error. ripple: within a turn.
     position, repeatability: of each table angle. axes: between the table's axes.
     fixture: between the fixture's faces. encoder_time: when each angle of a table that is polled
     was read (s), with which a mean rate begins and ends. level: of the vertical of the outermost
@@ -116,6 +120,18 @@ class Equipment:
         """
         limits = [limit for slowest, limit in self.rates if abs(rate) >= EDGE * slowest]
         return tuple(limits[:1])
+
+    def rate_errors(self, rates: np.ndarray) -> Iterator[tuple[ErrorLimit, np.ndarray]]:
+        """Each error of the mean rate: its largest limit, and its share (n,) at rates (n,) rad/s.
+
+        NaN: no held rate.
+        """
+        at = [self.rate_at(float(rate)) for rate in rates]
+        for symbol in dict.fromkeys(limit.symbol for _, limit in self.rates):
+            one = [limit for _, limit in self.rates if limit.symbol == symbol]
+            largest = max(one, key=lambda limit: limit.u)
+            u = [sum(each.u for each in limits if each.symbol == symbol) for limits in at]
+            yield largest, np.array(u) / largest.u
 
 
 LEVELLED = "assumed: the vertical axis is levelled as well as the axes are square"
@@ -177,8 +193,17 @@ def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -
             distribution=stated.distribution,
             clause=stated.source,
         )
-        changed |= {"rates": ((0.0, limit),)} if name == "rate" else {name: limit}
+        changed |= {"rates": _by_rate(limit, stated)} if name == "rate" else {name: limit}
     return replace(equipment, **changed)  # type: ignore[arg-type]
+
+
+def _by_rate(limit: ErrorLimit, stated: EquipmentLimit) -> tuple[tuple[float, ErrorLimit], ...]:
+    if not isinstance(stated, LimitByRate):
+        return ((0.0, limit),)
+    return tuple(
+        (slowest, replace(limit, half_width=half_width))
+        for slowest, half_width in reversed(stated.ranges)
+    )
 
 
 def standard_uncertainty(bound: ErrorBound) -> float:
@@ -186,27 +211,36 @@ def standard_uncertainty(bound: ErrorBound) -> float:
     return bound.half_width / DIVISORS[bound.distribution]
 
 
-def stated_limits(standards: Iterable[MeasurementStandard]) -> dict[LimitName, EquipmentLimit]:
-    """What the certificates of the standards state, of two on one property the larger."""
+def stated_limits(
+    standards: Iterable[MeasurementStandard], day: date | None
+) -> dict[LimitName, EquipmentLimit]:
+    """What the certificates of the standards state of a day, of two on one property the larger.
+
+    day: of the measurement, None where it is not known. Raises Unusable for a drift since an
+    unknown day.
+    """
     found: dict[LimitName, EquipmentLimit] = {}
     for standard in standards:
-        for name, bound in standard.limits.items():
-            limit = EquipmentLimit(**bound.model_dump(), source=source_of(standard))
+        source = source_of(standard)
+        limits = {
+            name: EquipmentLimit(**bound.model_dump(), source=source)
+            for name, bound in standard.limits.items()
+        }
+        for name in standard.functions:
+            limits[name] = function_limit(standard, name, day)
+        for name, limit in limits.items():
             if name not in found or _is_larger(limit, found[name]):
                 found[name] = limit
     return found
 
 
 def own_limits(
-    standards: Iterable[MeasurementStandard], own: Mapping[LimitName, EquipmentLimit]
+    standards: Iterable[MeasurementStandard],
+    own: Mapping[LimitName, EquipmentLimit],
+    day: date | None,
 ) -> dict[LimitName, EquipmentLimit]:
     """The limits that the budgets take: what a laboratory states itself, else its standards."""
-    return stated_limits(standards) | dict(own)
-
-
-def source_of(standard: MeasurementStandard) -> str:
-    """How a budget names the certificate of a standard."""
-    return f"{standard.certificate} ({standard.serial})"
+    return stated_limits(standards, day) | dict(own)
 
 
 def _is_larger(one: ErrorBound, other: ErrorBound) -> bool:

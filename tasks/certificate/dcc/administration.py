@@ -6,7 +6,6 @@ from schemas.certificate import Certificate, Contact, Laboratory, Party
 from tasks.certificate.cover import party_address, party_name, signatures
 from tasks.certificate.dcc.equipment import identification
 from tasks.certificate.dcc.software import software
-from tasks.certificate.dcc.statements import statements
 from tasks.certificate.dcc.xml import LANGUAGES, Element, dcc, described, named, plain
 from tasks.certificate.fields import given
 from tasks.words import message
@@ -15,8 +14,8 @@ COUNTRY = "CN"  # of the specifications
 NO_CONTACT = Contact()
 
 
-def administration(certificate: Certificate, record: bytes) -> Element:
-    """Everything but the results; `record` is attached as a statement."""
+def administration(certificate: Certificate, statements: Element) -> Element:
+    """Everything but the results."""
     return dcc.administrativeData(
         dcc.dccSoftware(software(certificate.calibration.code_version)),
         _core(certificate),
@@ -24,7 +23,7 @@ def administration(certificate: Certificate, record: bytes) -> Element:
         _laboratory(certificate.laboratory),
         _persons(certificate),
         _party("customer", certificate.order.client if certificate.order else None),
-        statements(certificate, record),
+        statements,
     )
 
 

@@ -14,6 +14,7 @@ conformity-quantity =
 conformity-no-tolerance = no limits are defined for this product model
 conformity-invalid-run = the run is invalid: no decision is made on the unit
 conformity-expired = { $name } ({ $serial }): its certificate was valid until { $valid_until }, before { $day }
+conformity-check-failed = { $name } ({ $serial }): its intermediate check of { $day } ({ $what }) found { $result }, beyond the limit of ±{ $limit }
 conformity-taken-to-be-met = U is based on limits recommended by { $sources } that this equipment is merely assumed to meet ({ $limits }); a pass requires those of the laboratory's own equipment
 conformity-smaller-than-stated = { $limit }: the budget uses { $used } ({ $shape }; { $source }), less than the { $stated } ({ $stated_shape }) stated for the equipment by { $paper }: correct one of them and certify again
 conformity-subject = { $item } { $symbol }

@@ -6,6 +6,7 @@ specifications-number-of-rates = { $axis } axis: { $count } rates ({ $rates } de
 specifications-one-direction = { $axis } axis: all rates have the same sign; the other direction is missing.
 specifications-of-axis = { $axis }: { $reason }
 
+specifications-mounting-unknown = The results are ordered for the axes of the mounting plane, but the uncertainties do not include how far the base of the unit may be tilted in the fixture (limit mounting, which the laboratory has to state).
 specifications-equipment-unknown = The recording names no specification, and the laboratory does not state the limits of its table: unknown errors of table and fixture are not included in the uncertainties, which cover the scatter of the data, the unit's resolution, gravity and latitude.
 
 earth-rotation-unknown = The rests do not show whether the data contain Earth's rotation

@@ -14,6 +14,7 @@ conformity-quantity =
 conformity-no-tolerance = 未提供该型号的允许限
 conformity-invalid-run = 本次测量无效：不对被校对象作任何判定
 conformity-expired = { $name }（{ $serial }）：其证书有效期至 { $valid_until }，早于 { $day }
+conformity-check-failed = { $name }（{ $serial }）：{ $day } 的期间核查（{ $what }）结果为 { $result }，超出限值 ±{ $limit }
 conformity-taken-to-be-met = U 所依据的技术指标仅为 { $sources } 的推荐值，并非本实验室装置的实际指标（{ $limits }）；判定合格须采用本实验室装置的技术指标
 conformity-smaller-than-stated = { $limit }：不确定度评定所取为 { $used }（{ $shape }；{ $source }），小于 { $paper } 给出的 { $stated }（{ $stated_shape }）：请更正其一，再重新出具证书
 conformity-subject = { $item } { $symbol }

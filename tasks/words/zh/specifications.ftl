@@ -6,6 +6,7 @@ specifications-number-of-rates = { $axis } 轴：{ $count } 个角速率点（{ 
 specifications-one-direction = { $axis } 轴：所有角速率同号，缺少另一方向。
 specifications-of-axis = { $axis }：{ $reason }
 
+specifications-mounting-unknown = 委托要求测得值以安装基面的轴线为准，但不确定度未计入被校对象基面在夹具中的倾斜（极限 mounting，须由实验室给出）。
 specifications-equipment-unknown = 记录未说明所依据的规范，实验室也未给出转台允许误差：转台和夹具未知的不确定度分量未计入，不确定度含数据分散性、分辨力、当地重力和纬度的分量。
 
 earth-rotation-unknown = 静止数据不能说明是否含地球自转

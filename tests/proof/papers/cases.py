@@ -177,6 +177,6 @@ def _decision(
     configuration = configuration_of(recording.manifest.unit, order.configuration)
     deviating = conformity.deviations(result, configuration, order.waived_conditions)
     unmet = (each.printed for each in deviating if not each.waived)
-    smaller = conformity.smaller_than_stated(result, EQUIPMENT)
+    smaller = conformity.smaller_than_stated(result, EQUIPMENT, MORNING.date())
     doubts = record.doubts_of(_validated(), result)
     return conformity.decide(result, tolerance, (*smaller, *unmet), doubts)

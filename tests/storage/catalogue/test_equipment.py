@@ -5,7 +5,7 @@ from datetime import date
 import pytest
 
 from schemas.base import Unusable
-from schemas.equipment import MeasurementStandard
+from schemas.equipment import IntermediateCheck, MeasurementStandard
 from storage.catalogue import equipment, trail
 from storage.home import Home
 
@@ -85,3 +85,19 @@ def test_the_trail_tells_who_changed_the_register(home: Home) -> None:
 def test_a_certificate_that_runs_out_before_it_begins_is_none() -> None:
     with pytest.raises(ValueError, match="before calibrated_on"):
         standard(valid_until=date(2024, 1, 1))
+
+
+def test_a_check_stands_beside_the_certificate_of_its_day_until_that_is_renewed(home: Home) -> None:
+    equipment.renew([RENEWED], home, "Li")
+    check = IntermediateCheck(checked_on=date(2025, 9, 1), what="rate", result=2e-5, limit=1e-5)
+    assert equipment.add_check("T-1", check, home, "Wang").certificate == "C-1"
+    assert equipment.on_day(home, date(2025, 6, 1))["T-1"].checks == (check,)
+    assert equipment.on_day(home, SECOND)["T-1"].checks == ()
+    *_, last = trail.entries(home)
+    assert (last.person, last.action, last.subject) == ("Wang", "check equipment", "T-1")
+
+
+def test_what_is_not_in_the_register_has_no_checks(home: Home) -> None:
+    check = IntermediateCheck(checked_on=FIRST, what="rate", result=0.0, limit=1e-5)
+    with pytest.raises(Unusable, match="T-9 is not in the register"):
+        equipment.add_check("T-9", check, home, "Li")

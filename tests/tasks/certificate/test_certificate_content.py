@@ -286,7 +286,7 @@ def test_settings_are_called_by_their_names_in_every_language_and_have_units() -
     assert answer == (
         "所用重力加速度：9.8015 m/s²；所用纬度：未提供；不确定度：GUM 法，A 类与 B 类合成；"
         "校准装置的极限：JJF 2003—2022，表 1；"
-        "实验室给出的极限，角位置定位精度：±4.95036″ (certificate 2026-123)；"
+        "实验室给出的极限，角位置定位精度：±4.95036″（certificate 2026-123）；"
         "有效位数：12（取规范示例值）",
         "gravity used: 9.8015 m/s²; latitude used: not given; uncertainty: GUM, type A and B "
         "combined; limits of the equipment: JJF 2003-2022, Table 1; laboratory limit, "

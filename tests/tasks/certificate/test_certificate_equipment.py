@@ -5,11 +5,11 @@ from typing import get_args
 import pytest
 from sample_certificate import calibration, printed
 
-from schemas.equipment import EquipmentLimit, LimitName
+from schemas.equipment import EquipmentLimit, LimitName, ResultAxes
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import budgets
-from tasks.certificate.equipment import limits_of, whose_limits
+from tasks.certificate.equipment import axes_of_results, limits_of, whose_limits
 from tasks.certificate.settings import settings
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
@@ -22,28 +22,53 @@ OWN = EquipmentLimit(half_width=2e-6, distribution="normal", source="CNAS 2026-1
 def made(ideal_run):
     """A result for each set of limits of a laboratory's own."""
 
-    def build(**own: EquipmentLimit):
+    def build(about: ResultAxes | None = None, **own: EquipmentLimit):
         recording = ideal_run(noise=1e-4)
-        evaluation = evaluation_for(recording, own=own)
+        evaluation = evaluation_for(recording, own=own, axes=about)
         return calibrate(JJF2003, recording, run="r", code_version="v", evaluation=evaluation)
 
     return build
 
 
 def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
-    (zh, en), (flat_zh, flat_en) = printed(whose_limits(made(), JJF2003))
+    ((zh, en),) = printed(whose_limits(made(), JJF2003))
     assert "limits recommended by JJF 2003-2022, Table 1, JJF 2003-2022, 6.2, which this" in en
     assert "local gravity assumed known to ±0.0005 m/s²" in en
     assert "latitude assumed known to ±0.05°" in en
     assert "JJF 2003—2022，表 1" in zh
     assert "纬度假定已知至 ±0.05°" in zh
+
+
+def test_which_axes_the_results_are_about_is_always_stated(made) -> None:
+    """It agrees with what is stated of the flatness: that is in no budget of the fixture's axes."""
+    (zh, en), (flat_zh, flat_en) = printed(axes_of_results(made(), JJF2003))
+    assert "hold for the axes of the fixture" in en
+    assert "以夹具的轴线为准" in zh
     assert "0.02 mm" in flat_en
     assert "41″" in flat_zh
+    ((zh, en),) = printed(axes_of_results(made(mounting=OWN), JJF2003))
+    assert "axes of the unit's mounting plane" in en
+    assert "安装基面的轴线为准" in zh
+    ordered = made("mounting plane")
+    (_, en), (_, flat_en) = printed(axes_of_results(ordered, JJF2003))
+    assert "ordered for the axes of the unit's mounting plane" in en
+    assert "0.02 mm" in flat_en
+    names = [say(each.name, "en") for each in settings(ordered)]
+    assert "axes of the results" in names
+
+
+def test_a_result_of_an_earlier_version_states_its_axes_too(made) -> None:
+    for own, kind in (({}, "axes of the fixture"), ({"mounting": OWN}, "mounting plane")):
+        new = made(**own)
+        old = new.model_copy(
+            update={"settings": {n: v for n, v in new.settings.items() if n != "axes"}}
+        )
+        assert kind in printed(axes_of_results(old, JJF2003))[0][1]
 
 
 def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) -> None:
     result = made(rate=OWN, gravity=OWN)
-    (_, en), _ = printed(whose_limits(result, JJF2003))
+    ((_, en),) = printed(whose_limits(result, JJF2003))
     own, others = en.split("limits recommended")
     assert "stated by the laboratory: table rate, whole turns, local gravity" in own
     assert "table rate, whole turns" not in others
@@ -72,7 +97,7 @@ def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -
     rows = {row.symbol: row for row in printed(budgets(result)).limits}
     assert rows["φ"].source[1] == "assumed: latitude stated to 0.1°"
     assert rows["φ"].half_width == "0.05°"
-    (_, en), _ = printed(whose_limits(result, JOINT))
+    ((_, en),) = printed(whose_limits(result, JOINT))
     assert en.count("latitude assumed") == 1
 
 

@@ -1,20 +1,28 @@
 """What the measuring equipment says against a pass: limits that nobody stated, and other ones."""
 
 from collections.abc import Mapping
+from datetime import date
 
 import pytest
 from sample_results import BIAS, bias_limit, calibration, item, tolerance
 
 from schemas.calibration import Calibration
 from schemas.equipment import EquipmentLimit, ErrorBound, LimitName, MeasurementStandard
-from tasks.conformity import decide, smaller_than_stated
+from tasks.conformity import decide, failed_checks, smaller_than_stated
 from tasks.uncertainty.budget import Contribution, combine, observed
-from tasks.uncertainty.equipment import JJF1536, JJF2003, Equipment, with_limits
+from tasks.uncertainty.equipment import (
+    JJF1536,
+    JJF2003,
+    Equipment,
+    stated_limits,
+    with_limits,
+)
 from tasks.uncertainty.examples import combine_as_example
 from tasks.words import say
 from tests.own_limits import SOURCE, as_table_1
 
 OWN = as_table_1()
+DAY = date(2026, 9, 1)  # of the measurement
 
 
 def made_with(equipment: Equipment, name: str = "gyro_bias") -> Calibration:
@@ -88,7 +96,7 @@ def test_the_table_of_the_appendix_gives_no_pass_either() -> None:
 def test_a_budget_with_less_than_the_equipment_list_states_gives_no_pass() -> None:
     """A list with a rate accuracy of 1e-4 beside a budget with 1e-5."""
     result = made_with(own())
-    (reason,) = smaller_than_stated(result, [table(rate=1e-4)])
+    (reason,) = smaller_than_stated(result, [table(rate=1e-4)], DAY)
     assert say(reason, "en") == (
         f"table rate, whole turns: the budget uses ±1×10⁻⁵ (rectangular; {SOURCE}), less than "
         "the ±0.0001 (rectangular) stated for the equipment by C-9 (T-1): correct one of them and "
@@ -99,15 +107,61 @@ def test_a_budget_with_less_than_the_equipment_list_states_gives_no_pass() -> No
 
 @pytest.mark.parametrize("stated", [1e-5, 0.9e-5])
 def test_a_budget_with_no_less_than_the_equipment_list_states_is_in_order(stated: float) -> None:
-    assert smaller_than_stated(made_with(own()), [table(rate=stated)]) == ()
+    assert smaller_than_stated(made_with(own()), [table(rate=stated)], DAY) == ()
 
 
 def test_angles_that_differ_are_told_in_arcseconds() -> None:
-    (reason,) = smaller_than_stated(made_with(own()), [table(fixture=1e-4)])
+    (reason,) = smaller_than_stated(made_with(own()), [table(fixture=1e-4)], DAY)
     assert "±10″" in say(reason, "zh")
     assert "±20.63″" in say(reason, "zh")
 
 
 def test_of_two_standards_for_one_property_the_worse_counts() -> None:
-    reasons = smaller_than_stated(made_with(own()), [table(rate=1e-6), table(rate=2e-5)])
+    reasons = smaller_than_stated(made_with(own()), [table(rate=1e-6), table(rate=2e-5)], DAY)
     assert ["±2×10⁻⁵" in say(reason, "en") for reason in reasons] == [True]
+
+
+def by_function(deviation: str, rows: list[dict[str, float]]) -> MeasurementStandard:
+    function = {
+        "deviation": deviation, "rows": rows,
+        "drift": {"per_year": 1e-6, "distribution": "rectangular"},
+    }  # fmt: skip
+    return MeasurementStandard.model_validate(
+        table().model_dump() | {"functions": {"rate": function}, "calibrated_on": "2026-03-01"}
+    )
+
+
+ROWS = [{"at": 0.5, "deviation": 3e-5, "U": 1e-5}, {"at": 100.0, "deviation": 0.0, "U": 2e-6}]
+
+
+def test_a_function_is_compared_where_it_is_largest() -> None:
+    result = made_with(own())  # ±1e-5 rectangular: u = 5.8e-6
+    assert smaller_than_stated(result, [by_function("corrected", ROWS)], DAY) == ()
+    (reason,) = smaller_than_stated(result, [by_function("budgeted", ROWS)], DAY)
+    assert "less than the ±4×10⁻⁵ (normal) stated for the equipment by C-9 (T-1)" in say(
+        reason, "en"
+    )
+
+
+def test_a_budget_by_the_function_itself_is_in_order_whatever_the_day() -> None:
+    paper = by_function("budgeted", ROWS)
+    result = made_with(own(stated_limits([paper], DAY)))
+    assert smaller_than_stated(result, [paper], date(2027, 2, 28)) == ()
+
+
+def test_a_failed_intermediate_check_gives_no_pass() -> None:
+    passed, failed = (
+        {"checked_on": "2026-05-04", "what": "rate at 100 °/s", "what_zh": "100 °/s 速率",
+         "result": result, "limit": 1e-5, "unit": "1"} for result in (-1e-5, -1.1e-5)
+    )  # fmt: skip
+    kept = table().model_dump()
+    in_order = MeasurementStandard.model_validate(kept | {"checks": [passed]})
+    out = MeasurementStandard.model_validate(kept | {"checks": [passed, failed]})
+    assert failed_checks([in_order]) == ()
+    (reason,) = failed_checks([in_order, out])
+    assert say(reason, "en") == (
+        "Table (T-1): its intermediate check of 2026-05-04 (rate at 100 °/s) found −1.1×10⁻⁵, "
+        "beyond the limit of ±1×10⁻⁵"
+    )
+    assert "期间核查（100 °/s 速率）" in say(reason, "zh")
+    assert decide(made_with(own()), tolerance(bias_limit()), (reason,)).verdict == "inconclusive"

@@ -12,6 +12,7 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
+from schemas.capability import Capability
 from schemas.certificate import Laboratory, Order, Party
 from schemas.recording import Recording
 from schemas.text import Remark
@@ -294,3 +295,27 @@ def test_the_record_has_the_curves_of_the_run_and_those_of_the_units_earlier_cer
     moved = [each for each in made.curves if each.figure == "history"]
     assert {each.labels for each in moved} == {("L-1",)}
     assert [each.y for each in moved] == [pytest.approx((1.0, 0.0))] * len(moved)
+
+
+def test_a_capability_is_decided_on_while_the_catalogue_keeps_the_result(kept: Keep) -> None:
+    given = kept()
+    least = Capability(item="gyro_scale_factor", unit="1", U=0.05, rates_deg_s=(1.0, 400.0))
+    laboratory = Laboratory(party=PARTY, capabilities=(least,))
+    inputs = Inputs(tolerance=tolerance(), laboratory=laboratory)
+    certificate = certify(*given, inputs).certificate
+    assert {limit.U for limit in certificate.decision.limits} == {0.05}
+    (stored,) = results.of_run(given[0], given[2])
+    assert stored.calibration.items == given[1].items
+    assert certificate.calibration.items == given[1].items
+    wrong = least.model_copy(update={"item": "gyro_scale"})
+    refused = Inputs(laboratory=laboratory.model_copy(update={"capabilities": (wrong,)}))
+    with pytest.raises(Unusable, match="capability 1 is of 'gyro_scale'"):
+        certify(*given, refused)
+
+
+def test_a_failed_check_of_a_standard_is_a_reason_against_a_pass(kept: Keep) -> None:
+    check = {"checked_on": "2026-02-01", "what": "level", "result": 2.0, "limit": 1.0, "unit": "″"}
+    given = kept(recorded_at="2026-03-01", equipment=[STANDARD | {"checks": [check]}])
+    inputs = Inputs(tolerance=tolerance(), laboratory=Laboratory(party=PARTY))
+    reasons = certify(*given, inputs).certificate.decision.reasons
+    assert any("intermediate check of 2026-02-01 (level) found 2 ″" in each for each in reasons)

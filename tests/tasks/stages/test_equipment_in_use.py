@@ -70,3 +70,25 @@ def test_a_standard_of_the_recording_is_in_the_budgets(home: Home, ideal_run: Ca
     budget = estimate(run, home).items["gyro_scale_factor"].budgets["x"]
     (rate,) = [line for line in budget.inputs if line.symbol == "ε1"]
     assert (rate.half_width, rate.source) == (3e-5, "C-1 (T-1)")
+
+
+def test_a_corrected_error_is_taken_off_before_a_run_is_estimated(
+    home: Home, ideal_run: Callable
+) -> None:
+    """Gyros that read 300 °/s where the table turned 1e-4 less have a scale factor of 1.0001."""
+    rows = [{"at": at, "deviation": 1e-4, "U": 1e-6} for at in (5.0, 300.0)]
+    function = {"rate": {"deviation": "corrected", "rows": rows}}
+    standard = MeasurementStandard.model_validate(
+        table("C-1", 1e-5).model_dump() | {"limits": {}, "functions": function}
+    )
+    recording = ideal_run(dwell=1.0)
+    named = replace(recording, manifest=manifest(recording, standard))
+    run, _ = runs.add(named, home)
+    made = estimate(run, home)
+    assert made.items["gyro_scale_factor"].value["x"] == pytest.approx(1.0001, abs=1e-7)
+    held = {segment.rate_deg_s for segment in made.segments if segment.kind == "rate"}
+    assert {-300.0, 300.0} <= held  # labels stay what was set
+    assert made.settings["limit of rate"] == "1e-06 (C-1 (T-1): deviation corrected)"
+    own = EquipmentLimit(half_width=7e-5, distribution="normal", source="S")
+    stated = estimate(run, home, None, Laboratory(party=PARTY, limits={"rate": own}))
+    assert stated.items["gyro_scale_factor"].value["x"] == pytest.approx(1.0, abs=1e-7)
