@@ -13,14 +13,19 @@ app = typer.Typer()
 def export(result: options.Calibrated, form: options.As, as_json: options.Json = False) -> None:
     """Print the correction given by a result, for firmware and other software.
 
-    Includes its formulas, units, uncertainties and an example.
+    Includes its formulas, units, uncertainties and an example. As evidence: the means,
+    combinations, noise and errors from which anyone can reproduce the result and its U.
     """
     from flows.printing import print_json
     from flows.run_orders import home_of
     from schemas.orders import ExportOrder, order_of
     from tasks.stages.correct import export_correction
+    from tasks.stages.evidence import export_evidence
 
     order = order_of(ExportOrder, calibration=result, **{"as": form})
+    if order.form == "evidence":
+        print(export_evidence(order, home_of(order)), end="")
+        return
     correction, text = export_correction(order, home_of(order))
     if as_json and form != "json":
         print_json({"format": "mimu-export/1", "as": form, "text": text})

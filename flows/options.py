@@ -115,7 +115,10 @@ Simulated = Annotated[
 ]
 
 CALIBRATED = "Result id, id of a calibrated run, or mimu-calibration/1 file."
-CORRECTION = "json, yaml, c (a header), ros (parameters), kalibr (imu.yaml) or csv."
+CORRECTION = (
+    "json, yaml, c (a header), ros (parameters), kalibr (imu.yaml) or csv; evidence: what "
+    "every value and U of the result is made of."
+)
 Calibrated = Annotated[str, typer.Argument(metavar="RESULT", help=CALIBRATED)]
 As = Annotated[str, _option("FORM", CORRECTION, "--as")]
 ToCorrect = Annotated[

@@ -13,7 +13,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from schemas.base import Frozen, Unusable
 from schemas.calibration import Method
-from schemas.correction import Form
+from schemas.correction import Exported
 from schemas.recording import Unit
 
 UncertaintyName = Literal["gum", "montecarlo", "example"]
@@ -141,10 +141,13 @@ class SimulateOrder(OrderModel):
 
 
 class ExportOrder(OrderModel):
-    """The correction that a result gives, as text in a form. calibration: as in `ApplyOrder`."""
+    """The correction that a result gives, as text in a form, or the evidence that it rests on.
+
+    calibration: as in `ApplyOrder`.
+    """
 
     calibration: str
-    form: Form = Field(alias="as")
+    form: Exported = Field(alias="as")
 
 
 class ApplyOrder(OrderModel):

@@ -1,0 +1,54 @@
+"""The evidence file of a result, made again from its recording."""
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration
+from schemas.certificate import Laboratory
+from schemas.decision import Decision
+from schemas.evidence import Evidence
+from schemas.orders import ExportOrder
+from schemas.recording import Recording
+from storage import settings
+from storage.catalogue import run_index, runs
+from storage.home import Home
+from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.evidence_file import evidence_file
+from tasks.specifications.register import specification_for
+from tasks.stages.calibration_input import read_calibration
+from tasks.stages.equipment_in_use import limits_in_use
+
+
+def evidence_of(
+    calibration: Calibration,
+    recording: Recording,
+    home: Home,
+    laboratory: Laboratory | None,
+    decision: Decision | None = None,
+) -> Evidence:
+    """What a result of a recording rests on; Unusable where it has no evidence file.
+
+    laboratory: whose limits the result was made with. decision: what was decided on it.
+    """
+    specification = specification_for(recording.manifest.standard, calibration.method)
+    limits = limits_in_use(recording.manifest, home, laboratory)
+    evaluation = evaluation_for(recording, own=limits)
+    return evidence_file(calibration, specification, recording, evaluation, decision)
+
+
+def as_text(evidence: Evidence) -> str:
+    """The text of the file."""
+    return evidence.model_dump_json() + "\n"
+
+
+def export_evidence(order: ExportOrder, home: Home) -> str:
+    """The evidence file of a result, without a decision; Unusable where it has none, or where its
+    recording is not in the store.
+    """
+    calibration = read_calibration(order.calibration, home)
+    for run in run_index.all_runs(home):
+        if run.digest == calibration.digest:
+            recording = runs.load(run, home)
+            return as_text(evidence_of(calibration, recording, home, settings.laboratory(home)))
+    raise Unusable(
+        f"run {calibration.run} of {calibration.recording_id} is not in {home.path}, and its "
+        "evidence is made of the recording: import that."
+    )
