@@ -39,17 +39,20 @@ def apply(
     result: options.Calibrated,
     recording: options.ToCorrect,
     out: options.CorrectedFolder,
+    with_u: options.WithU = False,
     as_json: options.Json = False,
 ) -> None:
-    """Write a recording corrected for its unit's errors.
+    """Write a recording corrected for its unit's errors, with the uncertainty of the correction.
 
-    The output folder is a recording that `calibrate` can read.
+    The output folder is a recording that `calibrate` can read. The uncertainty is that by the
+    calibration, common to all readings; their own noise is not in it.
     """
     from flows.carry_out import carry_out
     from flows.printing import print_json
     from schemas.orders import ApplyOrder
+    from tasks.words.rounding import USUAL_K
 
-    order = ApplyOrder(calibration=result, run=recording, out=str(out))
+    order = ApplyOrder(calibration=result, run=recording, out=str(out), with_u=with_u)
     corrected = carry_out("apply", order, order.run)
     if as_json:
         print_json(
@@ -60,10 +63,16 @@ def apply(
                 "rows_left_out": corrected.rows_left_out,
                 "assumed_ideal": list(corrected.assumed),
                 "left_in": list(corrected.left_in),
+                "u_rms": corrected.u_rms,
+                "k": USUAL_K,
             }
         )
         return
     print(corrected.folder)
+    for name, u in corrected.u_rms.items():
+        unit = "rad/s" if name.startswith("gyro") else "m/s2"
+        U = f"{USUAL_K * u:.2g} {unit} (k = {USUAL_K:g}, rms over the rows)"
+        print(f"{name}: U of the correction = {U}", file=sys.stderr)
     if corrected.rows_left_out:
         left_out = corrected.rows_left_out
         print(f"{left_out} rows left out: gyro or accelerometer alone", file=sys.stderr)

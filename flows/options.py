@@ -127,6 +127,12 @@ ToCorrect = Annotated[
 CorrectedFolder = Annotated[
     Path, _option("DIR", "New folder for the corrected recording.", "--out")
 ]
+WithU = Annotated[
+    bool,
+    typer.Option(
+        "--with-u", help="Add columns u_gyro_x … with the standard uncertainty of each reading."
+    ),
+]
 
 CalendarOf = Annotated[
     str | None, _option("CLIENT", "Print a client's due dates in iCalendar format instead.")

@@ -154,11 +154,13 @@ class ApplyOrder(OrderModel):
     """A run with its unit's errors taken off, as a new folder.
 
     calibration: a result's id, the id of a run that was calibrated, or a mimu-calibration/1 file.
+    with_u: whether each corrected channel has a column with its standard uncertainty beside it.
     """
 
     calibration: str
     run: str
     out: str
+    with_u: bool = False
 
 
 class Selection(OrderModel):
