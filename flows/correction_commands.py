@@ -4,13 +4,17 @@ import sys
 
 import typer
 
-from flows import options
+from flows import correction_options, options
 
 app = typer.Typer()
 
 
 @app.command(epilog="Example: mimucal export r8b7e8cc74921 --as kalibr")
-def export(result: options.Calibrated, form: options.As, as_json: options.Json = False) -> None:
+def export(
+    result: options.Calibrated,
+    form: correction_options.As,
+    as_json: options.Json = False,
+) -> None:
     """Print the correction given by a result, for firmware and other software.
 
     Includes its formulas, units, uncertainties and an example. As evidence: the means,
@@ -37,9 +41,9 @@ def export(result: options.Calibrated, form: options.As, as_json: options.Json =
 @app.command(epilog="Example: mimucal apply r8b7e8cc74921 r8b7e8cc74921 --out corrected")
 def apply(
     result: options.Calibrated,
-    recording: options.ToCorrect,
-    out: options.CorrectedFolder,
-    with_u: options.WithU = False,
+    recording: correction_options.ToCorrect,
+    out: correction_options.CorrectedFolder,
+    with_u: correction_options.WithU = False,
     as_json: options.Json = False,
 ) -> None:
     """Write a recording corrected for its unit's errors, with the uncertainty of the correction.

@@ -115,24 +115,7 @@ Simulated = Annotated[
 ]
 
 CALIBRATED = "Result id, id of a calibrated run, or mimu-calibration/1 file."
-CORRECTION = (
-    "json, yaml, c (a header), ros (parameters), kalibr (imu.yaml) or csv; evidence: what "
-    "every value and U of the result is made of."
-)
 Calibrated = Annotated[str, typer.Argument(metavar="RESULT", help=CALIBRATED)]
-As = Annotated[str, _option("FORM", CORRECTION, "--as")]
-ToCorrect = Annotated[
-    str, typer.Argument(metavar="RECORDING", help="Run id, or path to a recording.")
-]
-CorrectedFolder = Annotated[
-    Path, _option("DIR", "New folder for the corrected recording.", "--out")
-]
-WithU = Annotated[
-    bool,
-    typer.Option(
-        "--with-u", help="Add columns u_gyro_x … with the standard uncertainty of each reading."
-    ),
-]
 
 CalendarOf = Annotated[
     str | None, _option("CLIENT", "Print a client's due dates in iCalendar format instead.")

@@ -107,7 +107,7 @@ class EvidenceValue(Frozen):
     lines: tuple[FurtherLine, ...] = ()
 
 
-class Evidence(Frozen):
+class EvidenceFile(Frozen):
     """What every value and U of a result is made of, and what was decided on them.
 
     coverage: how k was chosen. decision: limits, their rule and the verdicts; null where the file

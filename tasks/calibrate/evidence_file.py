@@ -18,7 +18,7 @@ from schemas.decision import Decision
 from schemas.evidence import (
     ChannelMeans,
     Combination,
-    Evidence,
+    EvidenceFile,
     EvidenceSource,
     EvidenceValue,
     FurtherLine,
@@ -65,7 +65,7 @@ def evidence_file(
     recording: Recording,
     evaluation: Evaluation,
     decision: Decision | None = None,
-) -> Evidence:
+) -> EvidenceFile:
     """What a result of a recording rests on; decision: what was decided on it.
 
     Raises Unusable where it has none (`why_none`), and where today's estimation, with these limits
@@ -103,8 +103,8 @@ class _Writer:
 
     def document(
         self, calibration: Calibration, result: ClauseResult, decision: Decision | None
-    ) -> Evidence:
-        return Evidence(
+    ) -> EvidenceFile:
+        return EvidenceFile(
             recording_id=calibration.recording_id,
             run=calibration.run,
             digest=calibration.digest,

@@ -4,7 +4,7 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Laboratory
 from schemas.decision import Decision
-from schemas.evidence import Evidence
+from schemas.evidence import EvidenceFile
 from schemas.orders import ExportOrder
 from schemas.recording import Recording
 from storage import settings
@@ -23,7 +23,7 @@ def evidence_of(
     home: Home,
     laboratory: Laboratory | None,
     decision: Decision | None = None,
-) -> Evidence:
+) -> EvidenceFile:
     """What a result of a recording rests on; Unusable where it has no evidence file.
 
     laboratory: whose limits the result was made with. decision: what was decided on it.
@@ -34,7 +34,7 @@ def evidence_of(
     return evidence_file(calibration, specification, recording, evaluation, decision)
 
 
-def as_text(evidence: Evidence) -> str:
+def as_text(evidence: EvidenceFile) -> str:
     """The text of the file."""
     return evidence.model_dump_json() + "\n"
 

@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from schemas.evidence import Evidence
+from schemas.evidence import EvidenceFile
 from tests.own_limits import laboratory_file
 
 K_AND_B = ("gyro_scale_factor", "gyro_cross_coupling", "gyro_bias", "accel_scale_factor",
@@ -175,7 +175,7 @@ def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
 def test_the_evidence_of_a_result_is_exported(mimucal, run, tmp_path, home) -> None:
     done = mimucal("export", run, "--as", "evidence")
     assert done.code == 0, done.err
-    evidence = Evidence.model_validate_json(done.out)
+    evidence = EvidenceFile.model_validate_json(done.out)
     assert evidence.run == run
     assert evidence.decision is None
     example = mimucal("calibrate", run, "--uncertainty", "example", "--json")

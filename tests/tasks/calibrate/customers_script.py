@@ -37,9 +37,9 @@ def reproduce(document):
             noise[start + i, start : start + i + 1] = row
     noise += np.tril(noise, -1).T
 
-    def combination(told):
+    def combination(stated):
         weights = np.zeros(len(means))
-        weights[first[told["channel"]] + told["mean"]] = told["weight"]
+        weights[first[stated["channel"]] + stated["mean"]] = stated["weight"]
         return weights
 
     sources = [s for s in document["sources"] if s["draws"]]

@@ -12,7 +12,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.calibration import AdoptedTerm, Calibration
 from schemas.decision import Decision
-from schemas.evidence import Evidence
+from schemas.evidence import EvidenceFile
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
@@ -30,7 +30,7 @@ COLUMNS = ("value", "value_without_earth_rotation", "value_model")
 
 def made(
     method: str, recording: Recording, decided: Decision | None = None
-) -> tuple[Calibration, Evidence]:
+) -> tuple[Calibration, EvidenceFile]:
     specification = specification_for(recording.manifest.standard, method)
     result = calibrate(specification, recording, run="r", code_version="v")
     evaluation = evaluation_for(recording)
@@ -43,7 +43,9 @@ def run(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=folder, env={}, capture_output=True, text=True, check=False)
 
 
-def table(folder: Path, evidence: Evidence, *arguments: object) -> dict[tuple[str, str], list[str]]:
+def table(
+    folder: Path, evidence: EvidenceFile, *arguments: object
+) -> dict[tuple[str, str], list[str]]:
     """What the script prints, by value."""
     file = folder / "evidence.json"
     file.write_text(evidence.model_dump_json(), encoding="utf-8")
@@ -65,7 +67,7 @@ def stated(result: Calibration) -> Iterator[tuple[tuple[str, str], Any, Any, Any
                     yield (f"{name}.{element}", column), value, u[element], U[element]
 
 
-def check_reproduced(folder: Path, result: Calibration, evidence: Evidence) -> None:
+def check_reproduced(folder: Path, result: Calibration, evidence: EvidenceFile) -> None:
     rows, expected = table(folder, evidence), list(stated(result))
     assert rows.keys() == {key for key, *_ in expected}
     assert expected
@@ -112,12 +114,12 @@ def test_points_that_scatter_and_fits_that_are_not_linear_are_told(
 
 
 @pytest.fixture(scope="module")
-def earth(plant: Callable[[str], Recording]) -> tuple[Calibration, Evidence]:
+def earth(plant: Callable[[str], Recording]) -> tuple[Calibration, EvidenceFile]:
     return made("jjf2003", plant("plant_earth_rotation"))
 
 
 def test_the_script_computes_what_it_prints(
-    earth: tuple[Calibration, Evidence], tmp_path: Path
+    earth: tuple[Calibration, EvidenceFile], tmp_path: Path
 ) -> None:
     """A mean that is moved moves each value by its weight, a larger prior its line alone."""
     _, evidence = earth
@@ -125,7 +127,7 @@ def test_the_script_computes_what_it_prints(
     document["channels"][0]["means"][3] += 1.0
     (gravity,) = (each for each in document["sources"] if each["symbol"] == "g")
     gravity["u"] *= 100.0
-    after = table(tmp_path, Evidence.model_validate(document))
+    after = table(tmp_path, EvidenceFile.model_validate(document))
     moved = 0
     for each in evidence.values:
         assert each.combination is not None
@@ -165,7 +167,7 @@ def tolerance(result: Calibration, rule: str) -> Tolerance:
 
 @pytest.mark.parametrize("rule", ["simple_acceptance", "guard_band"])
 def test_the_script_decides_as_the_laboratory_by_the_rule_of_the_file_and_by_another(
-    rule: str, earth: tuple[Calibration, Evidence], tmp_path: Path
+    rule: str, earth: tuple[Calibration, EvidenceFile], tmp_path: Path
 ) -> None:
     result, evidence = earth
     other = {"simple_acceptance": "guard_band", "guard_band": "simple_acceptance"}[rule]
@@ -182,7 +184,7 @@ def test_the_script_decides_as_the_laboratory_by_the_rule_of_the_file_and_by_ano
 
 
 def test_the_script_decides_by_a_customers_own_limits(
-    earth: tuple[Calibration, Evidence], tmp_path: Path
+    earth: tuple[Calibration, EvidenceFile], tmp_path: Path
 ) -> None:
     result, evidence = earth
     own = tmp_path / "limits.json"
@@ -215,7 +217,7 @@ def test_the_script_says_in_a_sentence_what_is_no_evidence_file(
 
 
 def test_a_result_of_another_day_or_way_has_no_evidence_file(
-    earth: tuple[Calibration, Evidence], plant: Callable[[str], Recording]
+    earth: tuple[Calibration, EvidenceFile], plant: Callable[[str], Recording]
 ) -> None:
     result, _ = earth
     recording = plant("plant_earth_rotation")
