@@ -115,15 +115,7 @@ Simulated = Annotated[
 ]
 
 CALIBRATED = "Result id, id of a calibrated run, or mimu-calibration/1 file."
-CORRECTION = "json, yaml, c (a header), ros (parameters), kalibr (imu.yaml) or csv."
 Calibrated = Annotated[str, typer.Argument(metavar="RESULT", help=CALIBRATED)]
-As = Annotated[str, _option("FORM", CORRECTION, "--as")]
-ToCorrect = Annotated[
-    str, typer.Argument(metavar="RECORDING", help="Run id, or path to a recording.")
-]
-CorrectedFolder = Annotated[
-    Path, _option("DIR", "New folder for the corrected recording.", "--out")
-]
 
 CalendarOf = Annotated[
     str | None, _option("CLIENT", "Print a client's due dates in iCalendar format instead.")

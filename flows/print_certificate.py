@@ -51,7 +51,7 @@ def print_verdict(published: "Published") -> None:
         console.print(f"  {reason}", markup=False)
     if published.due:
         console.print(f"recalibration due {published.due}")
-    for path in (published.pdf, published.dcc, published.record):
+    for path in (published.pdf, published.dcc, published.record, published.evidence):
         if path:
             print(path)
     if published.state in NEXT:
@@ -69,6 +69,7 @@ def _document(published: "Published") -> dict[str, Any]:
         "pdf": str(published.pdf),
         "dcc": str(published.dcc) if published.dcc else None,
         "record": str(published.record),
+        "evidence": str(published.evidence) if published.evidence else None,
         "run": certificate.calibration.run,
         "as_found": _as_found(certificate.as_found),
         "replaces": certificate.replaces.model_dump(mode="json") if certificate.replaces else None,

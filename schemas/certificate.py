@@ -217,8 +217,9 @@ class Certificate(Frozen):
     then those as left. budgets: whether the uncertainty budgets of the calibration are printed.
     validation: which record validates the estimation, and how many items (English, Chinese).
     number: by the laboratory's scheme once issued; before that, the key of the draft. curves: the
-    content of its figures. steps: in order. state: after the last step; whether an issued
-    certificate was amended or withdrawn is kept in the catalogue.
+    content of its figures. evidence_sha256: of the file with what every value rests on, which lies
+    beside the certificate; null where the result has none. steps: in order. state: after the last
+    step; whether an issued certificate was amended or withdrawn is kept in the catalogue.
     """
 
     format: Literal["mimu-certificate-record/1"] = "mimu-certificate-record/1"
@@ -236,6 +237,7 @@ class Certificate(Frozen):
     budgets: bool = False
     validation: tuple[str, str] | None = None
     curves: tuple[Curve, ...] = ()
+    evidence_sha256: str | None = None
     steps: tuple[Step, ...] = ()
     replaces: Replaced | None = None
 

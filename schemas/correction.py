@@ -8,6 +8,7 @@ from schemas.base import Finite, Frozen
 from schemas.calibration import Covariance, Method, UncertaintyKind
 
 Form = Literal["json", "yaml", "c", "ros", "kalibr", "csv"]
+Exported = Literal[Form, "evidence"]
 Three = tuple[Finite, Finite, Finite]
 Matrix = tuple[Three, Three, Three]
 ThreeU = tuple[Finite | None, Finite | None, Finite | None]

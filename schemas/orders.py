@@ -13,7 +13,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from schemas.base import Frozen, Unusable
 from schemas.calibration import Method
-from schemas.correction import Form
+from schemas.correction import Exported
 from schemas.equipment import ResultAxes
 from schemas.recording import Unit
 
@@ -144,21 +144,26 @@ class SimulateOrder(OrderModel):
 
 
 class ExportOrder(OrderModel):
-    """The correction that a result gives, as text in a form. calibration: as in `ApplyOrder`."""
+    """The correction that a result gives, as text in a form, or the evidence that it rests on.
+
+    calibration: as in `ApplyOrder`.
+    """
 
     calibration: str
-    form: Form = Field(alias="as")
+    form: Exported = Field(alias="as")
 
 
 class ApplyOrder(OrderModel):
     """A run with its unit's errors taken off, as a new folder.
 
     calibration: a result's id, the id of a run that was calibrated, or a mimu-calibration/1 file.
+    with_u: whether each corrected channel has a column with its standard uncertainty beside it.
     """
 
     calibration: str
     run: str
     out: str
+    with_u: bool = False
 
 
 class Selection(OrderModel):

@@ -11,6 +11,7 @@ from schemas.correction import Correction
 from schemas.discrepancy import Discrepancy
 from schemas.doctor import Diagnosis
 from schemas.equipment import EquipmentFile
+from schemas.evidence import EvidenceFile
 from schemas.history import Impact, Pruned, Reprocessing
 from schemas.next_recording import NextRecording
 from schemas.procedure import Procedure
@@ -28,6 +29,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-procedure": Procedure,
     "mimu-calibration": Calibration,
     "mimu-correction": Correction,
+    "mimu-evidence": EvidenceFile,
     "mimu-budget": Budget,
     "mimu-tolerance": Tolerance,
     "mimu-laboratory": Laboratory,

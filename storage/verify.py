@@ -168,10 +168,14 @@ def _record(entry: Entry, home: Home) -> Iterator[str]:
     record = record_of(entry, home)
     since = entry.state in ("amended", "withdrawn")
     state = record.state if since else entry.state
-    of_record = (record.number, record.state, record.decision.verdict, record.due)
-    if of_record != (entry.number, state, entry.verdict, entry.due):
+    of_record = (
+        record.number, record.state, record.decision.verdict, record.due, record.evidence_sha256,
+    )  # fmt: skip
+    of_entry = (entry.number, state, entry.verdict, entry.due, entry.evidence_sha256)
+    if of_record != of_entry:
         yield (
-            "the register and the record differ in number, state, verdict or due date; "
+            "the register and the record differ in number, state, verdict, due date "
+            "or evidence; "
             f"believe the record, and {RESTORE}"
         )
     rows = _rows(entry.result, home)

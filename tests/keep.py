@@ -16,6 +16,7 @@ class MadeUp:
     pdf: bytes
     record: bytes
     dcc: bytes = b"<dcc/>"
+    evidence: bytes | None = None
 
 
 def keep(certificate: Certificate, home: Home, pdf: bytes = b"%PDF") -> None:

@@ -59,7 +59,7 @@ def _taken(home: Home, objects: Objects, version: str, progress: Progress) -> Ba
         recordings = [f"{RAW}/{each}.mcap" for each in _column(connection, "runs", "digest")]
         papers = [
             name
-            for column in ("pdf", "record", "dcc")
+            for column in ("pdf", "record", "dcc", "evidence")
             for name in _column(connection, "certificates", column)
             if name
         ]

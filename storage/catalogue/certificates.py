@@ -26,7 +26,8 @@ class _Serial:
 
 
 class Entry(Frozen):
-    """A certificate's line in the register. `pdf`, `dcc` and `record` are paths within the home.
+    """A certificate's line in the register. `pdf`, `dcc`, `record` and `evidence` are paths within
+    the home.
 
     number: for a draft, its key; draft: the key under which it was drafted. purpose: null for
     certificates of an earlier version. supersedes: the number of the certificate that this one
@@ -50,6 +51,8 @@ class Entry(Frozen):
     record_sha256: str
     dcc: str | None
     dcc_sha256: str | None
+    evidence: str | None
+    evidence_sha256: str | None
     purpose: str | None
     draft: str | None
     supersedes: str | None
@@ -58,8 +61,13 @@ class Entry(Frozen):
     @property
     def files(self) -> dict[str, str]:
         """The SHA-256 of each of its files, by the path within the home."""
-        kept = {self.pdf: self.pdf_sha256, self.record: self.record_sha256}
-        return kept | ({self.dcc: self.dcc_sha256} if self.dcc and self.dcc_sha256 else {})
+        kept = {
+            self.pdf: self.pdf_sha256,
+            self.record: self.record_sha256,
+            self.dcc: self.dcc_sha256,
+            self.evidence: self.evidence_sha256,
+        }
+        return {name: sha256 for name, sha256 in kept.items() if name and sha256}
 
 
 class Terms(BaseModel):

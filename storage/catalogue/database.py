@@ -22,7 +22,7 @@ from storage.catalogue.tables import results, units
 from storage.home import RESTORING, Home
 from storage.whole_files import make_folder
 
-HEAD = "0012"  # the newest revision in storage/catalogue/migrations/versions
+HEAD = "0013"  # the newest revision in storage/catalogue/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
 

@@ -25,11 +25,12 @@ TABLE = tables.certificates
 NOT_ISSUED: tuple[State, ...] = ("draft", "checked")
 HASH_DIGITS = 12  # hex digits in the names of a draft's files
 RUN_CHARACTERS = 8  # of a run's id in the key of its draft
+FILES = {"pdf": "pdf", "dcc": "xml", "record": "json", "evidence": "evidence.json"}  # suffixes
 
 
 class Faces(Protocol):
     """The stored forms of a certificate: PDF, Digital Calibration Certificate (XML), JSON
-    record.
+    record, and the evidence of its result, if there is any.
     """
 
     @property
@@ -38,6 +39,8 @@ class Faces(Protocol):
     def dcc(self) -> bytes: ...
     @property
     def record(self) -> bytes: ...
+    @property
+    def evidence(self) -> bytes | None: ...
 
 
 def locked(connection: sql.Connection, number: str) -> Entry | None:
@@ -132,7 +135,7 @@ def add(
     result_rows.add_decision(connection, certificate.number, certificate.decision)
     run, standards = certificate.calibration.run, standards_of(certificate)
     lineage.add_equipment(connection, run, certificate.number, standards)
-    return [files[name] for name in ("pdf", "dcc", "record")]
+    return [files[name] for name in FILES if name in files]
 
 
 def remove(connection: sql.Connection, entry: Entry) -> None:
@@ -185,11 +188,10 @@ def _written(home: Home, certificate: Certificate, faces: Faces) -> dict[str, An
     if certificate.state in NOT_ISSUED:
         stem += "." + hashlib.sha256(faces.pdf + faces.record).hexdigest()[:HASH_DIGITS]
     columns: dict[str, Any] = {}
-    for column, suffix, content in (
-        ("pdf", "pdf", faces.pdf),
-        ("dcc", "xml", faces.dcc),
-        ("record", "json", faces.record),
-    ):
+    for column, suffix in FILES.items():
+        content: bytes | None = getattr(faces, column)
+        if content is None:
+            continue
         name = f"certificates/{stem}.{suffix}"
         with writing_to(home.path / name) as file:
             file.write_bytes(content)

@@ -205,7 +205,10 @@ certificates = (
         sql.Column("due", sql.Date, index=True),
         _column("kept_at", Utc),
         *_texts("pdf", "pdf_sha256", "record", "record_sha256"),
-        *(sql.Column(name, sql.Text) for name in ("dcc", "dcc_sha256")),
+        *(
+            sql.Column(name, sql.Text)
+            for name in ("dcc", "dcc_sha256", "evidence", "evidence_sha256")
+        ),
         sql.Column("supersedes", sql.Text, sql.ForeignKey("certificates.number"), unique=True),
         sql.Column("why", sql.Text),
         sql.Column(

@@ -1,4 +1,4 @@
-"""The three faces of a certificate: PDF, DCC and record, all made from the record."""
+"""The three faces of a certificate: PDF, DCC and record, all made from the record; its evidence."""
 
 from dataclasses import dataclass
 
@@ -11,21 +11,27 @@ from tasks.certificate.sign_xml import sign_xml
 
 @dataclass(frozen=True)
 class Faces:
-    """The bytes of a certificate: the PDF/A-3b, the DCC (XML) and the record (JSON)."""
+    """The bytes of a certificate: the PDF/A-3b, the DCC (XML) and the record (JSON).
+
+    evidence: the file beside them that the record names by its hash; None where there is none.
+    """
 
     pdf: bytes
     dcc: bytes
     record: bytes
+    evidence: bytes | None = None
 
 
-def faces_of(certificate: Certificate, signing: Signing | None) -> Faces:
+def faces_of(
+    certificate: Certificate, signing: Signing | None, evidence: bytes | None = None
+) -> Faces:
     """The faces of a certificate, signed where there is a key to sign with.
 
     The DCC holds the record, and the PDF, in the languages of the record, holds the DCC.
     """
     record, dcc = record_of(certificate), dcc_of(certificate)
     if signing is None:
-        return Faces(render(certificate, dcc=dcc), dcc, record)
+        return Faces(render(certificate, dcc=dcc), dcc, record, evidence)
     dcc = sign_xml(dcc, signing)
     pdf = sign_pdf(render(certificate, dcc=dcc, signed=True), signing)
-    return Faces(pdf, dcc, record)
+    return Faces(pdf, dcc, record, evidence)

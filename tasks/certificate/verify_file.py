@@ -1,7 +1,7 @@
 """Checks that the files of a certificate are intact and agree, without the store.
 
 The PDF holds the DCC and the DCC holds the record, so that any of them can be checked where no
-store is; a record alone is held against the PDF or the DCC that lies beside it.
+store is; a record or an evidence file alone is held against the PDF or the DCC that lies beside it.
 """
 
 import base64
@@ -29,6 +29,7 @@ from tasks.certificate.signatures import (
     check_xml_signature,
 )
 
+EVIDENCE, HEAD = b'"mimu-evidence/', 100  # bytes in which a file of that format names it
 UNSIGNED = (
     "nobody signed it, and its bytes are not those that this version of mimucal makes of its "
     "record; where another version made it, hold it against the catalogue"
@@ -61,7 +62,8 @@ def is_certificate(path: Path) -> bool:
     """Whether a file is one of a certificate, by its name; JSON by its format."""
     suffix = path.suffix.lower()
     if suffix == ".json" and path.is_file():
-        return b"mimu-certificate-record/" in path.read_bytes()
+        content = path.read_bytes()
+        return b"mimu-certificate-record/" in content or EVIDENCE in content[:HEAD]
     return suffix in (".pdf", ".xml")
 
 
@@ -77,7 +79,7 @@ def verify_file(path: Path, trusted: Sequence[bytes] = ()) -> VerifiedFile:
     check = {".pdf": _pdf, ".xml": _dcc}.get(path.suffix.lower())
     try:
         with warnings.catch_warnings(action="ignore"):  # of libraries, about damaged bytes
-            found = check(content, trusted) if check else _record_beside(path, content, trusted)
+            found = check(content, trusted) if check else _beside(path, content, trusted)
     except Broken as fault:
         return VerifiedFile(path, None, None, None, (), (str(fault),))
     certificate = found.certificate
@@ -135,16 +137,28 @@ def _dcc(dcc: bytes, trusted: Sequence[bytes]) -> _Found:
     return _Found(record, certificate, (signed,) if signed else ())
 
 
-def _record_beside(path: Path, record: bytes, trusted: Sequence[bytes]) -> _Found:
-    """A record, against the DCC or the PDF beside it, which holds the same."""
+def _beside(path: Path, content: bytes, trusted: Sequence[bytes]) -> _Found:
+    """A record or an evidence file, against the DCC or PDF beside it, which holds the record."""
+    evidence = hashlib.sha256(content).hexdigest() if EVIDENCE in content[:HEAD] else None
+    stem, what = path.name.removesuffix(".json"), "record"
+    if evidence:
+        stem, what = stem.removesuffix(".evidence"), "evidence"
     for suffix, check in ((".xml", _dcc), (".pdf", _pdf)):
-        other = path.with_suffix(suffix)
+        other = path.with_name(stem + suffix)
         if other.is_file():
             found = check(other.read_bytes(), trusted)
-            if found.record != record:
-                raise Broken(f"it is not the record that {other.name} holds")
+            same = (
+                found.certificate.evidence_sha256 == evidence if evidence
+                else found.record == content
+            )  # fmt: skip
+            if not same:
+                raise Broken(
+                    f"it is not the {what} that {other.name} {'names' if evidence else 'holds'}"
+                )
             return found
-    raise Broken("a record alone vouches for nothing: put its PDF or its DCC beside it")
+    raise Broken(
+        f"{what} alone vouches for nothing: put the PDF or the DCC of its certificate beside it"
+    )
 
 
 def _attached_record(root: Element) -> bytes:

@@ -15,6 +15,7 @@ ITEMS_OF: Mapping[str, tuple[str, str]] = {
     "gyro_matrix": ("gyro_scale_factor", "gyro_cross_coupling"),
     "accel_matrix": ("accel_scale_factor", "accel_cross_coupling"),
 }  # of the other terms the item has the term's name
+OPPOSITE = "accel_rate_sensitivity"  # its sign by eq. (12) is not that of model (2)
 
 
 def model_values(
@@ -59,6 +60,29 @@ def model_uncertainties(calibration: Calibration) -> np.ndarray:
     return expanded
 
 
+def parameter_covariance(calibration: Calibration) -> np.ndarray | None:
+    """Covariance (p, p), SI, of the parameters; None where the calibration has none.
+
+    NaN in row and column of a parameter without an uncertainty. Signs are those of the models.
+    """
+    covariance = calibration.covariance
+    if covariance is None:
+        return None
+    place = {name: i for i, name in enumerate(covariance.elements)}
+    matrix = np.zeros((len(place), len(place)))
+    matrix[np.tril_indices(len(place))] = [each for row in covariance.rows for each in row]
+    matrix += np.tril(matrix, -1).T
+    every = _numbered()
+    taken, factors = np.full(len(every), -1), np.full(len(every), np.nan)
+    for number, term, parameter in every:
+        item, element = _item_and_element(term, parameter)
+        if f"{item}.{element}" in place:
+            taken[number] = place[f"{item}.{element}"]
+            sign = -1.0 if item == OPPOSITE else 1.0
+            factors[number] = sign * _to_si(calibration, item)
+    return matrix[np.ix_(taken, taken)] * np.outer(factors, factors)
+
+
 def _numbered() -> list[tuple[int, str, Parameter]]:
     """Every parameter with its place among all and its term's name."""
     return [
@@ -82,7 +106,7 @@ def _values(calibration: Calibration, name: str, earth_in_sensitivity: bool) -> 
     item = calibration.items.get(name)
     if item is None:
         return {}
-    if name == "accel_rate_sensitivity":
+    if name == OPPOSITE:
         opposite = {e: None if value is None else -value for e, value in item.value.items()}
         return item.value_model or opposite
     if name == "gyro_g_sensitivity" and not earth_in_sensitivity:

@@ -1,5 +1,6 @@
 """Stage: compares the result with the limits and makes a certificate."""
 
+import hashlib
 from collections.abc import Callable
 from datetime import UTC, date, datetime
 
@@ -13,6 +14,7 @@ from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks import conformity, reminders
+from tasks.calibrate.evidence_file import why_none
 from tasks.conformity.capabilities import certificate_as_stated
 from tasks.curves import curves_of_run, history
 from tasks.specifications.register import SPECIFICATIONS
@@ -28,6 +30,7 @@ from tasks.stages.certificate_inputs import (
 )
 from tasks.stages.draft import DRAFT, keep_draft
 from tasks.stages.equipment_in_use import reference_in_use, standards_in_use
+from tasks.stages.evidence import as_text, evidence_of
 from tasks.stages.published import Published
 from tasks.stages.stage import announce, stage
 from tasks.validation import record
@@ -58,7 +61,7 @@ def certify(
     manifest = recording.manifest
     free = manifest_fields(manifest.model_extra or {}, run)
     tolerance = tolerance_of(inputs, run, manifest.unit, home)
-    laboratory = inputs.laboratory or settings.laboratory(home)
+    given = laboratory = inputs.laboratory or settings.laboratory(home)
     recording = reference_in_use(recording, home, laboratory)
     order, now = inputs.order, datetime.now(UTC)
     today = day_of_moment(now)
@@ -87,6 +90,11 @@ def certify(
         return conformity.decide(stated, tolerance, (*standing, *smaller, *unmet), doubts)
 
     decision = decide(calibration)
+    evidence = None
+    if why_none(calibration) is None:
+        stated = conformity.as_stated(calibration, capabilities)
+        made = evidence_of(stated, recording, home, given, decision)
+        evidence = as_text(made).encode()
     found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)
     named = statement(record.named(validated, calibration))
     operator = inputs.by or (laboratory.operator if laboratory else None)
@@ -109,11 +117,12 @@ def certify(
         curves=curves_of_run(recording, calibration),
         steps=(drafted,) if drafted else (),
         replaces=replaces,
+        evidence_sha256=hashlib.sha256(evidence).hexdigest() if evidence else None,
     )
     earlier = map(certificate_as_stated, earlier_certificates(run, calibrated_on, home))
     moved = tuple(history(certificate_as_stated(certificate), tuple(earlier)))
     drawn = certificate.model_copy(update={"curves": (*certificate.curves, *moved)})
-    return keep_draft(drawn, home, now)
+    return keep_draft(drawn, home, now, evidence)
 
 
 def due_date(from_day: date, order: Order | None, calibration: Calibration) -> date | None:

@@ -1,5 +1,6 @@
 """Stages: the correction of a result, a recording corrected with it, and one simulated by it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from tasks.coefficients.correct import Coefficients, coefficients, correct
 from tasks.coefficients.kalibr import as_kalibr
 from tasks.coefficients.parameters import model_values
 from tasks.coefficients.tables import as_c, as_csv, as_json, as_ros, as_yaml, document
+from tasks.coefficients.uncertainty import reading_uncertainty
 from tasks.model.simulate import predict
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
@@ -47,6 +49,8 @@ class Corrected:
     """A corrected recording: its folder, its rows, and what had to be taken as ideal or left in.
 
     rows_left_out: with gyro or accelerometer alone, which is corrected for what the other reads.
+    u_rms: of each corrected channel that has it, the root mean square of its standard uncertainty
+    by the calibration, rad/s and m/s².
     """
 
     folder: Path
@@ -54,6 +58,7 @@ class Corrected:
     rows_left_out: int
     assumed: tuple[str, ...]
     left_in: tuple[str, ...]
+    u_rms: dict[str, float]
 
 
 def export_correction(order: ExportOrder, home: Home) -> tuple[Correction, str]:
@@ -81,18 +86,42 @@ def apply_correction(run: Run, home: Home, order: ApplyOrder) -> Corrected:
     """Write a run corrected for its unit's errors, as a mimu-recording/1 folder.
 
     Table, pose, environment and segments are the run's own. Raises Unusable for the result of
-    another unit, of an invalid run or of an AHRS, and for an existing folder.
+    another unit, of an invalid run or of an AHRS, for an existing folder, and where uncertainties
+    are asked for that the result does not give.
     """
     calibration = correcting_calibration(order.calibration, home)
     known, _, assumed = coefficients(calibration)
     recording, source = runs.load(run, home), _recording_of(calibration, home)
     if source is not None:
         _check_unit(source.manifest.unit, recording.manifest, order.calibration)
+    uncertainty = reading_uncertainty(calibration, known)
+    if order.with_u and (uncertainty is None or len(uncertainty.unknown) == len(GYRO + ACCEL)):
+        raise Unusable(
+            f"{order.calibration} has no covariance of its elements, so the uncertainty of what it "
+            "corrects is not known: calibrate the run again without --uncertainty, or leave "
+            "--with-u out."
+        )
     corrected, out = corrected_recording(recording, known, calibration), Path(order.out)
+    u_rms = {}
+    if uncertainty is not None:
+        rows = slice(0, len(corrected.imu))
+        rate, force = (corrected.imu.stack(names, rows) for names in (GYRO, ACCEL))
+        u_rms = uncertainty.rms(rate, force)
+        if order.with_u:
+            corrected = _with_u(corrected, uncertainty.of_rows(rate, force), u_rms)
     _write(corrected, out)
     left_in = tuple(term.name for term in calibration.terms)
-    rows = len(corrected.imu)
-    return Corrected(out, rows, len(recording.imu) - rows, assumed, left_in)
+    left_out = len(recording.imu) - len(corrected.imu)
+    return Corrected(out, len(corrected.imu), left_out, assumed, left_in, u_rms)
+
+
+def _with_u(recording: Recording, u: np.ndarray, names: Iterable[str]) -> Recording:
+    """With a column u_… beside each of these channels; u: (n, 6)."""
+    columns = {
+        f"u_{name}": np.ascontiguousarray(u[:, (GYRO + ACCEL).index(name)]) for name in names
+    }
+    imu = recording.imu
+    return replace(recording, imu=Stream(imu.t, {**imu.columns, **columns}, imu.span))
 
 
 def corrected_recording(

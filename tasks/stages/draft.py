@@ -16,7 +16,9 @@ DRAFT = "draft"  # the number of what has no key yet
 NOBODY = "not named"  # who drafted, where nobody says
 
 
-def keep_draft(certificate: Certificate, home: Home, now: datetime) -> Published:
+def keep_draft(
+    certificate: Certificate, home: Home, now: datetime, evidence: bytes | None = None
+) -> Published:
     """Keeps a draft in the place of the one before it of the same run and purpose.
 
     Raises Unusable where a certificate of that run and purpose is issued, unless this one amends
@@ -35,7 +37,7 @@ def keep_draft(certificate: Certificate, home: Home, now: datetime) -> Published
         for entry in earlier:
             keep_certificate.change_state(connection, entry.number, "withdrawn")
         draft = certificate.model_copy(update={"number": key})
-        files = keep_certificate.add(connection, home, draft, faces_of(draft, None))
+        files = keep_certificate.add(connection, home, draft, faces_of(draft, None, evidence))
         step, replaces = draft.step("draft"), draft.replaces
         person = step.person if step else NOBODY
         for entry in earlier:

@@ -195,7 +195,8 @@ def _replace(
 ) -> list[str]:
     """The next version of a draft in the place of the one before; gives its files' names."""
     keep_certificate.remove(connection, entry)
-    faces = faces_of(certificate, signing)
+    evidence = (home.path / entry.evidence).read_bytes() if entry.evidence else None
+    faces = faces_of(certificate, signing, evidence)
     return keep_certificate.add(connection, home, certificate, faces, draft=draft)
 
 

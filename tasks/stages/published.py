@@ -21,6 +21,7 @@ class Published:
     pdf: Path
     dcc: Path | None
     record: Path
+    evidence: Path | None
 
     @property
     def due(self) -> date | None:
@@ -37,4 +38,5 @@ def published(number: str, home: Home) -> Published:
         pdf=home.path / entry.pdf,
         dcc=home.path / entry.dcc if entry.dcc else None,
         record=home.path / entry.record,
+        evidence=home.path / entry.evidence if entry.evidence else None,
     )

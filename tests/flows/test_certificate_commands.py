@@ -1,6 +1,7 @@
 """The life of a certificate from the command line, and the trail of it."""
 
 import csv
+import hashlib
 import json
 from io import StringIO
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 
 from storage.home import Home
 from tests.drafts import draft
+from tests.own_limits import laboratory_file
 
 
 @pytest.fixture
@@ -63,3 +65,48 @@ def test_a_form_of_the_trail_that_is_none_is_refused(mimucal, key: str) -> None:
     refused = mimucal("trail", "--as", "pdf")
     assert refused.code == 2
     assert "choose one of table, csv, jsonl" in refused.err
+
+
+def test_the_evidence_lies_beside_the_certificate_and_its_hash_in_the_record(
+    mimucal, run_on_earth: str, home: Path, tmp_path: Path, unprinted
+) -> None:
+    laboratory_file(home)
+    limits = tmp_path / "limits.toml"
+    limits.write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
+        'document = "test"\nrule = "guard_band"\n[[limits]]\nitem = "gyro_scale_factor"\n'
+        'unit = "1"\nlower = 0.999\nupper = 1.001\n',
+        encoding="utf-8",
+    )
+    drafted = mimucal("certify", run_on_earth, "--tolerance", limits, "--by", "Wang", "--json").json
+    mimucal("check", drafted["number"], "--by", "Li")
+    issued = mimucal("issue", drafted["number"], "--by", "Zhao", "--json").json
+    path = Path(issued["evidence"])
+    assert path.name == f"{issued['number']}.evidence.json"
+    record = json.loads(Path(issued["record"]).read_text(encoding="utf-8"))
+    assert hashlib.sha256(path.read_bytes()).hexdigest() == record["evidence_sha256"]
+    evidence = json.loads(path.read_text(encoding="utf-8"))
+    assert evidence["decision"] == record["decision"]
+    assert evidence["digest"] == record["calibration"]["digest"]
+    assert not Path(drafted["evidence"]).exists()
+    assert mimucal("verify").code == 0
+    assert mimucal("verify", path).code == 0
+
+    path.chmod(0o600)
+    path.write_bytes(path.read_bytes().replace(b'"value":', b'"value": ', 1))
+    for arguments in ((), (path,)):
+        done = mimucal("verify", *arguments, "--json")
+        (fault,) = done.json["faults"]
+        assert (done.code, Path(fault["what"]).name) == (1, path.name)
+    alone = tmp_path / "alone.evidence.json"
+    alone.write_bytes(path.read_bytes())
+    assert "beside it" in mimucal("verify", alone).out
+
+
+def test_a_result_by_draws_is_certified_without_an_evidence_file(
+    mimucal, run_on_earth: str, home: Path, unprinted
+) -> None:
+    laboratory_file(home)
+    arguments = ("--uncertainty", "montecarlo", "--by", "Wang", "--json")
+    drafted = mimucal("certify", run_on_earth, *arguments)
+    assert (drafted.code, drafted.json["evidence"]) == (0, None), drafted.err

@@ -3,9 +3,12 @@
 import json
 from pathlib import Path
 
+import numpy as np
+import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from schemas.evidence import EvidenceFile
 from tests.own_limits import laboratory_file
 
 K_AND_B = ("gyro_scale_factor", "gyro_cross_coupling", "gyro_bias", "accel_scale_factor",
@@ -136,3 +139,46 @@ def test_the_result_of_an_invalid_run_corrects_nothing(mimucal, run, tmp_path: P
         done = mimucal(*arguments)
         assert done.code == 2
         assert "invalid: The supply fell" in done.err
+
+
+def test_a_corrected_recording_has_its_uncertainty_beside_the_readings_where_it_is_asked_for(
+    mimucal, plant_on_earth, run, tmp_path
+) -> None:
+    out = tmp_path / "corrected"
+    done = mimucal("apply", run, plant_on_earth, "--out", out, "--with-u", "--json")
+    assert done.code == 0, done.err
+    columns = pq.read_table(out / "imu.parquet")
+    for name, u_rms in done.json["u_rms"].items():
+        u = columns[f"u_{name}"].to_numpy()
+        assert np.sqrt((u**2).mean()) == pytest.approx(u_rms)
+    assert len(done.json["u_rms"]) == 6
+    assert mimucal("calibrate", out, "--json").json["validity"]["verdict"] == "valid"
+    plain = mimucal("apply", run, plant_on_earth, "--out", tmp_path / "plain")
+    assert plain.out.strip() == str(tmp_path / "plain")
+    assert "gyro_x: U of the correction = " in plain.err
+    assert "u_gyro_x" not in pq.read_table(tmp_path / "plain/imu.parquet").column_names
+
+
+def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
+    mimucal, plant_on_earth, tmp_path, home
+) -> None:
+    example = mimucal("calibrate", plant_on_earth, "--uncertainty", "example", "--json")
+    (tmp_path / "example.json").write_text(example.out, encoding="utf-8")
+    arguments = (tmp_path / "example.json", plant_on_earth, "--out", tmp_path / "new")
+    done = mimucal("apply", *arguments, "--with-u")
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert "has no covariance of its elements" in done.err
+    assert not (tmp_path / "new").exists()
+    assert mimucal("apply", *arguments, "--json").json["u_rms"] == {}
+
+
+def test_the_evidence_of_a_result_is_exported(mimucal, run, tmp_path, home) -> None:
+    done = mimucal("export", run, "--as", "evidence")
+    assert done.code == 0, done.err
+    evidence = EvidenceFile.model_validate_json(done.out)
+    assert evidence.run == run
+    assert evidence.decision is None
+    example = mimucal("calibrate", run, "--uncertainty", "example", "--json")
+    (tmp_path / "example.json").write_text(example.out, encoding="utf-8")
+    refused = mimucal("export", tmp_path / "example.json", "--as", "evidence")
+    assert (refused.code, refused.out, refused.err.count("\n")) == (2, "", 1)

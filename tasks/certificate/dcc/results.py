@@ -8,6 +8,7 @@ from schemas.certificate import Certificate
 from schemas.decision import Decision
 from tasks.certificate.dcc.conditions import influences, methods
 from tasks.certificate.dcc.conformity import conformity
+from tasks.certificate.dcc.covariance import covariance_result
 from tasks.certificate.dcc.curves import curve_results
 from tasks.certificate.dcc.equipment import equipment
 from tasks.certificate.dcc.quantities import Coverage, coverage, quantity, without_number
@@ -48,7 +49,7 @@ def _results(
     title: str, certificate: Certificate, calibration: Calibration, decision: Decision,
     status: str | None,
 ) -> Element:  # fmt: skip
-    """Every item of the specification's appendix, also those without a value."""
+    """Every item of the specification's appendix, also those without a value; their covariance."""
     specification = SPECIFICATIONS[calibration.method]
     known = list(chain.from_iterable(section.items for section in specification.layout))
     names = known + [name for name in calibration.items if name not in known]
@@ -58,7 +59,9 @@ def _results(
         _item(name, group, certificate, calibration, decision)
         for name, group in zip(names, groups, strict=True)
     )
-    return _result_part(title, certificate, calibration, status, items)
+    together = covariance_result(certificate, calibration)
+    more = () if together is None else (together,)
+    return _result_part(title, certificate, calibration, status, chain(items, more))
 
 
 def _result_part(

@@ -3,6 +3,8 @@
 dcc-record = Record from which this certificate was made
 dcc-results = Results of the calibration
 dcc-as-found = Results as found, before the adjustment
+dcc-covariance = All elements together, with their covariance
+    .how = { $count } elements by item and element in SI units, with the covariance of type A and type B together. The coverage region is an ellipsoid; its factor is that of a vector of { $count } elements, not of one.
 dcc-information = For information, not decided on
 dcc-element = { $element }: { $column }
 dcc-field = { $label }: { $value }

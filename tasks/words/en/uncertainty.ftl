@@ -26,3 +26,7 @@ uncertainty-rate-medium = table rate 1 to 10 °/s
 uncertainty-rate-slow = table rate below 1 °/s
 uncertainty-table-angle = table angle
 uncertainty-horizontal-earth = horizontal part of Earth's rotation, beyond whole turns
+
+## The evidence of a result.
+
+evidence-coverage = U = k·u; k = { $k } ({ $probability } %), or, where a value of the item has fewer than { $dof } effective degrees of freedom, the largest factor of Student's t of the item's values for { $probability } %, rounded up to two decimals

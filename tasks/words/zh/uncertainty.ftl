@@ -26,3 +26,7 @@ uncertainty-rate-medium = 转台角速率（1~10 °/s）
 uncertainty-rate-slow = 转台角速率（< 1 °/s）
 uncertainty-table-angle = 转台角位移
 uncertainty-horizontal-earth = 地球自转水平分量（非整圈部分）
+
+## 校准结果的证据文件。
+
+evidence-coverage = U = k·u；k = { $k }（包含概率 { $probability } %）；项目中某一值的有效自由度小于 { $dof } 时，取该项目各值按 t 分布（包含概率 { $probability } %）所得包含因子的最大值，并向上修约至两位小数

@@ -4,11 +4,13 @@ import base64
 import math
 import os
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator
 from datetime import date
 from decimal import Decimal
 from pathlib import Path
 
+import numpy as np
 import pypdfium2
 import pytest
 from dcclib.validation import SchematronValidator, schematron
@@ -166,14 +168,19 @@ def test_every_point_of_a_curve_stands_in_the_dcc_as_in_the_record(
     made: Certificate, faces: Faces
 ) -> None:
     record = Certificate.model_validate_json(faces.record)
-    listed = [
-        [float(number) for number in element.text.split()]
-        for element in etree.fromstring(faces.dcc).iter(f"{SI}valueXMLList")
+    figures = [
+        result
+        for result in etree.fromstring(faces.dcc).iter(f"{DCC}result")
+        if result.get("refType") == "mimucal_curve"
     ]
-    expanded = [
-        [float(number) for number in element.text.split()]
-        for element in etree.fromstring(faces.dcc).iter(f"{SI}valueExpandedMUXMLList")
-    ]
+    listed, expanded = (
+        [
+            [float(number) for number in element.text.split()]
+            for figure in figures
+            for element in figure.iter(f"{SI}{name}")
+        ]
+        for name in ("valueXMLList", "valueExpandedMUXMLList")
+    )
     assert len(record.curves) >= 6
     in_si = {"deg/s": math.pi / 180, "deg/h": math.pi / 648e3, "m/s2": 1.0, "s": 1.0, "1": 1.0}
     for n, curve in enumerate(record.curves):
@@ -181,6 +188,47 @@ def test_every_point_of_a_curve_stands_in_the_dcc_as_in_the_record(
         assert listed[2 * n] == pytest.approx([x * each for each in curve.x])
         assert listed[2 * n + 1] == pytest.approx([y * each for each in curve.y])
         assert expanded[n] == pytest.approx([y * each for each in curve.U])
+
+
+@pytest.mark.parametrize("made", ["2003", "1536"], indirect=True)
+def test_the_covariance_of_all_elements_stands_in_the_dcc_in_si_units(
+    made: Certificate, faces: Faces
+) -> None:
+    covariance = made.calibration.covariance
+    assert covariance is not None
+    (result,) = (
+        each
+        for each in etree.fromstring(faces.dcc).iter(f"{DCC}result")
+        if each.get("refType") == "mimucal_covariance"
+    )
+    labels = [each.text for each in result.iter(f"{SI}label")]
+    assert tuple(labels) == covariance.elements
+    gravity = made.manifest.station.gravity_m_s2
+    degree = math.pi / 180
+    factors, powers = [], []
+    in_si = {"1": (1.0, ""), "deg": (degree, "radian"), "deg/s": (degree, "radian second-1"),
+             "(deg/s)/g": (degree / gravity, "radian second metre-1"), "m": (1.0, "metre"),
+             "m/s2": (1.0, "metre second-2")}  # fmt: skip
+    for label in labels:
+        factor, unit = in_si[made.calibration.items[label.split(".")[0]].unit]
+        factors.append(factor)
+        powers.append(base_units(unit))
+    columns = list(result.iter(f"{SI}column"))
+    matrix = np.array([[float(n.text) for n in each.iter(f"{SI}value")] for each in columns])
+    expected = np.zeros((len(labels), len(labels)))
+    expected[np.tril_indices(len(labels))] = [c for row in covariance.rows for c in row]
+    expected += np.tril(expected, -1).T
+    np.testing.assert_allclose(matrix, expected * np.outer(factors, factors), rtol=1e-8)
+    assert np.linalg.eigvalsh(matrix / np.sqrt(np.outer(np.diag(matrix), np.diag(matrix))))[0] > 0
+    for j, column in enumerate(columns):
+        units = [each.text for each in column.iter(f"{SI}unit")]
+        for unit, power in zip(units, powers, strict=True):
+            spaced = re.sub(r"\\tothe\{([^}]*)\}", r"\1", unit).replace("\\", " ").strip()
+            both = {name: power[name] + powers[j][name] for name in (*power, *powers[j])}
+            assert base_units(spaced) == {name: p for name, p in both.items() if p}
+    # χ² of 12 and 42 degrees of freedom at 95 %, from printed tables.
+    k = float(result.findtext(f".//{SI}coverageFactor"))
+    assert k**2 == pytest.approx({12: 21.026, 42: 58.124}[len(labels)], rel=1e-3)
 
 
 def test_a_rate_is_given_in_radians_too_and_a_ratio_once() -> None:
@@ -223,6 +271,12 @@ def test_a_text_that_is_markup_or_has_control_characters_stays_a_text() -> None:
     assert name[1].text == "<a>&b; ]]>"
 
 
+def base_units(text: str) -> Counter[str]:
+    """Powers of base units in a text such as "radian second-1"; none of a ratio."""
+    found = (re.fullmatch(r"([a-z]+)([-\d.]*)", each) for each in text.split())
+    return Counter({m[1]: float(m[2] or 1) for m in found if m and m[1] != "one"})
+
+
 def pages(pdf: bytes) -> str:
     document = pypdfium2.PdfDocument(pdf)
     return "\n".join(page.get_textpage().get_text_bounded() for page in document)
@@ -251,6 +305,8 @@ def numbers_of_dcc(dcc: bytes) -> set[str]:
 def results(dcc: bytes) -> Iterator[tuple[str, Decimal, Decimal | None, Decimal | None]]:
     """(label, value, U, k) of every result, in the unit in which it is printed: the last."""
     for quantity in etree.fromstring(dcc).iter(f"{DCC}quantity"):
+        if quantity.find(f"{SI}list") is not None:
+            continue  # all of them again, unrounded, with their covariance
         labelled = [r for r in quantity.iter(f"{SI}real") if r.find(f"{SI}label") is not None]
         if labelled:
             texts = [

@@ -284,7 +284,7 @@ def test_the_record_has_the_curves_of_the_run_and_those_of_the_units_earlier_cer
         for name, item in calibration.items.items()
     }
     earlier = calibration.model_copy(update={"items": shifted})
-    first = certify(run, earlier, home, Inputs(order=order(date(2025, 5, 1))))
+    first = certify(run, calibration, home, Inputs(order=order(date(2025, 5, 1))))
     before = first.certificate.model_copy(
         update={"number": "L-1", "state": "issued", "calibrated_on": date(2025, 5, 2)}
     )
