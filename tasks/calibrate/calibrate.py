@@ -12,6 +12,7 @@ from tasks.calibrate.information import information
 from tasks.run_validity.judge import run_remarks
 from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
+from tasks.specifications.axes_of_table import stand_remarks
 from tasks.specifications.covariance import covariance_of
 from tasks.specifications.estimate import ClauseResult
 from tasks.specifications.evidence import ClauseEvidence
@@ -63,6 +64,7 @@ def without_information(
     }
     checked = (
         *run_remarks(evidence, specification.conditions, items),
+        *(stand_remarks(evidence) if evaluation.equipment.axes else ()),
         *laboratory_remarks(evidence.recording, own_latitude_deg),
     )
     missing = {key: result.unavailable[key] for key in items if key in result.unavailable}

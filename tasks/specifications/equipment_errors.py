@@ -16,9 +16,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from schemas.recording import AXES
 from tasks.model.simulate import predict
 from tasks.model.term import Term
-from tasks.motion.whole import Motion, unit_vector
+from tasks.motion.whole import Motion
 from tasks.segments.attitude import VERTICAL, attitude_vector
 from tasks.specifications.axes_of_table import axes_of_table
 from tasks.specifications.error_sources import EquipmentErrors, ErrorSource, Scope
@@ -212,7 +213,7 @@ def _with_level(evidence: ClauseEvidence, motion: Motion) -> Motion:
     north, up = motion.north.copy(), motion.up.copy()
     for i, label in enumerate(evidence.labels):
         if label.axis is not None and not np.isfinite(up[i]).all():
-            up[i] = unit_vector(f"+{label.axis}")
+            up[i] = np.eye(3)[AXES.index(label.axis)]
         if label.kind != "static" or np.isfinite(north[i]).all():
             continue
         vector = attitude_vector(evidence.recording, label)

@@ -6,7 +6,6 @@ Biometrika 58, 1971).
 """
 
 import math
-from collections.abc import Sequence
 from typing import get_args
 
 import numpy as np
@@ -46,7 +45,8 @@ def contrasts(
     spread = variance[used] + _level_residuals(known, channel) ** 2
     tilting = _tilting(known, channel) ** 2
     if tilting.any():
-        residual, covariance = _without(design, means, [*shapes[:1], np.diag(tilting)], spread)
+        shown = np.array([shapes[0], np.diag(tilting)])
+        residual, covariance = _without(design, means, shown, spread)
         if len(residual) >= MIN_CONTRASTS:
             tilted[used] = tilting * _tilt_variance(residual, *covariance)
             spread = spread + tilted[used]
@@ -60,7 +60,7 @@ def contrasts(
 
 
 def _without(
-    design: np.ndarray, means: np.ndarray, covariances: Sequence[np.ndarray], spread: np.ndarray
+    design: np.ndarray, means: np.ndarray, covariances: np.ndarray, spread: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Residuals (m,) of unit variance by `spread` (n,), and the covariances (…, m, m) there."""
     scale = 1.0 / np.sqrt(spread)
@@ -68,7 +68,7 @@ def _without(
     size = np.linalg.norm(scaled, axis=0)
     vectors, weight, _ = np.linalg.svd(scaled[:, size > 0] / size[size > 0])
     null_space = vectors[:, (weight > 1e-9 * weight[0]).sum() :]
-    of_residuals = null_space.T @ (np.asarray(covariances) * scale[:, None] * scale) @ null_space
+    of_residuals = null_space.T @ (covariances * scale[:, None] * scale) @ null_space
     return null_space.T @ (means * scale), of_residuals
 
 

@@ -73,9 +73,11 @@ def solve_jointly(
 
     values = ideal = nominal_values(terms)
     errors = equipment_errors(evidence, motion.mean, terms_at, ideal, equipment)
-    covariances = np.array([
-        np.nan_to_num(evidence.covariance(c)) + errors.covariance(c) for c in range(CHANNEL_COUNT)
-    ])  # fmt: skip
+    by_errors = np.array([errors.covariance(c) for c in range(CHANNEL_COUNT)])
+    if not evidence.has_table:  # weights that trust labels on what the means share cancel too much
+        by_errors *= np.eye(errors.segments)
+    noise = [np.nan_to_num(evidence.covariance(c)) for c in range(CHANNEL_COUNT)]
+    covariances = np.array(noise) + by_errors
     for c in range(len(AXES)):
         covariances[c] += level_covariance(evidence, motion, c)
     earth = np.zeros_like(evidence.means)

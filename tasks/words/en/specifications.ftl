@@ -18,3 +18,5 @@ earth-rotation-vertical-present = The difference between rests facing up and dow
 earth-rotation-vertical-not-visible = Earth's rotation cannot be distinguished from noise and the unit's own g-sensitivity (up minus down, { $gain }; 1: in full, 0: absent)
 earth-rotation-vertical-not-shown = The data do not show Earth's rotation (up minus down, { $gain }; 1: in full, 0: absent), unless a g-sensitivity of opposite sign masks it
 earth-rotation-scale-factor-assumed = Where this run gives no gyro scale factor, a value of 1 was used to remove Earth's rotation.
+specifications-stand-labelled = No encoders were recorded: how the table's axes stood in each segment was taken from the labels, for the uncertainties.
+specifications-stand-unknown = Neither encoders nor a description of the table's axes were recorded: in the uncertainties each face and each setting is tilted for itself.

@@ -18,3 +18,5 @@ earth-rotation-vertical-present = 朝天与朝地之差与地球自转相符（{
 earth-rotation-vertical-not-visible = 地球自转不能与噪声及器件自身的 g 敏感项区分（朝天与朝地之差，{ $gain }；1 为完全存在，0 为不存在）
 earth-rotation-vertical-not-shown = 数据中没有地球自转（朝天与朝地之差，{ $gain }；1 为完全存在，0 为不存在），除非被符号相反的 g 敏感项抵消
 earth-rotation-scale-factor-assumed = 本次未得陀螺标度因数处，扣除地球自转时取 1。
+specifications-stand-labelled = 未记录编码器：评定不确定度时，各段转台轴的位置按标注取用。
+specifications-stand-unknown = 既未记录编码器，也未说明转台各轴：评定不确定度时，各面及各次定位的偏角视为相互独立。

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from schemas.calibration import Method
 from schemas.equipment import EquipmentLimit, LimitName
 from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.station.virtual.unit import DEGREE
@@ -123,8 +124,8 @@ def _journey_on_one_axis(simulated: SimulatedUnit) -> Journey:
         for turn in (0.0, 180.0):
             at.setdefault(turn, simulated.error(JJF2003.position))
             set_to = at[turn] + simulated.error(JJF2003.repeatability)
-            angles = [angle * DEGREE for angle in (turn, about_x, about_z)]
-            journey.place(*angles, mounted, np.array([set_to, 0.0, 0.0]))
+            outer, x, z = (angle * DEGREE for angle in (turn, about_x, about_z))
+            journey.place(outer, x, z, mounted, np.array([set_to, 0.0, 0.0]))
             journey.stay(run2003.DWELL_S, {
                 "name": f"position_{up}_{turn:03.0f}", "kind": "static", "up": up,
                 "item": "twelve_position", "turn_deg": turn, **mount,
@@ -153,7 +154,7 @@ def _quaternion(about_x: float, about_z: float) -> list[float]:
     ]  # fmt: skip
 
 
-OTHERS: dict[str, tuple[tuple[str, ...], Callable[[str, int], Made], dict]] = {
+OTHERS: dict[str, tuple[tuple[Method, ...], Callable[[str, int], Made], dict]] = {
     "polled encoders": (("jjf2003", "joint"), by_polls, {}),
     "labels only": (("jjf2003", "joint"), by_labels, {}),
     "one axis": (("jjf2003", "joint"), on_one_axis, {}),

@@ -6,6 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
+from schemas.calibration import Method
 from schemas.validation import TARGET_SHARE, Coverage
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
@@ -16,7 +17,7 @@ from tests.proof.coverage.other_tables import OTHERS
 REPORT = Path(__file__).parents[1] / "evidence" / "coverage.md"
 
 
-def errors_on(job: tuple[str, str, int]) -> Errors:
+def errors_on(job: tuple[str, Method, int]) -> Errors:
     """One unit simulated on such a table and calibrated by a method."""
     table, method, seed = job
     _, make, own = OTHERS[table]

@@ -10,6 +10,7 @@ from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from tasks.calibrate.evaluation import Evaluation, evaluation_for
 from tasks.motion.table import EARTH_RATE
+from tasks.specifications.axes_of_table import axes_of_table
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003 as JJF2003_CLAUSES
 from tasks.specifications.joint import JOINT
@@ -109,7 +110,9 @@ def test_without_encoders_faces_and_settings_tilt_as_the_closed_formulas_say(lim
     simulated = draw_simulated_unit(4, run2003.RATE_HZ, ideal=True)
     recording, _ = run2003.record(simulated)
     own = Equipment(**{"axes": JJF2003.axes, limit: getattr(JJF2003, limit)})
-    labelled = replace(recording, table=None)
+    station = recording.manifest.station.model_copy(update={"table_axes": None})
+    manifest = recording.manifest.model_copy(update={"station": station})
+    labelled = replace(recording, table=None, manifest=manifest)
     made = items_only(JJF2003_CLAUSES, labelled, Evaluation(own))
     lying = Weights(np.full(8, 1 / 12), np.full(4, 1 / 6), np.zeros(3))
     up_down = Weights(np.array([1, 1, -1, -1]) / 4, np.array([1, -1]) / 2, np.array([1.0]))
@@ -192,3 +195,44 @@ def test_a_clock_that_runs_fast_is_inside_of_a_time_base_that_is_stated(method) 
     codes = {each.code for each in wrong.remarks if each.blocks_pass}
     assert ("time_base" in codes) == (method is not JJF1536)
     assert "time_base" not in {each.code for each in right.remarks}
+
+
+def without_encoders(recording: Recording) -> Recording:
+    return replace(recording, table=None)
+
+
+def test_labels_of_a_table_that_is_described_stand_for_its_encoders() -> None:
+    """The same angles, and the same u of what tilts change."""
+    recording, _ = simulate("jjf2003", 4, ideal=True)
+    seen, told = (
+        axes_of_table(JJF2003_CLAUSES.gather(r)) for r in (recording, without_encoders(recording))
+    )
+    assert seen is not None
+    assert told is not None
+    inner = np.degrees(told.angles[:, 1:] - seen.angles[:, 1:])
+    assert np.abs((inner + 180.0) % 360.0 - 180.0).max() < 1e-6
+    made = [items_only(JJF2003_CLAUSES, r) for r in (recording, without_encoders(recording))]
+    for name in ("gyro_cross_coupling", "accel_cross_coupling", "accel_scale_factor", "accel_bias"):
+        for element, u in made[0].items[name].u.items():
+            assert made[1].items[name].u[element] == pytest.approx(u, rel=0.05), f"{name}.{element}"
+
+
+def test_a_rate_about_an_axis_that_nobody_calls_vertical_has_its_errors_too() -> None:
+    """Gyros alone, and labels that name no axis up."""
+    recording, _ = simulate("jjf2003", 4, ideal=True)
+    gyros = {n: v for n, v in recording.imu.columns.items() if n.startswith("gyro")}
+    labels = tuple(
+        label.model_copy(update={"up": None}) if label.kind == "rate" else label
+        for label in recording.manifest.segments or ()
+    )
+    blind = replace(
+        recording,
+        table=None,
+        imu=replace(recording.imu, columns=gyros),
+        manifest=recording.manifest.model_copy(update={"segments": labels}),
+    )
+    right, made = items_only(JJF2003_CLAUSES, recording), items_only(JJF2003_CLAUSES, blind)
+    for name, symbol in (("gyro_scale_factor", "ε1"), ("gyro_cross_coupling", "α4")):
+        for element in right.items[name].value:
+            expected = contribution(right, name, element, symbol)
+            assert contribution(made, name, element, symbol) == pytest.approx(expected, rel=0.01)
