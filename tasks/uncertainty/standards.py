@@ -61,9 +61,7 @@ class FunctionSource:
     @classmethod
     def read(cls, source: str) -> "FunctionSource | None":
         """From the text of a line; None for that of a limit."""
-        found = re.fullmatch(
-            r"(.*): deviation (corrected|budgeted)(?:, drift over (\S+) a)?", source
-        )
+        found = WRITTEN.fullmatch(source)
         return found and cls(found[1], found[2], found[3] or "")
 
 
