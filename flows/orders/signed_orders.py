@@ -19,8 +19,8 @@ from flows import run_orders
 from flows.access_log import plain, refused
 from schemas.access import Action, Visitor
 from schemas.base import Unusable
+from schemas.certificate_orders import Signature
 from schemas.orders import OrderModel
-from schemas.signature import Signature
 from storage.catalogue import signatures
 from storage.catalogue.connection import Busy
 from storage.catalogue.users import users

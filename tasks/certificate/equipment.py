@@ -24,6 +24,7 @@ ASSUMED = {
     LEVELLED: message("certificate-assumed.level"),
 }
 FUNCTION_UNITS: dict[LimitName, str] = {"rate": "deg/s", "position": "deg"}
+EARTH = "ωN"  # of the line of Earth's horizontal rate: no limit of the equipment
 
 
 def limits_of(calibration: Calibration) -> tuple[BudgetInput, ...]:
@@ -33,7 +34,7 @@ def limits_of(calibration: Calibration) -> tuple[BudgetInput, ...]:
         for item in calibration.items.values()
         for budget in item.budgets.values()
         for line in budget.inputs
-        if line.source is not None and line.half_width is not None
+        if line.source is not None and line.half_width is not None and line.symbol != EARTH
     )
     return tuple({(line.symbol, line.source): line for line in lines}.values())
 

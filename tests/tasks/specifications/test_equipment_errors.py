@@ -204,12 +204,12 @@ def without_encoders(recording: Recording) -> Recording:
 def test_labels_of_a_table_that_is_described_stand_for_its_encoders() -> None:
     """The same angles, and the same u of what tilts change."""
     recording, _ = simulate("jjf2003", 4, ideal=True)
-    seen, told = (
+    seen, labelled = (
         axes_of_table(JJF2003_CLAUSES.gather(r)) for r in (recording, without_encoders(recording))
     )
     assert seen is not None
-    assert told is not None
-    inner = np.degrees(told.angles[:, 1:] - seen.angles[:, 1:])
+    assert labelled is not None
+    inner = np.degrees(labelled.angles[:, 1:] - seen.angles[:, 1:])
     assert np.abs((inner + 180.0) % 360.0 - 180.0).max() < 1e-6
     made = [items_only(JJF2003_CLAUSES, r) for r in (recording, without_encoders(recording))]
     for name in ("gyro_cross_coupling", "accel_cross_coupling", "accel_scale_factor", "accel_bias"):
