@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from schemas.calibration import Calibration
-from schemas.equipment import EquipmentLimit, ErrorFunction, LimitName, MeasurementStandard
+from schemas.equipment import ErrorBound, ErrorFunction, LimitName, MeasurementStandard
 from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
 from tasks.certificate.cover import by_document
@@ -89,7 +89,7 @@ def accuracy(standard: MeasurementStandard) -> Sayable:
     return clauses([*limits, *functions])
 
 
-def _limit(name: LimitName, bound: EquipmentLimit) -> Message:
+def _limit(name: LimitName, bound: ErrorBound) -> Message:
     """A limit as ± its half-width, with the distribution unless it is rectangular; U (k = 2) of a
     normal one, U_rel of a ratio.
     """

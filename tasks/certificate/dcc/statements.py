@@ -7,13 +7,14 @@ from schemas.certificate import Certificate
 from tasks.certificate.content import content
 from tasks.certificate.cover import verdict as verdict_words
 from tasks.certificate.dcc.conformity import verdict
+from tasks.certificate.dcc.quantities import ref_type
 from tasks.certificate.dcc.units import dsi_unit, gravity_of
 from tasks.certificate.dcc.xml import Element, dcc, described, file, named, plain
 from tasks.certificate.fields import Field, given
 from tasks.certificate.remarks import RemarkRow
 from tasks.words import Sayable, clauses, message
 
-RECORD = "mimucal_record"
+RECORD = ref_type("record")
 
 
 def statements(certificate: Certificate, record: bytes) -> Element:
