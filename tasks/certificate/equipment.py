@@ -17,7 +17,7 @@ from tasks.uncertainty.equipment import GRAVITY, LATITUDE, LEVELLED, RECOMMENDED
 from tasks.uncertainty.standards import FunctionSource, error_at, extent, stated_at
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import plain, quantity_text
-from tasks.words.typography import clause
+from tasks.words.typography import NO_BREAK, clause
 
 ASSUMED = {
     GRAVITY.clause: message("certificate-assumed.gravity"),
@@ -96,7 +96,8 @@ def _limit(name: LimitName, bound: ErrorBound) -> Message:
     limit = limit_of(name)
     known = bound_text(bound.half_width, limit.unit)
     if bound.distribution == "normal":
-        U = f"{'U_rel' if limit.unit == '1' else 'U'} = {known.removeprefix('±')}"
+        symbol = "U_rel" if limit.unit == "1" else "U"
+        U = f"{symbol}{NO_BREAK}={NO_BREAK}{known.removeprefix('±')}"
         return message("certificate-limit-of-standard.uncertainty", limit=limit.name, U=U)
     if bound.distribution == "rectangular":
         return message("certificate-limit-of-standard", limit=limit.name, half_width=known)

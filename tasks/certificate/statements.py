@@ -1,6 +1,7 @@
 """Sentences of the certificate and of its annex: basis, uncertainty, reasons, readings."""
 
 import math
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,12 +13,14 @@ from tasks.certificate.equipment import axes_of_results, flatness, whose_limits
 from tasks.certificate.fields import given, quoted, slug
 from tasks.certificate.remarks import alike
 from tasks.conformity.deviations import Deviation
-from tasks.specifications.items import item_title
+from tasks.specifications.items import item_title, symbol
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message, statement
 from tasks.words.quantities import quantity
 from tasks.words.rounding import USUAL_K
 from tasks.words.typography import clause
+
+FIGURE = re.compile(r"(?:[<>] )?[+−±-]?\d[\d.]*")  # “< 0.1”, “−0.00095”, “±0.05”
 
 
 @dataclass(frozen=True)
@@ -123,20 +126,40 @@ def evaluation(
 def reasons(
     calibration: Calibration, decision: Decision, deviating: tuple[Deviation, ...]
 ) -> tuple[Message, ...]:
-    """Why a unit does not pass; the remarks that stand below anyway are only counted."""
+    """Why a unit does not pass, what is alike of several elements once; the remarks that stand
+    below anyway are only counted.
+    """
     translated = dict(zip(decision.reasons, decision.reasons_zh, strict=False))
     blocking = [remark.en for remark in calibration.remarks if remark.blocks_pass]
     open_ = [statement(each.printed).en for each in deviating if not each.waived]
     count = len(open_) + sum(group[0].blocks_pass for group in alike(calibration.remarks))
     blocking += open_
     own = [
-        message("certificate-quoted", text=given(en, translated.get(en)))
-        for en in decision.reasons
-        if en not in blocking
+        _reason(given(en, translated.get(en)), symbols)
+        for en, symbols in _of_elements(decision, blocking)
     ]
     if blocking:
         own.append(message("certificate-see-remarks", count=count))
     return tuple(own)
+
+
+def _of_elements(decision: Decision, blocking: list[str]) -> Iterator[tuple[str, list[str]]]:
+    """The first of reasons that differ in symbol and figures alone, and the others' symbols."""
+    symbols = "|".join(re.escape(symbol(each.item, each.element)) for each in decision.limits)
+    groups = defaultdict[str, list[tuple[str, str]]](list)
+    for en in decision.reasons:
+        if en not in blocking:
+            found = re.search(rf"\b(?:{symbols})\b", en) if symbols else None
+            wording = FIGURE.sub("#", en.replace(found[0], "")) if found else en
+            groups[wording].append((en, found[0] if found else ""))
+    for (en, _), *others in groups.values():
+        yield en, [name for _, name in others]
+
+
+def _reason(sentence: Sayable, symbols: list[str]) -> Message:
+    if not symbols:
+        return message("certificate-quoted", text=sentence)
+    return message("certificate-reason-alike", reason=sentence, symbols=", ".join(symbols))
 
 
 def readings(calibration: Calibration) -> tuple[ReadingRow, ...]:

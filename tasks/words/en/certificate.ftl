@@ -38,7 +38,7 @@ certificate-field =
     .positions = Positions at rest
     .zero-positions = Positions for the zero offset
     .turns = Whole turns
-    .attitudes = Mounting quaternion (w, x, y, z)
+    .attitudes = Mounting quaternion wxyz
     .mounting = Mounting position
     .limits-from = Limits from
     .rule = Decision rule
@@ -74,7 +74,10 @@ certificate-scope =
        *[other] have limits and pass
     }
     .fail = items with limits: { $limited } of { $items }; decided on: { $decided }; failed: { $failed }
-    .inconclusive = items with limits: { $limited } of { $items }; decided on: { $decided }
+    .inconclusive = items with limits: { $limited } of { $items }; decided on: { $decided ->
+        [0] none
+       *[other] { $decided }
+    }
     .in-part = { $scope }; in { $count ->
         [one] 1 item
        *[other] { $count } items
@@ -189,7 +192,7 @@ certificate-positions =
     .some-headings = headings { $headings } (not each with every axis up)
     .not-given = headings not given
     .zero = { $count } of { $seconds } s each
-certificate-of-axis = { $axis }: { $text }
+certificate-of-axis = { $axis } axis: { $text }
 
 ## Uncertainty
 
@@ -281,6 +284,7 @@ certificate-marks =
     .chance = the percentage under a verdict is the probability of conformity P_c
     .conditional = conditional: the value lies within U of a limit, or is accepted outside it (ILAC-G8:09/2019)
     .nothing-accepted = AL –: U is larger than the guard bands allow, and leaves no acceptance interval
+certificate-reason-alike = { $reason }; likewise, with their own figures: { $symbols }
 certificate-see-remarks = Remarks below that prevent a pass: { $count }.
 certificate-accepted = AL { $limits }
 certificate-segments =

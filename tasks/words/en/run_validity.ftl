@@ -90,16 +90,16 @@ validity-vibration = { $channel }: in { $count ->
 validity-drift = { $channel }: { $segment } deviates by { $left } { $unit } from the other rests, which U = { $U } { $unit } does not cover: the zero drifted or jumped.
 validity-unsteady-zero = { $channel }: { $segment } deviates by { $left } from the other rests; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the zero drifted or jumped.
 validity-lost-share = { $share } % of the samples of the { $stream } stream are missing within the segments; { $limit } % is allowed.
-validity-time-base = By the times of the recording the table turned by { $off }·10⁻⁶ otherwise than it was set to, at all { $count } rates alike; { $limit }·10⁻⁶ is allowed: check the clock that stamps the readings, or the table's.
+validity-time-base = By the times of the recording the table turned by { $off }×10⁻⁶ otherwise than it was set to, at all { $count } rates alike; { $limit }×10⁻⁶ is allowed: check the clock that stamps the readings, or the table's.
 validity-clocks-apart = The clocks of unit and table differ by up to { $delay } s; { $limit } s is allowed.
 validity-environment-in-part = { $quantity ->
         [temperature] Air temperature
        *[humidity] Relative humidity
-    } was not recorded over the whole run: it is missing in { $count } of { $of } segments ({ $first } first), so clause { $clause } may not have been met.
-validity-unit-temperature-not-recorded = The unit's own temperature was not recorded over the whole run: it is missing in { $count } of { $of } segments.
+    } was not recorded in { $count } of { $of } segments ({ $first } first), so clause { $clause } may not have been met.
+validity-unit-temperature-not-recorded = The unit's own temperature was not recorded in { $count } of { $of } segments.
 validity-unit-temperature-changed = The unit's own temperature ranged from { $low } to { $high } °C during the measurement; a change of { $limit } K is allowed.
 validity-unit-temperature-level = The unit's own temperature is { $level } °C at an air temperature of { $air } °C; { $cooler } K below to { $warmer } K above the air is allowed.
-validity-supply-not-recorded = The supply voltage of the unit was not recorded over the whole run: it is missing in { $count } of { $of } segments.
+validity-supply-not-recorded = The supply voltage of the unit was not recorded in { $count } of { $of } segments.
 validity-supply-level = The supply voltage of the unit is { $level } V, outside the plausible { $low } to { $high } V.
 validity-supply-changed = The supply voltage of the unit ranged from { $low } to { $high } V around { $usual } V; ±{ $percent } % is allowed.
 validity-beyond-recording = { $segment } is labelled from { $start } to { $end } s, but the samples reach from { $first } to { $last } s: its times are wrong, or the recording was cut off.

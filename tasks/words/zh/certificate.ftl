@@ -69,9 +69,17 @@ certificate-no-statement = 未作符合性判定
 certificate-due-from-issue = { $day }（未提供校准日期，自证书日期起算）
 certificate-replaced = { $day } 签发的 { $number }，原因：{ $why }
 certificate-scope =
-    .pass = { $items } 项中 { $limited } 项有允许限，均合格
+    .pass =
+        { $items } 项中 { $limited } 项有允许限，{ $limited ->
+            [1] 合格
+           *[other] 均合格
+        }
     .fail = { $items } 项中 { $limited } 项有允许限，判定 { $decided } 项，其中 { $failed } 项不合格
-    .inconclusive = { $items } 项中 { $limited } 项有允许限，其中 { $decided } 项可逐项判定
+    .inconclusive =
+        { $items } 项中 { $limited } 项有允许限，{ $decided ->
+            [0] 均未能判定
+           *[other] 其中 { $decided } 项已判定
+        }
     .in-part = { $scope }；其中 { $count } 项仅部分元素有允许限
     .near = { $scope }；其中 { $count } 项有测得值距允许限小于 U
     .as-found = { $scope }；调整前：{ $verdict }
@@ -272,6 +280,7 @@ certificate-marks =
     .chance = 判定栏中的百分数为合格概率 P_c
     .conditional = “有条件”：值距允许限小于 U，或超出允许限而按规则接受（ILAC-G8:09/2019）
     .nothing-accepted = “接受限 –”：U 过大，扣除保护带后没有接受区间
+certificate-reason-alike = { $reason }；{ $symbols } 情况相同（数值各异）
 certificate-see-remarks = “说明”中标有“影响判定”的 { $count } 条。
 certificate-accepted = 接受限 { $limits }
 certificate-segments =

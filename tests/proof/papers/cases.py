@@ -168,7 +168,11 @@ def _limits_near(result: Calibration, given: Tolerance) -> Tolerance:
     largest = max(abs(value) for value in item.value.values() if value is not None)
     U = max(U for U in item.U.values() if U is not None)
     tight = near.model_copy(
-        update={"magnitude": largest + 0.5 * U, "elements": None, "rule": "simple_acceptance"}
+        update={
+            "magnitude": round(largest + 0.5 * U, 5),
+            "elements": None,
+            "rule": "simple_acceptance",
+        }
     )
     return given.model_copy(update={"limits": (tight,)})
 

@@ -54,6 +54,16 @@ def test_a_fail_beyond_doubt_is_a_plain_one() -> None:
     assert (x, y, text.verdict_text[1]) == ("conditional fail", "fail", "fail")
 
 
+def test_reasons_that_differ_in_figures_alone_are_told_once() -> None:
+    text = content(made([0.2, 0.3, -0.4], tolerance()))
+    (only,) = text.reasons
+    assert only[1] == (
+        "Gyro bias B_gx: 0.20000 °/s, U = 0.00035 °/s (k = 2), is outside ±0.05 °/s (false "
+        "rejection < 0.1 %); likewise, with their own figures: B_gy, B_gz"
+    )
+    assert only[0].endswith("；B_gy, B_gz 情况相同（数值各异）")
+
+
 def test_the_largest_risks_are_told_with_whose_they_are() -> None:
     zh, en = fields(content(made([0.0499, 0.0501, 0.02], tolerance())))["Risk of a wrong decision"]
     assert "false acceptance of a pass, 1 − P_c, the largest 27.9 % (B_gx)" in en
