@@ -17,7 +17,7 @@ from tasks.uncertainty.equipment import GRAVITY, LATITUDE, LEVELLED, RECOMMENDED
 from tasks.uncertainty.standards import FunctionSource, error_at, extent, stated_at
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import plain, quantity_text
-from tasks.words.typography import NO_BREAK, clause
+from tasks.words.typography import clause
 
 ASSUMED = {
     GRAVITY.clause: message("certificate-assumed.gravity"),
@@ -97,7 +97,7 @@ def _limit(name: LimitName, bound: ErrorBound) -> Message:
     known = bound_text(bound.half_width, limit.unit)
     if bound.distribution == "normal":
         symbol = "U_rel" if limit.unit == "1" else "U"
-        U = f"{symbol}{NO_BREAK}={NO_BREAK}{known.removeprefix('±')}"
+        U = f"{symbol} = {known.removeprefix('±')}"
         return message("certificate-limit-of-standard.uncertainty", limit=limit.name, U=U)
     if bound.distribution == "rectangular":
         return message("certificate-limit-of-standard", limit=limit.name, half_width=known)
