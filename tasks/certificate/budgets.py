@@ -90,11 +90,8 @@ class Budgets:
     tables: tuple[BudgetTable, ...]
 
 
-def budgets(calibration: Calibration, more: tuple[Message, ...] = ()) -> Budgets | None:
-    """The budgets of every item that has any, in the order of the calibration; None without.
-
-    more: what else introduces them.
-    """
+def budgets(calibration: Calibration) -> Budgets | None:
+    """The budgets of every item that has any, in the order of the calibration; None without."""
     items = {name: item for name, item in calibration.items.items() if item.budgets}
     kinds = dict.fromkeys(item.uncertainty_kind for item in items.values())
     introductions = tuple(
@@ -102,7 +99,7 @@ def budgets(calibration: Calibration, more: tuple[Message, ...] = ()) -> Budgets
     )
     tables = tuple(_table(name, item) for name, item in items.items())
     limits = tuple(map(_line, limits_of(calibration)))
-    return Budgets((*introductions, *more), limits, tables) if tables else None
+    return Budgets(introductions, limits, tables) if tables else None
 
 
 def _table(name: str, item: Item) -> BudgetTable:

@@ -1,4 +1,4 @@
-"""The content of the certificate as plain rows: clause 8 a) to l).
+"""The content of the certificate as plain rows, clause 8 a) to l), and that of its annex.
 
 Every text is a message or a statement, which `in_languages` turns into texts by language. The
 template lays out only; no sentence and no number is made there.
@@ -22,15 +22,15 @@ from tasks.certificate.equipment import accuracy
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.figures import PrintedFigure, figures
 from tasks.certificate.information import InformationRow, information_rows
+from tasks.certificate.remarks import RemarkRow, remarks
 from tasks.certificate.results import PrintedSection, sections
 from tasks.certificate.settings import settings
 from tasks.certificate.statements import (
     ReadingRow,
-    RemarkRow,
     basis,
+    evaluation,
     readings,
     reasons,
-    remarks,
     uncertainty,
     uncertainty_in_short,
 )
@@ -66,7 +66,9 @@ class ConditionRow:
 
 @dataclass(frozen=True)
 class Content:
-    """The whole certificate in the order in which it is printed."""
+    """The whole certificate in the order in which it is printed; from the readings on: its annex,
+    for the laboratory and whoever asks how the results came about.
+    """
 
     number: str
     title: Message
@@ -88,15 +90,16 @@ class Content:
     environment: tuple[ConditionRow, ...]
     conditions: ReportedConditions
     sections: tuple[PrintedSection, ...]
-    as_found: FoundSection | None
-    figures: tuple[PrintedFigure, ...]
-    information: tuple[InformationRow, ...]
     uncertainty: tuple[Message, ...]
+    as_found: FoundSection | None
     conformity: tuple[Field, ...]
     reasons: tuple[Message, ...]
-    readings: tuple[ReadingRow, ...]
     remarks: tuple[RemarkRow, ...]
+    readings: tuple[ReadingRow, ...]
+    evaluation: tuple[Message, ...]
     budgets: Budgets | None
+    figures: tuple[PrintedFigure, ...]
+    information: tuple[InformationRow, ...]
     trace: tuple[Field, ...]
 
 
@@ -131,19 +134,16 @@ def content(certificate: Certificate) -> Content:
         environment=_environment(certificate, specification),
         conditions=conditions(calibration, certificate.manifest, configuration, specification),
         sections=sections(calibration, decision, specification),
+        uncertainty=(*uncertainty(calibration), *capability),
         as_found=as_found(certificate, specification),
-        figures=figures(certificate),
-        information=information_rows(calibration),
-        uncertainty=(
-            *uncertainty(calibration, specification),
-            *capability,
-            *_validation(certificate),
-        ),
         conformity=conformity(decision),
         reasons=(*reasons(calibration, decision, deviating), *conditional(decision)),
+        remarks=remarks(calibration, certificate.manifest, deviating),
         readings=readings(calibration),
-        remarks=remarks(calibration, deviating),
-        budgets=budgets(calibration, capability) if certificate.budgets else None,
+        evaluation=(*evaluation(calibration, decision, specification), *_validation(certificate)),
+        budgets=budgets(calibration) if certificate.budgets else None,
+        figures=figures(certificate),
+        information=information_rows(calibration),
         trace=_trace(certificate),
     )
 
@@ -229,8 +229,8 @@ def _environment(
 def _range(measured: tuple[float, float] | None, unit: str) -> Sayable:
     if measured is None:
         return NOT_GIVEN
-    low, high = (f"{value:.1f}".replace("-", MINUS) for value in measured)
-    return given(f"{low} {unit} … {high} {unit}")
+    edges = dict.fromkeys(f"{value:.1f} {unit}".replace("-", MINUS) for value in measured)
+    return given(" … ".join(edges))
 
 
 def _trace(certificate: Certificate) -> tuple[Field, ...]:

@@ -7,7 +7,7 @@ from schemas.decision import LimitDecision, Verdict
 from tasks.certificate.fields import given
 from tasks.conformity.limits import accepted_text, limits_text, probability_text, verdict_title
 from tasks.specifications.items import ItemDefinition, second_value
-from tasks.words import Message, Sayable
+from tasks.words import Message, Sayable, message
 from tasks.words.rounding import USUAL_K, column
 
 # Items whose numbers are written in one power of ten, so that they can be compared.
@@ -32,7 +32,7 @@ class Row:
     """One element: name, symbol, value, second value, U, limits and marks; None: no number.
 
     U_second: of the second value. limits: the limits and, where they differ, the acceptance
-    limits AL.
+    limits.
     """
 
     name: Sayable
@@ -42,7 +42,7 @@ class Row:
     second: str | None
     U: str | None
     U_second: str | None
-    limits: tuple[str, ...]
+    limits: tuple[Sayable, ...]
     marks: tuple[Mark, ...]
 
 
@@ -91,15 +91,17 @@ def rows(
     )
 
 
-def _limit_lines(limit: LimitDecision, exponent: int, two: bool) -> tuple[str, ...]:
-    """The limits and, where they differ, the acceptance limits AL, without a unit.
+def _limit_lines(limit: LimitDecision, exponent: int, two: bool) -> tuple[Sayable, ...]:
+    """The limits and, where they differ, the acceptance limits, without a unit.
 
     two: whether the item shows two values; (a), (b) then name the column.
     """
     limits, accepted = limits_text(limit, exponent), accepted_text(limit, exponent)
     if two:
         limits = f"({'a' if limit.applied_to == 'value' else 'b'}) {limits}"
-    return (limits, f"AL {accepted}") if accepted else (limits,)
+    if accepted is None:
+        return (limits,)
+    return limits, message("certificate-accepted", limits=accepted)
 
 
 def mark(limit: LimitDecision) -> Mark:

@@ -1,11 +1,12 @@
 """The source of the equipment limits in the budgets, and what no budget includes."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from schemas.calibration import Calibration
-from schemas.equipment import ErrorFunction, LimitName, MeasurementStandard
+from schemas.equipment import ErrorBound, ErrorFunction, LimitName, MeasurementStandard
 from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
 from tasks.certificate.cover import by_document
@@ -23,6 +24,8 @@ ASSUMED = {
     LATITUDE.clause: message("certificate-assumed.latitude"),
     LEVELLED: message("certificate-assumed.level"),
 }
+EARTH = "WGS 84"  # the source of what Earth's rotation contributes, which nobody states
+DIGITS = 3  # significant, of a half-width as it is printed
 FUNCTION_UNITS: dict[LimitName, str] = {"rate": "deg/s", "position": "deg"}
 EARTH = "ωN"  # of the line of Earth's horizontal rate: no limit of the equipment
 
@@ -61,34 +64,48 @@ def stated_by(source: str) -> Sayable:
 
 
 def half_width(line: BudgetInput) -> str | None:
-    """The half-width of a limit with its unit, angles in arcseconds and the latitude in degrees."""
+    """The half-width of a limit with ± and its unit, angles in arcseconds and the latitude in
+    degrees; of a normal distribution U instead (k = 2).
+    """
     if line.half_width is None:
         return None
-    return size(line.half_width, line.unit, line.symbol == LATITUDE.symbol)
+    shown = size(line.half_width, line.unit, line.symbol == LATITUDE.symbol)
+    return f"U = {shown}" if line.distribution == "normal" else f"±{shown}"
 
 
 def size(half_width: float, unit: str, is_latitude: bool) -> str:
     """A half-width with its unit."""
     if unit != "rad":
-        return quantity_text(plain(half_width, 6), unit)
+        return quantity_text(plain(half_width, DIGITS), unit)
     degrees = math.degrees(half_width)
-    return f"{degrees:g}°" if is_latitude else f"{3600 * degrees:g}″"
+    return f"{degrees:g}°" if is_latitude else f"{plain(3600 * degrees, DIGITS)}″"
 
 
 def accuracy(standard: MeasurementStandard) -> Sayable:
     """What a standard may be off by: the limits that go into the budgets, else as it was given."""
     if not standard.limits and not standard.functions:
         return given(standard.accuracy, standard.accuracy_zh)
-    limits = [
-        message(
-            "certificate-limit-of-standard", limit=limit.name,
-            half_width=bound_text(bound.half_width, limit.unit),
-            shape=message(f"certificate-distribution.{bound.distribution}"),
-        )
-        for limit, bound in ((limit_of(name), bound) for name, bound in standard.limits.items())
-    ]  # fmt: skip
+    limits = [_limit(name, bound) for name, bound in standard.limits.items()]
     functions = [_function(name, function) for name, function in standard.functions.items()]
     return clauses([*limits, *functions])
+
+
+def _limit(name: LimitName, bound: ErrorBound) -> Message:
+    """A limit as ± its half-width, with the distribution unless it is rectangular; U (k = 2) of a
+    normal one, U_rel of a ratio.
+    """
+    limit = limit_of(name)
+    known = bound_text(bound.half_width, limit.unit)
+    if bound.distribution == "normal":
+        symbol = "U_rel" if limit.unit == "1" else "U"
+        U = f"{symbol} = {known.removeprefix('±')}"
+        return message("certificate-limit-of-standard.uncertainty", limit=limit.name, U=U)
+    if bound.distribution == "rectangular":
+        return message("certificate-limit-of-standard", limit=limit.name, half_width=known)
+    shape = message(f"certificate-distribution.{bound.distribution}")
+    return message(
+        "certificate-limit-of-standard.shaped", limit=limit.name, half_width=known, shape=shape
+    )
 
 
 def _function(name: LimitName, function: ErrorFunction) -> Message:
@@ -110,14 +127,15 @@ def _function(name: LimitName, function: ErrorFunction) -> Message:
     )  # fmt: skip
 
 
-def whose_limits(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
+def whose_limits(calibration: Calibration) -> tuple[Message, ...]:
     """What the type B contributions rest on, and what is not in them; nothing without limits."""
     limits = limits_of(calibration)
     if not limits:
         return ()
     assumed = [line for line in limits if line.source in ASSUMED]
     recommended = [line for line in limits if line.source in RECOMMENDED]
-    own = [line for line in limits if line not in assumed and line not in recommended]
+    others = {EARTH, *ASSUMED, *RECOMMENDED}
+    own = [line for line in limits if line.source not in others]
     parts = []
     if own:
         parts.append(message("certificate-limits.own", limits=tuple(map(name_of, own))))
@@ -128,14 +146,28 @@ def whose_limits(calibration: Calibration, specification: Specification) -> tupl
                 sources=tuple(dict.fromkeys(map(source, recommended))),
             )
         )  # fmt: skip
-    parts += [_assumed(name_of(line), half_width(line)) for line in assumed]
+    parts += [_assumed(name_of(line), half_width(line) or "") for line in assumed]
     if _latitude_of_second_values(calibration, limits):
-        parts.append(_assumed(LATITUDE.name, f"{math.degrees(LATITUDE.half_width):g}°"))
+        parts.append(_assumed(LATITUDE.name, f"±{math.degrees(LATITUDE.half_width):g}°"))
     return (message("certificate-limits", parts=clauses(parts)),)
 
 
-def axes_of_results(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
-    """About which axes the results are, and whether the tilt of the unit's base is in a budget.
+def axes_of_results(calibration: Calibration) -> Message:
+    """About which axes the results are, and whether the tilt of the unit's base is in a budget."""
+    return message(f"certificate-axes.{_axes(calibration)}")
+
+
+def flatness(calibration: Calibration, specification: Specification) -> Iterator[Message]:
+    """That no budget includes the flatness of table and fixture, unless one has the mounting.
+
+    The plate tilts with the unit's base, whose length nobody states.
+    """
+    if limits_of(calibration) and _axes(calibration) != "mounting-plane":
+        yield message(by_document("flatness", specification))
+
+
+def _axes(calibration: Calibration) -> str:
+    """The axes of the results: "fixture", "mounting-plane", "mounting-unknown".
 
     Results of earlier versions do not say it: they are about the axes of the fixture unless a
     budget has the limit of the mounting.
@@ -143,14 +175,12 @@ def axes_of_results(calibration: Calibration, specification: Specification) -> t
     counted = any(line.symbol == limit_of("mounting").symbol for line in limits_of(calibration))
     axes = calibration.settings.get("axes") or ("mounting plane" if counted else "fixture")
     if axes == "mounting plane" and counted:
-        return (message("certificate-axes.mounting-plane"),)
-    kind = "fixture" if axes == "fixture" else "mounting-unknown"
-    # The plate tilts with the unit's base, whose length nobody states.
-    return message(f"certificate-axes.{kind}"), message(by_document("flatness", specification))
+        return "mounting-plane"
+    return "fixture" if axes == "fixture" else "mounting-unknown"
 
 
-def _assumed(name: Sayable, known: str | None) -> Message:
-    return message("certificate-limits.assumed", limit=name, known=f"±{known}")
+def _assumed(name: Sayable, known: str) -> Message:
+    return message("certificate-limits.assumed", limit=name, known=known)
 
 
 def _latitude_of_second_values(calibration: Calibration, limits: tuple[BudgetInput, ...]) -> bool:

@@ -11,7 +11,7 @@ from schemas.text import Statement
 from tasks.certificate.fields import first_known, quoted, slug
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, message
-from tasks.words.quantities import quantity_text, unit_text
+from tasks.words.quantities import PREFIXED, PREFIXES, quantity_text, unit_text
 from tasks.words.rounding import column, round_up, text
 
 # Which value of an item contains what the separated one does not.
@@ -95,10 +95,11 @@ def _row(shown: Information) -> InformationRow:
         e: Cell(e, printed.values[i], printed.uncertainties[i]) for i, e in enumerate(elements)
     }
     known = any(value is not None for value in printed.values)
+    prefix = PREFIXES.get(printed.exponent, "") if shown.unit in PREFIXED else ""
     return InformationRow(
         title=Statement(en=shown.title, zh=shown.title_zh),
-        unit=unit_text(shown.unit),
-        exponent=printed.exponent,
+        unit=unit_text(prefix + shown.unit),
+        exponent=0 if prefix else printed.exponent,
         lines=tuple(_lines(cells)) if known else (),
         sentences=quoted(shown.en, shown.zh),
     )

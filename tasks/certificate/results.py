@@ -11,7 +11,7 @@ from schemas.text import Statement
 from tasks.certificate.element_rows import Row, rows
 from tasks.certificate.fields import first_known, slug
 from tasks.certificate.information import contained
-from tasks.certificate.statements import determined, identifiers
+from tasks.certificate.statements import determined
 from tasks.conformity.limits import quantity_title, relative_text
 from tasks.conformity.reasons import unavailable
 from tasks.specifications.items import (
@@ -54,7 +54,6 @@ class Group:
     U_apart: bool
     rows: tuple[Row, ...]
     matrices: tuple[Matrix, ...]
-    readings: tuple[str, ...]
     sentences: tuple[Message, ...]
 
 
@@ -92,7 +91,6 @@ def _group(
     two = len(columns) > 1
     limits = [limit for limit in decision.limits if limit.item == name]
     exponent, listed = rows(calibration, name, definition, elements, limits, two)
-    shorts = identifiers(calibration)
     known = determined(item)
     at = clause(item.clause, specification.standard) if item else None
     return Group(
@@ -107,7 +105,6 @@ def _group(
         U_apart=any(row.U_second and row.U_second != row.U for row in listed),
         rows=listed,
         matrices=_matrices(definition, elements, columns, listed),
-        readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
         sentences=(
             *(_about(name, limits, specification, two) if known else ()),
             *(contained(calibration, name, specification) if known else ()),

@@ -74,7 +74,7 @@ def _printed_value(name: str, value: str | None) -> Sayable:
         number, _, source = value.partition(" ")
         shown = size(float(number), LIMIT_UNITS.get(limit, "rad"), limit == "latitude")
         by = stated_by(source.removeprefix("(").removesuffix(")"))
-        return message("certificate-setting-stated", half_width=f"±{shown}", source=by)
+        return message("certificate-setting-stated", half_width=shown, source=by)
     worded = {"uncertainty": "kind", "axes": "axes-setting"}.get(name)
     kind = first_known(f"certificate-{worded}.{slug(value)}") if worded else None
     return kind or (clause(value) if value.startswith("JJF") else given(value))

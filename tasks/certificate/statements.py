@@ -1,39 +1,37 @@
-"""Sentences of the certificate: basis, uncertainty, reasons, readings of the standard, remarks."""
+"""Sentences of the certificate and of its annex: basis, uncertainty, reasons, readings."""
 
 import math
 import re
+from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.decision import Decision
-from schemas.text import Remark
 from tasks.certificate.cover import by_document, by_method
-from tasks.certificate.equipment import axes_of_results, whose_limits
+from tasks.certificate.equipment import axes_of_results, flatness, whose_limits
 from tasks.certificate.fields import given, quoted, slug
-from tasks.certificate.merged_remarks import alike
-from tasks.conformity.deviations import NOT_RECORDED, Deviation
-from tasks.specifications.items import item_title
+from tasks.certificate.remarks import alike
+from tasks.conformity.deviations import Deviation
+from tasks.specifications.items import item_title, symbol
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message, statement
 from tasks.words.quantities import quantity
 from tasks.words.rounding import USUAL_K
 from tasks.words.typography import clause
 
-
-@dataclass(frozen=True)
-class RemarkRow:
-    """What the reader has to know, and the segments it is about where it does not name them."""
-
-    text: Message
-    segments: str = ""
+FIGURE = re.compile(r"(?:[<>] )?[+−±-]?\d[\d.]*")  # “< 0.1”, “−0.00095”, “±0.05”
 
 
 @dataclass(frozen=True)
 class ReadingRow:
-    """How the specification was read where it is wrong or silent: R1, the clause, the reading."""
+    """How the specification was read where it is wrong or silent: R1, the clause, the items whose
+    values rest on it, the reading.
+    """
 
     short: str
     clause: Sayable
+    items: Message
     text: Sayable
 
 
@@ -89,7 +87,7 @@ def uncertainty_in_short(calibration: Calibration) -> Message | None:
 
 
 def _coverages(values: list[Item]) -> list[Message]:
-    """The coverage probability of k; by Student's t for budgets with few degrees of freedom."""
+    """The coverage probability of k, which is larger for budgets with few degrees of freedom."""
     largest = max(item.k for item in values)
     if all(item.uncertainty_kind == "Monte Carlo" for item in values):
         return [message("certificate-coverage.up-to", k=f"{largest:g}")]
@@ -101,80 +99,86 @@ def _coverages(values: list[Item]) -> list[Message]:
     ]
 
 
-def uncertainty(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
-    """What U is, how it was rounded, and what is not in it."""
+def uncertainty(calibration: Calibration) -> tuple[Message, ...]:
+    """What the client has to know of U: for which axes the results hold, what is not in it."""
+    kinds = {item.uncertainty_kind for item in calibration.items.values()}
+    incomplete = (message("certificate-u-contains.type-a"),) if "type A" in kinds else ()
+    return (*incomplete, axes_of_results(calibration))
+
+
+def evaluation(
+    calibration: Calibration, decision: Decision, specification: Specification
+) -> Iterator[Message]:
+    """How U was evaluated and rounded, on which limits it rests, how risks were calculated."""
     kinds = dict.fromkeys(item.uncertainty_kind for item in calibration.items.values())
-    return (
-        message("certificate-rounding"),
-        *(message(f"certificate-u-contains.{slug(kind)}") for kind in kinds),
-        *whose_limits(calibration, specification),
-        *axes_of_results(calibration, specification),
-    )
+    yield message("certificate-rounding")
+    for kind in kinds:
+        if kind != "type A":
+            yield message(f"certificate-u-contains.{slug(kind)}")
+    if any(item.k > USUAL_K for item in calibration.items.values()):
+        yield message("certificate-coverage-by-t")
+    yield from whose_limits(calibration)
+    yield from flatness(calibration, specification)
+    if any(limit.probability_of_conformity is not None for limit in decision.limits):
+        yield message("certificate-risk-how")
 
 
 def reasons(
     calibration: Calibration, decision: Decision, deviating: tuple[Deviation, ...]
 ) -> tuple[Message, ...]:
-    """Why a unit does not pass; the remarks that stand below anyway are only counted."""
+    """Why a unit does not pass, what is alike of several elements once; the remarks that stand
+    below anyway are only counted.
+    """
     translated = dict(zip(decision.reasons, decision.reasons_zh, strict=False))
     blocking = [remark.en for remark in calibration.remarks if remark.blocks_pass]
     open_ = [statement(each.printed).en for each in deviating if not each.waived]
     count = len(open_) + sum(group[0].blocks_pass for group in alike(calibration.remarks))
     blocking += open_
     own = [
-        message("certificate-quoted", text=given(en, translated.get(en)))
-        for en in decision.reasons
-        if en not in blocking
+        _reason(given(en, translated.get(en)), symbols)
+        for en, symbols in _of_elements(decision, blocking)
     ]
     if blocking:
         own.append(message("certificate-see-remarks", count=count))
     return tuple(own)
 
 
-def identifiers(calibration: Calibration) -> dict[str, str]:
-    """The readings that the values rest on, in order of appearance, and their names R1, R2 …"""
-    values = (item for item in calibration.items.values() if determined(item))
-    every = (reading for item in values for reading in item.readings)
-    return {reading: f"R{n}" for n, reading in enumerate(dict.fromkeys(every), start=1)}
+def _of_elements(decision: Decision, blocking: list[str]) -> Iterator[tuple[str, list[str]]]:
+    """The first of reasons that differ in symbol and figures alone, and the others' symbols."""
+    symbols = "|".join(re.escape(symbol(each.item, each.element)) for each in decision.limits)
+    groups = defaultdict[str, list[tuple[str, str]]](list)
+    for en in decision.reasons:
+        if en not in blocking:
+            found = re.search(rf"\b(?:{symbols})\b", en) if symbols else None
+            wording = FIGURE.sub("#", en.replace(found[0], "")) if found else en
+            groups[wording].append((en, found[0] if found else ""))
+    for (en, _), *others in groups.values():
+        yield en, [name for _, name in others]
+
+
+def _reason(sentence: Sayable, symbols: list[str]) -> Message:
+    if not symbols:
+        return message("certificate-quoted", text=sentence)
+    return message("certificate-reason-alike", reason=sentence, symbols=", ".join(symbols))
 
 
 def readings(calibration: Calibration) -> tuple[ReadingRow, ...]:
-    """The readings taken, from the register."""
+    """The readings that the values rest on, from the register, in order of appearance."""
     from tasks.specifications.readings import READINGS
 
+    taken = defaultdict[str, list[Sayable]](list)
+    for name, item in calibration.items.items():
+        if determined(item):
+            for identifier in item.readings:
+                taken[identifier].append(item_title(name))
     rows = []
-    for identifier, short in identifiers(calibration).items():
+    for number, (identifier, items) in enumerate(taken.items(), start=1):
         known = READINGS.get(identifier)
+        at = clause(known.clause) if known else given(identifier)
+        text = statement(known.text) if known else message("certificate-unregistered")
         rows.append(
-            ReadingRow(short, clause(known.clause), statement(known.text))
-            if known
-            else ReadingRow(short, given(identifier), message("certificate-unregistered"))
+            ReadingRow(
+                f"R{number}", at, message("certificate-reading-of", items=tuple(items)), text
+            )
         )
     return tuple(rows)
-
-
-def remarks(calibration: Calibration, deviating: tuple[Deviation, ...]) -> tuple[RemarkRow, ...]:
-    """What the reader has to know about this calibration: deviations, then remarks with the
-    segments they are about.
-    """
-    others = (remark for remark in calibration.remarks if remark.code not in NOT_RECORDED)
-    return (*(RemarkRow(each.printed) for each in deviating), *map(_remark, alike(others)))
-
-
-def _remark(group: list[Remark]) -> RemarkRow:
-    """The first of remarks that say the same of several segments, with the names of the others;
-    its segments where the sentence does not name them, and what it prevents.
-    """
-    remark, *others = group
-    sentence = quoted(remark.en, remark.zh)
-    named = (re.search(rf"(?<!\w){re.escape(n)}(?!\w)", remark.en) for n in remark.segments)
-    names = dict.fromkeys(() if all(named) else remark.segments)
-    if others:
-        more = dict.fromkeys(name for other in others for name in other.segments)
-        sentence = message("certificate-remark.alike", remark=sentence, count=len(more))
-        names |= more
-    if remark.run == "invalid":
-        sentence = message("certificate-remark.invalid", remark=sentence)
-    if remark.blocks_pass:
-        sentence = message("certificate-remark.blocks", remark=sentence)
-    return RemarkRow(sentence, ", ".join(names))

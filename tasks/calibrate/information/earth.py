@@ -26,7 +26,10 @@ def earth_information(
 def _gain(earth: EarthRotationGain | None) -> dict[str, Information]:
     if earth is None:
         return {}
-    text = message("information-earth-gain.text", shown=earth_rotation_message(earth))
+    text = message(
+        "information-earth-gain.text", shown=earth_rotation_message(earth),
+        gain=f"{earth.gain:.3f}", spread=f"{2.0 * earth.u:.3f}",
+    )  # fmt: skip
     gain = entry(
         "earth-gain", "1", [round(earth.gain, 3)], [earth.u], text,
         elements="λ", without_U=True, about=ITEM,

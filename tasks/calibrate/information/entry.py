@@ -56,8 +56,11 @@ def entry(
 
 
 def student_k(dof: np.ndarray) -> float:
-    """k by Student's t for the fewest degrees of freedom (n,) that there are; NaN or 0: none."""
-    return coverage_factor(float(min(dof[dof > 0], default=math.inf)))
+    """k by Student's t for the fewest degrees of freedom (n,) that there are, rounded up to two
+    decimals as that of an item; NaN or 0: none.
+    """
+    k = coverage_factor(float(min(dof[dof > 0], default=math.inf)))
+    return math.ceil(100 * round(k, 9)) / 100
 
 
 def of_axes(id_: str, axes: Sequence[str], **arguments: str) -> list[Message]:

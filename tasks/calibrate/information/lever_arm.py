@@ -54,7 +54,8 @@ class Cells:
 def lever_arm_information(
     evidence: ClauseEvidence, items: Mapping[str, Item]
 ) -> dict[str, Information]:
-    """Lever arm (m) and rate sensitivity without it (m, sign of eq. (12)), where ramps show them.
+    """Lever arm (m) and, where the specification has the rate sensitivity, its value without it
+    (m, sign of eq. (12)), where ramps show them.
 
     Type B is that of the rate sensitivity by the clause: the same rates about the same axes, in
     which the lever arm enters as the sensitivity does.
@@ -82,9 +83,9 @@ def lever_arm_information(
         for axis in AXES
     ]
     u, u_p = np.hypot(excess * u, of_axis), np.hypot(excess * u_p, equipment)
-    return {
-        "lever_arm": entry("lever-arm", "m", r, u, arm, *or_why_not(u)),
-        "accel_rate_sensitivity_without_lever_arm": entry(
+    found = {"lever_arm": entry("lever-arm", "m", r, u, arm, *or_why_not(u))}
+    if SENSITIVITY in items:
+        found["accel_rate_sensitivity_without_lever_arm"] = entry(
             "without-lever-arm",
             "m",
             p,
@@ -94,8 +95,8 @@ def lever_arm_information(
             *without_type_b(u_p, elements),
             elements=elements,
             about=SENSITIVITY,
-        ),
-    }
+        )
+    return found
 
 
 def _thinned(recording: Recording) -> Recording:

@@ -1,7 +1,7 @@
 """The statement of conformity: on the unit, and on each element that has a limit."""
 
 from schemas.decision import Decision, LimitDecision
-from tasks.certificate.dcc.quantities import plain_quantity
+from tasks.certificate.dcc.quantities import plain_quantity, ref_type
 from tasks.certificate.dcc.units import DsiUnit
 from tasks.certificate.dcc.xml import Element, dcc, described, named, plain
 from tasks.conformity.limits import accepted_edges, probability_text, verdict_title
@@ -25,7 +25,7 @@ def conformity(limit: LimitDecision, unit: DsiUnit) -> Element:
     chance = limit.probability_of_conformity
     lower, upper = accepted_edges(limit) or (None, None)
     edges = [
-        plain_quantity(message(f"dcc-limit.{name}"), number, unit, refType=f"mimucal_{name}")
+        plain_quantity(message(f"dcc-limit.{name}"), number, unit, refType=ref_type(name))
         for name, number in (
             ("lower", exact(limit.lower)), ("upper", exact(limit.upper)),
             ("accept-lower", lower), ("accept-upper", upper),

@@ -7,7 +7,7 @@ from decimal import Context, Decimal
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
-from tasks.certificate.dcc.quantities import real
+from tasks.certificate.dcc.quantities import real, ref_type
 from tasks.certificate.dcc.units import DsiUnit, dsi_unit, gravity_of
 from tasks.certificate.dcc.xml import Element, dcc, described, named, si
 from tasks.words import message
@@ -61,7 +61,7 @@ def covariance_result(certificate: Certificate, calibration: Calibration) -> Ele
         named(title),
         described(message("dcc-covariance.how", count=count)),
         dcc.data(dcc.quantity(named(title), si.list(vector))),
-        refType="mimucal_covariance",
+        refType=ref_type("covariance"),
     )
 
 

@@ -5,7 +5,7 @@ from decimal import Decimal
 
 from schemas.certificate import Certificate
 from schemas.curve import Curve
-from tasks.certificate.dcc.quantities import coverage
+from tasks.certificate.dcc.quantities import coverage, ref_type
 from tasks.certificate.dcc.units import DsiUnit, dsi_unit, gravity_of
 from tasks.certificate.dcc.xml import Element, dcc, described, named, si
 from tasks.certificate.fields import given
@@ -21,7 +21,7 @@ def curve_results(certificate: Certificate) -> Iterator[Element]:
             named(figure.title),
             described(figure.caption),
             dcc.data(*(_list(curve, certificate) for curve in curves)),
-            refType="mimucal_curve",
+            refType=f"{ref_type('curve')} {ref_type(figure.name)}",
         )
 
 
@@ -41,6 +41,7 @@ def _list(curve: Curve, certificate: Certificate) -> Element:
         named(name),
         _quantity("dcc-curve.x", curve.x, x_unit),
         _quantity("dcc-curve.y", curve.y, y_unit, expanded),
+        refType=ref_type(curve.figure, curve.quantity, curve.axis),
     )
 
 

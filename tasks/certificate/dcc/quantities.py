@@ -18,6 +18,11 @@ class Coverage:
     probability: float
 
 
+def ref_type(*parts: str) -> str:
+    """A refType of this program's own: what a value is, down to its element."""
+    return "_".join(("mimucal", *parts))
+
+
 def coverage(k: float, probability: float | None = None) -> Coverage:
     """probability: None is that of a normal distribution."""
     return Coverage(k, math.erf(k / math.sqrt(2.0)) if probability is None else probability)
@@ -34,16 +39,18 @@ def quantity(
 ) -> Element:
     """A result by its name, in its SI unit; where it is stated in another, in both, SI first.
 
-    label: item and element for programs. more: what else belongs to it.
+    label: item and element for programs, in the refType too: of gyro_bias.x it is
+    mimucal_gyro_bias_x. more: what else belongs to it.
     """
+    own = ref_type(*label.split("."))
     if value is None:
-        return dcc.quantity(named(name), _no_number(), *more)
+        return dcc.quantity(named(name), _no_number(), *more, refType=own)
     numbers = [real(label, value, unit.name, U, at)]
     if unit.name != unit.si:
         in_si = None if U is None else unit.in_si(U)
         numbers.insert(0, real(label, unit.in_si(value), unit.si, in_si, at))
     content = si.hybrid(*numbers) if len(numbers) > 1 else numbers[0]
-    return dcc.quantity(named(name), content, *more, refType="basic_measuredValue")
+    return dcc.quantity(named(name), content, *more, refType=f"basic_measuredValue {own}")
 
 
 def plain_quantity(

@@ -11,7 +11,7 @@ from tasks.certificate.dcc.conformity import conformity
 from tasks.certificate.dcc.covariance import covariance_result
 from tasks.certificate.dcc.curves import curve_results
 from tasks.certificate.dcc.equipment import equipment
-from tasks.certificate.dcc.quantities import Coverage, coverage, quantity, without_number
+from tasks.certificate.dcc.quantities import Coverage, coverage, quantity, ref_type, without_number
 from tasks.certificate.dcc.software import software
 from tasks.certificate.dcc.units import dsi_unit, gravity_of
 from tasks.certificate.dcc.xml import Element, dcc, described, named
@@ -86,7 +86,7 @@ def _item(
         named(group.title),
         described(group.clause or "", group.kind or "", *group.sentences),
         dcc.data(dcc.list(*quantities) if quantities else without_number(group.title)),
-        refType=f"mimucal_{name}",
+        refType=ref_type(name),
     )
 
 
@@ -148,5 +148,5 @@ def _information(certificate: Certificate, name: str, shown: Information) -> Ele
         named(title),
         described(quoted(shown.en, shown.zh)),
         dcc.data(dcc.list(*made) if made else without_number(title)),
-        refType="mimucal_information",
+        refType=f"{ref_type('information')} {ref_type(name)}",
     )

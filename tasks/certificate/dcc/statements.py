@@ -7,13 +7,14 @@ from schemas.certificate import Certificate
 from tasks.certificate.content import content
 from tasks.certificate.cover import verdict as verdict_words
 from tasks.certificate.dcc.conformity import verdict
+from tasks.certificate.dcc.quantities import ref_type
 from tasks.certificate.dcc.units import dsi_unit, gravity_of
 from tasks.certificate.dcc.xml import Element, dcc, described, file, named, plain
 from tasks.certificate.fields import Field, given
-from tasks.certificate.statements import RemarkRow
+from tasks.certificate.remarks import RemarkRow
 from tasks.words import Sayable, clauses, message
 
-RECORD = "mimucal_record"
+RECORD = ref_type("record")
 
 
 def statements(certificate: Certificate, record: bytes) -> Element:
@@ -44,7 +45,7 @@ def statements(certificate: Certificate, record: bytes) -> Element:
             *printed.conditions.sentences,
         ),
         "as-found": _lines(printed.as_found.fields) if printed.as_found else (),
-        "uncertainty": (*in_short, *printed.uncertainty),
+        "uncertainty": (*in_short, *printed.uncertainty, *printed.evaluation),
         "reasons": printed.reasons,
         "remarks": [_remark(row) for row in printed.remarks],
         "readings": [
@@ -70,7 +71,7 @@ def statements(certificate: Certificate, record: bytes) -> Element:
 def _remark(row: RemarkRow) -> Sayable:
     if not row.segments:
         return row.text
-    return message("certificate-remark", remark=row.text, segments=row.segments)
+    return message("dcc-remark", remark=row.text, segments=row.segments)
 
 
 def _lines(fields: tuple[Field, ...]) -> list[Sayable]:

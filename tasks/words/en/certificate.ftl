@@ -38,7 +38,7 @@ certificate-field =
     .positions = Positions at rest
     .zero-positions = Positions for the zero offset
     .turns = Whole turns
-    .attitudes = Mounting quaternion (w, x, y, z)
+    .attitudes = Mounting quaternion wxyz
     .mounting = Mounting position
     .limits-from = Limits from
     .rule = Decision rule
@@ -69,11 +69,23 @@ certificate-no-statement = no statement of conformity
 certificate-due-from-issue = { $day }, counted from the date of issue because the date of calibration is not given
 certificate-replaced = { $number } of { $day }; reason: { $why }
 certificate-scope =
-    .pass = pass for the { $limited } of { $items } items that have limits
-    .fail = { $limited } of { $items } items have limits; { $decided } were decided on, { $failed } of them fail
-    .inconclusive = { $limited } of { $items } items have limits; { $decided } of them could be decided on
-    .in-part = { $scope }; { $count } of the items with limits in part only
-    .near = { $scope }; { $count } with an element within U of a limit
+    .pass = { $limited } of { $items } items { $limited ->
+        [one] has limits and passes
+       *[other] have limits and pass
+    }
+    .fail = items with limits: { $limited } of { $items }; decided on: { $decided }; failed: { $failed }
+    .inconclusive = items with limits: { $limited } of { $items }; decided on: { $decided ->
+        [0] none
+       *[other] { $decided }
+    }
+    .in-part = { $scope }; in { $count ->
+        [one] 1 item
+       *[other] { $count } items
+    } only some elements have limits
+    .near = { $scope }; in { $count ->
+        [one] 1 item
+       *[other] { $count } items
+    } a value lies within U of a limit
     .as-found = { $scope }; as found, before it was adjusted: { $verdict }
 certificate-environment =
     .temperature = Air temperature
@@ -156,7 +168,7 @@ certificate-missing = Not determined: { $cause }.
 
 ## What the clause's value contains
 
-certificate-contained = { $value } includes { $part }: most clearly for { $element }, { $size }, { $times } times U; the value without it is given under For information.
+certificate-contained = { $value } includes { $part }: most clearly for { $element }, { $size }, { $times } times U; the value without it is given in the annex.
     .gyro-g-sensitivity-without-earth-rotation = Earth's rotation
     .accel-rate-sensitivity-without-lever-arm = the lever arm
 certificate-value-of =
@@ -180,7 +192,7 @@ certificate-positions =
     .some-headings = headings { $headings } (not each with every axis up)
     .not-given = headings not given
     .zero = { $count } of { $seconds } s each
-certificate-of-axis = { $axis }: { $text }
+certificate-of-axis = { $axis } axis: { $text }
 
 ## Uncertainty
 
@@ -201,13 +213,16 @@ certificate-u-in-short = { $parts }.
     .as-the-specifications-example = U is evaluated as in the specification's Appendix A
     .monte-carlo = U includes type A and type B (Monte Carlo), coverage probability 95 % or more
 certificate-coverage = k = { $k }, about { $percent } % coverage probability for a normal distribution
-    .by-t = k = 2 to { $k }, about 95 % coverage probability (k by Student's t where an element has fewer than 50 effective degrees of freedom)
+    .by-t = k = 2 to { $k } as stated at each item, about 95 % coverage probability
     .up-to = k up to { $k }
+certificate-coverage-by-t = A factor k above 2 is that of Student's t for 95 % coverage probability, where an element of the item has fewer than 50 effective degrees of freedom.
 certificate-limits = Limits used for type B: { $parts }.
     .own = limits stated by the laboratory: { $limits }
     .recommended = for table and fixture the limits recommended by { $sources }, which this equipment is assumed to meet: { $limits }
     .assumed = { $limit } assumed known to { $known }
-certificate-limit-of-standard = { $limit } { $half_width } ({ $shape })
+certificate-limit-of-standard = { $limit } { $half_width }
+    .shaped = { $limit } { $half_width } ({ $shape })
+    .uncertainty = { $limit } { $U } (k = 2)
 certificate-function-of-standard =
     .corrected = { $limit }{ $range }: deviation within { $deviation }, corrected; U ≤ { $U } (k = { $k })
     .budgeted = { $limit }{ $range }: deviation within { $deviation }, not corrected but counted with U; U ≤ { $U } (k = { $k })
@@ -220,9 +235,9 @@ certificate-assumed =
     .latitude = assumed: latitude stated to 0.1°
     .level = assumed: the outermost axis is as vertical as the axes are square
 certificate-axes =
-    .fixture = The results hold for the axes of the fixture: how far the base of the unit is tilted in it is in no budget.
-    .mounting-plane = The results hold for the axes of the unit's mounting plane (its base): how far it may be tilted in the fixture is in the budgets.
-    .mounting-unknown = The results are ordered for the axes of the unit's mounting plane (its base), but no budget includes how far it is tilted in the fixture, which is not known: U holds for the axes of the fixture alone.
+    .fixture = The results hold for the axes of the fixture: U does not include how far the base of the unit is tilted in it.
+    .mounting-plane = The results hold for the axes of the unit's mounting plane (its base): U includes how far it may be tilted in the fixture.
+    .mounting-unknown = The results are ordered for the axes of the unit's mounting plane (its base), but how far it is tilted in the fixture is not known and not included in U: U holds for the axes of the fixture alone.
 certificate-axes-setting =
     .fixture = those of the fixture
     .mounting-plane = those of the mounting plane
@@ -258,9 +273,10 @@ certificate-rule =
     .bound = { $item } decided on only if U ≤ { $U_max }, or if value ± U lies entirely outside the limits
     .coverage-factor = U has k = { $k }
 certificate-rule-of = { $items }: { $rule }
-certificate-risk = from the measured value and its standard uncertainty u (normal, or t where its degrees of freedom are finite), without prior knowledge (JCGM 106, 9.3): { $parts }
+certificate-risk = { $parts } (JCGM 106, 9.3)
     .acceptance = false acceptance of a pass, 1 − P_c, the largest { $chance } ({ $symbol })
     .rejection = false rejection of a fail, P_c, the largest { $chance } ({ $symbol })
+certificate-risk-how = The probability of conformity and the risks follow from the measured value and its standard uncertainty u (normal, or t where its degrees of freedom are finite), without prior knowledge (JCGM 106, 9.3).
 certificate-global-risk = { $parts } (JCGM 106, 9.5)
     .item = { $item }: consumer's { $consumer }, producer's { $producer }
 certificate-marks =
@@ -268,11 +284,38 @@ certificate-marks =
     .chance = the percentage under a verdict is the probability of conformity P_c
     .conditional = conditional: the value lies within U of a limit, or is accepted outside it (ILAC-G8:09/2019)
     .nothing-accepted = AL –: U is larger than the guard bands allow, and leaves no acceptance interval
+certificate-reason-alike = { $reason }; likewise, with their own figures: { $symbols }
 certificate-see-remarks = Remarks below that prevent a pass: { $count }.
+certificate-accepted = AL { $limits }
+certificate-segments =
+    .static = { $count ->
+        [one] 1 rest
+       *[other] { $count } rests
+    }
+    .rate = { $count ->
+        [one] 1 constant rate
+       *[other] { $count } constant rates
+    }
+    .rotation = { $count ->
+        [one] 1 turn by a known angle
+       *[other] { $count } turns by a known angle
+    }
+    .settle = { $count ->
+        [one] 1 wait
+       *[other] { $count } waits
+    }
+    .transition = { $count ->
+        [one] 1 move
+       *[other] { $count } moves
+    }
 certificate-remark = { $remark } [{ $segments }]
-    .alike = { $remark } The same applies, with their own figures, to { $count } more segments.
+    .alike = { $remark } The same applies, with { $count ->
+        [one] its own figures, to 1 more segment
+       *[other] their own figures, to { $count } more segments
+    }.
     .blocks = { $remark } This prevents a pass.
     .invalid = { $remark } This makes the run invalid.
+certificate-reading-of = { $items }
 certificate-unregistered = this identifier is not in the register
 
 ## Labels of the layout
@@ -314,6 +357,10 @@ certificate-label-found-verdict = Verdict as found
 certificate-label-results = Results of the calibration
 certificate-label-figures = Figures
 certificate-label-uncertainty = Statement of uncertainty
+certificate-label-annex = Annex
+certificate-label-annex-introduction = For the laboratory, and for whoever asks how the results came about: how the specification was read, how the uncertainty was evaluated, figures, further information, origin of the data. Nothing in this annex changes results or verdict.
+certificate-label-annex-follows = An annex follows: readings of the specification, evaluation of the uncertainty, figures, further information, origin of the data.
+certificate-label-segments = Segments of the remarks
 certificate-label-conformity = Statement of conformity
 certificate-label-reasons = Reasons
 certificate-label-remarks = Remarks
@@ -323,8 +370,6 @@ certificate-label-information = For information, not decided on
 certificate-label-information-introduction = Derived from the data of this run; these are not results of the clauses, and no decision is based on them. Stated as value ± U, with k from Student's t for few degrees of freedom. Where a number or U is missing, the sentence below gives the reason.
 certificate-label-not-determined = not determined
 certificate-label-clause = Clause
-certificate-label-see = see
-certificate-label-to = –
 certificate-label-element = Element
 certificate-label-expanded-uncertainty = Uncertainty
 certificate-label-of-a = of (a)
@@ -348,7 +393,7 @@ certificate-label-sensitivity = Sensitivity
 certificate-label-contribution = Contribution
 certificate-label-share = Share %
 certificate-label-dof = dof
-certificate-label-half-width = Half width (normal: U, k = 2)
+certificate-label-half-width = Half width, or U with k = 2
 certificate-label-source = Source
 certificate-label-budget-element = Element
 certificate-label-type-a = Type A

@@ -1,5 +1,6 @@
 ## The Digital Calibration Certificate: what only a machine-readable certificate says.
 
+dcc-remark = { $remark } [{ $segments }]
 dcc-record = Record from which this certificate was made
 dcc-results = Results of the calibration
 dcc-as-found = Results as found, before the adjustment

@@ -1,7 +1,7 @@
 ## What the data show beside the clauses' results. Titles by the key of the result; .text: how it was found.
 
 information-earth-gain = Gain of Earth's rotation in the rests
-    .text = { $shown }. The ± is type A only: contributions of latitude, heading and placement are not evaluated, so no U is stated.
+    .text = { $shown }. λ = { $gain } ± { $spread } (k = 2; 1: in full, 0: absent); the ± is type A only: contributions of latitude, heading and placement are not evaluated, so no U is stated.
 information-without-earth = Gyro g-sensitivity without Earth's rotation
     .text = The vertical component of Earth's rotation, ω_e·sin φ, is subtracted from the diagonal; { $difference } U is evaluated as for the item.
 information-earth-present = the value by eq. (7) includes it and is off by up to { $times } times its U.
@@ -47,7 +47,7 @@ information-no-floor = { $axes }: no floor up to an averaging time of { $tau } s
 
 information-type-b =
     .contained = U includes type A and the type B contributions of the equipment.
-    .not-evaluated = No U stated, because no budget of this run includes the limits of the equipment.
-    .in-part = { $elements }: no U stated, because the clause gives no value whose budget includes the limits of the equipment.
+    .not-evaluated = No U stated: the contributions of the equipment to this quantity were not evaluated.
+    .in-part = { $elements }: no U stated, because the contributions of the equipment to these were not evaluated.
     .unit-and-table = A figure for unit and table combined: the equipment contributes nothing further to its U.
 information-few-degrees-of-freedom = { $axes }: no U stated, because Student's t for so few degrees of freedom would extend below zero.

@@ -18,11 +18,15 @@ validity-unsteady-rate = { $segment }: according to { $witness ->
 validity-corrupted-rows = { $segment }: { $out } of { $rows } outlying rows ({ $channels }) were excluded from the mean.
 validity-disturbed = { $segment }: { $out } of { $rows } rows ({ $channels }) are outliers and were excluded from the mean, { $burst } of them consecutive: the segment was disturbed.
 validity-stuck = { $segment }: { $channel } was stuck at { $value } for { $rows } rows from t = { $time } s.
-validity-lost-samples = { $segment }: { $lost } samples lost in { $gaps } gaps, the longest { $longest } s at t = { $time } s.
+validity-lost-samples = { $segment }: { $lost } samples lost in { $gaps ->
+        [one] 1 gap
+       *[other] { $gaps } gaps
+    }, the longest { $longest } s at t = { $time } s.
 validity-short-dwell = { $short } of { $held } segments are shorter than the { $asked } s per point required by { $clause }: { $listed }.
 validity-coarse-step = The resolution of the output is coarser than its noise ({ $steps }, in rad/s for gyros and m/s² for accelerometers): averaging cannot reduce it, and a mean may be off by half a step.
 validity-overlapping-segments = Segments overlap, so some samples are counted twice: { $more ->
         [0] { $pairs }
+        [one] { $pairs } and 1 more pair
        *[other] { $pairs } and { $more } more pairs
     }.
 validity-pair = { $first } and { $second }
@@ -31,19 +35,45 @@ validity-environment = { $segment }: { $quantity ->
        *[humidity] relative humidity
     } { $worst } { $unit } is outside { $low } to { $high } { $unit } (clause { $clause }).
 validity-environment-not-recorded = Air temperature and humidity were not both recorded, so compliance with clause { $clause } is unknown.
-validity-without-rows = { $count } labelled segments contain too few rows and were excluded: { $listed }.
-validity-null-rows = The { $triad } triad was excluded from { $count } segments because of missing values: { $listed }.
-validity-table-gap = The table stream does not cover { $count } segments; their attitude and rate come from labels alone: { $gaps }.
+validity-without-rows = { $count ->
+        [one] 1 labelled segment contains too few rows and was
+       *[other] { $count } labelled segments contain too few rows and were
+    } excluded: { $listed }.
+validity-null-rows = The { $triad } triad was excluded from { $count ->
+        [one] 1 segment
+       *[other] { $count } segments
+    } because of missing values: { $listed }.
+validity-table-gap = The table stream does not cover { $count ->
+        [one] 1 segment, the attitude and rate of which come
+       *[other] { $count } segments, the attitude and rate of which come
+    } from labels alone: { $gaps }.
 validity-table-gap-from = { $segment } from t = { $time } s
+validity-listed = { $entries }
+validity-first-of = { $listed } and { $more } more
 
 ## Checks of the whole run.
 
-validity-no-reference = Neither encoders nor a pose were recorded: the rate of { $count } turns is known from labels alone.
+validity-no-reference = Neither encoders nor a pose were recorded: the rate of { $count ->
+        [one] 1 turn
+       *[other] { $count } turns
+    } is known from labels alone.
 validity-angle-contradicted = { $segment }: labelled as a turn by { $label }°, but the encoders show { $shown }°.
-validity-rest-turns = { $count } segments labelled as rests ({ $first } first) are not at rest: the table turns, or a gyro reads a different rate from that in the other rests.
-validity-encoder-jump = The encoder of axis { $axis } jumps { $count } times, by up to { $size }° at t = { $time } s, faster than any table can turn.
-validity-attitude-contradicted = In { $count } rests ({ $first } first) the direction of gravity in the unit disagrees with the encoders by up to { $left } m/s²; { $limit } m/s² is allowed.
-validity-gyro-contradicts-encoder = In { $count } segments turning about { $axis } ({ $first } first) the ratio of gyro to encoder rate differs by more than { $percent } % from that in the others.
+validity-rest-turns = { $count ->
+        [one] 1 segment labelled as rest ({ $first }) is
+       *[other] { $count } segments labelled as rests ({ $first } first) are
+    } not at rest: the table turns, or a gyro reads a different rate from that in the other rests.
+validity-encoder-jump = The encoder of axis { $axis } jumps { $count ->
+        [one] once
+       *[other] { $count } times
+    }, by up to { $size }° at t = { $time } s, faster than any table can turn.
+validity-attitude-contradicted = In { $count ->
+        [one] 1 rest ({ $first })
+       *[other] { $count } rests ({ $first } first)
+    } the direction of gravity in the unit disagrees with the encoders by up to { $left } m/s²; { $limit } m/s² is allowed.
+validity-gyro-contradicts-encoder = In { $count ->
+        [one] 1 segment turning about { $axis } ({ $first })
+       *[other] { $count } segments turning about { $axis } ({ $first } first)
+    } the ratio of gyro to encoder rate differs by more than { $percent } % from that in the others.
 validity-input-axis = In the segments turning about { $axis }, gyro { $gyro } follows the rate with a factor of { $gain }: the unit is not mounted as the manifest states, or channels or signs are swapped.
 validity-latitude-not-given = The latitude is not stated, so gravity and Earth's rotation could not be checked against it.
 validity-laboratory-latitude = The recording states a latitude of { $latitude }°, but that of the laboratory is { $own }°.
@@ -53,20 +83,23 @@ validity-earth-not-shown = The rests do not show the horizontal component of Ear
 validity-earth-contradicted = The rests show an Earth rotation that contradicts latitude and heading: { $north } of it along north and { $east } along east (u = { $u }), where { $expected } along north is expected at { $latitude }° latitude.
 validity-latitude-sign = The rests show { $shown } of Earth's rotation upwards (u = { $u }), where { $expected } is expected at { $latitude }° latitude: the latitude has the wrong sign.
 validity-samples-off = { $channel }: { $share } % of the samples deviate by more than { $off } standard deviations from the rest of their segment; { $limit } % is allowed.
-validity-vibration = { $channel }: in { $count } rests ({ $first } first) the standard deviation of the readings reaches { $deviation }; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the unit was vibrated.
+validity-vibration = { $channel }: in { $count ->
+        [one] 1 rest ({ $first })
+       *[other] { $count } rests ({ $first } first)
+    } the standard deviation of the readings reaches { $deviation }; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the unit was vibrated.
 validity-drift = { $channel }: { $segment } deviates by { $left } { $unit } from the other rests, which U = { $U } { $unit } does not cover: the zero drifted or jumped.
 validity-unsteady-zero = { $channel }: { $segment } deviates by { $left } from the other rests; { $limit } is allowed (rad/s for a gyro, m/s² for an accelerometer): the zero drifted or jumped.
 validity-lost-share = { $share } % of the samples of the { $stream } stream are missing within the segments; { $limit } % is allowed.
-validity-time-base = By the times of the recording the table turned by { $off }·10⁻⁶ otherwise than it was set to, at all { $count } rates alike; { $limit }·10⁻⁶ is allowed: check the clock that stamps the readings, or the table's.
+validity-time-base = By the times of the recording the table turned by { $off }×10⁻⁶ otherwise than it was set to, at all { $count } rates alike; { $limit }×10⁻⁶ is allowed: check the clock that stamps the readings, or the table's.
 validity-clocks-apart = The clocks of unit and table differ by up to { $delay } s; { $limit } s is allowed.
 validity-environment-in-part = { $quantity ->
         [temperature] Air temperature
        *[humidity] Relative humidity
-    } was not recorded over the whole run: it is missing in { $count } of { $of } segments ({ $first } first), so clause { $clause } may not have been met.
-validity-unit-temperature-not-recorded = The unit's own temperature was not recorded over the whole run: it is missing in { $count } of { $of } segments.
+    } was not recorded in { $count } of { $of } segments ({ $first } first), so clause { $clause } may not have been met.
+validity-unit-temperature-not-recorded = The unit's own temperature was not recorded in { $count } of { $of } segments.
 validity-unit-temperature-changed = The unit's own temperature ranged from { $low } to { $high } °C during the measurement; a change of { $limit } K is allowed.
 validity-unit-temperature-level = The unit's own temperature is { $level } °C at an air temperature of { $air } °C; { $cooler } K below to { $warmer } K above the air is allowed.
-validity-supply-not-recorded = The supply voltage of the unit was not recorded over the whole run: it is missing in { $count } of { $of } segments.
+validity-supply-not-recorded = The supply voltage of the unit was not recorded in { $count } of { $of } segments.
 validity-supply-level = The supply voltage of the unit is { $level } V, outside the plausible { $low } to { $high } V.
 validity-supply-changed = The supply voltage of the unit ranged from { $low } to { $high } V around { $usual } V; ±{ $percent } % is allowed.
 validity-beyond-recording = { $segment } is labelled from { $start } to { $end } s, but the samples reach from { $first } to { $last } s: its times are wrong, or the recording was cut off.

@@ -2,15 +2,15 @@
 
 uncertainty-repeatability = repeatability
 uncertainty-resolution = resolution
-uncertainty-turned-angle = turned angle, { $limit }
-uncertainty-creep = angle while it is held, { $limit }
+uncertainty-turned-angle = { $limit } (of a turn)
+uncertainty-creep = { $limit } (while held)
 uncertainty-zero-offset = zero offset
 uncertainty-example-table = rate and position table
 uncertainty-example-acquisition = data acquisition
-uncertainty-example-repeatability = repeatability, summed
+uncertainty-example-repeatability = repeatability (summed)
 uncertainty-gravity = local gravity
 uncertainty-latitude = latitude
-uncertainty-rate = table rate, whole turns
+uncertainty-rate = table rate over whole turns
 uncertainty-encoder-time = time of the polled encoders
 uncertainty-ripple = table rate within a turn
 uncertainty-position = angular positioning
@@ -25,7 +25,7 @@ uncertainty-rate-fast = table rate from 10 °/s
 uncertainty-rate-medium = table rate 1 to 10 °/s
 uncertainty-rate-slow = table rate below 1 °/s
 uncertainty-table-angle = table angle
-uncertainty-horizontal-earth = horizontal part of Earth's rotation, beyond whole turns
+uncertainty-horizontal-earth = horizontal part of Earth's rotation (beyond whole turns)
 
 ## The evidence of a result.
 

@@ -69,11 +69,19 @@ certificate-no-statement = 未作符合性判定
 certificate-due-from-issue = { $day }（未提供校准日期，自证书日期起算）
 certificate-replaced = { $day } 签发的 { $number }，原因：{ $why }
 certificate-scope =
-    .pass = 所判定项目合格：{ $items } 项中判定 { $limited } 项
+    .pass =
+        { $items } 项中 { $limited } 项有允许限，{ $limited ->
+            [1] 合格
+           *[other] 均合格
+        }
     .fail = { $items } 项中 { $limited } 项有允许限，判定 { $decided } 项，其中 { $failed } 项不合格
-    .inconclusive = { $items } 项中 { $limited } 项有允许限，其中 { $decided } 项可逐项判定
-    .in-part = { $scope }；有允许限的项目中 { $count } 项仅判定部分元素
-    .near = { $scope }；{ $count } 项有元素距允许限小于 U
+    .inconclusive =
+        { $items } 项中 { $limited } 项有允许限，{ $decided ->
+            [0] 均未能判定
+           *[other] 其中 { $decided } 项已判定
+        }
+    .in-part = { $scope }；其中 { $count } 项仅部分元素有允许限
+    .near = { $scope }；其中 { $count } 项有测得值距允许限小于 U
     .as-found = { $scope }；调整前：{ $verdict }
 certificate-environment =
     .temperature = 环境温度
@@ -156,7 +164,7 @@ certificate-missing = 未得：{ $cause }。
 
 ## What the clause's value contains
 
-certificate-contained = { $value }含{ $part }：{ $element } 处最显著，为 { $size }，即 U 的 { $times } 倍；分离后的值见“附加信息”。
+certificate-contained = { $value }含{ $part }：{ $element } 处最显著，为 { $size }，即 U 的 { $times } 倍；分离后的值见附录。
     .gyro-g-sensitivity-without-earth-rotation = 地球自转
     .accel-rate-sensitivity-without-lever-arm = 杆臂
 certificate-value-of =
@@ -201,13 +209,16 @@ certificate-u-in-short = { $parts }。
     .as-the-specifications-example = U 按规范附录 A 示例评定
     .monte-carlo = U 含 A 类与 B 类分量（蒙特卡洛法），包含概率不低于 95 %
 certificate-coverage = k = { $k }，正态分布时包含概率约 { $percent } %
-    .by-t = k = 2 … { $k }，包含概率约 95 %（有效自由度小于 50 时按 t 分布取 k）
+    .by-t = k = 2 … { $k }，见各项，包含概率约 95 %
     .up-to = k ≤ { $k }
+certificate-coverage-by-t = k 大于 2 者，该项有元素的有效自由度小于 50，按 t 分布取包含概率 95 % 的 k。
 certificate-limits = B 类分量的极限：{ $parts }。
     .own = 实验室给出的极限：{ $limits }
     .recommended = 转台和夹具取 { $sources } 推荐的技术指标（视为本装置满足）：{ $limits }
     .assumed = { $limit }假定已知至 { $known }
-certificate-limit-of-standard = { $limit } { $half_width }（{ $shape }）
+certificate-limit-of-standard = { $limit } { $half_width }
+    .shaped = { $limit } { $half_width }（{ $shape }分布）
+    .uncertainty = { $limit } { $U }（k = 2）
 certificate-function-of-standard =
     .corrected = { $limit }{ $range }：示值误差在 { $deviation } 内，已修正；U ≤ { $U }（k = { $k }）
     .budgeted = { $limit }{ $range }：示值误差在 { $deviation } 内，未修正，与 U 一并计入；U ≤ { $U }（k = { $k }）
@@ -220,9 +231,9 @@ certificate-assumed =
     .latitude = 假定：纬度给出至 0.1°
     .level = 假定：外轴铅垂度与轴线垂直度相当
 certificate-axes =
-    .fixture = 测得值以夹具的轴线为准：被校对象基面相对夹具的倾斜未列入评定。
-    .mounting-plane = 测得值以被校对象安装基面的轴线为准：基面相对夹具的倾斜已列入评定。
-    .mounting-unknown = 委托要求测得值以被校对象安装基面的轴线为准，但基面相对夹具的倾斜未知，未列入评定：U 仅对夹具的轴线成立。
+    .fixture = 测得值以夹具的轴线为准：U 不含被校对象基面相对夹具的倾斜。
+    .mounting-plane = 测得值以被校对象安装基面的轴线为准：U 已含基面相对夹具的倾斜。
+    .mounting-unknown = 委托要求测得值以被校对象安装基面的轴线为准，但基面相对夹具的倾斜未知，U 中未含：U 仅对夹具的轴线成立。
 certificate-axes-setting =
     .fixture = 夹具的轴线
     .mounting-plane = 安装基面的轴线
@@ -250,29 +261,39 @@ certificate-budgets =
 
 certificate-rule =
     .simple-acceptance = 简单接受（JCGM 106，8.2）：测得值在允许限内即为符合，不另留保护带（w = 0）
-    .guard-band = 保护带判定（JCGM 106，8.3）：测得值在接受限 AL 内方为符合，接受限由允许限内移 w = { $w }
-    .guard-band-outwards = 保护带判定（JCGM 106，8.3）：测得值在接受限 AL 内方为符合，接受限由允许限外移 w = { $w }
+    .guard-band = 保护带判定（JCGM 106，8.3）：测得值在接受限内方为符合，接受限由允许限内移 w = { $w }
+    .guard-band-outwards = 保护带判定（JCGM 106，8.3）：测得值在接受限内方为符合，接受限由允许限外移 w = { $w }
     .shared-risk = 风险共担（JCGM 106，8.2）：按双方约定，测得值在允许限内即为符合（w = 0）
     .capability = { $rule }，要求 C_m = T/(2 U) ≥ { $needed }（T 为允许区间宽度）；否则仅当测得值 ± U 全部在允许限外时判为不合格，其余不作判定
     .unbounded = { $rule }，单侧允许限且未约定 U 的上限：仅当 P_c ≥ 95 % 或 ≤ 5 % 时判定
     .bound = { $item }要求 U ≤ { $U_max }（测得值 ± U 全部在允许限外的除外）
     .coverage-factor = U 的 k = { $k }
 certificate-rule-of = { $items }：{ $rule }
-certificate-risk = 由测得值、标准不确定度 u（正态分布；自由度有限时为 t 分布）计算，未用先验信息（JCGM 106，9.3）：{ $parts }
+certificate-risk = { $parts }（JCGM 106，9.3）
     .acceptance = 合格判定的错误接受概率 1 − P_c，最大者 { $chance } ({ $symbol })
     .rejection = 不合格判定的错误拒绝概率 P_c，最大者 { $chance } ({ $symbol })
+certificate-risk-how = 合格概率与误判风险由测得值及其标准不确定度 u（正态分布；自由度有限时为 t 分布）计算，未用先验信息（JCGM 106，9.3）。
 certificate-global-risk = { $parts }（JCGM 106，9.5）
     .item = { $item }：用户风险 { $consumer }，生产方风险 { $producer }
 certificate-marks =
     .absent = “—”：未规定允许限；“未得”：未能得到该值，原因见表下
     .chance = 判定栏中的百分数为合格概率 P_c
     .conditional = “有条件”：值距允许限小于 U，或超出允许限而按规则接受（ILAC-G8:09/2019）
-    .nothing-accepted = AL –：U 过大，扣除保护带后没有接受区间
+    .nothing-accepted = “接受限 –”：U 过大，扣除保护带后没有接受区间
+certificate-reason-alike = { $reason }；{ $symbols } 情况相同（数值各异）
 certificate-see-remarks = “说明”中标有“影响判定”的 { $count } 条。
-certificate-remark = { $remark } [{ $segments }]
+certificate-accepted = 接受限 { $limits }
+certificate-segments =
+    .static = 静止 { $count } 段
+    .rate = 恒速转动 { $count } 段
+    .rotation = 已知转角 { $count } 段
+    .settle = 稳定 { $count } 段
+    .transition = 过渡 { $count } 段
+certificate-remark = { $remark }[{ $segments }]
     .alike = { $remark }另有 { $count } 段情况相同（数值各异）。
     .blocks = { $remark }本条影响判定：不得判为合格。
     .invalid = { $remark }本条使本次测量无效。
+certificate-reading-of = { $items }
 certificate-unregistered = 此标识未在册
 
 ## Labels of the layout
@@ -314,6 +335,10 @@ certificate-label-found-verdict = 调整前判定
 certificate-label-results = 校准结果
 certificate-label-figures = 图示
 certificate-label-uncertainty = 测量不确定度说明
+certificate-label-annex = 附录
+certificate-label-annex-introduction = 供实验室及需了解结果由来者使用：对规范条文的理解、测量不确定度的评定、图示、附加信息、数据来源。本附录不改变校准结果和结论。
+certificate-label-annex-follows = 后附附录：对规范条文的理解、测量不确定度的评定、图示、附加信息、数据来源。
+certificate-label-segments = “说明”所涉各段
 certificate-label-conformity = 符合性判定
 certificate-label-reasons = 判定理由
 certificate-label-remarks = 说明
@@ -323,8 +348,6 @@ certificate-label-information = 附加信息（不作判定）
 certificate-label-information-introduction = 由本次测量数据得出，非规范条款的结果，不参与符合性判定。记为“测得值 ± U”，自由度少时按 t 分布取 k。没有数值或没有 U 的原因见各项说明。
 certificate-label-not-determined = 未得
 certificate-label-clause = 条款
-certificate-label-see = 见
-certificate-label-to = ～
 certificate-label-element = 项目
 certificate-label-expanded-uncertainty = 不确定度
 certificate-label-of-a = (a)
@@ -348,7 +371,7 @@ certificate-label-sensitivity = 灵敏系数
 certificate-label-contribution = 分量
 certificate-label-share = 占比 %
 certificate-label-dof = 自由度
-certificate-label-half-width = 半宽（正态：U，k = 2）
+certificate-label-half-width = 半宽，或 U（k = 2）
 certificate-label-source = 来源
 certificate-label-budget-element = 元素
 certificate-label-type-a = A 类

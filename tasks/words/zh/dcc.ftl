@@ -1,5 +1,6 @@
 ## 数字校准证书：仅在机器可读证书中出现的文字。
 
+dcc-remark = { $remark }[{ $segments }]
 dcc-record = 生成本证书所依据的记录
 dcc-results = 校准结果
 dcc-as-found = 调整前的校准结果

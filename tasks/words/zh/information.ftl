@@ -1,7 +1,7 @@
 ## 条款结果之外数据所示的内容。标题按结果名；.text：求得方法。
 
 information-earth-gain = 静止数据中地球自转的增益
-    .text = { $shown }。其中 ± 仅为 A 类；纬度、航向和安放的影响未评定，故该值不给出 U。
+    .text = { $shown }。λ = { $gain } ± { $spread }（k = 2；1 为完全存在，0 为不存在），其中 ± 仅为 A 类；纬度、航向和安放的影响未评定，故不给出 U。
 information-without-earth = 扣除地球自转的陀螺加速度敏感系数
     .text = 已从对角元扣除地球自转的竖直分量 ω_e·sin φ；{ $difference }U 的评定同该项结果。
 information-earth-present = 式(7)的值含该分量，最多偏离 U 的 { $times } 倍。
@@ -44,7 +44,7 @@ information-no-floor = { $axes }：平均时间至 { $tau } s 未见最小值，
 
 information-type-b =
     .contained = U 含 A 类及装置引入的 B 类分量。
-    .not-evaluated = 不给出 U：本次测量的不确定度评定中没有装置的极限。
-    .in-part = { $elements }：条款未得出该值，没有含装置极限的评定，故不给出 U。
+    .not-evaluated = 不给出 U：装置对该量的影响未评定。
+    .in-part = { $elements }：装置对该值的影响未评定，故不给出 U。
     .unit-and-table = 为被校对象与转台共同的结果，U 不另计装置的分量。
 information-few-degrees-of-freedom = { $axes }：自由度过少，按 t 分布得到的 U 将使下限小于零，故不给出 U。

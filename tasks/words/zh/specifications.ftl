@@ -1,7 +1,11 @@
 ## 各规范共用：数据中的地球自转、缺项原因、不确定度。
 
 specifications-no-gravity = 未给出当地重力加速度
-specifications-rates-needed = { $axis }：绕 { $axis } 轴仅 { $count } 个角速率，至少需 2 个
+specifications-rates-needed =
+    绕 { $axis } 轴{ $count ->
+        [0] 没有恒定角速率
+       *[other] 仅 { $count } 个恒定角速率
+    }，至少需 2 个
 specifications-number-of-rates = { $axis } 轴：{ $count } 个角速率点（{ $rates } °/s）；{ $clause } 要求 { $fewest }~{ $most } 个。
 specifications-one-direction = { $axis } 轴：所有角速率同号，缺少另一方向。
 specifications-of-axis = { $axis }：{ $reason }
@@ -10,13 +14,13 @@ specifications-mounting-unknown = 委托要求测得值以安装基面的轴线�
 specifications-equipment-unknown = 记录未说明所依据的规范，实验室也未给出转台允许误差：转台和夹具未知的不确定度分量未计入，不确定度含数据分散性、分辨力、当地重力和纬度的分量。
 
 earth-rotation-unknown = 静止数据不能说明是否含地球自转
-earth-rotation-level-present = 不同方位的静止数据中可见地球自转（{ $gain }；1 为完全存在，0 为不存在）
-earth-rotation-level-not-visible = 地球自转未能从噪声中辨出（{ $gain }；1 为完全存在，0 为不存在）
-earth-rotation-level-not-shown = 数据中没有地球自转（{ $gain }；1 为完全存在，0 为不存在）：数据为仿真或已补偿，或纬度、方位有误
-earth-rotation-level-odd = 数据既不符合地球自转完全存在，也不符合其不存在（{ $gain }；1 为完全存在，0 为不存在）：请核对纬度和方位
-earth-rotation-vertical-present = 朝天与朝地之差与地球自转相符（{ $gain }；1 为完全存在，0 为不存在），前提是器件自身的 g 敏感项很小
-earth-rotation-vertical-not-visible = 地球自转不能与噪声及器件自身的 g 敏感项区分（朝天与朝地之差，{ $gain }；1 为完全存在，0 为不存在）
-earth-rotation-vertical-not-shown = 数据中没有地球自转（朝天与朝地之差，{ $gain }；1 为完全存在，0 为不存在），除非被符号相反的 g 敏感项抵消
+earth-rotation-level-present = 不同方位的静止数据中可见地球自转
+earth-rotation-level-not-visible = 地球自转未能从噪声中辨出
+earth-rotation-level-not-shown = 数据中没有地球自转：数据为仿真或已补偿，或纬度、方位有误
+earth-rotation-level-odd = 数据既不符合地球自转完全存在，也不符合其不存在：请核对纬度和方位
+earth-rotation-vertical-present = 朝天与朝地之差与地球自转相符，前提是被校对象自身的 g 敏感项很小
+earth-rotation-vertical-not-visible = 地球自转不能与噪声及被校对象自身的 g 敏感项区分（朝天与朝地之差）
+earth-rotation-vertical-not-shown = 数据中没有地球自转（朝天与朝地之差），除非被符号相反的 g 敏感项抵消
 earth-rotation-scale-factor-assumed = 本次未得陀螺标度因数处，扣除地球自转时取 1。
 specifications-stand-labelled = 未记录编码器：评定不确定度时，各段转台轴的位置按标注取用。
 specifications-stand-unknown = 既未记录编码器，也未说明转台各轴：评定不确定度时，各面及各次定位的偏角视为相互独立。

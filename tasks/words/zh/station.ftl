@@ -1,14 +1,14 @@
 ## 采集过程中发现的情况；$place 为文末三条之一。
 
-station-unit-lost-samples = 被校单元的帧计数表明丢失 { $total } 个采样（{ $place }）。
-station-unit-bad-frames = 被校单元有 { $total } 帧校验错误，已舍弃（{ $place }）。
+station-unit-lost-samples = 被校对象的帧计数表明丢失 { $total } 个采样（{ $place }）。
+station-unit-bad-frames = 被校对象有 { $total } 帧校验错误，已舍弃（{ $place }）。
 station-encoder-gap = 缺少 { $total } 个转台编码器采样（{ $place }）。
-station-air-temperature = 环境温度为 { $low }～{ $high } ℃，超出规程允许的 { $limits } ℃（{ $place }）。
+station-air-temperature = 环境温度为 { $low }～{ $high } °C，超出规程允许的 { $limits } °C（{ $place }）。
 station-air-humidity = 相对湿度为 { $low }～{ $high } %RH，超出规程允许的 { $limits } %RH（{ $place }）。
 station-table-unsettled = 采集数据期间转台 { $subject } 轴未稳定（{ $place }）。
 station-table-rate = 编码器表明转台 { $subject } 轴的角速率与给定值相差 { $low } %～{ $high } %（{ $place }）。
-station-stuck-channel = 被校单元的 { $subject } 输出始终不变（{ $place }）。
-station-spikes = 被校单元的 { $subject } 输出有 { $total } 个野值（{ $place }）。
+station-stuck-channel = 被校对象的 { $subject } 输出始终不变（{ $place }）。
+station-spikes = 被校对象的 { $subject } 输出有 { $total } 个野值（{ $place }）。
 station-segment-repeated = { $subject } 段数据不可靠，已重新测量。
 
 station-place =

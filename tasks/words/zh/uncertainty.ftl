@@ -2,8 +2,8 @@
 
 uncertainty-repeatability = 测量重复性
 uncertainty-resolution = 分辨力
-uncertainty-turned-angle = 转角，{ $limit }
-uncertainty-creep = 保持期间的角位置，{ $limit }
+uncertainty-turned-angle = { $limit }（整周转角）
+uncertainty-creep = { $limit }（保持期间）
 uncertainty-zero-offset = 零偏
 uncertainty-example-table = 位置速率转台
 uncertainty-example-acquisition = 数据采集系统

@@ -6,10 +6,19 @@ from datetime import UTC, date, datetime
 from pathlib import Path
 
 from schemas.calibration import Calibration
-from schemas.certificate import Certificate, Laboratory, Order, Party, Replaced, Step, StepName
+from schemas.certificate import (
+    AsFound,
+    Certificate,
+    Laboratory,
+    Order,
+    Party,
+    Replaced,
+    Step,
+    StepName,
+)
 from schemas.configuration import configuration_of
 from schemas.decision import Decision
-from schemas.equipment import MeasurementStandard
+from schemas.equipment import ErrorBound, MeasurementStandard
 from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.tolerance import Tolerance
@@ -39,6 +48,10 @@ EQUIPMENT = (
         name="Three-axis position and rate table", name_zh="三轴位置速率转台",
         serial="TT3-0417", accuracy="U(rate) = 1×10⁻⁵ (k = 2); position ±10″",
         certificate="T-2026-1", valid_until=date(2027, 3, 14),
+        limits={
+            "rate": ErrorBound(half_width=1e-5, distribution="normal"),
+            "position": ErrorBound(half_width=4.848e-5, distribution="rectangular"),
+        },
     ),
     MeasurementStandard(
         name="Thermo-hygrometer", name_zh="温湿度计", serial="TH-2209",
@@ -57,8 +70,8 @@ LONG_SERIAL = "SN-2026-NAV-0000417-REV-C-LOT-88213-00000000000000000000000000000
 
 
 def cases(method: str) -> Iterator[tuple[str, Certificate]]:
-    """Each kind by its name, in both languages: pass, fail, inconclusive, an invalid run, an
-    amendment, a part of the items, long names.
+    """Each kind by its name, in both languages: pass, conditional, fail, inconclusive, an invalid
+    run, a draft, an amendment, a withdrawal, an adjusted unit, a part of the items, long names.
     """
     recording, _ = simulate(method, 3)
     measured = _calibrated(recording)
@@ -72,6 +85,7 @@ def cases(method: str) -> Iterator[tuple[str, Certificate]]:
     passed = passed.model_copy(update={"curves": (*passed.curves, *moved)})
     assert passed.decision.verdict == "pass", passed.decision.reasons
     yield "pass", passed
+    yield "conditional", _certificate(recording, whole, _limits_near(whole, given))
     yield "fail", _certificate(recording, measured, _limits(given, wider=0.02))
     yield "inconclusive", _certificate(recording, _calibrated(recording, own=False), tolerance)
     unlike = Remark(
@@ -84,6 +98,19 @@ def cases(method: str) -> Iterator[tuple[str, Certificate]]:
     why = "the client's address was wrong"
     replaced = Replaced(number="DEMO-2026-0041", issued_on=date(2026, 11, 20), why=why)
     yield "amendment", passed.model_copy(update={"replaces": replaced})
+    yield "amended", passed.model_copy(update={"state": "amended"})
+    yield "withdrawn", passed.model_copy(update={"state": "withdrawn"})
+    yield "draft", passed.model_copy(update={"state": "draft", "steps": passed.steps[:1]})
+    found = next(_earlier(passed)).calibration
+    order_found = passed.order
+    assert order_found is not None
+    decided = _decision(recording, found, _limits(given, wider=0.02), order_found)
+    yield (
+        "adjusted",
+        passed.model_copy(
+            update={"as_found": AsFound(calibrated_on=DAY, calibration=found, decision=decided)}
+        ),
+    )
     part = _without_z(recording)
     yield "partial", _certificate(part, _calibrated(part), tolerance)
     unit = recording.manifest.unit.model_copy(update={"serial": LONG_SERIAL})
@@ -132,6 +159,22 @@ def _limits(given: Tolerance, wider: float) -> Tolerance:
         for limit in given.limits
     )
     return given.model_copy(update={"limits": tuple(limits)})
+
+
+def _limits_near(result: Calibration, given: Tolerance) -> Tolerance:
+    """Limits of which one lies half of U beyond the largest value of its item."""
+    near = next(limit for limit in given.limits if limit.magnitude and not limit.relative)
+    item = result.items[near.item]
+    largest = max(abs(value) for value in item.value.values() if value is not None)
+    U = max(U for U in item.U.values() if U is not None)
+    tight = near.model_copy(
+        update={
+            "magnitude": round(largest + 0.5 * U, 5),
+            "elements": None,
+            "rule": "simple_acceptance",
+        }
+    )
+    return given.model_copy(update={"limits": (tight,)})
 
 
 def _without_z(recording: Recording) -> Recording:

@@ -58,9 +58,9 @@ def test_positions_and_turns_of_the_clauses_are_told(written):
     document = fields(written)
     assert document["Positions for the zero offset"] == (
         "X 轴 4 个，各 1800 s；Y 轴 4 个，各 1800 s；Z 轴 4 个，各 1800 s",
-        "X: 4 of 1800 s each; Y: 4 of 1800 s each; Z: 4 of 1800 s each",
+        "X axis: 4 of 1800 s each; Y axis: 4 of 1800 s each; Z axis: 4 of 1800 s each",
     )
-    assert document["Whole turns"][1].startswith("X: +10, −10 turns at 100 °/s; Y: ")
+    assert document["Whole turns"][1].startswith("X axis: +10, −10 turns at 100 °/s; Y axis: ")
     assert document["Whole turns"][0].startswith("X 轴 +10, −10 周，100 °/s；Y 轴 ")
 
 

@@ -94,8 +94,8 @@ def test_budgets_print_the_stated_u_and_say_so() -> None:
     result = calibration(items=with_budgets(items()))
     of = laboratory(capabilities=(BIAS.model_copy(update={"U": 0.42}),))
     paper = certificate(result, decide(result, None), laboratory=of, budgets=True)
+    assert "the capability is stated in its place" in texts(content(paper))
     printed = content(paper).budgets
-    assert "the capability is stated in its place" in printed.introductions[-1][1]
     bias = next(each for each in printed.tables if each.title[1] == "Gyro bias")
     assert {element.U for element in bias.elements} == {"0.42"}
     plain = content(certificate(result, decide(result, None), budgets=True)).budgets

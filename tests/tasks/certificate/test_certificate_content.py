@@ -174,11 +174,13 @@ def test_an_item_of_no_specification_is_printed_too() -> None:
     assert other.groups[0].rows[0].value == "0.01230"
 
 
-def test_readings_are_numbered_once_and_cited_where_they_were_taken() -> None:
+def test_readings_are_numbered_once_with_the_items_that_rest_on_them() -> None:
     made = content(certificate())
     shorts = [reading.short for reading in made.readings]
     assert shorts == [f"R{n}" for n in range(1, 10)]
-    assert group(calibration(), "Gyro g-sensitivity").readings == ("R5", "R3")
+    about = {reading.short: reading.items for reading in made.readings}
+    assert about["R3"] == ("陀螺零偏、陀螺加速度敏感系数", "Gyro bias, Gyro g-sensitivity")
+    assert about["R5"][1] == "Gyro g-sensitivity"
 
 
 def test_an_unknown_reading_is_printed_by_its_identifier() -> None:
@@ -189,7 +191,7 @@ def test_an_unknown_reading_is_printed_by_its_identifier() -> None:
 
 
 def test_the_uncertainty_statement_says_what_is_not_in_it() -> None:
-    zh, en = content(certificate()).uncertainty[1]
+    zh, en = content(certificate()).uncertainty[0]
     assert "type A only" in en
     assert "are not included" in en
     assert "转台、参考标准和数据采集系统引入的分量未包含在内" in zh
@@ -202,8 +204,11 @@ def test_remarks_that_block_a_pass_say_so() -> None:
     made = content(certificate(calibration(remarks=(remark,))))
     assert made.verdict == "inconclusive"
     (row,) = made.remarks
-    assert row.text == ("温度过高。本条影响判定：不得判为合格。", "Too warm. This prevents a pass.")
-    assert row.segments == "a, b"
+    assert row.text == (
+        "温度过高。[a, b]本条影响判定：不得判为合格。",
+        "Too warm. [a, b] This prevents a pass.",
+    )
+    assert row.segments == ""
 
 
 def test_the_remark_that_makes_a_run_invalid_says_so() -> None:
@@ -264,7 +269,7 @@ def test_every_sentence_is_there_in_two_languages() -> None:
     chinese = [any("\u4e00" <= c <= "\u9fff" for c in text) for text in texts(made)]
     assert sum(chinese) > 100
     remarks = [row["text"] for row in made["remarks"]]
-    for zh, en in (*made["uncertainty"], *remarks, *made["statement"]):
+    for zh, en in (*made["uncertainty"], *made["evaluation"], *remarks, *made["statement"]):
         assert any("\u4e00" <= c <= "\u9fff" for c in zh)
         assert not any("\u4e00" <= c <= "\u9fff" for c in en)
 
@@ -286,10 +291,10 @@ def test_settings_are_called_by_their_names_in_every_language_and_have_units() -
     assert answer == (
         "所用重力加速度：9.8015 m/s²；所用纬度：未提供；不确定度：GUM 法，A 类与 B 类合成；"
         "校准装置的极限：JJF 2003—2022，表 1；"
-        "实验室给出的极限，角位置定位精度：±4.95036″（certificate 2026-123）；"
+        "实验室给出的极限，角位置定位精度：4.95″（certificate 2026-123）；"
         "有效位数：12（取规范示例值）",
         "gravity used: 9.8015 m/s²; latitude used: not given; uncertainty: GUM, type A and B "
         "combined; limits of the equipment: JJF 2003-2022, Table 1; laboratory limit, "
-        "angular positioning: ±4.95036″ (certificate 2026-123); "
+        "angular positioning: 4.95″ (certificate 2026-123); "
         "effective bits: 12 (as in the specification's example)",
     )

@@ -37,7 +37,7 @@ def test_a_conditional_pass_is_marked_where_it_stands_and_on_the_cover() -> None
     text = content(made([0.0499, 0.01, 0.02], tolerance()))
     assert text.verdict_text == ("有条件合格", "conditional pass")
     assert text.scope is not None
-    assert text.scope[1].endswith("; 1 with an element within U of a limit")
+    assert text.scope[1].endswith("; in 1 item a value lies within U of a limit")
     x, y, _ = text.sections[1].groups[0].rows
     assert (x.marks[0].words[1], x.marks[0].chance) == ("conditional pass", "72.1 %")
     assert (y.marks[0].words[1], y.marks[0].chance) == ("pass", "> 99.9 %")
@@ -54,6 +54,16 @@ def test_a_fail_beyond_doubt_is_a_plain_one() -> None:
     assert (x, y, text.verdict_text[1]) == ("conditional fail", "fail", "fail")
 
 
+def test_reasons_that_differ_in_figures_alone_are_told_once() -> None:
+    text = content(made([0.2, 0.3, -0.4], tolerance()))
+    (only,) = text.reasons
+    assert only[1] == (
+        "Gyro bias B_gx: 0.20000 °/s, U = 0.00035 °/s (k = 2), is outside ±0.05 °/s (false "
+        "rejection < 0.1 %); likewise, with their own figures: B_gy, B_gz"
+    )
+    assert only[0].endswith("；B_gy, B_gz 情况相同（数值各异）")
+
+
 def test_the_largest_risks_are_told_with_whose_they_are() -> None:
     zh, en = fields(content(made([0.0499, 0.0501, 0.02], tolerance())))["Risk of a wrong decision"]
     assert "false acceptance of a pass, 1 − P_c, the largest 27.9 % (B_gx)" in en
@@ -64,7 +74,10 @@ def test_the_largest_risks_are_told_with_whose_they_are() -> None:
 def test_a_guard_band_prints_its_rule_its_width_and_its_acceptance_limits() -> None:
     limits = limited(Limit(**BIAS, magnitude=0.05), rule="guard_band", guard_band_factor=0.83)
     text = content(made([0.01, 0.01, 0.02], limits))
-    assert text.sections[1].groups[0].rows[0].limits == ("±0.05", "AL ±0.04972")
+    assert text.sections[1].groups[0].rows[0].limits == (
+        "±0.05",
+        ("接受限 ±0.04972", "AL ±0.04972"),
+    )
     rule = fields(text)["Decision rule"][1]
     assert "guard band (JCGM 106, 8.3)" in rule
     assert "w = 0.83 U" in rule
@@ -121,6 +134,6 @@ def test_rule_width_and_risk_are_on_the_paper() -> None:
     limits = limited(Limit(**BIAS, magnitude=0.05), rule="guard_band")
     reader = pypdf.PdfReader(io.BytesIO(render(made([0.0499, 0.01, 0.02], limits))))
     paper = re.sub(r"\s+", "", "".join(page.extract_text() for page in reader.pages))
-    for words in ("保护带判定", "guardband(JCGM106,8.3)", "AL±0.04966", "有条件不合格",
+    for words in ("保护带判定", "guardband(JCGM106,8.3)", "接受限±0.04966", "有条件不合格",
                   "conditionalfail", "falserejection72.1%", "ILAC-G8:09/2019"):  # fmt: skip
         assert words in paper

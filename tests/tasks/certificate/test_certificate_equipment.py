@@ -9,7 +9,7 @@ from schemas.equipment import EquipmentLimit, LimitName, ResultAxes
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import budgets
-from tasks.certificate.equipment import axes_of_results, limits_of, whose_limits
+from tasks.certificate.equipment import axes_of_results, flatness, limits_of, whose_limits
 from tasks.certificate.settings import settings
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
@@ -31,7 +31,7 @@ def made(ideal_run):
 
 
 def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
-    ((zh, en),) = printed(whose_limits(made(), JJF2003))
+    ((zh, en),) = printed(whose_limits(made()))
     assert "limits recommended by JJF 2003-2022, Table 1, JJF 2003-2022, 6.2, which this" in en
     assert "local gravity assumed known to ±0.0005 m/s²" in en
     assert "latitude assumed known to ±0.05°" in en
@@ -41,16 +41,20 @@ def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
 
 def test_which_axes_the_results_are_about_is_always_stated(made) -> None:
     """It agrees with what is stated of the flatness: that is in no budget of the fixture's axes."""
-    (zh, en), (flat_zh, flat_en) = printed(axes_of_results(made(), JJF2003))
+    zh, en = printed(axes_of_results(made()))
+    ((flat_zh, flat_en),) = printed(tuple(flatness(made(), JJF2003)))
     assert "hold for the axes of the fixture" in en
     assert "以夹具的轴线为准" in zh
     assert "0.02 mm" in flat_en
     assert "41″" in flat_zh
-    ((zh, en),) = printed(axes_of_results(made(mounting=OWN), JJF2003))
+    mounted = made(mounting=OWN)
+    zh, en = printed(axes_of_results(mounted))
+    assert not list(flatness(mounted, JJF2003))
     assert "axes of the unit's mounting plane" in en
     assert "安装基面的轴线为准" in zh
     ordered = made("mounting plane")
-    (_, en), (_, flat_en) = printed(axes_of_results(ordered, JJF2003))
+    _, en = printed(axes_of_results(ordered))
+    ((_, flat_en),) = printed(tuple(flatness(ordered, JJF2003)))
     assert "ordered for the axes of the unit's mounting plane" in en
     assert "0.02 mm" in flat_en
     names = [say(each.name, "en") for each in settings(ordered)]
@@ -63,22 +67,22 @@ def test_a_result_of_an_earlier_version_states_its_axes_too(made) -> None:
         old = new.model_copy(
             update={"settings": {n: v for n, v in new.settings.items() if n != "axes"}}
         )
-        assert kind in printed(axes_of_results(old, JJF2003))[0][1]
+        assert kind in printed(axes_of_results(old))[1]
 
 
 def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) -> None:
     result = made(rate=OWN, gravity=OWN)
-    ((_, en),) = printed(whose_limits(result, JJF2003))
+    ((_, en),) = printed(whose_limits(result))
     own, others = en.split("limits recommended")
-    assert "stated by the laboratory: table rate, whole turns, local gravity" in own
-    assert "table rate, whole turns" not in others
+    assert "stated by the laboratory: table rate over whole turns, local gravity" in own
+    assert "table rate over whole turns" not in others
     assert "local gravity assumed" not in others
     found = printed(budgets(result))
     assert found is not None
     rows = {row.symbol: row for row in found.limits}
     assert rows["ε1"].source == ("CNAS 2026-117",) * 2
-    assert (rows["ε1"].half_width, rows["ε1"].distribution[1]) == ("2×10⁻⁶", "normal")
-    assert rows["α1"].half_width == "10″"
+    assert (rows["ε1"].half_width, rows["ε1"].distribution[1]) == ("U = 2×10⁻⁶", "normal")
+    assert rows["α1"].half_width == "±10″"
     assert rows["α4"].source == ("JJF 2003—2022，6.2", "JJF 2003-2022, 6.2")
 
 
@@ -96,8 +100,8 @@ def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -
     result = calibrate(JOINT, ideal_run(noise=1e-4), run="r", code_version="v")
     rows = {row.symbol: row for row in printed(budgets(result)).limits}
     assert rows["φ"].source[1] == "assumed: latitude stated to 0.1°"
-    assert rows["φ"].half_width == "0.05°"
-    ((_, en),) = printed(whose_limits(result, JOINT))
+    assert rows["φ"].half_width == "±0.05°"
+    ((_, en),) = printed(whose_limits(result))
     assert en.count("latitude assumed") == 1
 
 
@@ -109,4 +113,4 @@ def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made) 
 
 
 def test_a_result_without_budgets_claims_no_limits() -> None:
-    assert whose_limits(calibration(), JJF2003) == ()
+    assert whose_limits(calibration()) == ()

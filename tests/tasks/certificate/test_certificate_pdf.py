@@ -203,20 +203,26 @@ def test_it_is_a_pdf_a_3b_of_the_day_of_issue() -> None:
     assert str(reader.metadata.creation_date).startswith("2026-11-21 00:00")
 
 
+def slanted(page: pypdf.PageObject) -> str:
+    """What is set in italics on a page."""
+    found: list[str] = []
+
+    def note(text: str, _: object, __: object, font: dict[str, str] | None, ___: object) -> None:
+        if font and "Italic" in font["/BaseFont"]:
+            found.append(text)
+
+    page.extract_text(visitor_text=note)
+    return "".join(found)
+
+
 @pytest.mark.parametrize("serial", ["T-B-X-1", f"LOT-T-B-X-{42:030d}"])
 def test_letters_of_a_serial_number_are_no_symbols_of_quantities(serial: str) -> None:
     made = certificate()
     unit = made.manifest.unit.model_copy(update={"serial": serial})
     made = made.model_copy(update={"manifest": made.manifest.model_copy(update={"unit": unit})})
-    slanted: list[str] = []
-
-    def note(text: str, _: object, __: object, font: dict[str, str] | None, ___: object) -> None:
-        if font and "Italic" in font["/BaseFont"]:
-            slanted.append(text)
-
-    pypdf.PdfReader(io.BytesIO(render(made))).pages[0].extract_text(visitor_text=note)
-    assert "U" in "".join(slanted)
-    assert not {"T", "B", "X"} & set("".join(slanted))
+    first, *others = (slanted(page) for page in pypdf.PdfReader(io.BytesIO(render(made))).pages)
+    assert "U" in "".join(others)
+    assert not {"T", "B", "X"} & set(first)
 
 
 def test_a_failed_unit_is_called_failed_with_its_reason() -> None:

@@ -3,11 +3,12 @@
 from datetime import UTC, datetime
 
 import pytest
-from sample_certificate import calibration, certificate, content, laboratory
+from sample_certificate import calibration, certificate, content, laboratory, manifest
 
 from schemas.certificate import Step, StepName
+from schemas.recording import Segment
 from schemas.text import Remark
-from tasks.certificate.merged_remarks import alike
+from tasks.certificate.remarks import alike
 
 NAMES = [f"rate_{axis}_{rate:+d}" for axis in "xyz" for rate in (-300, -100, -10, 10, 100, 300)]
 MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
@@ -29,6 +30,26 @@ def test_what_is_so_of_one_segment_after_the_other_is_told_once_with_the_list() 
     assert en.endswith("to 17 more segments.")
     assert row.segments == ", ".join(NAMES[1:])
     assert "另有 17 段" in zh
+
+
+def test_of_many_segments_only_number_and_kind_stand_in_the_remark() -> None:
+    rests = [f"rest_{n}" for n in range(5)]
+    labelled = [
+        Segment(name=name, kind="static", t_start=n, t_end=n + 1) for n, name in enumerate(rests)
+    ] + [
+        Segment(name=n, kind="rate", axis=n[5], rate_deg_s=float(n[7:]), t_start=9, t_end=10)
+        for n in NAMES
+    ]
+    of = manifest().model_copy(update={"segments": tuple(labelled)})
+    slow = Remark(code="slow", en="Slow.", zh="采样慢。", segments=(*rests, *NAMES))
+    few = Remark(code="few", en="Odd.", zh="异常。", segments=tuple(rests[:2]))
+    made = content(certificate(calibration(remarks=(slow, few)), manifest=of))
+    first, second = made.remarks
+    assert first.text == (
+        "采样慢。[静止 5 段；恒速转动 18 段]", "Slow. [5 rests; 18 constant rates]",
+    )  # fmt: skip
+    assert first.segments == ", ".join((*rests, *NAMES))
+    assert (second.text[1], second.segments) == ("Odd. [rest_0, rest_1]", "")
 
 
 def test_remarks_that_differ_in_more_than_figures_stay_apart() -> None:

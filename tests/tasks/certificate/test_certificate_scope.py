@@ -165,8 +165,8 @@ def test_deviations_are_named_in_the_basis_and_on_the_cover() -> None:
 def test_a_pass_says_for_how_many_items() -> None:
     made = content(certificate())
     assert made.scope == (
-        "所判定项目合格：8 项中判定 6 项",
-        "pass for the 6 of 8 items that have limits",
+        "8 项中 6 项有允许限，均合格",
+        "6 of 8 items have limits and pass",
     )
 
 
@@ -175,8 +175,8 @@ def test_a_verdict_on_some_elements_says_so() -> None:
     result = calibration()
     made = content(certificate(result, decide(result, tolerance(limits=(limit,)))))
     assert made.scope is not None
-    in_part = "1 of the items with limits in part only"
-    assert made.scope[1] == f"pass for the 1 of 8 items that have limits; {in_part}"
+    in_part = "in 1 item only some elements have limits"
+    assert made.scope[1] == f"1 of 8 items has limits and passes; {in_part}"
 
 
 def test_without_limits_there_is_no_statement_of_conformity() -> None:
@@ -187,7 +187,7 @@ def test_without_limits_there_is_no_statement_of_conformity() -> None:
     )  # fmt: skip
 
 
-def test_what_u_contains_stands_on_the_cover_in_short() -> None:
+def test_what_u_contains_stands_above_the_results_in_short() -> None:
     assert content(certificate()).uncertainty_in_short == (
         "U 仅含 A 类评定的分量；k = 2，正态分布时包含概率约 95 %。",
         "U includes type A only; k = 2, about 95 % coverage probability for a normal distribution.",

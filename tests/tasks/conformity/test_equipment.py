@@ -98,7 +98,7 @@ def test_a_budget_with_less_than_the_equipment_list_states_gives_no_pass() -> No
     result = made_with(own())
     (reason,) = smaller_than_stated(result, [table(rate=1e-4)], DAY)
     assert say(reason, "en") == (
-        f"table rate, whole turns: the budget uses ±1×10⁻⁵ (rectangular; {SOURCE}), less than "
+        f"table rate over whole turns: the budget uses ±1×10⁻⁵ (rectangular; {SOURCE}), less than "
         "the ±0.0001 (rectangular) stated for the equipment by C-9 (T-1): correct one of them and "
         "certify again"
     )

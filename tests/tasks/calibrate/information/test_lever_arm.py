@@ -67,6 +67,7 @@ def test_without_a_budget_of_the_rate_sensitivity_there_is_no_uncertainty(known)
     found = lever_arm_information(known("plant_lever_arm")[1], {})
     assert set(found["lever_arm"].U.values()) == {None}
     assert "No U stated" in found["lever_arm"].en
+    assert SEPARATED not in found  # the specification has no such item
 
 
 def test_without_a_lever_arm_there_is_none(known, shared) -> None:

@@ -197,12 +197,12 @@ def test_one_direction_of_turning_gives_no_misalignment(ahrs_run) -> None:
     calibration = result(recording)
     value = calibration.items["ahrs_misalignment"].value
     assert [e for e, v in value.items() if v is None] == ["xy", "zy"]
-    assert "y: no backward turns" in calibration.unavailable["ahrs_misalignment"]
+    assert "no backward turns about y;" in calibration.unavailable["ahrs_misalignment"]
 
 
 def test_no_turns_about_an_axis_are_said(ahrs_run) -> None:
     recording = without(ahrs_run(), lambda s: s.axis == "z" and s.kind == "rotation")
-    assert "z: no turns about z" in result(recording).unavailable["ahrs_misalignment"]
+    assert result(recording).unavailable["ahrs_misalignment"] == "no turns about z"
 
 
 def test_one_rate_alone_gives_no_scale_factor(ahrs_run) -> None:
@@ -211,7 +211,7 @@ def test_one_rate_alone_gives_no_scale_factor(ahrs_run) -> None:
     calibration = result(recording)
     assert calibration.items["ahrs_scale_factor"].value["x"] is None
     assert calibration.items["ahrs_scale_factor"].u["x"] is None
-    assert "x: 1 rates about x" in calibration.unavailable["ahrs_scale_factor"]
+    assert "only one constant rate about x" in calibration.unavailable["ahrs_scale_factor"]
 
 
 def test_rates_of_one_sign_and_too_few_of_them_are_said(ahrs_run) -> None:
@@ -413,7 +413,7 @@ def test_turns_that_the_named_axis_does_not_read_give_no_misalignment(ahrs_run) 
     found = calibrate(JJF1536, replace(run, imu=imu), run="r", code_version="v")
     value = found.items["ahrs_misalignment"].value
     assert [value[e] for e in ("xy", "zy", "yx", "zx")] == [None] * 4
-    assert "its own angle disagrees" in found.unavailable["ahrs_misalignment"]
+    assert "the angle that x reads disagrees" in found.unavailable["ahrs_misalignment"]
 
 
 def test_an_angle_that_starts_anew_each_turn_is_refused_with_its_row(ahrs_run) -> None:

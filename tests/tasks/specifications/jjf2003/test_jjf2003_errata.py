@@ -13,7 +13,8 @@ import pytest
 from schemas.calibration import Calibration, Item, UncertaintyKind
 from schemas.recording import Recording
 from tasks.certificate.fields import slug
-from tasks.certificate.statements import readings, uncertainty
+from tasks.certificate.statements import evaluation, readings, uncertainty
+from tasks.conformity import decide
 from tasks.motion.table import EARTH_RATE
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.readings import READINGS
@@ -223,7 +224,8 @@ def test_the_certificate_says_which_evaluation_was_used(ideal_run: Build, kind: 
         name: each.model_copy(update={"uncertainty_kind": kind})
         for name, each in calibration.items.items()
     }
-    statements = uncertainty(calibration.model_copy(update={"items": items}), JJF2003)
+    made = calibration.model_copy(update={"items": items})
+    statements = (*uncertainty(made), *evaluation(made, decide(made, None), JJF2003))
     ids = [each.id for each in statements if each.id.startswith("certificate-u-contains")]
     assert ids == [f"certificate-u-contains.{slug(kind)}"]
 

@@ -114,7 +114,7 @@ def test_a_gap_of_the_table_stream_passes_no_unit(method) -> None:
     kept = (t < 45.0) | (t > 60.0)
     table = Stream(t[kept], {name: c[kept] for name, c in recording.table.columns.items()})
     text = joined(by(method, replace(recording, table=table)), "table_gap")
-    assert "does not cover 1 segments" in text
+    assert "does not cover 1 segment," in text
     assert "position_+x_180" in text
 
 
@@ -123,5 +123,5 @@ def test_segments_left_out_for_null_rows_are_named_with_their_number(ideal_run, 
     run = without(ideal_run(), GYRO, lambda s: s.name == "rest_y")
     text = [r.en for r in by(method, run).remarks if r.code == "null_rows"]
     assert text == [
-        "The gyro triad was excluded from 1 segments because of missing values: rest_y 300."
+        "The gyro triad was excluded from 1 segment because of missing values: rest_y 300."
     ]
