@@ -60,10 +60,12 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
     from flows.on_prefect.lasting_output import lasting_output
     from flows.on_prefect.oversight import overseen
     from tasks.stages.acquire import acquire_run
+    from tasks.stages.authority import authorised_operator
     from tasks.station.stopping import StopSwitch
 
     station, procedure, ask = _acquisition(order)
-    stop = StopSwitch()
+    place, stop = home_of(order), StopSwitch()
+    operator = authorised_operator(order.by, procedure.standard, place)
     with (
         lasting_output(),
         stopping(stop),
@@ -72,16 +74,18 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
         acquisition_view() as report,
     ):
         return acquire_run(
-            station, procedure, home_of(order), report, ask, is_paused, order.resume, stop
+            station, procedure, place, report, ask, is_paused, order.resume, stop, operator
         )
 
 
 def check_acquisition(order: AcquireOrder) -> None:
     """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
+    from tasks.stages.authority import authorised_operator
     from tasks.station.acquisition import check_run
 
     station, procedure, ask = _acquisition(order)
     check_run(procedure, station, ask)
+    authorised_operator(order.by, procedure.standard, home_of(order))
 
 
 def release_station(order: AcquireOrder) -> None:

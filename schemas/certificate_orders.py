@@ -21,7 +21,9 @@ class CertificateOptions(OrderModel):
     whose results the certificate shows beside these. budget: whether the certificate prints the
     uncertainty budgets. invalid_run: whether to report an invalid run all the same. by: who drafts
     it; null means the operator in the laboratory's file. signature: what a flow wants to see of an
-    order that names a person.
+    order that names a person. operator: who carried out the measurement, for a recording that does
+    not say it. report: the agreement with the client by which this is a report of less than a
+    certificate states (ISO/IEC 17025:2017, 7.8.1.3); null for a certificate.
     """
 
     tolerance: str | None = None
@@ -32,6 +34,8 @@ class CertificateOptions(OrderModel):
     budget: bool = False
     invalid_run: bool = False
     by: str | None = None
+    operator: str | None = None
+    report: str | None = Field(default=None, min_length=1, pattern=r"\S")
     signature: Signature | None = None
 
 
@@ -87,7 +91,7 @@ class AmendOrder(StepOrder, CertificateOptions):
     """A draft that is to replace an issued certificate.
 
     run: on which it is based, by default that of the certificate. Options that are not given are
-    taken from the certificate, limits from the home.
+    taken from the certificate, its limits among them.
     """
 
     by: Person

@@ -30,8 +30,8 @@ from storage.order_key import ORDER_KEY, is_signed, signed
 AGE = timedelta(days=7)  # a station may be down over a long holiday's weekend, and not for longer
 AHEAD = timedelta(minutes=5)  # so far the clocks of two computers may differ
 FLOWS: Mapping[str, Action] = {  # that act in a person's name, and what the role must allow
-    "produce": "acquire", "certify": "certify", "amend": "certify", "check": "check",
-    "issue": "issue", "withdraw": "withdraw",
+    "acquire": "acquire", "produce": "acquire", "certify": "certify", "amend": "certify",
+    "check": "check", "issue": "issue", "withdraw": "withdraw",
 }  # fmt: skip
 SUBJECTS = ("certificate", "run", "station")  # the field that says what an order is about
 
