@@ -10,6 +10,7 @@ from schemas.certificate import Certificate, Laboratory, Order, Party, Step
 from schemas.decision import Decision, LimitDecision
 from schemas.equipment import MeasurementStandard
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
+from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import results, runs
 from storage.home import Home
 from tasks.stages.draft import DRAFT, keep_draft
@@ -18,7 +19,11 @@ from tasks.stages.published import Published
 MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
 PARTY = Party(name="Lab", name_zh="实验室", address="1 Road", address_zh="路 1 号")
 CLIENT = Party(name="Client", name_zh="送校单位", address="2 Road", address_zh="路 2 号")
-ORDER = Order(client=CLIENT, received=date(2026, 11, 1))
+ORDER = Order(client=CLIENT, received=date(2018, 1, 1))
+TOLERANCE = Tolerance(
+    manufacturer="Maker", model="U", document="Data sheet",
+    limits=(Limit(item="gyro_bias", unit="deg/s", elements=("x",), magnitude=1.0),),
+)  # fmt: skip
 STANDARD = MeasurementStandard(
     name="Turntable", name_zh="转台", serial="TT-1", accuracy="1″", certificate="C-1",
     valid_until=date(2099, 12, 31),
@@ -68,7 +73,8 @@ def certificate_of(run: runs.Run, calibration: Calibration, **changes: Any) -> C
         "issued_on": MORNING.date(), "due": date(2027, 11, 20), "laboratory": LABORATORY,
         "order": ORDER, "operator": "Sun", "manifest": recording_of(run.serial).manifest,
         "calibration": calibration,
-        "decision": DECIDED, "steps": (Step(step="draft", person="Wang", at=MORNING),),
+        "decision": DECIDED, "tolerance": TOLERANCE,
+        "steps": (Step(step="draft", person="Wang", at=MORNING),),
     }  # fmt: skip
     return Certificate.model_validate(fields | changes)
 
