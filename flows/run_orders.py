@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from flows.orders.production import Production
     from schemas.calibration import Calibration
-    from schemas.certificate import Replaced
+    from schemas.certificate import Laboratory, Replaced
     from schemas.history import Reprocessing
     from schemas.next_recording import NextRecording
     from schemas.orders import Estimation
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from tasks.station.ports import Ask
 
 
-def acquire(order: AcquireOrder) -> "AcquiredRuns":
+def acquire(order: AcquireOrder, laboratory: "Laboratory | None" = None) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
     from flows.on_prefect.lasting_output import lasting_output
@@ -65,7 +65,8 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
 
     station, procedure, ask = _acquisition(order)
     place, stop = home_of(order), StopSwitch()
-    operator = authorised_operator(order.by, procedure.standard, place)
+    laboratory = laboratory or settings.laboratory(place)
+    operator = authorised_operator(order.by, procedure.standard, laboratory)
     with (
         lasting_output(),
         stopping(stop),
@@ -85,7 +86,7 @@ def check_acquisition(order: AcquireOrder) -> None:
 
     station, procedure, ask = _acquisition(order)
     check_run(procedure, station, ask)
-    authorised_operator(order.by, procedure.standard, home_of(order))
+    authorised_operator(order.by, procedure.standard, settings.laboratory(home_of(order)))
 
 
 def release_station(order: AcquireOrder) -> None:
@@ -131,10 +132,10 @@ def _produced(
     from tasks.stages.certificate_inputs import read_inputs
 
     order, runs = production.order, production.runs
-    read_inputs(order)  # bad files are refused before it turns
+    inputs = read_inputs(order)  # bad files are refused before it turns
     faults: list[str] = []
     if not runs:
-        acquired = acquire(order)
+        acquired = acquire(order, inputs.laboratory)
         runs = tuple(run.id for run, _ in acquired.kept)
         faults += acquired.given_up
         production.note_runs(runs)

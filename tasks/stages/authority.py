@@ -6,8 +6,6 @@ from schemas.access import Authority
 from schemas.base import Unusable
 from schemas.certificate import Laboratory
 from schemas.recording import Standard
-from storage import settings
-from storage.home import Home
 from tasks.stages.certificate_inputs import day_of_moment
 
 
@@ -58,12 +56,13 @@ def check_authorised(
         )
 
 
-def authorised_operator(by: str | None, standard: Standard, home: Home) -> str | None:
+def authorised_operator(
+    by: str | None, standard: Standard, laboratory: Laboratory | None
+) -> str | None:
     """Who carries out a measurement now: whom the order names, else the laboratory's operator.
 
     Raises Unusable for a person who is not authorised.
     """
-    laboratory = settings.laboratory(home)
     operator = by or (laboratory.operator if laboratory else None)
     check_authorised(laboratory, operator, "acquire", standard, day_of_moment(datetime.now(UTC)))
     return operator
