@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from flows.orders.production import Production
     from schemas.calibration import Calibration
-    from schemas.certificate import Laboratory, Replaced
+    from schemas.certificate import Replaced
     from schemas.history import Reprocessing
     from schemas.next_recording import NextRecording
     from schemas.orders import Estimation
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from tasks.station.ports import Ask
 
 
-def acquire(order: AcquireOrder, laboratory: "Laboratory | None" = None) -> "AcquiredRuns":
+def acquire(order: AcquireOrder) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
     from flows.on_prefect.lasting_output import lasting_output
@@ -65,8 +65,7 @@ def acquire(order: AcquireOrder, laboratory: "Laboratory | None" = None) -> "Acq
 
     station, procedure, ask = _acquisition(order)
     place, stop = home_of(order), StopSwitch()
-    laboratory = laboratory or settings.laboratory(place)
-    operator = authorised_operator(order.by, procedure.standard, laboratory)
+    operator = authorised_operator(order.by, procedure.standard, settings.laboratory(place))
     with (
         lasting_output(),
         stopping(stop),
@@ -135,7 +134,8 @@ def _produced(
     inputs = read_inputs(order)  # bad files are refused before it turns
     faults: list[str] = []
     if not runs:
-        acquired = acquire(order, inputs.laboratory)
+        usual = inputs.laboratory.operator if inputs.laboratory else None
+        acquired = acquire(order.model_copy(update={"by": order.by or usual}))
         runs = tuple(run.id for run, _ in acquired.kept)
         faults += acquired.given_up
         production.note_runs(runs)

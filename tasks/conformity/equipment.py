@@ -42,17 +42,18 @@ def is_traceable(standard: MeasurementStandard) -> bool:
 
 
 def untraceable(equipment: Sequence[MeasurementStandard]) -> tuple[Message, ...]:
-    """A reason against a pass for each standard without traceability, or that there is none.
+    """The reason against a pass where a standard has no traceability, or none is named.
 
     Whatever limits its papers state: nobody has shown that they hold.
     """
     if not equipment:
         return (message("conformity-untraceable.none"),)
-    return tuple(
-        message("conformity-untraceable", name=name_of(standard), serial=standard.serial)
+    bare = tuple(
+        message("conformity-named", name=name_of(standard), serial=standard.serial)
         for standard in equipment
         if not is_traceable(standard)
     )
+    return (message("conformity-untraceable", standards=bare),) if bare else ()
 
 
 def failed_checks(equipment: Iterable[MeasurementStandard]) -> tuple[Message, ...]:
