@@ -81,30 +81,29 @@ def certify(
     conformity.check_capabilities(capabilities)
     validated = settings.validation(home) or record.shipped()
     on = calibrated_on or today
-    standing = (
-        *conformity.untraceable(equipment),
-        *conformity.expired(equipment, on),
-        *conformity.failed_checks(equipment),
-    )
-
     configuration = configuration_of(manifest.unit, order.configuration if order else None)
     waived = order.waived_conditions if order else ()
 
-    def decide(result: Calibration) -> Decision:
+    def decide(result: Calibration, used: tuple[MeasurementStandard, ...]) -> Decision:
         deviating = conformity.deviations(result, configuration, waived)
         unmet = (each.printed for each in deviating if not each.waived)
         doubts = record.doubts_of(validated, result)
-        smaller = conformity.smaller_than_stated(result, equipment, on)
+        standing = (
+            *conformity.untraceable(used),
+            *conformity.expired(used, on),
+            *conformity.failed_checks(used),
+            *conformity.smaller_than_stated(result, used, on),
+        )
         stated = conformity.as_stated(result, capabilities)
-        return conformity.decide(stated, tolerance, (*standing, *smaller, *unmet), doubts)
+        return conformity.decide(stated, tolerance, (*standing, *unmet), doubts)
 
-    decision = decide(calibration)
+    decision = decide(calibration, equipment)
     evidence = None
     if why_none(calibration) is None:
         stated = conformity.as_stated(calibration, capabilities)
         made = evidence_of(stated, recording, home, given, decision)
         evidence = as_text(made).encode()
-    found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)
+    found = as_found and _as_found(as_found, (run, calibration), home, inputs, given, decide)
     named = statement(record.named(validated, calibration))
     drafter = inputs.by or (laboratory.operator if laboratory else None)
     reason = replaces.why if replaces else None
@@ -171,7 +170,8 @@ def _as_found(
     left: tuple[Run, Calibration],
     home: Home,
     inputs: CertificateInputs,
-    decide: Callable[[Calibration], Decision],
+    laboratory: Laboratory | None,
+    decide: Callable[[Calibration, tuple[MeasurementStandard, ...]], Decision],
 ) -> AsFound:
     """The result as found, beside that as left; Unusable where they cannot be of one adjustment."""
     (run, calibration), (left_run, left_calibration) = found, left
@@ -190,17 +190,17 @@ def _as_found(
                 f"the {name} of run {run.id} (as found) is {its}, but that of run {left_run.id} "
                 f"(as left) is {others}; name a run of the same {name} with --as-found."
             )
-    moment, left_moment = (
-        manifest_fields(runs.load(each, home).manifest.model_extra or {}, each).moment
-        for each in (run, left_run)
-    )
+    manifest, left_manifest = (runs.load(each, home).manifest for each in (run, left_run))
+    moment = manifest_fields(manifest.model_extra or {}, run).moment
+    left_moment = manifest_fields(left_manifest.model_extra or {}, left_run).moment
     if moment and left_moment and _is_after(moment, left_moment):
         raise Unusable(
             f"run {run.id} (as found) was recorded at {moment}, after run {left_run.id} (as left), "
             f"at {left_moment}; swap them."
         )
+    used = _standards(manifest, home, laboratory, day_of(moment))
     return AsFound(
-        calibrated_on=day_of(moment), calibration=calibration, decision=decide(calibration)
+        calibrated_on=day_of(moment), calibration=calibration, decision=decide(calibration, used)
     )
 
 

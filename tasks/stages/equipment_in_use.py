@@ -71,11 +71,11 @@ def _disputed(
         (f"limits.{name}", own.limits[name].half_width, other.limits[name].half_width)
         for name in own.limits.keys() & other.limits.keys()
     ]
-    for name, recorded, said in pairs:
-        if None not in (recorded, said) and recorded != said:
+    for name, recorded, stated in pairs:
+        if None not in (recorded, stated) and recorded != stated:
             yield (
                 f"{own.name} ({own.serial}): the recording says {name} = {_written(recorded)}, "
-                f"but {paper} says {_written(said)}"
+                f"but {paper} says {_written(stated)}"
             )
 
 

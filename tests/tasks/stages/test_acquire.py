@@ -66,9 +66,9 @@ def test_serial_is_in_the_recordings_name_and_in_no_files_name(
     assert run.recording_id.startswith(f"{serial}-short-")
     assert run.serial == serial
     assert left_over(fresh) == []
-    said = runs.load(run, fresh).manifest.model_extra or {}
-    assert said["recorded_at"][-6] in "+-"  # the station's own day, with its offset
-    assert said["operator"] == "Sun"
+    stated = runs.load(run, fresh).manifest.model_extra or {}
+    assert stated["recorded_at"][-6] in "+-"  # the station's own day, with its offset
+    assert stated["operator"] == "Sun"
 
 
 def test_run_that_recorded_nothing_leaves_no_file_and_says_why(

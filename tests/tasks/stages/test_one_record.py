@@ -124,7 +124,7 @@ def test_settings_list_standards_for_a_recording_that_names_none(kept) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "both"),
+    ("stated", "both"),
     [
         ({"serial": "TT-3000-07"}, ("TT-3000-07", "VIRTUAL-T1")),
         ({"certificate": "C-9"}, ("certificate = C-1", "C-9")),
@@ -137,9 +137,9 @@ def test_settings_list_standards_for_a_recording_that_names_none(kept) -> None:
     ],
 )
 def test_settings_that_contradict_the_run_are_refused_with_both_values(
-    kept, said: dict[str, Any], both: tuple[str, str]
+    kept, stated: dict[str, Any], both: tuple[str, str]
 ) -> None:
-    sentence = refused(kept(standard()), laboratory(standard(**said)))
+    sentence = refused(kept(standard()), laboratory(standard(**stated)))
     assert [each for each in both if each not in sentence] == []
     assert "laboratory.toml" in sentence
 
@@ -194,6 +194,19 @@ def test_nothing_passes_is_traceable_or_accredited_through_a_standard_that_is_no
         assert "none is given for" in traced or "no metrological traceability" in traced
         assert [f for f in printed.laboratory_fields if f.label.id.endswith("accreditation")] == []
         assert any("outside the accreditation" in say(each, "en") for each in printed.statement)
+
+
+def test_a_run_as_found_has_its_own_standards(kept) -> None:
+    found = kept(standard(traceable=False), recording_id="before")
+    left = kept(standard())
+    results = [result_of(*each, laboratory()) for each in (found, left)]
+    inputs = replace(ASKED, laboratory=laboratory())
+    made = certify(left[0], results[1], left[1], inputs, (found[0], results[0])).certificate
+    assert made.as_found is not None
+    assert (made.as_found.decision.verdict, made.decision.verdict) == ("inconclusive", "pass")
+    inputs = replace(ASKED, laboratory=laboratory(standard()))
+    with pytest.raises(Unusable, match="traceable = false, but laboratory"):
+        certify(left[0], results[1], left[1], inputs, (found[0], results[0]))
 
 
 def test_nothing_passes_where_no_standard_is_named(kept) -> None:
