@@ -4,7 +4,7 @@ from typing import Any
 
 import typer
 
-from flows import options
+from flows import certificate_options, options
 
 app = typer.Typer()
 
@@ -48,10 +48,14 @@ def amend(
     as_found: options.AsFound = None,
     budget: options.Budget = False,
     invalid_run: options.InvalidRun = False,
+    report: certificate_options.Report = None,
+    operator: certificate_options.CarriedOutBy = None,
     as_json: options.Json = False,
 ) -> None:
     """Draft a certificate that replaces an issued one, from the current result of its run.
 
+    Limits, order, laboratory and the rest are those of the old one where they are not given here,
+    and the draft prints everything that is different.
     The draft is checked and issued like any other; on issue, the old one is marked as amended.
     """
     from schemas.certificate_orders import AmendOrder
@@ -71,6 +75,8 @@ def amend(
         as_found=as_found,
         budget=budget,
         invalid_run=invalid_run,
+        report=report,
+        operator=operator,
     )
 
 

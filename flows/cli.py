@@ -12,6 +12,7 @@ from typer.exceptions import TyperException
 
 from flows import (
     certificate_commands,
+    certificate_options,
     correction_commands,
     deploy_commands,
     equipment_commands,
@@ -184,7 +185,9 @@ def certify(
     as_found: options.AsFound = None,
     budget: options.Budget = False,
     invalid_run: options.InvalidRun = False,
+    report: certificate_options.Report = None,
     terms: options.Terms = None,
+    operator: certificate_options.CarriedOutBy = None,
     by: options.Operator = None,
     as_json: options.Json = False,
 ) -> None:
@@ -209,7 +212,9 @@ def certify(
         as_found=as_found,
         budget=budget,
         invalid_run=invalid_run,
+        report=report,
         terms=terms,
+        operator=operator,
         by=by,
     )
     print_certificate(carry_out("certify", certify_order, run), as_json)
@@ -221,29 +226,35 @@ def acquire(
     procedure: options.Procedure = "jjf2003",
     resume: options.Resume = False,
     dry_run: options.DryRun = False,
+    by: certificate_options.OperatedBy = None,
     as_json: options.Json = False,
 ) -> None:
     """Run a procedure on a station, real or virtual.
 
+    The recording says who carried it out, which the certificate prints.
     Recorded data are kept whatever happens. Ctrl-Z pauses before the next segment and continues
     when pressed again; Ctrl-C stops the run, and --resume continues it later.
     Exits with 3 if the run was kept but is invalid, and with 1 if one of several units was
     abandoned; the runs of the others are kept.
     """
     from flows.carry_out import as_flow_run
+    from flows.refix_prompt import ask_for_operator
     from flows.run_orders import check_acquisition, home_of, release_station
     from flows.show import print_acquired
     from schemas.orders import AcquireOrder
 
     order = AcquireOrder(
-        station=station_file, procedure=procedure, attended=not as_json, resume=resume
+        station=station_file, procedure=procedure, attended=not as_json, resume=resume, by=by
     )
-    check_acquisition(order)
     if dry_run:
         from flows.dry_run import print_dry_run
 
+        check_acquisition(order)
         print_dry_run(order, as_json)
         return
+    if by is None and order.attended:
+        order = order.model_copy(update={"by": ask_for_operator()})
+    check_acquisition(order)
     release_station(order)
     acquired = as_flow_run("acquire", order)
     is_sound = print_acquired(acquired, home_of(order), as_json)

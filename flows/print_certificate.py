@@ -35,7 +35,8 @@ def print_certificate(published: "Published", as_json: bool) -> None:
 def print_verdict(published: "Published") -> None:
     """Print the verdict, each failed, open or conditional item, the due date and the files.
 
-    For a draft, also the commands that come next.
+    For an amendment, also what it changes; for a draft, what it still has to state, and the
+    commands that come next.
     """
     from tasks.conformity.limits import verdict_title  # late: a calibration prints without it
     from tasks.conformity.reasons import conditional
@@ -49,6 +50,12 @@ def print_verdict(published: "Published") -> None:
         *(say(condition, "en") for condition in conditional(decision)),
     ):
         console.print(f"  {reason}", markup=False)
+    for changed in certificate.replaces.changes if certificate.replaces else ():
+        console.print(
+            f"  {changed.what.en}: {changed.before.en} → {changed.after.en}", markup=False
+        )
+    for sentence in published.missing:
+        console.print(f"  {say(sentence, 'en')}", markup=False)
     if published.due:
         console.print(f"recalibration due {published.due}")
     for path in (published.pdf, published.dcc, published.record, published.evidence):
@@ -76,6 +83,7 @@ def _document(published: "Published") -> dict[str, Any]:
         "steps": [step.model_dump(mode="json") for step in certificate.steps],
         "due": published.due.isoformat() if published.due else None,
         "reasons": list(decision.reasons),
+        "missing": [say(sentence, "en") for sentence in published.missing],
         "conditional": decision.marginal,
         "decisions": [made.model_dump(mode="json") for made in decision.limits],
     }

@@ -1,4 +1,4 @@
-"""Asks the person at the terminal to turn the unit over where the station cannot."""
+"""Asks the person at the terminal to turn the unit over where the station cannot, and who it is."""
 
 import asyncio
 import os
@@ -15,6 +15,14 @@ from tasks.words import message, texts
 def at_terminal() -> Ask | None:
     """The prompt for the person at the terminal; None if standard input is not a terminal."""
     return _ask if sys.stdin is not None and sys.stdin.isatty() else None
+
+
+def ask_for_operator() -> str | None:
+    """The name of the person at the terminal; None without one, or where nothing is answered."""
+    if at_terminal() is None:
+        return None
+    CONSOLE.print(*texts(message("flows-who-operates")).values(), sep=" ", end=" ", markup=False)
+    return sys.stdin.readline().strip() or None
 
 
 async def _ask(refix: Refix) -> None:

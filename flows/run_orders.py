@@ -60,10 +60,12 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
     from flows.on_prefect.lasting_output import lasting_output
     from flows.on_prefect.oversight import overseen
     from tasks.stages.acquire import acquire_run
+    from tasks.stages.authority import authorised_operator
     from tasks.station.stopping import StopSwitch
 
     station, procedure, ask = _acquisition(order)
-    stop = StopSwitch()
+    place, stop = home_of(order), StopSwitch()
+    operator = authorised_operator(order.by, procedure.standard, settings.laboratory(place))
     with (
         lasting_output(),
         stopping(stop),
@@ -72,16 +74,18 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
         acquisition_view() as report,
     ):
         return acquire_run(
-            station, procedure, home_of(order), report, ask, is_paused, order.resume, stop
+            station, procedure, place, report, ask, is_paused, order.resume, stop, operator
         )
 
 
 def check_acquisition(order: AcquireOrder) -> None:
     """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
+    from tasks.stages.authority import authorised_operator
     from tasks.station.acquisition import check_run
 
     station, procedure, ask = _acquisition(order)
     check_run(procedure, station, ask)
+    authorised_operator(order.by, procedure.standard, settings.laboratory(home_of(order)))
 
 
 def release_station(order: AcquireOrder) -> None:
@@ -127,10 +131,11 @@ def _produced(
     from tasks.stages.certificate_inputs import read_inputs
 
     order, runs = production.order, production.runs
-    read_inputs(order)  # bad files are refused before it turns
+    inputs = read_inputs(order)  # bad files are refused before it turns
     faults: list[str] = []
     if not runs:
-        acquired = acquire(order)
+        usual = inputs.laboratory.operator if inputs.laboratory else None
+        acquired = acquire(order.model_copy(update={"by": order.by or usual}))
         runs = tuple(run.id for run, _ in acquired.kept)
         faults += acquired.given_up
         production.note_runs(runs)

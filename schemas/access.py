@@ -1,12 +1,14 @@
-"""Who may do what on the operations pages."""
+"""Who may do what: on the operations pages, and in a calibration."""
 
 from collections.abc import Mapping
+from datetime import date
 from ipaddress import IPv4Address, IPv6Address
 from typing import Annotated, Literal, Self, get_args
 
 from pydantic import AwareDatetime, Field, IPvAnyAddress, model_validator
 
 from schemas.base import Frozen
+from schemas.recording import Standard
 
 Role = Literal["viewer", "operator", "verifier", "issuer", "administrator"]
 ROLES: tuple[Role, ...] = get_args(Role)
@@ -25,6 +27,24 @@ MAY: Mapping[Action, tuple[Role, ...]] = {
     "withdraw": ("issuer", "administrator"),
     "stop": ("operator", "administrator"),  # on the station's own computer anybody may
 }
+
+
+Authority = Literal["acquire", "check", "issue"]
+
+
+class Authorised(Frozen):
+    """What a person is authorised to do by the laboratory (ISO/IEC 17025:2017, 6.2.5 e, 6.2.6).
+
+    standards: the specifications that it holds for; none: every one. until: the last day. One
+    person may have several entries.
+    """
+
+    name: str = Field(min_length=1, pattern=r"\S")
+    title: str | None = None
+    title_zh: str | None = None
+    may: tuple[Authority, ...] = Field(min_length=1)
+    standards: tuple[Standard, ...] = ()
+    until: date | None = None
 
 
 class User(Frozen):

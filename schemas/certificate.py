@@ -6,6 +6,7 @@ from typing import Literal, Self
 
 from pydantic import AwareDatetime, Field, model_validator
 
+from schemas.access import Authorised
 from schemas.appearance import Appearance, Wording
 from schemas.base import Frozen
 from schemas.calibration import Calibration
@@ -15,6 +16,9 @@ from schemas.curve import Curve
 from schemas.decision import Decision
 from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
 from schemas.recording import Manifest
+from schemas.signature import SigningSettings
+from schemas.text import Statement
+from schemas.tolerance import Tolerance
 
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
 DEFAULT_PREFIX = "MIMU"
@@ -31,36 +35,6 @@ PRINTED_IN: dict[PrintedIn, tuple[str, ...]] = {  # the large one first
 }
 # Conditions of a specification without which no unit passes, unless the client waives them.
 ConditionName = Literal["largest_rate", "environment"]
-
-
-class Token(Frozen):
-    """A key in a PKCS#11 token (a card, an HSM, SoftHSM).
-
-    module: the manufacturer's library. token: label of the token; key: label of the key and of its
-    certificate.
-    """
-
-    module: str = Field(min_length=1)
-    token: str = Field(min_length=1)
-    key: str = Field(min_length=1)
-
-
-class SigningSettings(Frozen):
-    """The signing key: pkcs12, a file relative to the home folder unless absolute; or a token.
-
-    The passphrase or PIN is taken from the environment (MIMUCAL_SIGNING_PASSPHRASE). time_stamps:
-    address of a time-stamping service (RFC 3161), for the PDF.
-    """
-
-    pkcs12: str | None = None
-    pkcs11: Token | None = None
-    time_stamps: str | None = None
-
-    @model_validator(mode="after")
-    def _one_key(self) -> Self:
-        if (self.pkcs12 is None) == (self.pkcs11 is None):
-            raise ValueError("signing names one key: give either pkcs12 or pkcs11")
-        return self
 
 
 class Party(Frozen):
@@ -93,6 +67,9 @@ class Laboratory(Frozen):
     for labels of the certificate, by label name. logo, seal, template: its files, relative to the
     home folder unless absolute; their content becomes appearance. signing: the key that signs
     issued certificates. The record of a certificate does not contain the paths of these files.
+    authorised: who may acquire, check and issue; where anybody is named, nobody else may. operator:
+    who acquires and drafts where nobody is named. equipment: the measurement standards of
+    recordings that name none; what it says of a standard that a recording names must agree.
     """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
@@ -116,6 +93,7 @@ class Laboratory(Frozen):
     template: str | None = Field(default=None, exclude=True)
     appearance: Appearance | None = None
     signing: SigningSettings | None = Field(default=None, exclude=True)
+    authorised: tuple[Authorised, ...] = Field(default=(), exclude=True)
     operator: str | None = None
     checker: str | None = None
     issuer: str | None = None
@@ -193,20 +171,31 @@ class AsFound(Frozen):
 
 
 class Step(Frozen):
-    """Who drafted, checked or issued a certificate, and when."""
+    """Who drafted, checked or issued a certificate, and when. title: of the person, at the time."""
 
     step: StepName
     person: str = Field(min_length=1)
     at: AwareDatetime
     reason: str | None = None
+    title: str | None = None
+    title_zh: str | None = None
+
+
+class Amended(Frozen):
+    """What a certificate prints otherwise than the one that it replaces: before, and now."""
+
+    what: Statement
+    before: Statement
+    after: Statement
 
 
 class Replaced(Frozen):
-    """The certificate that an amendment replaces, and the reason."""
+    """The certificate that an amendment replaces, the reason, and everything that is different."""
 
     number: str
     issued_on: date
     why: str = Field(min_length=1)
+    changes: tuple[Amended, ...] = ()
 
 
 class Certificate(Frozen):
@@ -215,6 +204,9 @@ class Certificate(Frozen):
     calibrated_on: null if no day is given; `due` then counts from `issued_on`. due: null if no
     recalibration was agreed. as_found: given if the unit was adjusted; calibration and decision are
     then those as left. budgets: whether the uncertainty budgets of the calibration are printed.
+    tolerance: the limits of the decision. operator: who carried out the measurement, where the
+    manifest does not say it. report: the agreement with the client by which this is a report of
+    less than a certificate states (ISO/IEC 17025, 7.8.1.3); null for a certificate.
     validation: which record validates the estimation, and how many items (English, Chinese).
     number: by the laboratory's scheme once issued; before that, the key of the draft. curves: the
     content of its figures. evidence_sha256: of the file with what every value rests on, which lies
@@ -233,6 +225,9 @@ class Certificate(Frozen):
     manifest: Manifest
     calibration: Calibration
     decision: Decision
+    tolerance: Tolerance | None = None
+    operator: str | None = None
+    report: str | None = None
     as_found: AsFound | None = None
     budgets: bool = False
     validation: tuple[str, str] | None = None
@@ -246,6 +241,12 @@ class Certificate(Frozen):
         """The configuration of the unit, by the manifest and the order."""
         ordered = self.order.configuration if self.order else None
         return configuration_of(self.manifest.unit, ordered)
+
+    @property
+    def carried_out_by(self) -> str | None:
+        """Who carried out the measurement, as the station recorded it, else as it was stated."""
+        recorded = (self.manifest.model_extra or {}).get("operator")
+        return recorded if isinstance(recorded, str) and recorded.strip() else self.operator
 
     @property
     def languages(self) -> tuple[str, ...]:

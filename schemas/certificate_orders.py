@@ -3,28 +3,13 @@
 from datetime import date
 from typing import Annotated
 
-from pydantic import AwareDatetime, Field
+from pydantic import Field
 
-from schemas.base import Frozen
 from schemas.certificate import Order
 from schemas.orders import AcquireOrder, CalibrateOrder, OrderModel
+from schemas.signature import Signature
 
 Person = Annotated[str, Field(min_length=1, pattern=r"\S")]
-
-
-class Signature(Frozen):
-    """Who gave an order in a person's name, when and where, so that nobody else can give it.
-
-    nonce: a number that is used once. signed_on: the login at the operating system and its
-    computer, as `wang@station-2`. mac: HMAC-SHA256 by the key of the home over the flow's name, the
-    order without its signature, and the other fields here, as canonical JSON.
-    """
-
-    person: str = Field(min_length=1)
-    signed_at: AwareDatetime
-    nonce: str = Field(pattern=r"^[0-9a-f]{32}$")
-    signed_on: str
-    mac: str = Field(pattern=r"^[0-9a-f]{64}$", repr=False)
 
 
 class CertificateOptions(OrderModel):
@@ -36,7 +21,9 @@ class CertificateOptions(OrderModel):
     whose results the certificate shows beside these. budget: whether the certificate prints the
     uncertainty budgets. invalid_run: whether to report an invalid run all the same. by: who drafts
     it; null means the operator in the laboratory's file. signature: what a flow wants to see of an
-    order that names a person.
+    order that names a person. operator: who carried out the measurement, for a recording that does
+    not say it. report: the agreement with the client by which this is a report of less than a
+    certificate states (ISO/IEC 17025:2017, 7.8.1.3); null for a certificate.
     """
 
     tolerance: str | None = None
@@ -47,6 +34,8 @@ class CertificateOptions(OrderModel):
     budget: bool = False
     invalid_run: bool = False
     by: str | None = None
+    operator: str | None = None
+    report: str | None = Field(default=None, min_length=1, pattern=r"\S")
     signature: Signature | None = None
 
 
@@ -102,7 +91,7 @@ class AmendOrder(StepOrder, CertificateOptions):
     """A draft that is to replace an issued certificate.
 
     run: on which it is based, by default that of the certificate. Options that are not given are
-    taken from the certificate, limits from the home.
+    taken from the certificate, its limits among them.
     """
 
     by: Person

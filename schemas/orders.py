@@ -16,6 +16,7 @@ from schemas.calibration import Method
 from schemas.correction import Exported
 from schemas.equipment import ResultAxes
 from schemas.recording import Unit
+from schemas.signature import Signature
 
 UncertaintyName = Literal["gum", "montecarlo", "example"]
 
@@ -67,7 +68,9 @@ class AcquireOrder(OrderModel):
 
     procedure: a name, or a file. units: those mounted, in the order of the station's places; those
     of the station file unless given. attended: whether a person at the terminal, if there is one,
-    may be asked to turn the unit over. resume: go on with the run that was interrupted last.
+    may be asked to turn the unit over. resume: go on with the run that was interrupted last. by:
+    who carries out the measurement; null means the operator in the laboratory's file. signature:
+    what a flow wants to see of an order that names a person.
     """
 
     station: str
@@ -75,6 +78,8 @@ class AcquireOrder(OrderModel):
     units: tuple[Unit, ...] = ()
     attended: bool = True
     resume: bool = False
+    by: str | None = None
+    signature: Signature | None = None
 
 
 class CalibrateOrder(Estimation):

@@ -1,6 +1,6 @@
-"""Who is reminded of recalibration, and how: recall.toml in the home folder."""
+"""Who is reminded of recalibration, and how (recall.toml in the home folder), and of what."""
 
-from datetime import time
+from datetime import date, time
 from typing import Annotated, Literal, Self
 from zoneinfo import ZoneInfo
 
@@ -60,3 +60,19 @@ class RecallFile(Frozen):
         if twice := [name for name in names if names.count(name) > 1]:
             raise ValueError(f"the client {twice[0]!r} is listed twice")
         return self
+
+
+class DueUnit(Frozen):
+    """A unit due for recalibration, with the issued certificate that agreed the interval.
+
+    key: the unit's number in the catalogue. client, laboratory: the name in English and in Chinese.
+    """
+
+    unit: str
+    key: int
+    model: str
+    certificate: str
+    issued_on: date
+    due: date
+    client: tuple[str, str]
+    laboratory: tuple[str, str]

@@ -5,7 +5,7 @@ import hmac
 import json
 from typing import Any
 
-from schemas.certificate_orders import Signature
+from schemas.signature import Signature
 from storage import secret_files
 from storage.home import Home
 

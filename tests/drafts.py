@@ -5,10 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from schemas.calibration import Calibration, Item
-from schemas.certificate import Certificate, Laboratory, Party, Step
+from schemas.calibration import Calibration, EnvironmentSeen, Item
+from schemas.certificate import Certificate, Laboratory, Order, Party, Step
 from schemas.decision import Decision, LimitDecision
+from schemas.equipment import MeasurementStandard
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
+from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import results, runs
 from storage.home import Home
 from tasks.stages.draft import DRAFT, keep_draft
@@ -16,7 +18,21 @@ from tasks.stages.published import Published
 
 MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
 PARTY = Party(name="Lab", name_zh="实验室", address="1 Road", address_zh="路 1 号")
-LABORATORY = Laboratory(party=PARTY, certificate_prefix="LAB", operator="Wang")
+CLIENT = Party(name="Client", name_zh="送校单位", address="2 Road", address_zh="路 2 号")
+ORDER = Order(client=CLIENT, received=date(2018, 1, 1))
+TOLERANCE = Tolerance(
+    manufacturer="Maker", model="U", document="Data sheet",
+    limits=(Limit(item="gyro_bias", unit="deg/s", elements=("x",), magnitude=1.0),),
+)  # fmt: skip
+STANDARD = MeasurementStandard(
+    name="Turntable", name_zh="转台", serial="TT-1", accuracy="1″", certificate="C-1",
+    valid_until=date(2099, 12, 31),
+)  # fmt: skip
+LABORATORY = Laboratory(
+    party=PARTY, certificate_prefix="LAB", operator="Wang", equipment=(STANDARD,),
+    issuer_title="Head of laboratory", issuer_title_zh="实验室主任",
+)  # fmt: skip
+AIR = EnvironmentSeen(temperature_degc=(19.5, 20.5), humidity_percent=(40.0, 45.0))
 PASSED = LimitDecision(
     item="gyro_bias", element="x", unit="deg/s", applied_to="value", value=0.25, U=0.02,
     lower=-1.0, upper=1.0, verdict="pass",
@@ -45,18 +61,20 @@ def calibration_of(run: runs.Run, **changes: Any) -> Calibration:
     fields = {
         "recording_id": run.recording_id, "run": run.id, "digest": run.digest,
         "method": "jjf2003", "code_version": "1", "procedure": "jjf2003", "settings": {},
-        "items": {"gyro_bias": item}, "unavailable": {},
+        "items": {"gyro_bias": item}, "unavailable": {}, "environment": AIR,
     }  # fmt: skip
     return Calibration.model_validate(fields | changes)
 
 
 def certificate_of(run: runs.Run, calibration: Calibration, **changes: Any) -> Certificate:
-    """A certificate drafted by Wang."""
+    """A certificate of what Sun measured and Wang drafted, which states all that it has to."""
     fields = {
         "number": DRAFT, "state": "draft", "calibrated_on": date(2026, 11, 20),
         "issued_on": MORNING.date(), "due": date(2027, 11, 20), "laboratory": LABORATORY,
-        "order": None, "manifest": recording_of(run.serial).manifest, "calibration": calibration,
-        "decision": DECIDED, "steps": (Step(step="draft", person="Wang", at=MORNING),),
+        "order": ORDER, "operator": "Sun", "manifest": recording_of(run.serial).manifest,
+        "calibration": calibration,
+        "decision": DECIDED, "tolerance": TOLERANCE,
+        "steps": (Step(step="draft", person="Wang", at=MORNING),),
     }  # fmt: skip
     return Certificate.model_validate(fields | changes)
 

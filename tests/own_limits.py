@@ -27,6 +27,9 @@ def laboratory_file(folder: Path) -> Path:
     """The file of a laboratory with these limits."""
     lines = ['[party]', 'name = "Laboratory"', 'name_zh = "实验室"', 'address = "a"',
              'address_zh = "址"']  # fmt: skip
+    lines = ['issuer_title = "Head"', *lines, "[[equipment]]", 'name = "Turntable"',
+             'name_zh = "转台"', 'serial = "T-1"', 'accuracy = "as Table 1"',
+             f'certificate = "{SOURCE}"']  # fmt: skip
     for name, limit in as_table_1().items():
         lines += [f"[limits.{name}]", f"half_width = {limit.half_width}",
                   'distribution = "rectangular"', f'source = "{SOURCE}"']  # fmt: skip

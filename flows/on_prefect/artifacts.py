@@ -21,7 +21,7 @@ from prefect.settings import PREFECT_CLIENT_MAX_RETRIES, temporary_settings
 
 from schemas.calibration import Calibration
 from schemas.history import Reprocessing
-from schemas.reminders import DueUnit
+from schemas.recall import DueUnit
 from tasks.conformity.limits import verdict_title
 from tasks.stages.stage import is_of_the_server
 from tasks.words import say

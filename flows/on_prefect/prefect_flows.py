@@ -45,7 +45,7 @@ from schemas.orders import (
     ReprocessOrder,
     SubmitOrder,
 )
-from schemas.reminders import DueUnit
+from schemas.recall import DueUnit
 from storage.catalogue import run_index
 from tasks.stages import remind as reminding
 from tasks.stages.stage import without_loss

@@ -82,7 +82,7 @@ def checked(request: OrderRequest, person: str, home: Home) -> ProductionOrder:
     units = _mounted(request.units, settings.read(file, StationFile))
     run = AcquireOrder(
         home=str(home.path), station=str(file), procedure=procedure, units=units,
-        attended=False,
+        attended=False, by=person,
     )  # fmt: skip
     run_orders.check_acquisition(run)
     check_order(request.client_order, None, day_of_moment(now))

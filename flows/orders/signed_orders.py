@@ -19,8 +19,8 @@ from flows import run_orders
 from flows.access_log import plain, refused
 from schemas.access import Action, Visitor
 from schemas.base import Unusable
-from schemas.certificate_orders import Signature
 from schemas.orders import OrderModel
+from schemas.signature import Signature
 from storage.catalogue import signatures
 from storage.catalogue.connection import Busy
 from storage.catalogue.users import users
@@ -30,8 +30,8 @@ from storage.order_key import ORDER_KEY, is_signed, signed
 AGE = timedelta(days=7)  # a station may be down over a long holiday's weekend, and not for longer
 AHEAD = timedelta(minutes=5)  # so far the clocks of two computers may differ
 FLOWS: Mapping[str, Action] = {  # that act in a person's name, and what the role must allow
-    "produce": "acquire", "certify": "certify", "amend": "certify", "check": "check",
-    "issue": "issue", "withdraw": "withdraw",
+    "acquire": "acquire", "produce": "acquire", "certify": "certify", "amend": "certify",
+    "check": "check", "issue": "issue", "withdraw": "withdraw",
 }  # fmt: skip
 SUBJECTS = ("certificate", "run", "station")  # the field that says what an order is about
 

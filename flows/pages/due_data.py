@@ -18,7 +18,7 @@ from schemas.pages.due import (
     StandardDue,
     UnitDue,
 )
-from schemas.reminders import DueUnit
+from schemas.recall import DueUnit
 from storage.catalogue import equipment, reminders
 from storage.catalogue.reminders import Reminder
 from storage.home import Home

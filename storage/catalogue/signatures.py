@@ -4,7 +4,7 @@ from datetime import UTC, datetime
 
 import sqlalchemy as sql
 
-from schemas.certificate_orders import Signature
+from schemas.signature import Signature
 from storage.catalogue import database, tables, trail
 from storage.home import Home
 

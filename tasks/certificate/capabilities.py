@@ -3,7 +3,11 @@
 from collections.abc import Iterator
 
 from schemas.certificate import Certificate
-from tasks.conformity.capabilities import outside_accreditation, raised_elements
+from tasks.conformity.capabilities import (
+    not_accredited,
+    outside_accreditation,
+    raised_elements,
+)
 from tasks.specifications.items import item_title, symbol
 from tasks.words import Message, message
 
@@ -27,7 +31,9 @@ def stated_above(certificate: Certificate) -> tuple[Message, ...]:
 
 
 def without_accreditation(certificate: Certificate) -> Iterator[Message]:
-    """Which items the accreditation does not cover, so that nothing refers to it."""
-    if outside := outside_accreditation(certificate):
+    """Why nothing refers to the accreditation: of the whole certificate, or of which items."""
+    if why := not_accredited(certificate):
+        yield message(f"certificate-accreditation-not-claimed.{why}")
+    elif outside := outside_accreditation(certificate):
         items = tuple(item_title(name) for name in outside)
         yield message("certificate-capability.outside", items=items)

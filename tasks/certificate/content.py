@@ -11,6 +11,7 @@ from typing import Any
 from schemas.certificate import Certificate
 from schemas.text import Statement
 from tasks.certificate import cover
+from tasks.certificate.amended import changes
 from tasks.certificate.as_found import FoundSection, as_found, scope_with_found
 from tasks.certificate.budgets import Budgets, budgets
 from tasks.certificate.calibrated_object import calibrated_object
@@ -34,6 +35,7 @@ from tasks.certificate.statements import (
     uncertainty,
     uncertainty_in_short,
 )
+from tasks.conformity import is_traceable
 from tasks.conformity.capabilities import certificate_as_stated
 from tasks.conformity.deviations import deviations
 from tasks.conformity.reasons import conditional
@@ -112,11 +114,13 @@ def content(certificate: Certificate) -> Content:
     configuration, order = certificate.configuration, certificate.order
     deviating = deviations(calibration, configuration, order.waived_conditions if order else ())
     marked = certificate.state != "issued"
-    kind = "invalid-run" if calibration.validity.verdict == "invalid" else "calibration"
+    kind = "report" if certificate.report else "calibration"
+    if calibration.validity.verdict == "invalid":
+        kind = "invalid-run"
     return Content(
         number=certificate.number,
         title=message(f"certificate-title.{kind}"),
-        is_report=kind == "invalid-run",
+        is_report=kind != "calibration",
         watermark=message(f"certificate-watermark.{certificate.state}") if marked else None,
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),
@@ -127,7 +131,11 @@ def content(certificate: Certificate) -> Content:
         scope=scope_with_found(certificate, cover.scope(calibration, decision, specification)),
         uncertainty_in_short=uncertainty_in_short(calibration),
         signatures=cover.signatures(certificate),
-        statement=(*basis(calibration, specification, bool(deviating)), *outside),
+        statement=(
+            *basis(calibration, specification, bool(deviating)),
+            *outside,
+            *changes(certificate.replaces),
+        ),
         calibrated_object=calibrated_object(certificate),
         standards=_standards(certificate),
         traceability=_traceability(certificate),
@@ -198,11 +206,7 @@ def _traceability(certificate: Certificate) -> Message:
     if certificate.calibration.validity.verdict == "invalid":
         return message("certificate-traceability.invalid-run")
     standards = certificate.laboratory.equipment if certificate.laboratory else ()
-    bare = tuple(
-        given(each.name, each.name_zh)
-        for each in standards
-        if not (each.traceable and literal(each.certificate))
-    )
+    bare = tuple(given(each.name, each.name_zh) for each in standards if not is_traceable(each))
     if len(bare) == len(standards):
         return message("certificate-traceability.none")
     if bare:

@@ -7,6 +7,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Party, StepName
 from schemas.decision import Decision
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal, slug
+from tasks.certificate.mandatory import issuer_title, unstated
 from tasks.conformity.limits import verdict_title
 from tasks.specifications.items import ITEMS
 from tasks.specifications.specification import Specification
@@ -59,9 +60,24 @@ def front(
         field("specification", message(followed)),
         field("received", day(order.received if order else None)),
         field("calibrated", day(certificate.calibrated_on)),
+        *_report(certificate),
         *_replaced(certificate),
         *_place(certificate),
         *_due(certificate),
+    )
+
+
+def _report(certificate: Certificate) -> Iterator[Field]:
+    """That it is no certificate, by which agreement, and what it leaves out."""
+    if not certificate.report:
+        return
+    agreement, left_out = given(certificate.report), [each.what for each in unstated(certificate)]
+    if not left_out:
+        yield field("report", message("certificate-report", agreement=agreement))
+        return
+    parts = tuple(left_out)
+    yield field(
+        "report", message("certificate-report.left-out", agreement=agreement, left_out=parts)
     )
 
 
@@ -104,16 +120,16 @@ def _due(certificate: Certificate) -> Iterator[Field]:
 
 
 def signatures(certificate: Certificate) -> tuple[Signature, ...]:
-    """Clause 8 k), l): who took the steps, which need not be whom laboratory.toml names."""
+    """Clause 8 k), l): who carried out the measurement, and who took the steps."""
     waiting = certificate.state in ("draft", "checked")
     issued = message("certificate-not-issued") if waiting else day(certificate.issued_on)
     operator, checker, issuer = (
         message(f"certificate-role.{role}") for role in ("operator", "checker", "issuer")
     )
     return (
-        Signature(operator, _person(certificate, "draft")),
+        Signature(operator, given(certificate.carried_out_by)),
         Signature(checker, _person(certificate, "check")),
-        Signature(issuer, _person(certificate, "issue"), _title(certificate), issued),
+        Signature(issuer, _person(certificate, "issue"), given(*issuer_title(certificate)), issued),
     )
 
 
@@ -123,17 +139,9 @@ def _person(certificate: Certificate, name: StepName) -> Sayable:
     if step is not None:
         return given(step.person)
     if certificate.steps or certificate.state in ("draft", "checked"):
-        return NOT_GIVEN if name == "draft" else message(f"certificate-step-open.{name}")
-    named = {"draft": lab.operator, "check": lab.checker, "issue": lab.issuer} if lab else {}
+        return message(f"certificate-step-open.{name}")
+    named = {"check": lab.checker, "issue": lab.issuer} if lab else {}
     return given(named.get(name))
-
-
-def _title(certificate: Certificate) -> Sayable:
-    """The title of whom laboratory.toml names, if that is who issued it."""
-    step, lab = certificate.step("issue"), certificate.laboratory
-    if lab is None or (step and lab.issuer and step.person != lab.issuer):
-        return NOT_GIVEN
-    return given(lab.issuer_title, lab.issuer_title_zh)
 
 
 def verdict(decision: Decision) -> Message:

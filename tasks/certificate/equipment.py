@@ -27,7 +27,6 @@ ASSUMED = {
 EARTH = "WGS 84"  # the source of what Earth's rotation contributes, which nobody states
 DIGITS = 3  # significant, of a half-width as it is printed
 FUNCTION_UNITS: dict[LimitName, str] = {"rate": "deg/s", "position": "deg"}
-EARTH = "ωN"  # of the line of Earth's horizontal rate: no limit of the equipment
 
 
 def limits_of(calibration: Calibration) -> tuple[BudgetInput, ...]:
@@ -37,7 +36,7 @@ def limits_of(calibration: Calibration) -> tuple[BudgetInput, ...]:
         for item in calibration.items.values()
         for budget in item.budgets.values()
         for line in budget.inputs
-        if line.source is not None and line.half_width is not None and line.symbol != EARTH
+        if line.source is not None and line.half_width is not None
     )
     return tuple({(line.symbol, line.source): line for line in lines}.values())
 

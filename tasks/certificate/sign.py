@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from schemas.base import Unusable
-from schemas.certificate import SigningSettings, Token
+from schemas.signature import SigningSettings, Token
 
 FIELD = "Signature"
 DIGEST = "sha256"

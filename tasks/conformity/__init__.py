@@ -3,7 +3,13 @@
 from tasks.conformity.capabilities import as_stated, check_capabilities
 from tasks.conformity.decide import decide
 from tasks.conformity.deviations import deviations
-from tasks.conformity.equipment import expired, failed_checks, smaller_than_stated
+from tasks.conformity.equipment import (
+    expired,
+    failed_checks,
+    is_traceable,
+    smaller_than_stated,
+    untraceable,
+)
 from tasks.conformity.reasons import Doubt
 
 __all__ = [
@@ -14,5 +20,7 @@ __all__ = [
     "deviations",
     "expired",
     "failed_checks",
+    "is_traceable",
     "smaller_than_stated",
+    "untraceable",
 ]

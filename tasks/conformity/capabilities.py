@@ -4,11 +4,13 @@ The result itself is left as it was evaluated; what is decided on and printed is
 """
 
 from collections.abc import Iterator, Sequence
+from typing import Literal
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Elements, Item
 from schemas.capability import Capability, Range
 from schemas.certificate import Certificate, Laboratory
+from tasks.conformity.equipment import untraceable
 from tasks.specifications.items import ITEMS
 
 Capabilities = Sequence[Capability]
@@ -45,13 +47,13 @@ def certificate_as_stated(certificate: Certificate) -> Certificate:
     """The certificate with every U as it is stated, and the accreditation where it may be claimed.
 
     Accreditation is not referred to where an item is not covered (ISO/IEC 17025:2017, 8.1;
-    ILAC-P8).
+    ILAC-P8), where a standard is not traceable, in a simplified report, and of an invalid run.
     """
     laboratory, found = certificate.laboratory, certificate.as_found
-    if laboratory is None or not laboratory.capabilities:
+    if laboratory is None:
         return certificate
     capabilities = laboratory.capabilities
-    if outside_accreditation(certificate):
+    if not_accredited(certificate) or outside_accreditation(certificate):
         laboratory = laboratory.model_copy(update={"accreditation": None, "accreditation_zh": None})
     return certificate.model_copy(
         update={
@@ -63,6 +65,16 @@ def certificate_as_stated(certificate: Certificate) -> Certificate:
             ),
         }
     )
+
+
+def not_accredited(certificate: Certificate) -> Literal["report", "untraceable"] | None:
+    """Why a whole certificate is none under the accreditation that its laboratory names."""
+    laboratory = certificate.laboratory
+    if laboratory is None or not (laboratory.accreditation or laboratory.accreditation_zh):
+        return None
+    if certificate.report or certificate.calibration.validity.verdict == "invalid":
+        return "report"
+    return "untraceable" if untraceable(laboratory.equipment) else None
 
 
 def outside_accreditation(certificate: Certificate) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """Reasons on the side of the measuring equipment that prevent a pass."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import date
 
 from schemas.calibration import Calibration
@@ -34,6 +34,26 @@ def expired(equipment: Iterable[MeasurementStandard], on: date) -> tuple[Message
         for standard in equipment
         if standard.valid_until and standard.valid_until < on
     )  # fmt: skip
+
+
+def is_traceable(standard: MeasurementStandard) -> bool:
+    """Whether a certificate shows that what a standard states is traceable to the SI."""
+    return standard.traceable and bool(standard.certificate.strip())
+
+
+def untraceable(equipment: Sequence[MeasurementStandard]) -> tuple[Message, ...]:
+    """The reason against a pass where a standard has no traceability, or none is named.
+
+    Whatever limits its papers state: nobody has shown that they hold.
+    """
+    if not equipment:
+        return (message("conformity-untraceable.none"),)
+    bare = tuple(
+        message("conformity-named", name=name_of(standard), serial=standard.serial)
+        for standard in equipment
+        if not is_traceable(standard)
+    )
+    return (message("conformity-untraceable", standards=bare),) if bare else ()
 
 
 def failed_checks(equipment: Iterable[MeasurementStandard]) -> tuple[Message, ...]:

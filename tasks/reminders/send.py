@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
 from schemas.base import Unusable
-from schemas.recall import SilentHours
-from schemas.reminders import DueUnit
+from schemas.recall import DueUnit, SilentHours
 from schemas.text import Statement
 from tasks.words import message, say
 

@@ -83,10 +83,12 @@ def acquire_run(
     is_paused: Callable[[], bool] = lambda: False,
     resume: bool = False,
     stop: StopSwitch | None = None,
+    operator: str | None = None,
 ) -> AcquiredRuns:
     """Acquire a run while no other is going on at the station, and store it: two stages.
 
-    stop: ends it, as a request of `stop_station` does.
+    stop: ends it, as a request of `stop_station` does. operator: who carries it out, which the
+    recording says.
 
     Raises Unusable, before anything turns, for a station, home or catalogue that is not ready.
     What an earlier run could not store is stored first.
@@ -103,7 +105,7 @@ def acquire_run(
 
         left = left_runs(station, procedure, home) if resume else None
         measured = measure(
-            station, procedure, home, unless_stopped, ask, is_paused, left, stop, raw
+            station, procedure, home, unless_stopped, ask, is_paused, left, stop, raw, operator
         )
         kept = tuple(
             (store(path, home, sleep=stop.sleep), acquired) for path, acquired in measured.whole
@@ -112,7 +114,7 @@ def acquire_run(
 
 
 @stage("acquire", again=False)
-def measure(
+def measure(  # noqa: PLR0913 (what a run is, and who follows it)
     station: StationFile,
     procedure: Procedure,
     home: Home,
@@ -122,6 +124,7 @@ def measure(
     left: Mapping[str, LeftRun] | None,
     stop: StopSwitch,
     raw: list[RawRecording],
+    operator: str | None,
 ) -> Measured:
     """Run a procedure on a station, with its recordings in the home from the first sample on.
 
@@ -137,7 +140,8 @@ def measure(
         with ExitStack() as sinks:
             for alone in station.per_unit():
                 if left is None or alone.unit.serial in left:
-                    raw.append(begun(alone, procedure, home, (left or {}).get(alone.unit.serial)))
+                    its_left = (left or {}).get(alone.unit.serial)
+                    raw.append(begun(alone, procedure, home, its_left, operator))
                     sinks.enter_context(raw[-1].sink)
                     raw[-1].take_over()
             new = tuple(each.new for each in raw)
@@ -194,7 +198,11 @@ def _with_what_is_left(fault: Unusable, raw: list[RawRecording]) -> str:
 
 
 def begun(
-    station: StationFile, procedure: Procedure, home: Home, left: LeftRun | None
+    station: StationFile,
+    procedure: Procedure,
+    home: Home,
+    left: LeftRun | None,
+    operator: str | None,
 ) -> RawRecording:
     """A new file for the unit of a station; raises Unusable where the home takes none."""
     began = datetime.now(UTC)
@@ -206,7 +214,8 @@ def begun(
     path = home.acquiring / f"{began:%Y%m%dT%H%M%SZ}-{secrets.token_hex(4)}.mcap"
     with writing_in_home(path):
         sink = RawWriter(path)
-    return RawRecording(NewRecording(station, sink, recording_id, earlier), sink, path, left)
+    new = NewRecording(station, sink, recording_id, earlier, operator)
+    return RawRecording(new, sink, path, left)
 
 
 def what_is_left(recordings: Iterable[RawRecording]) -> str:

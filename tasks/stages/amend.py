@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass, replace
 
-from schemas.certificate import Certificate, Replaced
+from schemas.base import Unusable
+from schemas.certificate import Certificate, Order, Replaced
 from schemas.certificate_orders import AmendOrder
 from schemas.orders import Estimation
+from schemas.tolerance import Tolerance
 from storage.catalogue.certificates import entry_of
 from storage.home import Home
 from tasks.stages.certificate_inputs import CertificateInputs, read_inputs
@@ -45,10 +47,26 @@ def amendment(order: AmendOrder, home: Home) -> Amendment:
 
 def _inputs(order: AmendOrder, old: Certificate, same_run: bool) -> CertificateInputs:
     given = read_inputs(order)
+    client_order = given.order or old.order
     return replace(
         given,
+        tolerance=given.tolerance or _limits(old, client_order),
         laboratory=given.laboratory or old.laboratory,
-        order=given.order or old.order,
+        order=client_order,
         calibrated_on=given.calibrated_on or (old.calibrated_on if same_run else None),
         budget=given.budget or old.budgets,
+        invalid_run=given.invalid_run or old.calibration.validity.verdict == "invalid",
+        operator=given.operator or (old.operator if same_run else None),
+        report=given.report or old.report,
     )
+
+
+def _limits(old: Certificate, client_order: Order | None) -> Tolerance | None:
+    """The limits of the verdict; Unusable where a record of an earlier version lacks them."""
+    decided = old.decision.limits and (client_order is None or client_order.conformity)
+    if old.tolerance is None and decided:
+        raise Unusable(
+            f"the record of {old.number} is of an earlier version and does not hold the limits of "
+            "its verdict: give them with --tolerance"
+        )
+    return old.tolerance

@@ -4,7 +4,7 @@ import base64
 import json
 from contextlib import suppress
 from dataclasses import dataclass
-from datetime import date, datetime
+from datetime import date, datetime, timedelta
 from pathlib import Path
 from typing import Annotated
 
@@ -21,6 +21,7 @@ from storage import settings
 from storage.catalogue.run_index import Run
 from storage.home import Home
 
+DAY = timedelta(days=1)  # between the day of a moment in UTC and that of the place, at most
 LARGEST = 2_000_000  # bytes of a file: each certificate holds it
 
 
@@ -31,6 +32,8 @@ class CertificateInputs:
     calibrated_on: the day of calibration, for a recording that does not say when it was made.
     budget: whether the certificate prints the uncertainty budgets. invalid_run: whether a run that
     is invalid is reported all the same, without a verdict on any element. by: who drafts it.
+    operator: who carried out the measurement, for a recording that does not say it. report: the
+    agreement with the client by which it is a report of less than a certificate.
     """
 
     tolerance: Tolerance | None = None
@@ -40,6 +43,8 @@ class CertificateInputs:
     budget: bool = False
     invalid_run: bool = False
     by: str | None = None
+    operator: str | None = None
+    report: str | None = None
 
 
 def _day_or_moment(stated: object) -> object:
@@ -54,7 +59,14 @@ class ManifestFields(BaseModel):
     """The free fields of a manifest that a certificate prints."""
 
     recorded_at: Annotated[datetime | date | None, BeforeValidator(_day_or_moment)] = None
+    acquired_at: Annotated[datetime | date | None, BeforeValidator(_day_or_moment)] = None
     equipment: tuple[MeasurementStandard, ...] = ()
+    operator: str | None = None
+
+    @property
+    def moment(self) -> datetime | date | None:
+        """When it was recorded, by the station's own clock; else when its first row was (UTC)."""
+        return self.recorded_at or self.acquired_at
 
 
 def read_inputs(options: CertificateOptions) -> CertificateInputs:
@@ -67,6 +79,8 @@ def read_inputs(options: CertificateOptions) -> CertificateInputs:
         options.budget,
         options.invalid_run,
         options.by,
+        options.operator,
+        options.report,
     )
 
 
@@ -108,16 +122,35 @@ def tolerance_of(inputs: CertificateInputs, run: Run, unit: Unit, home: Home) ->
 
 
 def day_of_calibration(free: ManifestFields, inputs: CertificateInputs, run: Run) -> date | None:
-    """The day the station recorded the run, by its own clock; else what the inputs say."""
+    """The day the station recorded the run, by its own clock; else what the inputs say.
+
+    A run that says only when its first row was, in UTC, leaves the local day open by one.
+    """
     ordered = inputs.order.calibrated_on if inputs.order else None
     given = inputs.calibrated_on or ordered
-    day = day_of(free.recorded_at)
+    day = day_of(free.moment)
     if day and given and given != day:
+        if not free.recorded_at and abs(given - day) <= DAY:
+            return given
+        stated = "recorded_at" if free.recorded_at else "acquired_at"
         raise Unusable(
             f"the calibration of run {run.id} is said to be of {given}, but its manifest says "
-            f"recorded_at = {day}: leave the day out"
+            f"{stated} = {day}: leave the day out"
         )
     return day or given
+
+
+def operator_of(free: ManifestFields, inputs: CertificateInputs, run: Run) -> str | None:
+    """Who carried out the measurement, where the recording does not say it.
+
+    Raises Unusable where it does, and says another.
+    """
+    if free.operator and inputs.operator and inputs.operator != free.operator:
+        raise Unusable(
+            f"--operator names {inputs.operator}, but the manifest of run {run.id} says operator = "
+            f"{free.operator}: leave the option out"
+        )
+    return None if free.operator else inputs.operator
 
 
 def check_order(order: Order | None, calibrated_on: date | None, today: date) -> None:

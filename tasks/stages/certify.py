@@ -6,15 +6,18 @@ from datetime import UTC, date, datetime
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
-from schemas.certificate import AsFound, Certificate, Order, Replaced, Step
+from schemas.certificate import AsFound, Certificate, Laboratory, Order, Replaced, Step
 from schemas.configuration import configuration_of
 from schemas.decision import Decision
+from schemas.equipment import MeasurementStandard
+from schemas.recording import Manifest
 from storage import settings
 from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks import conformity, reminders
 from tasks.calibrate.evidence_file import why_none
+from tasks.certificate.differences import differences
 from tasks.conformity.capabilities import certificate_as_stated
 from tasks.curves import curves_of_run, history
 from tasks.specifications.register import SPECIFICATIONS
@@ -25,11 +28,12 @@ from tasks.stages.certificate_inputs import (
     day_of_calibration,
     day_of_moment,
     manifest_fields,
+    operator_of,
     tolerance_of,
     with_appearance,
 )
 from tasks.stages.draft import DRAFT, keep_draft
-from tasks.stages.equipment_in_use import reference_in_use, standards_in_use
+from tasks.stages.equipment_in_use import contradictions, reference_in_use, standards_in_use
 from tasks.stages.evidence import as_text, evidence_of
 from tasks.stages.published import Published
 from tasks.stages.stage import announce, stage
@@ -53,8 +57,9 @@ def certify(
     Limits and laboratory come from the home where they are not given. The certificate stays a
     draft, without a number, until one person has checked and another has issued it. as_found: of
     the unit before it was adjusted, decided by the same limits. replaces: the certificate that this
-    one amends. Dates are days where this program runs. Raises Unusable for an invalid run, unless
-    its report is asked for.
+    one amends; the draft says what is different. Dates are days where this program runs. Raises
+    Unusable for an invalid run, unless its report is asked for, and for papers that contradict the
+    run.
     """
     _check_run(run, calibration, inputs)
     recording = runs.load(run, home)
@@ -66,8 +71,8 @@ def certify(
     order, now = inputs.order, datetime.now(UTC)
     today = day_of_moment(now)
     calibrated_on = day_of_calibration(free, inputs, run)
-    listed = (laboratory.equipment if laboratory else ()) or free.equipment
-    equipment = standards_in_use(listed, home, calibrated_on)
+    operator = operator_of(free, inputs, run)
+    equipment = _standards(manifest, home, laboratory, calibrated_on)
     if laboratory:
         laboratory = laboratory.model_copy(update={"equipment": equipment})
         laboratory = with_appearance(laboratory, home)
@@ -76,30 +81,33 @@ def certify(
     conformity.check_capabilities(capabilities)
     validated = settings.validation(home) or record.shipped()
     on = calibrated_on or today
-    standing = (*conformity.expired(equipment, on), *conformity.failed_checks(equipment))
-
     configuration = configuration_of(manifest.unit, order.configuration if order else None)
     waived = order.waived_conditions if order else ()
 
-    def decide(result: Calibration) -> Decision:
+    def decide(result: Calibration, used: tuple[MeasurementStandard, ...]) -> Decision:
         deviating = conformity.deviations(result, configuration, waived)
         unmet = (each.printed for each in deviating if not each.waived)
         doubts = record.doubts_of(validated, result)
-        smaller = conformity.smaller_than_stated(result, equipment, on)
+        standing = (
+            *conformity.untraceable(used),
+            *conformity.expired(used, on),
+            *conformity.failed_checks(used),
+            *conformity.smaller_than_stated(result, used, on),
+        )
         stated = conformity.as_stated(result, capabilities)
-        return conformity.decide(stated, tolerance, (*standing, *smaller, *unmet), doubts)
+        return conformity.decide(stated, tolerance, (*standing, *unmet), doubts)
 
-    decision = decide(calibration)
+    decision = decide(calibration, equipment)
     evidence = None
     if why_none(calibration) is None:
         stated = conformity.as_stated(calibration, capabilities)
         made = evidence_of(stated, recording, home, given, decision)
         evidence = as_text(made).encode()
-    found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)
+    found = as_found and _as_found(as_found, (run, calibration), home, inputs, given, decide)
     named = statement(record.named(validated, calibration))
-    operator = inputs.by or (laboratory.operator if laboratory else None)
+    drafter = inputs.by or (laboratory.operator if laboratory else None)
     reason = replaces.why if replaces else None
-    drafted = Step(step="draft", person=operator, at=now, reason=reason) if operator else None
+    drafted = Step(step="draft", person=drafter, at=now, reason=reason) if drafter else None
     certificate = Certificate(
         number=DRAFT,
         state="draft",
@@ -111,6 +119,9 @@ def certify(
         manifest=manifest,
         calibration=calibration,
         decision=decision,
+        tolerance=tolerance,
+        operator=operator,
+        report=inputs.report,
         as_found=found,
         budgets=inputs.budget,
         validation=(named.en, named.zh),
@@ -122,7 +133,24 @@ def certify(
     earlier = map(certificate_as_stated, earlier_certificates(run, calibrated_on, home))
     moved = tuple(history(certificate_as_stated(certificate), tuple(earlier)))
     drawn = certificate.model_copy(update={"curves": (*certificate.curves, *moved)})
+    if replaces:
+        changed = differences(certificates.find(replaces.number, home), drawn)
+        named_changes = replaces.model_copy(update={"changes": changed})
+        drawn = drawn.model_copy(update={"replaces": named_changes})
     return keep_draft(drawn, home, now, evidence)
+
+
+def _standards(
+    manifest: Manifest, home: Home, laboratory: Laboratory | None, day: date | None
+) -> tuple[MeasurementStandard, ...]:
+    """The standards of a run; Unusable, with both values, where other papers contradict it."""
+    listed = laboratory.equipment if laboratory else ()
+    if found := contradictions(manifest, listed, home, day):
+        raise Unusable(
+            f"{'; '.join(found)}: correct laboratory.toml, the register or the station file, so "
+            "that they agree on what was used"
+        )
+    return standards_in_use(manifest, home, laboratory, day)
 
 
 def due_date(from_day: date, order: Order | None, calibration: Calibration) -> date | None:
@@ -142,7 +170,8 @@ def _as_found(
     left: tuple[Run, Calibration],
     home: Home,
     inputs: CertificateInputs,
-    decide: Callable[[Calibration], Decision],
+    laboratory: Laboratory | None,
+    decide: Callable[[Calibration, tuple[MeasurementStandard, ...]], Decision],
 ) -> AsFound:
     """The result as found, beside that as left; Unusable where they cannot be of one adjustment."""
     (run, calibration), (left_run, left_calibration) = found, left
@@ -161,17 +190,17 @@ def _as_found(
                 f"the {name} of run {run.id} (as found) is {its}, but that of run {left_run.id} "
                 f"(as left) is {others}; name a run of the same {name} with --as-found."
             )
-    moment, left_moment = (
-        manifest_fields(runs.load(each, home).manifest.model_extra or {}, each).recorded_at
-        for each in (run, left_run)
-    )
+    manifest, left_manifest = (runs.load(each, home).manifest for each in (run, left_run))
+    moment = manifest_fields(manifest.model_extra or {}, run).moment
+    left_moment = manifest_fields(left_manifest.model_extra or {}, left_run).moment
     if moment and left_moment and _is_after(moment, left_moment):
         raise Unusable(
             f"run {run.id} (as found) was recorded at {moment}, after run {left_run.id} (as left), "
             f"at {left_moment}; swap them."
         )
+    used = _standards(manifest, home, laboratory, day_of(moment))
     return AsFound(
-        calibrated_on=day_of(moment), calibration=calibration, decision=decide(calibration)
+        calibrated_on=day_of(moment), calibration=calibration, decision=decide(calibration, used)
     )
 
 

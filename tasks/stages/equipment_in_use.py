@@ -1,6 +1,7 @@
 """The measurement standards used for a run, and what they state of its reference."""
 
 import json
+from collections.abc import Container, Iterable, Iterator
 from datetime import date
 from typing import Any
 
@@ -15,13 +16,71 @@ from storage.home import Home
 from tasks.calibrate.reference import as_certified
 from tasks.uncertainty.equipment import own_limits
 
+PAPER = ("certificate", "traceable", "calibrated_on", "valid_until")  # what two papers may dispute
+
 
 def standards_in_use(
-    listed: tuple[MeasurementStandard, ...], home: Home, day: date | None
+    manifest: Manifest, home: Home, laboratory: Laboratory | None, day: date | None
 ) -> tuple[MeasurementStandard, ...]:
-    """The listed standards, those of the register with the certificate that counts on a day."""
+    """The standards that a run names, else those that its laboratory lists.
+
+    Those of the register with the certificate that counts on a day.
+    """
+    listed = of_manifest(manifest) or (laboratory.equipment if laboratory else ())
     registered = equipment.on_day(home, day) if listed else {}
     return tuple(registered.get(standard.serial, standard) for standard in listed)
+
+
+def contradictions(
+    manifest: Manifest, listed: Iterable[MeasurementStandard], home: Home, day: date | None
+) -> tuple[str, ...]:
+    """Where laboratory.toml, or the register, says otherwise than a run what it was measured with.
+
+    Nothing of a run that names no standard. A certificate that the register has renewed since the
+    run is no contradiction.
+    """
+    used = {standard.serial: standard for standard in of_manifest(manifest)}
+    if not used:
+        return ()
+    registered = equipment.on_day(home, day)
+    found: list[str] = []
+    for standard in listed:
+        if own := used.get(standard.serial):
+            found += _disputed(own, standard, "laboratory.toml", registered)
+        else:
+            found.append(
+                f"laboratory.toml lists {standard.name} ({standard.serial}) as a measurement "
+                f"standard, but the recording says that {', '.join(used)} were used"
+            )
+    for serial, own in used.items():
+        if serial in registered:
+            found += _disputed(own, registered[serial], "the register", registered)
+    return tuple(dict.fromkeys(found))
+
+
+def _disputed(
+    own: MeasurementStandard, other: MeasurementStandard, paper: str, registered: Container[str]
+) -> Iterator[str]:
+    """What two records of one standard state of one certificate of it, each otherwise."""
+    if own.certificate != other.certificate and own.serial in registered:
+        return
+    pairs: list[tuple[str, Any, Any]] = [
+        (name, getattr(own, name), getattr(other, name)) for name in PAPER
+    ]
+    pairs += [
+        (f"limits.{name}", own.limits[name].half_width, other.limits[name].half_width)
+        for name in own.limits.keys() & other.limits.keys()
+    ]
+    for name, recorded, stated in pairs:
+        if None not in (recorded, stated) and recorded != stated:
+            yield (
+                f"{own.name} ({own.serial}): the recording says {name} = {_written(recorded)}, "
+                f"but {paper} says {_written(stated)}"
+            )
+
+
+def _written(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else f"{value}"
 
 
 def limits_in_use(
@@ -29,10 +88,11 @@ def limits_in_use(
 ) -> dict[LimitName, EquipmentLimit]:
     """What the equipment of a run may be off by.
 
-    What laboratory.toml states goes before the certificates of the standards, which are those that
-    it lists, else those of the manifest. Raises Unusable for a drift since an unknown day.
+    What laboratory.toml states goes before the certificates of the standards in use. Raises
+    Unusable for a drift since an unknown day.
     """
-    standards, day = _standards_of(manifest, home, laboratory)
+    day = _day(manifest)
+    standards = standards_in_use(manifest, home, laboratory, day)
     return own_limits(standards, laboratory.limits if laboratory else {}, day)
 
 
@@ -41,20 +101,18 @@ def reference_in_use(recording: Recording, home: Home, laboratory: Laboratory | 
 
     Raises Unusable for a run outside of what they state, see `as_certified`.
     """
-    standards, _ = _standards_of(recording.manifest, home, laboratory)
+    manifest = recording.manifest
+    standards = standards_in_use(manifest, home, laboratory, _day(manifest))
     return as_certified(recording, standards, laboratory.limits if laboratory else ())
 
 
-def _standards_of(
-    manifest: Manifest, home: Home, laboratory: Laboratory | None
-) -> tuple[tuple[MeasurementStandard, ...], date | None]:
-    """The standards of a run, and the day on which they were used."""
-    listed = laboratory.equipment if laboratory else ()
+def _day(manifest: Manifest) -> date | None:
+    """The day on which a run used its standards."""
     day: date | None = provenance(manifest)["recorded_on"]
-    return standards_in_use(listed or _of_manifest(manifest), home, day), day
+    return day
 
 
-def _of_manifest(manifest: Manifest) -> tuple[MeasurementStandard, ...]:
+def of_manifest(manifest: Manifest) -> tuple[MeasurementStandard, ...]:
     """The standards that a manifest names; what is no such record is refused by `certify`."""
     named = (manifest.model_extra or {}).get("equipment")
     records = named if isinstance(named, list | tuple) else ()

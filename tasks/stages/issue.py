@@ -9,25 +9,26 @@ from datetime import UTC, datetime
 
 import sqlalchemy as sql
 
+from schemas.access import Authority
 from schemas.base import Unusable
 from schemas.certificate import DEFAULT_PREFIX, DEFAULT_SCHEME, Certificate, State, Step, StepName
 from storage import settings
-from storage.catalogue import certificates, database, equipment, keep_certificate, tables, trail
+from storage.catalogue import certificates, database, keep_certificate, trail
 from storage.catalogue.certificates import Entry, record_of
-from storage.catalogue.results import calibration_of
 from storage.environment import environment
 from storage.home import Home
 from storage.whole_files import is_as_kept
-from tasks import conformity
 from tasks.certificate.documents import faces_of
+from tasks.certificate.mandatory import title_of
 from tasks.certificate.sign import Signing, signing_of
+from tasks.specifications.register import SPECIFICATIONS
+from tasks.stages.authority import check_authorised
 from tasks.stages.certificate_inputs import day_of_moment
 from tasks.stages.certify import due_date
+from tasks.stages.issuable import check_issuable
 from tasks.stages.published import Published, published
 from tasks.stages.stage import announce, stage
-from tasks.words import say
 
-AGAIN = "certify the run again"
 DONE: dict[StepName, str] = {"draft": "drafted", "check": "checked", "issue": "issued"}
 
 
@@ -38,7 +39,7 @@ def check(key: str, home: Home, person: str, reason: str | None = None) -> Publi
     with database.changing(home) as connection:
         entry, draft = _at_state(connection, key, home, "draft")
         check_person(draft, person, "check", home)
-        checked = _with_step(draft, "check", person, now, reason, state="checked")
+        checked = _with_step(draft, "check", person, now, reason, "checked", home)
         files = _replace(connection, home, entry, checked)
         trail.add(
             connection, person, "check", key, at=now, reason=reason,
@@ -53,18 +54,17 @@ def issue(key: str, home: Home, person: str, reason: str | None = None) -> Publi
     """Issue a certificate that was checked: it gets its number, and is never changed again.
 
     It is signed with the laboratory's key, if the home names one. The day of issue is that where
-    this program runs. The certificate that it replaces becomes
-    amended. Raises Unusable for what is not checked, or may not be issued.
+    this program runs. The certificate that it replaces becomes amended. Raises Unusable for what is
+    not checked, and with everything at once for which it may not be issued.
     """
     now = datetime.now(UTC)
     signing = signing_for(home, now)
     with database.changing(home) as connection:
         entry, checked = _at_state(connection, key, home, "checked")
         check_person(checked, person, "issue", home)
-        check_issuable(connection, entry, checked, home)
-        issued = _numbered(
-            connection, _with_step(checked, "issue", person, now, reason, state="issued"), now
-        )
+        issued = _with_step(checked, "issue", person, now, reason, "issued", home)
+        check_issuable(connection, entry, issued, home)
+        issued = _numbered(connection, issued, now)
         number = issued.number
         if issued.replaces:
             _amend(connection, issued.replaces.number, home)
@@ -161,8 +161,11 @@ def _with_step(
     now: datetime,
     reason: str | None,
     state: State,
+    home: Home,
 ) -> Certificate:
-    taken = Step(step=step, person=person, at=now, reason=reason)
+    """The certificate after a step, with the person's title as the home's laboratory has it."""
+    title, title_zh = title_of(settings.laboratory(home) or certificate.laboratory, person)
+    taken = Step(step=step, person=person, at=now, reason=reason, title=title, title_zh=title_zh)
     return certificate.model_copy(update={"state": state, "steps": (*certificate.steps, taken)})
 
 
@@ -201,12 +204,16 @@ def _replace(
 
 
 def check_person(certificate: Certificate, person: str, step: StepName, home: Home) -> None:
-    """Raises Unusable for a person who took an earlier step, and for a draft of nobody.
+    """Raises Unusable for a person who is not authorised or took an earlier step, and for a draft
+    of nobody.
 
     The laboratory of the home says whether they have to be different persons; where there is
     none, that of the certificate.
     """
     laboratory = settings.laboratory(home) or certificate.laboratory
+    standard = SPECIFICATIONS[certificate.calibration.method].standard
+    act: Authority = "issue" if step == "issue" else "check"
+    check_authorised(laboratory, person, act, standard, day_of_moment(datetime.now(UTC)))
     if laboratory is not None and not laboratory.separate_persons:
         return
     number, run = certificate.number, certificate.calibration.run
@@ -234,65 +241,3 @@ def signing_for(home: Home, at: datetime) -> Signing | None:
     if laboratory is None or laboratory.signing is None:
         return None
     return signing_of(laboratory.signing, home.path, environment().signing_passphrase, at)
-
-
-def check_issuable(
-    connection: sql.Connection, entry: Entry, certificate: Certificate, home: Home
-) -> None:
-    """Raises Unusable with the first reason for which a certificate cannot be issued."""
-    _check_limits(certificate)
-    _check_equipment(certificate, home)
-    _check_run(connection, certificate)
-    _check_newest(connection, entry)
-
-
-def _check_limits(certificate: Certificate) -> None:
-    """There is no verdict without limits; a calibration without one has to be ordered."""
-    asked = certificate.order is None or certificate.order.conformity
-    if not certificate.decision.limits and asked:
-        unit = certificate.manifest.unit
-        raise Unusable(
-            f"{certificate.number} has no verdict, because there are no limits of "
-            f"{unit.manufacturer} {unit.model}: give them with --tolerance or in the folder "
-            f"tolerances of the home, or let the order say conformity = false, and {AGAIN}."
-        )
-
-
-def _check_equipment(certificate: Certificate, home: Home) -> None:
-    """Standards without a valid certificate on the day of calibration, by draft or register."""
-    laboratory = certificate.laboratory
-    day = certificate.calibrated_on or certificate.issued_on
-    late = {standard.serial: standard for standard in equipment.past_due(home, day)}
-    listed = laboratory.equipment if laboratory else ()
-    for expired in conformity.expired([late.get(each.serial, each) for each in listed], day):
-        raise Unusable(
-            f"{certificate.number} cannot be issued: {say(expired, 'en').rstrip('.')}; calibrate "
-            "with equipment that is in date."
-        )
-
-
-def _check_run(connection: sql.Connection, certificate: Certificate) -> None:
-    """A newer result, by the standard's terms alone, that finds the run invalid."""
-    if certificate.calibration.validity.verdict == "invalid":
-        return  # and it says so
-    table, run = tables.results, certificate.calibration.run
-    asked = sql.select(table).where(table.c.run == run, database.newest_results())
-    for row in connection.execute(asked):
-        made = calibration_of(row)
-        validity = made.validity
-        if validity.verdict == "invalid" and not made.terms:
-            raise Unusable(
-                f"{certificate.number} cannot be issued: by result {row.id} run {run} is invalid "
-                f"({validity.reasons[0].rstrip('.')}); measure again."
-            )
-
-
-def _check_newest(connection: sql.Connection, entry: Entry) -> None:
-    """A newer result than the one that it prints."""
-    table = tables.results.c
-    newer = connection.scalar(sql.select(table.id).where(table.supersedes == entry.result))
-    if newer:
-        raise Unusable(
-            f"{entry.number} prints result {entry.result}, which {newer} superseded; {AGAIN}"
-            + (f" (`mimucal amend {entry.supersedes}`)." if entry.supersedes else ".")
-        )

@@ -5,8 +5,7 @@ from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from schemas.base import Unusable
-from schemas.recall import RecallClient, RecallFile
-from schemas.reminders import DueUnit
+from schemas.recall import DueUnit, RecallClient, RecallFile
 from storage import settings
 from storage.catalogue import certificates, reminders
 from storage.catalogue.certificates import Entry

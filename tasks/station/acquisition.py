@@ -49,20 +49,22 @@ class Acquired:
 class NewRecording:
     """A recording to be made of one unit: the station as if it were alone, and the sink.
 
-    earlier: an interrupted run that is continued; its streams are in the sink.
+    earlier: an interrupted run that is continued; its streams are in the sink. operator: who
+    carries it out.
     """
 
     station: StationFile
     sink: Sink
     recording_id: str
     earlier: Interrupted | None = None
+    operator: str | None = None
 
     def recorder(
         self, driver: UnitDriver, clock: StationClock, procedure: Procedure
     ) -> UnitRecorder:
         """What makes it, from the present station time on."""
         manifest = ManifestBuilder(
-            self.station, procedure, self.recording_id, clock.station_s, self.earlier
+            self.station, procedure, self.recording_id, clock.station_s, self.earlier, self.operator
         )
         return UnitRecorder(driver, clock, self.sink, manifest)
 

@@ -18,6 +18,7 @@ from tasks.station.plan import PlannedSegment
 from tasks.station.requirements import mount_in
 
 GAP_INTERVALS = 1.5
+PERSONS = "; "  # between those who carried out the parts of a run
 NOT_OF_THE_FRAMES = {"url", "baudrate", "load", "identify"}
 
 
@@ -40,7 +41,8 @@ class ManifestBuilder:
     `origin_s`, the whole second of station time in which the run began; `acquired_at` is its UTC,
     by this computer's clock when `t_start`, a station time just read, was current. Every segment
     carries `mount`, if the unit was turned over in its fixture. earlier: an interrupted run that is
-    continued: its segments and its time are the beginning of this one's.
+    continued: its segments and its time are the beginning of this one's. operator: who carries it
+    out; of a run that goes on, with who began it.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class ManifestBuilder:
         recording_id: str,
         t_start: float,
         earlier: Interrupted | None = None,
+        operator: str | None = None,
     ) -> None:
         now = datetime.now(UTC)
         self.origin_s = math.floor(t_start)
@@ -62,6 +65,8 @@ class ManifestBuilder:
             "equipment": [item.model_dump(mode="json") for item in station.equipment],
             "unit_link": station.unit_link.model_dump(mode="json", exclude=NOT_OF_THE_FRAMES),
         }
+        if operator:
+            self.extra["operator"] = operator
         self._station = station
         self._procedure = procedure
         self._recording_id = recording_id
@@ -84,6 +89,9 @@ class ManifestBuilder:
         first = {"recorded_at": before["recorded_at"], "t_start": 0.0}
         present = {"recorded_at": self.extra["recorded_at"], "t_start": t_start - self.origin_s}
         self.extra["parts"] = [*before.get("parts", [first]), present]
+        persons = [before.get("operator"), self.extra.get("operator")]
+        if named := list(dict.fromkeys(filter(None, persons))):
+            self.extra["operator"] = PERSONS.join(named)
         for name in ("recorded_at", "acquired_at", "log", "station_remarks"):
             if name in before:
                 self.extra[name] = before[name]

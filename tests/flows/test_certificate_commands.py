@@ -78,7 +78,9 @@ def test_the_evidence_lies_beside_the_certificate_and_its_hash_in_the_record(
         'unit = "1"\nlower = 0.999\nupper = 1.001\n',
         encoding="utf-8",
     )
-    drafted = mimucal("certify", run_on_earth, "--tolerance", limits, "--by", "Wang", "--json").json
+    order = ("--order", "flows/demo_papers/order.toml", "--calibrated-on", "2026-05-02")
+    given = ("--tolerance", limits, *order, "--operator", "Sun", "--by", "Wang", "--json")
+    drafted = mimucal("certify", run_on_earth, *given).json
     mimucal("check", drafted["number"], "--by", "Li")
     issued = mimucal("issue", drafted["number"], "--by", "Zhao", "--json").json
     path = Path(issued["evidence"])

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -80,13 +81,16 @@ def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
         "lower = 0.98\nupper = 1.02\n"
     )
     papers = ("--tolerance", tolerance, "--order", "flows/demo_papers/order.toml")
+    papers += ("--calibrated-on", date.today(), "--operator", "Sun")
     unwaived = mimucal("certify", plant_on_earth, *papers[:2], "--json").json
     assert unwaived["verdict"] == "inconclusive"
     assert "waives the condition (largest rate)" in unwaived["reasons"][0]
+    assert any(each.startswith("name of the client: not stated") for each in unwaived["missing"])
     done = mimucal("certify", plant_on_earth, *papers, "--json")
     assert done.code == 0
     assert done.json["format"] == "mimu-certificate/1"
     assert (done.json["verdict"], done.json["state"]) == ("pass", "draft")
+    assert done.json["missing"] == []
     assert Path(done.json["pdf"]).read_bytes().startswith(b"%PDF")
     assert json.loads(Path(done.json["record"]).read_text())["number"] == done.json["number"]
     assert mimucal("remind", "--within", 370, "--json").json["due"] == []
@@ -102,7 +106,7 @@ def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
     checked = mimucal("verify", "--json")
     assert (checked.code, checked.json["faults"]) == (0, [])
     why = ("--why", "the client's address", "--by", "Wang")
-    amended = mimucal("amend", issued["number"], *why, "--tolerance", tolerance, "--json").json
+    amended = mimucal("amend", issued["number"], *why, "--json").json
     assert (amended["number"], amended["verdict"]) == (key, "pass")
     assert amended["replaces"]["number"] == issued["number"]
 

@@ -85,6 +85,8 @@ def _one(home: Path, number: int) -> LoadedRun:
         outcome = "stopped" if response.count("\n") == 0 and response else "false"
         return LoadedRun(number, outcome, "", "", 0.0, load, seconds, response)
     validity, verdict = made["validity"]["verdict"], made["verdict"]
+    if verdict == "inconclusive" and validity != "invalid" and _all_pass(made):
+        verdict = "pass"  # of the unit: what is open are the papers of virtual standards
     shown, _ = _mimucal(home, "show", made["run"], "--json")
     truth = json.loads(Path(made["paths"]["truth"]).read_text(encoding="utf-8"))
     items = shown["results"][-1]["calibration"]["items"] if shown else {}
@@ -92,6 +94,13 @@ def _one(home: Path, number: int) -> LoadedRun:
     reasons = "; ".join(made["validity"]["reasons"])
     outcome = outcome_of(validity, verdict, worst)
     return LoadedRun(number, outcome, validity, verdict, worst, load, seconds, reasons)
+
+
+def _all_pass(made: Mapping[str, Any]) -> bool:
+    """Whether every limited element passed."""
+    record = json.loads(Path(made["paths"]["record"]).read_text(encoding="utf-8"))
+    limits = record["decision"]["limits"]
+    return bool(limits) and all(limit["verdict"] == "pass" for limit in limits)
 
 
 def _have_validated(home: Path) -> None:

@@ -2,6 +2,7 @@
 
 certificate-title =
     .calibration = Calibration Certificate
+    .report = Calibration Report
     .invalid-run = Report of an Invalid Run
 certificate-not-given = not given
 certificate-quoted = { $text }
@@ -31,6 +32,7 @@ certificate-field =
     .adjustment = Adjustment
     .sampling = Sampling
     .calibrated = Date of calibration
+    .report = Kind of report
     .replaces = Replaces certificate
     .due = Recalibration due
     .as-found = Verdict as found

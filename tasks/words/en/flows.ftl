@@ -13,3 +13,4 @@ changed-title = What moved in { $done } { $done ->
 changed-in-U = change of the value / U, from { $least } on
 changed-in-part = change of the value / U, from { $least } on; ×: determined before or now only
 changed-nothing = nothing moved
+flows-who-operates = Operator (full name, as on the certificate):

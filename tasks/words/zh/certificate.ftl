@@ -2,6 +2,7 @@
 
 certificate-title =
     .calibration = 校准证书
+    .report = 校准报告
     .invalid-run = 测量无效报告
 certificate-not-given = 未提供
 certificate-quoted = { $text }
@@ -31,6 +32,7 @@ certificate-field =
     .adjustment = 调整情况
     .sampling = 抽样
     .calibrated = 校准日期
+    .report = 报告类型
     .replaces = 代替证书
     .due = 建议复校日期
     .as-found = 调整前结论

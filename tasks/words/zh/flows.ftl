@@ -7,3 +7,4 @@ changed-title = { $done } 个结果中的变化，其中 { $unchanged } 个不�
 changed-in-U = 值的变化 / U（自 { $least } 起计）
 changed-in-part = 值的变化 / U（自 { $least } 起计）；×：仅此前或仅现在可确定
 changed-nothing = 没有变化
+flows-who-operates = 校准员（与证书上的姓名一致）：

@@ -137,13 +137,20 @@ def test_an_order_that_names_nobody_needs_no_signature(place: Home) -> None:
     for flow, order in (
         ("certify", CertifyOrder(run="r1")),
         ("produce", ProduceOrder(station="T1")),
-        ("acquire", ProduceOrder(station="T1", by="Li")),  # which acts in nobody's name
         ("acquire", AcquireOrder(station="T1")),
     ):
         assert sign(flow, order) == order
         with accepted(flow, order):
             pass
     assert not place.path.exists()
+
+
+def test_who_measures_is_believed_by_a_signature_alone(place: Home) -> None:
+    order = AcquireOrder(station="T1", home=str(place.path), by="Li")
+    with pytest.raises(Unusable, match="a name alone"), accepted("acquire", order):
+        pass
+    with accepted("acquire", sign("acquire", order)):
+        pass
 
 
 def test_a_production_signed_for_a_drafter_leaves_no_signature_to_its_certificates(

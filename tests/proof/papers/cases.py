@@ -27,6 +27,7 @@ from storage import settings
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
+from tasks.certificate.differences import differences
 from tasks.curves import curves_of_run, history
 from tasks.specifications.register import BY_STANDARD
 from tasks.stages.certify import due_date
@@ -41,7 +42,7 @@ FOLDERS = {"jjf2003": PAPERS, "jjf1536": PAPERS / "ahrs"}
 DAY = date(2026, 11, 20)
 MORNING = datetime(2026, 11, 20, 8, tzinfo=UTC)
 PERSONS: tuple[tuple[StepName, str], ...] = (
-    ("draft", "Li Ming"), ("check", "Wang Fang"), ("issue", "Zhang Wei"),
+    ("draft", "Li Ming"), ("check", "Wang Fang"), ("issue", "Demo Issuer"),
 )  # fmt: skip
 EQUIPMENT = (
     MeasurementStandard(
@@ -71,7 +72,8 @@ LONG_SERIAL = "SN-2026-NAV-0000417-REV-C-LOT-88213-00000000000000000000000000000
 
 def cases(method: str) -> Iterator[tuple[str, Certificate]]:
     """Each kind by its name, in both languages: pass, conditional, fail, inconclusive, an invalid
-    run, a draft, an amendment, a withdrawal, an adjusted unit, a part of the items, long names.
+    run, a draft, an amendment, a withdrawal, an adjusted unit, a report of less, a part of the
+    items, long names.
     """
     recording, _ = simulate(method, 3)
     measured = _calibrated(recording)
@@ -96,7 +98,11 @@ def cases(method: str) -> Iterator[tuple[str, Certificate]]:
     invalid = measured.model_copy(update={"remarks": (unlike, *measured.remarks)})
     yield "invalid", _certificate(recording, invalid, tolerance)
     why = "the client's address was wrong"
+    assert passed.order is not None
     replaced = Replaced(number="DEMO-2026-0041", issued_on=date(2026, 11, 20), why=why)
+    wrong = passed.order.client.model_copy(update={"address": "2 Gimball Street, Demo City"})
+    before = passed.model_copy(update={"order": passed.order.model_copy(update={"client": wrong})})
+    replaced = replaced.model_copy(update={"changes": differences(before, passed)})
     yield "amendment", passed.model_copy(update={"replaces": replaced})
     yield "amended", passed.model_copy(update={"state": "amended"})
     yield "withdrawn", passed.model_copy(update={"state": "withdrawn"})
@@ -111,11 +117,12 @@ def cases(method: str) -> Iterator[tuple[str, Certificate]]:
             update={"as_found": AsFound(calibrated_on=DAY, calibration=found, decision=decided)}
         ),
     )
+    agreed = {"report": "order 4711 of 2026-11-02, clause 5", "operator": None}
+    yield "report", passed.model_copy(update=agreed)
     part = _without_z(recording)
     yield "partial", _certificate(part, _calibrated(part), tolerance)
     unit = recording.manifest.unit.model_copy(update={"serial": LONG_SERIAL})
     named = recording.manifest.model_copy(update={"unit": unit})
-    assert passed.order is not None
     order = passed.order.model_copy(update={"client": LONG})
     yield "long-names", passed.model_copy(update={"manifest": named, "order": order})
 
@@ -209,6 +216,8 @@ def _certificate(recording: Recording, result: Calibration, tolerance: Tolerance
         decision=_decision(recording, result, tolerance, order),
         budgets=True,
         validation=(named.en, named.zh),
+        tolerance=tolerance,
+        operator="Li Ming",
         curves=curves_of_run(recording, result),
         steps=tuple(Step(step=step, person=person, at=MORNING) for step, person in PERSONS),
     )
@@ -221,5 +230,6 @@ def _decision(
     deviating = conformity.deviations(result, configuration, order.waived_conditions)
     unmet = (each.printed for each in deviating if not each.waived)
     smaller = conformity.smaller_than_stated(result, EQUIPMENT, MORNING.date())
+    bare = conformity.untraceable(EQUIPMENT)
     doubts = record.doubts_of(_validated(), result)
-    return conformity.decide(result, tolerance, (*smaller, *unmet), doubts)
+    return conformity.decide(result, tolerance, (*bare, *smaller, *unmet), doubts)

@@ -163,7 +163,6 @@ def laboratory(**changes: Any) -> Laboratory:
                 certificate="JL-2026-00562",
             ),
         ),
-        "operator": "李明 Li Ming",
         "checker": "王芳 Wang Fang",
         "issuer": "张伟 Zhang Wei",
         "issuer_title": "Technical director",
@@ -223,5 +222,7 @@ def certificate(
         "manifest": manifest(),
         "calibration": result,
         "decision": decision or decide(result, tolerance()),
+        "tolerance": tolerance(),
+        "operator": "李明 Li Ming",
     }
     return Certificate(**(given | changes))

@@ -375,7 +375,8 @@ def test_no_chinese_of_the_program_is_left_in_an_english_certificate() -> None:
     party = laboratory().party.model_copy(update={"name_zh": "", "address_zh": ""})
     english = certificate(
         manifest=manifest(manufacturer="Example"),
-        laboratory=laboratory(party=party, operator="Li", checker="Wang", issuer="Zhang"),
+        laboratory=laboratory(party=party, checker="Wang", issuer="Zhang"),
+        operator="Li",
         budgets=True,
     )
     assert not re.findall(r"[\u4e00-\u9fff]", "".join(pages(render(english, ("en",)))))

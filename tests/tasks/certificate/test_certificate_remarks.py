@@ -76,16 +76,16 @@ def steps(**persons: str) -> tuple[Step, ...]:
 @pytest.mark.parametrize(
     ("state", "taken", "names"),
     [
-        ("draft", {"draft": "Sun"}, ["Sun", "not yet checked", "not yet issued"]),
-        ("checked", {"draft": "Sun", "check": "Qian"}, ["Sun", "Qian", "not yet issued"]),
-        ("issued", {"draft": "Sun", "check": "Qian", "issue": "Zhou"}, ["Sun", "Qian", "Zhou"]),
+        ("draft", {"draft": "Sun"}, ["Wu", "not yet checked", "not yet issued"]),
+        ("checked", {"draft": "Sun", "check": "Qian"}, ["Wu", "Qian", "not yet issued"]),
+        ("issued", {"draft": "Sun", "check": "Qian", "issue": "Zhou"}, ["Wu", "Qian", "Zhou"]),
     ],
 )
 def test_who_took_a_step_signs_and_nobody_else(
     state: str, taken: dict[str, str], names: list[str]
 ) -> None:
-    """The laboratory's file names Li Ming, Wang Fang and Zhang Wei."""
-    made = content(certificate(state=state, steps=steps(**taken)))
+    """Wu measured, and Sun drafted; the laboratory's file names Wang Fang and Zhang Wei."""
+    made = content(certificate(state=state, steps=steps(**taken), operator="Wu"))
     signed = {each.role[1]: each for each in made.signatures}
     assert [signed[role].name[1] for role in ("Operator", "Checked by", "Issued by")] == names
 

@@ -22,7 +22,8 @@ from sample_certificate import certificate, laboratory
 from signing_keys import NOW, PASSPHRASE, Keys, keys
 
 from schemas.base import Unusable
-from schemas.certificate import Certificate, SigningSettings, Token
+from schemas.certificate import Certificate
+from schemas.signature import SigningSettings, Token
 from tasks.certificate.documents import Faces, faces_of
 from tasks.certificate.sign import Signing, signing_of
 from tasks.certificate.verify_file import VerifiedFile, verify_file

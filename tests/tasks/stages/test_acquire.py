@@ -61,12 +61,14 @@ def left_over(home: Home) -> list[Path]:
 def test_serial_is_in_the_recordings_name_and_in_no_files_name(
     station: StationFile, fresh: Home, serial: str
 ) -> None:
-    ((run, _),) = acquire_run(named(station, serial), PROCEDURE, fresh, lambda _: None).kept
+    acquired = acquire_run(named(station, serial), PROCEDURE, fresh, lambda _: None, operator="Sun")
+    ((run, _),) = acquired.kept
     assert run.recording_id.startswith(f"{serial}-short-")
     assert run.serial == serial
     assert left_over(fresh) == []
-    recorded_at = (runs.load(run, fresh).manifest.model_extra or {})["recorded_at"]
-    assert recorded_at[-6] in "+-"  # the station's own day, with its offset
+    stated = runs.load(run, fresh).manifest.model_extra or {}
+    assert stated["recorded_at"][-6] in "+-"  # the station's own day, with its offset
+    assert stated["operator"] == "Sun"
 
 
 def test_run_that_recorded_nothing_leaves_no_file_and_says_why(

@@ -38,10 +38,11 @@ def manifest(recording: Recording, *standards: object) -> Manifest:
     return recording.manifest.model_validate(recording.manifest.model_dump() | more)
 
 
-def test_the_register_goes_before_what_a_recording_names(home: Home) -> None:
+def test_the_register_goes_before_what_a_recording_names(home: Home, ideal_run: Callable) -> None:
     equipment.add([table("C-1", 3e-5, date(2025, 1, 1))], home, "Li")
     equipment.renew([table("C-2", 4e-5, date(2026, 6, 1))], home, "Li")
-    (then,) = standards_in_use((table("C-0", 1e-5),), home, date(2026, 5, 2))
+    named = manifest(ideal_run(), table("C-0", 1e-5))
+    (then,) = standards_in_use(named, home, None, date(2026, 5, 2))
     assert then.certificate == "C-1"
 
 

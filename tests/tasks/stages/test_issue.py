@@ -11,7 +11,7 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.calibration import AdoptedTerm
-from schemas.certificate import Laboratory, Order, Replaced
+from schemas.certificate import Order, Replaced
 from schemas.certificate_orders import AmendOrder
 from schemas.decision import Decision
 from schemas.equipment import MeasurementStandard
@@ -97,8 +97,8 @@ def test_certificates_of_one_run_for_different_purposes_stand_side_by_side(home:
 
 
 def test_numbers_of_a_laboratorys_own_scheme_have_no_gaps(home: Home) -> None:
-    own = Laboratory(
-        party=PARTY, certificate_prefix="校", number_scheme="{prefix}{year}-{serial:03d}"
+    own = LABORATORY.model_copy(
+        update={"certificate_prefix": "校", "number_scheme": "{prefix}{year}-{serial:03d}"}
     )
     done = [issued(home, serial, laboratory=own) for serial in "123"]
     year = done[0].certificate.issued_on.year
@@ -254,6 +254,7 @@ def test_an_amendment_takes_over_what_it_does_not_say(home: Home) -> None:
     new = amendment(AmendOrder(certificate=old.number, by="Sun", why="a digit"), home)
     assert (new.run, new.as_found) == (old.calibration.run, None)
     assert (new.inputs.order, new.inputs.laboratory, new.inputs.by) == (order, LABORATORY, "Sun")
+    assert (new.inputs.tolerance, new.inputs.operator) == (old.tolerance, old.operator)
     assert new.inputs.calibrated_on == old.calibrated_on
     assert new.replaces == Replaced(number=old.number, issued_on=old.issued_on, why="a digit")
 

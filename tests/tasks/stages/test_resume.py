@@ -51,7 +51,7 @@ class Bench:
         self.station = InMemoryStation(config, speed=self.speed, faults=faults)
         self._monkeypatch.setattr(acquire, "acquire", self.station.run)
 
-    def acquire(self, until: str = "", resume: bool = False) -> Recording:
+    def acquire(self, until: str = "", resume: bool = False, by: str = "Sun") -> Recording:
         """until: the segment in which the operator ends it, when the data before it are there."""
         self.begun.clear()
         looks = 0
@@ -64,7 +64,7 @@ class Bench:
             if looks == LOOKS:
                 raise KeyboardInterrupt
 
-        made = acquire_run(self.station.file, FOUR, self.home, report, resume=resume)
+        made = acquire_run(self.station.file, FOUR, self.home, report, resume=resume, operator=by)
         ((run, _),) = made.kept
         return runs.load(run, self.home)
 
@@ -101,7 +101,8 @@ def test_it_goes_on_at_the_first_missing_segment_as_one_run(bench):
     bench.restart()
     left = bench.interrupt("position +y")
     first = read_mcap(left, salvage=True)
-    whole = bench.acquire(resume=True)
+    whole = bench.acquire(resume=True, by="Qian")
+    assert (whole.manifest.model_extra or {})["operator"] == "Sun; Qian"
     positions = [name for name in bench.begun if name.startswith("position")]
     assert positions == ["position +y 000", "position -y 000"]
     assert measured(whole) == NAMES
