@@ -16,7 +16,7 @@ NUMBER = re.compile(r"[+−-]?\d+(?:\.\d+)?(?:[eE][+−-]?\d+)?")
 AXIS = re.compile(r"(?<![A-Za-z])[+−-]?[XYZxyz](?![A-Za-z])")
 FEW = 3  # segments that are named where the remark stands
 # Stated under the item that it is about, with its size.
-SAID_AT_ITEM = {"earth_rotation"}
+STATED_AT_ITEM = {"earth_rotation"}
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ def remarks(
     calibration: Calibration, manifest: Manifest, deviating: tuple[Deviation, ...]
 ) -> tuple[RemarkRow, ...]:
     """What the reader has to know about this calibration: deviations, then remarks."""
-    elsewhere = NOT_RECORDED | SAID_AT_ITEM
+    elsewhere = NOT_RECORDED | STATED_AT_ITEM
     others = (remark for remark in calibration.remarks if remark.code not in elsewhere)
     kinds = {segment.name: segment.kind for segment in manifest.segments or ()}
     printed = (_remark(group, kinds) for group in alike(others))

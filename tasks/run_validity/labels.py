@@ -9,7 +9,7 @@ from schemas.recording import AXES
 from schemas.text import Remark
 from tasks.motion.table import mean_rate
 from tasks.motion.whole import attitude_stream
-from tasks.run_validity.remark import first_of, run_remark
+from tasks.run_validity.remark import run_remark
 from tasks.segments.conditions import Conditions
 from tasks.segments.find import up_of
 from tasks.segments.rates import TurningPoint
@@ -153,7 +153,7 @@ def _short(segments: tuple[SegmentMean, ...], conditions: Conditions) -> Iterato
         yield run_remark(
             "short_dwell", *short, short=len(short), held=len(held),
             asked=f"{conditions.dwell_s:.0f}", clause=conditions.dwell_clause,
-            listed=first_of([f"{name} {lasts:.1f} s" for name, lasts in short.items()]),
+            listed=", ".join(f"{name} {lasts:.1f} s" for name, lasts in short.items()),
         )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from schemas.recording import MEASURED, TRIADS, Recording, Stream
 from schemas.text import Remark
 from tasks.motion.samples import covered
-from tasks.run_validity.remark import first_of, run_remark
+from tasks.run_validity.remark import run_remark
 from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.specifications.evidence import ClauseEvidence
@@ -91,7 +91,7 @@ def _without_rows(recording: Recording) -> Iterator[Remark]:
     counts = {s.name: rows_of(recording, s) for s in measured}
     empty = {name: rows for name, rows in counts.items() if rows < MIN_ROWS}
     if empty:
-        listed = first_of([f"{name} {rows}" for name, rows in empty.items()])
+        listed = ", ".join(f"{name} {rows}" for name, rows in empty.items())
         yield run_remark("without_rows", *empty, count=len(empty), listed=listed)
 
 
@@ -112,7 +112,7 @@ def _null_rows(recording: Recording) -> Iterator[Remark]:
             yield run_remark(
                 "null_rows", *nulls, run="valid",
                 triad=triad[0].removesuffix("_x"), count=len(nulls),
-                listed=first_of([f"{segment} {count}" for segment, count in nulls.items()]),
+                listed=", ".join(f"{segment} {count}" for segment, count in nulls.items()),
             )  # fmt: skip
 
 
@@ -128,10 +128,8 @@ def _table_gap(recording: Recording, segments: tuple[SegmentMean, ...]) -> Itera
         if stop > start:
             first[s.segment.name] = float(bare[start])
     if first:
-        gaps = first_of(
-            [
-                message("validity-table-gap-from", segment=name, time=f"{t:.2f}")
-                for name, t in first.items()
-            ]
+        gaps = tuple(
+            message("validity-table-gap-from", segment=name, time=f"{t:.2f}")
+            for name, t in first.items()
         )
         yield run_remark("table_gap", *first, run="invalid", count=len(first), gaps=gaps)

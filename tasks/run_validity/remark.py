@@ -1,12 +1,8 @@
 """The remark of a check."""
 
-from collections.abc import Sequence
-
 from schemas.text import Remark
 from schemas.validity import RunVerdict
-from tasks.words import Argument, Message, message, remark
-
-LISTED = 3  # segments that a sentence tells one by one
+from tasks.words import Argument, message, remark
 
 
 def run_remark(
@@ -21,10 +17,3 @@ def run_remark(
     """
     sentence = message(f"validity-{code.replace('_', '-')}", **arguments)
     return remark(code, sentence, segments, blocks_pass=run != "valid", run=run)
-
-
-def first_of(entries: Sequence[str | Message]) -> Message:
-    """What is said of some segments, one after the other; of many, the first and how many more."""
-    listed = message("validity-listed", entries=tuple(entries[:LISTED]))
-    more = len(entries) - LISTED
-    return message("validity-first-of", listed=listed, more=more) if more > 0 else listed

@@ -48,8 +48,6 @@ validity-table-gap = The table stream does not cover { $count ->
        *[other] { $count } segments, the attitude and rate of which come
     } from labels alone: { $gaps }.
 validity-table-gap-from = { $segment } from t = { $time } s
-validity-listed = { $entries }
-validity-first-of = { $listed } and { $more } more
 
 ## Checks of the whole run.
 

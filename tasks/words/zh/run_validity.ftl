@@ -35,8 +35,6 @@ validity-without-rows = { $count } 个标注段的数据行过少，未取用：
 validity-null-rows = { $count } 段因含空值行，未取用其 { $triad } 数据：{ $listed }。
 validity-table-gap = 转台数据未覆盖 { $count } 段，其姿态和角速率仅由标注得到：{ $gaps }。
 validity-table-gap-from = { $segment } 自 t = { $time } s 起
-validity-listed = { $entries }
-validity-first-of = { $listed }等，另有 { $more } 段
 
 ## 整个测量过程的检查。
 

@@ -99,9 +99,6 @@ def test_too_short_points_are_listed_with_their_length(ideal_run) -> None:
     (remark,) = remarks(ideal_run(dwell=20.0), "short_dwell")
     assert remark.blocks_pass
     assert "position_+x_000 20.0 s" in remark.en
-    assert remark.en.count("20.0 s") == 3
-    assert remark.en.endswith(f" and {len(remark.segments) - 3} more.")
-    assert remark.zh.endswith(f"等，另有 {len(remark.segments) - 3} 段。")
 
 
 def test_air_outside_clause_6_is_named_with_its_segment(ideal_run) -> None:
