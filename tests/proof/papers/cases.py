@@ -181,7 +181,7 @@ def _limits_near(result: Calibration, given: Tolerance) -> Tolerance:
             "rule": "simple_acceptance",
         }
     )
-    return given.model_copy(update={"limits": (tight,)})
+    return given.model_copy(update={"limits": (tight,), "guard_band_factor": None})
 
 
 def _without_z(recording: Recording) -> Recording:
