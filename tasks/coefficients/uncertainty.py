@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.calibration import Calibration
-from schemas.recording import ACCEL, AXES, GYRO
+from schemas.recording import AXES
 from tasks.coefficients.correct import Coefficients, local_gravity
 from tasks.coefficients.parameters import parameter_covariance
 from tasks.model.term import places
 from tasks.model.terms.standard import GYRO_G_SENSITIVITY, STANDARD_TERMS
+from tasks.segments.summarise import CHANNELS
 
-CHANNELS = (*GYRO, *ACCEL)
 ONE, RATE, FORCE, SQUARED = 0, 1, 4, 7  # first places among 1, ω, f, ω²
 FEATURES = 10
 # Where each term stands: first channel, and the first of what it multiplies.

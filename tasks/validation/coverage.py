@@ -41,9 +41,12 @@ def simulate(method: str, seed: int, ideal: bool = False) -> tuple[Recording, Tr
     """A recording for a method of the unit with this seed, and the truth of its items."""
     record, rate_hz = RUNS[method]
     recording, truth = record(draw_simulated_unit(seed, rate_hz, ideal), seed)
-    if method == "joint":  # its g-sensitivity is without Earth's rotation
-        truth = {**truth, G_SENSITIVITY: truth[WITHOUT_EARTH]}
-    return recording, truth
+    return recording, truth_by(method, truth)
+
+
+def truth_by(method: str, truth: Truth) -> Truth:
+    """What a method should find: the joint method's g-sensitivity is without Earth's rotation."""
+    return {**truth, G_SENSITIVITY: truth[WITHOUT_EARTH]} if method == "joint" else truth
 
 
 def errors_of(calibration: Calibration, truth: Truth) -> Errors:

@@ -13,8 +13,8 @@ from schemas.equipment import EquipmentLimit, LimitName
 from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.station.virtual.unit import DEGREE
 from tasks.uncertainty.equipment import JJF2003, ErrorLimit
-from tasks.validation import run1536, run2003
-from tasks.validation.coverage import simulate
+from tasks.validation import run2003
+from tasks.validation.coverage import RUNS, simulate, truth_by
 from tasks.validation.simulated_calibration import Journey, TableErrors, sensed_rates
 from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit, recording_of
 
@@ -66,12 +66,9 @@ class OnItsBase(SimulatedUnit):
 
 def on_base_by_clock(method: str, seed: int) -> Made:
     """A base as flat as stated, and a clock as good as stated."""
-    record, rate_hz = {
-        "jjf1536": (run1536.record, run1536.RATE_HZ),
-    }.get(method, (run2003.record, run2003.RATE_HZ))
+    record, rate_hz = RUNS[method]
     drawn = draw_simulated_unit(seed, rate_hz)
     recording, truth = record(OnItsBase(drawn.unit, drawn.random), seed)
-    _, plain = simulate(method, seed)
     fast = 1.0 + np.random.default_rng((seed, 9)).uniform(-CLOCK.half_width, CLOCK.half_width)
     segments = tuple(
         label.model_copy(update={"t_start": fast * label.t_start, "t_end": fast * label.t_end})
@@ -84,7 +81,7 @@ def on_base_by_clock(method: str, seed: int) -> Made:
             imu=replace(recording.imu, t=fast * recording.imu.t),
             table=recording.table and replace(recording.table, t=fast * recording.table.t),
         ),
-        truth if method != "joint" else {**truth, **{k: plain[k] for k in plain}},
+        truth_by(method, truth),
     )
 
 
@@ -108,9 +105,7 @@ def on_one_axis(method: str, seed: int) -> Made:
     fields = recording.manifest.model_dump()
     fields["station"] |= {"table_axes": [axis]}
     manifest = type(recording.manifest).model_validate(fields)
-    truth = run2003.truth(simulated, site)
-    if method == "joint":
-        truth = {**truth, "gyro_g_sensitivity": truth[run2003.WITHOUT_EARTH]}
+    truth = truth_by(method, run2003.truth(simulated, site))
     return replace(recording, manifest=manifest, table=outer), truth
 
 
