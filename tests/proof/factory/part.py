@@ -13,6 +13,7 @@ import psutil
 START_S = 180.0  # with every core busy
 END_S = 20.0
 LOOK_S = 0.1
+RESTART_S = 5.0  # after which the unit files of the guide start a service again (RestartSec=)
 
 
 class NotUpError(RuntimeError):
@@ -23,7 +24,8 @@ class NotUpError(RuntimeError):
 class Part:
     """One process, with what it prints in a log.
 
-    answers: whether it does what it is for. Processes that it started are its own affair, as they
+    answers: whether it does what it is for. is_service: whether the computer's service manager
+    starts it again where it ends by itself (Restart=always). Processes that it started are its own affair, as they
     are where a computer's service manager keeps it: a kill is of this process alone.
     """
 
@@ -32,8 +34,10 @@ class Part:
     variables: Mapping[str, str]
     logs: Path
     answers: Callable[[], bool] = lambda: True
+    is_service: bool = False
     processor_s: float = field(default=0.0, init=False)  # of it and what it waited for, once ended
     _process: "subprocess.Popen[bytes] | None" = field(default=None, init=False)
+    _ended_s: float | None = field(default=None, init=False)
 
     def begin(self) -> None:
         """Start the process without waiting for it; its standard input ends with this process."""
@@ -73,6 +77,16 @@ class Part:
             self.processor_s += sum(psutil.Process(self._process.pid).cpu_times()[:4])
         except psutil.Error:
             return
+
+    def keep_up(self) -> None:
+        """Start a service that ended by itself again, as late as a service manager does."""
+        if not self.is_service or self._process is None or self.is_up:
+            self._ended_s = None
+            return
+        self._ended_s = self._ended_s or time.monotonic()
+        if time.monotonic() >= self._ended_s + RESTART_S:
+            self._ended_s = None
+            self.begin()
 
     @property
     def is_up(self) -> bool:

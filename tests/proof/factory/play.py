@@ -88,6 +88,7 @@ def play(
             report(done, len(known))
             is_over = disturbances.is_over and _is_over(orders, papers, known)
         disturbances.tick(done)
+        works.keep_up(disturbances.away)
     seconds = time.monotonic() - began_s
     laboratory.end()
     events = tuple(event for each in operators.values() for event in each.events)

@@ -201,14 +201,21 @@ class Works:
         }
         for pool, command in commands.items():
             self._part(
-                f"worker {pool}", command, PREFECT_WORKER_QUERY_SECONDS=WORKER_LOOKS_S
-            ).begin()
+                f"worker {pool}", command, is_service=True,
+                PREFECT_WORKER_QUERY_SECONDS=WORKER_LOOKS_S,
+            ).begin()  # fmt: skip
+
+    def keep_up(self, away: str | None) -> None:
+        """What the service manager does for the parts, but for one that is killed just now."""
+        for name, part in self.parts.items():
+            if name != away:
+                part.keep_up()
 
     def _part(
         self, name: str, command: Sequence[object], answers: Callable[[], bool] = lambda: True,
-        **changes: str,
+        *, is_service: bool = False, **changes: str,
     ) -> Part:  # fmt: skip
-        part = Part(name, command, self.variables | changes, self.logs, answers)
+        part = Part(name, command, self.variables | changes, self.logs, answers, is_service)
         if name in self.parts:
             part.processor_s = self.parts[name].processor_s
         self.parts[name] = part
