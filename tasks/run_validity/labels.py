@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import linprog
 
 from schemas.recording import AXES
 from schemas.text import Remark
@@ -20,6 +21,8 @@ from tasks.words import message
 LISTED_PAIRS = 5
 TURNING = np.radians(2.0)  # rad/s: a gyro at rest reads no more than the usual rest does
 CREEPING = np.radians(0.01)  # rad/s that a table at rest turns by its encoders
+MIN_RESTS = 8  # twice the unknowns of a zero and its g-sensitivity
+MAX_CONDITION = 100.0  # of attitudes in m/s²: six faces have 10, rests about one axis far more
 FAST = np.radians(5.0)  # rad/s: below it a zero looks like a gain
 FOLLOWS = 0.5  # of a rate, from which a gyro turns with it whatever its scale factor
 ANGLE = 1e-3  # of a turn by an angle, by which the encoders may have it otherwise
@@ -123,20 +126,50 @@ def _turned_angle(evidence: ClauseEvidence, segment: SegmentMean) -> Iterator[Re
 
 
 def _turning_rests(evidence: ClauseEvidence) -> Iterator[Remark]:
-    """Rests in which the table turns, or in which a gyro reads another rate than in the others."""
+    """Rests in which the table turns; without one, those whose gyros read another rate.
+
+    Of a rest whose encoders stand still a gyro may read what it likes: that is its g-sensitivity.
+    """
     rests = [evidence.segments[i] for i in evidence.of_kind("static")]
-    moved = []
-    for rest in rests:
-        rate = mean_rate(evidence.recording, rest.segment)
-        if rate is not None and np.linalg.norm(rate) > CREEPING:
-            moved.append(rest.segment.name)
-    gyro = np.array([rest.mean[GYRO_COLUMNS] for rest in rests]).reshape(-1, 3)
-    if len(rests) and np.isfinite(gyro).any():
-        away = np.abs(gyro - np.nanmedian(gyro, axis=0)) > TURNING
-        moved += [r.segment.name for r, far in zip(rests, away, strict=True) if far.any()]
+    table = [mean_rate(evidence.recording, rest.segment) for rest in rests]
+    moved = [
+        rest.segment.name
+        for rest, rate in zip(rests, table, strict=True)
+        if rate is not None and np.linalg.norm(rate) > CREEPING
+    ]
+    unseen = [rest for rest, rate in zip(rests, table, strict=True) if rate is None]
+    away = np.abs(_unlike_others(unseen)) > TURNING
+    moved += [r.segment.name for r, far in zip(unseen, away, strict=True) if far.any()]
     if moved:
         names = tuple(dict.fromkeys(moved))
         yield run_remark("rest_turns", *names, run="invalid", count=len(names), first=names[0])
+
+
+def _unlike_others(rests: list[SegmentMean]) -> np.ndarray:
+    """(rests, 3) rad/s: what the gyros read beside what most rests agree on.
+
+    Most agree on a zero and, where there are enough rests in enough attitudes to tell, on its
+    g-sensitivity: a fit of least absolute differences, which a few rests that turn do not draw.
+    """
+    gyro = np.array([rest.mean[GYRO_COLUMNS] for rest in rests]).reshape(-1, 3)
+    accel = np.array([rest.mean[ACCEL_COLUMNS] for rest in rests]).reshape(-1, 3)
+    columns = np.column_stack([np.ones(len(rests)), accel])
+    can_tell = len(rests) >= MIN_RESTS and np.isfinite(columns).all() and np.isfinite(gyro).all()
+    if not can_tell or np.linalg.cond(columns) > MAX_CONDITION:
+        return gyro - (np.nanmedian(gyro, axis=0) if np.isfinite(gyro).any() else 0.0)
+    return np.column_stack([each - columns @ _least_absolute(columns, each) for each in gyro.T])
+
+
+def _least_absolute(columns: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(k,) coefficients with the least sum of |values − columns @ coefficients|."""
+    rows, k = columns.shape
+    bound = np.eye(rows)
+    found = linprog(
+        np.r_[np.zeros(k), np.ones(rows)],
+        A_ub=np.block([[columns, -bound], [-columns, -bound]]), b_ub=np.r_[values, -values],
+        bounds=[(None, None)] * k + [(0.0, None)] * rows,
+    )  # fmt: skip
+    return np.asarray(found.x[:k])
 
 
 def point_remarks(evidence: ClauseEvidence, conditions: Conditions) -> Iterator[Remark]:

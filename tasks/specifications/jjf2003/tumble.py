@@ -110,7 +110,7 @@ def _reasons(
     missing = {
         key: message("jjf2003-position-missing", elements=", ".join(item.undetermined), ups=absent)
         for key, item in items.items()
-        if item.undetermined
+        if item.undetermined and absent
     }
     reasons = {key: [by[key] for by in (missing, further) if key in by] for key in items}
     return {key: clauses(parts) for key, parts in reasons.items() if parts}

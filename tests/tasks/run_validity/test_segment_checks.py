@@ -60,6 +60,63 @@ def test_a_rate_the_gyro_contradicts_is_left_out_where_no_table_tells(ideal_run)
     assert scale.value["y"] == pytest.approx(1.0, abs=1e-6)
 
 
+def g_sensitive(recording: Recording) -> Recording:
+    """With 0.5°/s per m/s² of each gyro, far above what a rest's gyro may differ by."""
+    columns = dict(recording.imu.columns)
+    for axis in "xyz":
+        columns[f"gyro_{axis}"] = columns[f"gyro_{axis}"] + np.radians(0.5) * columns["accel_z"]
+    return replace(recording, imu=Stream(recording.imu.t, columns))
+
+
+@pytest.mark.parametrize("has_table", [True, False])
+def test_a_large_g_sensitivity_does_not_make_rests_turn(plant, has_table: bool) -> None:
+    recording = g_sensitive(plant("plant_clean"))
+    recording = recording if has_table else replace(recording, table=None)
+    assert remarks(recording, "rest_turns") == []
+
+
+def test_a_rest_that_turns_is_found_without_encoders_whatever_the_g_sensitivity(plant) -> None:
+    def turn(columns: dict, rows: slice) -> None:
+        columns["gyro_z"][rows] += np.radians(3.0)
+
+    recording = edited(replace(g_sensitive(plant("plant_clean")), table=None),
+                       "position_+z_000", turn)  # fmt: skip
+    (remark,) = remarks(recording, "rest_turns")
+    assert remark.segments == ("position_+z_000",)
+
+
+def laid_by_hand(recording: Recording, degrees: float) -> Recording:
+    """Without encoders, and each rest tilted by that about one of its level axes."""
+    found, tilt = replace(recording, table=None), np.radians(degrees)
+    for number, segment in enumerate(s for s in found.manifest.segments if s.kind == "static"):
+        up = "xyz".index(segment.up[1])
+        level = (up + 1 + number % 2) % 3
+
+        def tilted(columns: dict, rows: slice, up: int = up, level: int = level) -> None:
+            names = f"accel_{'xyz'[up]}", f"accel_{'xyz'[level]}"
+            a, b = (columns[name][rows].copy() for name in names)
+            columns[names[0]][rows] = np.cos(tilt) * a - np.sin(tilt) * b
+            columns[names[1]][rows] = np.sin(tilt) * a + np.cos(tilt) * b
+
+        found = edited(found, segment.name, tilted)
+    return found
+
+
+def test_rests_laid_by_hand_are_tilted_and_their_zero_did_not_drift(plant) -> None:
+    recording = laid_by_hand(plant("plant_clean"), 0.5)
+    found = items_only(JJF2003, recording).remarks
+    assert not {"drift", "unsteady_zero"} & {remark.code for remark in found}
+
+
+def test_a_zero_that_jumped_is_found_in_rests_laid_by_hand(plant) -> None:
+    def jump(columns: dict, rows: slice) -> None:
+        columns["accel_z"][rows] += 0.2
+
+    recording = edited(laid_by_hand(plant("plant_clean"), 0.5), "position_+z_000", jump)
+    (remark,) = remarks(recording, "unsteady_zero")  # of the two with z up, both half of it off
+    assert remark.segments[0].startswith("position_+z")
+
+
 def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant) -> None:
     recording = relabelled(plant("plant_clean"), "rate_y_+100", rate_deg_s=101.0)
     (remark,) = remarks(recording, "rate_contradicted")
