@@ -25,8 +25,8 @@ class Part:
     """One process, with what it prints in a log.
 
     answers: whether it does what it is for. is_service: whether the computer's service manager
-    starts it again where it ends by itself (Restart=always). Processes that it started are its own affair, as they
-    are where a computer's service manager keeps it: a kill is of this process alone.
+    starts it again where it ends by itself (Restart=always). Processes that it started are its own
+    affair, as they are where a computer's service manager keeps it: a kill is of this process alone.
     """
 
     name: str
