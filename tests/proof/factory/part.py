@@ -26,7 +26,7 @@ class Part:
 
     answers: whether it does what it is for. is_service: whether the computer's service manager
     starts it again where it ends by itself (Restart=always). Processes that it started are its own
-    affair, as they are where a computer's service manager keeps it: a kill is of this process alone.
+    affair, as they are where a service manager keeps them: a kill is of this process alone.
     """
 
     name: str
