@@ -10,6 +10,7 @@ takes half a percent at half the band, which a regression sees as a scale factor
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.fft import irfft, rfft, rfftfreq
@@ -19,6 +20,7 @@ LOWEST, HIGHEST = 0.5, 60.0  # Hz: bodies that are tracked move within
 PER_OCTAVE = 3
 NEAR_LEAST = 1.1  # times the least power above: the motion is no longer seen
 ROUNDING = 1e-9  # rad or m: second differences of less are arithmetic
+SHARED = 0.8  # of the poses' power that gyros account for: noise is a quarter of the motion
 FALL = 8  # power of the frequency with which one pass of the filter falls off
 
 
@@ -50,6 +52,41 @@ def band_edge(spans: Sequence[np.ndarray], interval: float) -> float:
     least = np.minimum.accumulate(level[::-1])[::-1]
     ends = np.flatnonzero(level <= NEAR_LEAST * least)
     return float(middle[ends[ends >= strongest][0]])
+
+
+def seen_by_gyros(
+    turned: Sequence[np.ndarray], gyros: Sequence[np.ndarray], interval: float
+) -> float:
+    """Hz up to where the gyros (n, 3) see the turns (n, 3) of the same stretches; 0: nowhere.
+
+    By the multiple coherence of the turns' rates with the three gyros (Bendat, Piersol, Random
+    Data, 2010, 7.3), which neither axes, scale factors nor a delay change: up to where most power
+    is told and least is not. The noise of the poses may have any spectrum.
+    """
+    length = round(WINDOW / interval)
+    window = np.hanning(length)[:, None]
+    power, crossed, own = 0.0, 0.0, 0.0
+    for course, read in zip(turned, gyros, strict=True):
+        rates = np.gradient(course, interval, axis=0)
+        for first in range(0, len(course) - length + 1, max(1, length // 2)):
+            rows = slice(first, first + length)
+            x, y = (rfft(window * (each[rows] - each[rows].mean(axis=0)), axis=0)
+                    for each in (read, rates))  # fmt: skip
+            power = power + x.conj()[:, :, None] * x[:, None, :]
+            crossed = crossed + x.conj()[:, :, None] * y[:, None, :]
+            own = own + (np.abs(y) ** 2).sum(axis=1)
+    if np.ndim(own) == 0:
+        return 0.0
+    frequency = rfftfreq(length, interval)
+    top, gain = min(HIGHEST, 0.45 / interval), [0.0]
+    edges = np.geomspace(LOWEST, top, max(2, round(PER_OCTAVE * np.log2(top / LOWEST))) + 1)
+    for low, high in pairwise(edges):
+        rows = (frequency >= low) & (frequency < high)
+        a, b = power[rows].sum(axis=0), crossed[rows].sum(axis=0)
+        told = np.einsum("ik,ik->", b.conj(), np.linalg.lstsq(a, b, rcond=None)[0]).real
+        gain.append(gain[-1] + told - SHARED * own[rows].sum())
+    best = int(np.argmax(gain))  # a band without motion between two that have some costs little
+    return float(np.sqrt(edges[best - 1] * edges[best])) if best else 0.0
 
 
 def response(frequency: np.ndarray, edge: float) -> np.ndarray:

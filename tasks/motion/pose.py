@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from schemas.recording import ACCEL, Recording, Stream
-from tasks.motion.band import band_edge, derivatives, response
+from schemas.recording import ACCEL, GYRO, Recording, Stream
+from tasks.motion.band import band_edge, derivatives, response, seen_by_gyros
 from tasks.motion.pose_frames import (
     Frames,
     Stretch,
@@ -22,6 +22,7 @@ from tasks.motion.pose_frames import (
     frames_of,
     splined,
 )
+from tasks.motion.samples import interpolated
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -90,7 +91,7 @@ class TrackedMotion:
 
 def tracked_motion(recording: Recording, pose: Stream, at: np.ndarray) -> TrackedMotion:
     """The motion at the times `at` (n,) s; all of it unknown where hardly a frame was seen."""
-    course = _course_of(pose)
+    course = _course_of(pose, recording.imu)
     if course is None:
         nothing = np.full((len(at), 3), np.nan)
         unknown = Tracking(np.inf, None, frames_of(pose).interval, 0.0, 0.0)
@@ -103,7 +104,7 @@ def motion_smoothed_twice(recording: Recording, pose: Stream, at: np.ndarray) ->
 
     It differs from `tracked_motion` by about what smoothing removes from the motion itself.
     """
-    course = _course_of(pose)
+    course = _course_of(pose, recording.imu)
     if course is None:
         return tracked_motion(recording, pose, at)
     return _motion_of(recording, course.smoothed_again(), at)
@@ -183,27 +184,40 @@ class Course:
 
 
 @lru_cache(maxsize=2)  # a recording's motion is asked for again and again, at other times
-def _course_of(pose: Stream) -> Course | None:
+def _course_of(pose: Stream, imu: Stream) -> Course | None:
     """None where hardly a frame was seen."""
     frames = frames_of(pose)
-    return Course.of(frames, _tracking(frames)) if frames.spans else None
+    return Course.of(frames, _tracking(frames, imu)) if frames.spans else None
 
 
-def _tracking(frames: Frames) -> Tracking:
-    attitude, attitude_variance = _smoothing(
-        [each.turned for each in frames.spans], frames.interval
-    )
+def _tracking(frames: Frames, imu: Stream) -> Tracking:
+    turned = [each.turned for each in frames.spans]
+    edge = max(band_edge(turned, frames.interval), _seen_edge(frames, imu))
+    attitude_variance = _removed(turned, frames.interval, edge)
     if not frames.placed:
-        return Tracking(attitude, None, frames.interval, attitude_variance, 0.0)
-    place, place_variance = _smoothing([each.place for each in frames.spans], frames.interval)
-    return Tracking(attitude, place, frames.interval, attitude_variance, place_variance)
+        return Tracking(edge, None, frames.interval, attitude_variance, 0.0)
+    places = [each.place for each in frames.spans]
+    place = band_edge(places, frames.interval)
+    place_variance = _removed(places, frames.interval, place)
+    return Tracking(edge, place, frames.interval, attitude_variance, place_variance)
 
 
-def _smoothing(courses: Sequence[np.ndarray], interval: float) -> tuple[float, float]:
-    """Where the band of courses (n, 3) ends, Hz, and the variance of one sample's noise."""
-    edge = band_edge(courses, interval)
+def _seen_edge(frames: Frames, imu: Stream) -> float:
+    """Hz up to where the unit's gyros see the frames turn; 0: nowhere, or not known."""
+    known = np.isfinite(imu.stack(GYRO)).all(axis=1) if set(GYRO) <= set(imu.columns) else ()
+    if not np.any(known):
+        return 0.0
+    t, gyro = imu.t[known], imu.stack(GYRO)[known]
+    spans = [each for each in frames.spans if t[0] <= each.t[0] and each.t[-1] <= t[-1]]
+    gyros = [interpolated(each.t, t, gyro) for each in spans]
+    seen = seen_by_gyros([each.turned for each in spans], gyros, frames.interval)
+    return min(seen, 0.45 / float(np.median(np.diff(t))))
+
+
+def _removed(courses: Sequence[np.ndarray], interval: float, edge: float) -> float:
+    """Variance of one sample's noise of courses (n, 3), by what smoothing up to edge removes."""
     rest = np.concatenate([course - derivatives(course, interval, edge)[0] for course in courses])
-    return edge, float((rest**2).mean()) / taken_away(edge, interval)
+    return float((rest**2).mean()) / taken_away(edge, interval)
 
 
 def _corrected(stretch: Stretch, smooth: np.ndarray) -> "Rotation":

@@ -117,13 +117,15 @@ def prepare(
     tell(progress, "motion")
     recorded, on_empty = without_empty_rows(as_mean_rates(recording))
     faults, right, full = without_faults(recorded, reference)
-    pose, on_turn = in_unit_axes(right, full.motion)
+    late = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
+    on_time = full_rate(advanced(right, late)) if late else full
+    pose, on_turn = in_unit_axes(right, on_time.motion)
     if pose is not None:
         recorded, right = (replace(one, reference=pose) for one in (recorded, right))
         full = full_rate(right)
     full = replace(full, remarks=(*on_empty, *full.remarks, *on_turn))
     tell(progress, "events")
-    delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
+    delay = late if pose is None or not delay_sought else coarse_delay(_between_fresh(full))
     rows, events = _with_delay(right, full, delay)
     losses = [event for event in events.events if isinstance(event, LostSamples)]
     more = coarse_delay(rows, until=losses[0].times[0]) if losses and delay_sought else 0.0
@@ -159,10 +161,10 @@ def _as_stamped(full: FullRate, earlier: Motion, delay: float) -> FullRate:
     """What was recorded, with the acceleration that gyros showed `delay` s later."""
     if full.motion.tracking is None or not delay:
         return full
-    t, known = full.motion.t, np.isfinite(earlier.acceleration).all(axis=1)
-    acceleration = interpolated(t, t[known] - delay, earlier.acceleration[known])
-    same = np.where(np.isfinite(full.motion.acceleration), acceleration, np.nan)
-    return replace(full, motion=replace(full.motion, acceleration=same))
+    shown = shifted_within(earlier, earlier.acceleration, -delay)
+    own = full.motion.acceleration
+    acceleration = np.where(np.isfinite(shown) & np.isfinite(own), shown, own)
+    return replace(full, motion=replace(full.motion, acceleration=acceleration))
 
 
 def _between_fresh(full: FullRate) -> FullRate:
