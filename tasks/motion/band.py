@@ -65,18 +65,18 @@ def seen_by_gyros(
     """
     length = round(WINDOW / interval)
     window = np.hanning(length)[:, None]
-    power, crossed, own = 0.0, 0.0, 0.0
+    count = length // 2 + 1
+    power, crossed = (np.zeros((count, 3, 3), complex) for _ in range(2))
+    own = np.zeros(count)
     for course, read in zip(turned, gyros, strict=True):
         rates = np.gradient(course, interval, axis=0)
         for first in range(0, len(course) - length + 1, max(1, length // 2)):
             rows = slice(first, first + length)
             x, y = (rfft(window * (each[rows] - each[rows].mean(axis=0)), axis=0)
                     for each in (read, rates))  # fmt: skip
-            power = power + x.conj()[:, :, None] * x[:, None, :]
-            crossed = crossed + x.conj()[:, :, None] * y[:, None, :]
-            own = own + (np.abs(y) ** 2).sum(axis=1)
-    if np.ndim(own) == 0:
-        return 0.0
+            power += x.conj()[:, :, None] * x[:, None, :]
+            crossed += x.conj()[:, :, None] * y[:, None, :]
+            own += (np.abs(y) ** 2).sum(axis=1)
     frequency = rfftfreq(length, interval)
     top, gain = min(HIGHEST, 0.45 / interval), [0.0]
     edges = np.geomspace(LOWEST, top, max(2, round(PER_OCTAVE * np.log2(top / LOWEST))) + 1)

@@ -74,6 +74,12 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     if not ordered:
         findings = without_slivers(findings, nuisances)
+        # Of what every model has, a part without a name says nothing of the unit: see the remarks.
+        common = {t.key for group in evidence.groups if group.nuisance for t in group.terms}
+        findings = [
+            one for one in findings
+            if one.effect != UNNAMED or not one.terms or not common.issuperset(one.terms)
+        ]  # fmt: skip
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     reported = [one for one in findings if one not in small]
     mostly = left.explained_share < MOSTLY and not ordered

@@ -96,12 +96,12 @@ def scrutinised(evidence: Evidence) -> dict[int, Scrutiny]:
 
 
 def _only_a_nuisance(evidence: Evidence, number: int, scrutiny: Scrutiny) -> bool:
-    """Whether it is in every model of such a recording, and this one determines none of it."""
+    """Whether it is in every model of such a recording, and this one has no evidence for more: an
+    unnamed rest of what every model fits is none of the unit's.
+    """
     if not evidence.groups[number].nuisance:
         return False
-    refusal = scrutiny.refusal
-    unclear = refusal is not None and refusal.kind == "undetermined"
-    return unclear or unsupported(evidence, number, 1) or evidence.held_out_gain(number) <= 0.0
+    return scrutiny.refusal is not None or unsupported(evidence, number, 1) or evidence.held_out_gain(number) <= 0.0
 
 
 def _refused(scrutiny: Scrutiny | None) -> bool:
