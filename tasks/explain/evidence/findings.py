@@ -101,7 +101,8 @@ def _only_a_nuisance(evidence: Evidence, number: int, scrutiny: Scrutiny) -> boo
     """
     if not evidence.groups[number].nuisance:
         return False
-    return scrutiny.refusal is not None or unsupported(evidence, number, 1) or evidence.held_out_gain(number) <= 0.0
+    unclear = scrutiny.refusal is not None or unsupported(evidence, number, 1)
+    return unclear or evidence.held_out_gain(number) <= 0.0
 
 
 def _refused(scrutiny: Scrutiny | None) -> bool:
