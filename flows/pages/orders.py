@@ -32,7 +32,7 @@ from tasks.station import procedures
 LAST_LINE = 500  # characters of the log that a failed order shows
 FIELDS: Mapping[Action, tuple[str, ...]] = {  # of each order; whatever else is sent is left out
     "acquire": ("station", "serial", "manufacturer", "model", "procedure", "client_order"),
-    "certify": ("run",),
+    "certify": ("run", "client_order", "tolerance", "operator", "report"),
     "check": ("certificate", "reason"),
     "issue": ("certificate", "reason"),
     "amend": ("certificate", "reason", "tolerance"),
@@ -110,31 +110,45 @@ class Orders:
     def _certify(self, fields: Fields, person: str) -> str:
         """A run of the store, and no recording that lies elsewhere."""
         run = find(fields.get("run", ""), self._home).id
-        return self._begin("certify", run, person, [run])
+        options = [run, *self._limits(fields)]
+        if name := self._client_order(fields):
+            options.append(f"--order={order_queue.client_order_folder(self._home) / name}")
+        options += [f"--{name}={fields[name]}" for name in ("operator", "report") if name in fields]
+        return self._begin("certify", run, person, options)
 
     def _amend(self, fields: Fields, person: str) -> str:
         """An issued certificate of the catalogue, with limits of the home."""
         number = certificates.entry_of(fields.get("certificate", ""), self._home).number
-        options = [number, f"--why={fields.get('reason', '')}"]
-        if name := fields.get("tolerance"):
-            if name not in tolerance_files(self._home):
-                raise Unusable(f"there are no limits {name!r} in {self._home.tolerances}")
-            options.append(f"--tolerance={self._home.tolerances / name}")
+        options = [number, f"--why={fields.get('reason', '')}", *self._limits(fields)]
         return self._begin("amend", number, person, options)
 
-    def _acquire(self, fields: Fields, person: str) -> str:
-        """An order for the queue of a station, by a procedure that comes with the program."""
-        procedures.load(fields.get("procedure", "jjf2003"))
+    def _limits(self, fields: Fields) -> list[str]:
+        """The option that names limits of the home."""
+        name = fields.get("tolerance")
+        if name is None:
+            return []
+        if name not in tolerance_files(self._home):
+            raise Unusable(f"there are no limits {name!r} in {self._home.tolerances}")
+        return [f"--tolerance={self._home.tolerances / name}"]
+
+    def _client_order(self, fields: Fields) -> str:
+        """The file name of a client's order of the home; empty without one."""
         name = fields.get("client_order", "")
         if name and name not in order_queue.client_orders_of(self._home):
             folder = order_queue.client_order_folder(self._home)
             raise Unusable(f"there is no client's order {name!r} in {folder}")
+        return name
+
+    def _acquire(self, fields: Fields, person: str) -> str:
+        """An order for the queue of a station, by a procedure that comes with the program."""
+        procedures.load(fields.get("procedure", "jjf2003"))
+        folder = order_queue.client_order_folder(self._home)
         named = {each: fields[each] for each in ("manufacturer", "model") if each in fields}
         serials = [each.strip() for each in fields.get("serial", "").split(",")]
         request = request_of(
             station=fields.get("station", ""),
             units=[named | {"serial": serial} for serial in serials],
-            client_order=client_order_named(name, order_queue.client_order_folder(self._home)),
+            client_order=client_order_named(self._client_order(fields), folder),
             **({"procedure": fields["procedure"]} if "procedure" in fields else {}),
         )
         given = order_queue.give(request, person, self._home)

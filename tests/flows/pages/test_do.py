@@ -118,6 +118,8 @@ def test_long_work_is_a_process_of_the_command_line_with_an_entry_in_the_trail(
         ("amend", {"certificate": "/etc", "reason": "why"}),
         ("certify", {"run": "/etc"}),
         ("certify", {"run": "--help"}),
+        ("certify", {"run": "run of 1", "client_order": "../own.toml"}),
+        ("certify", {"run": "run of 1", "tolerance": "../own.toml"}),
         ("reprocess", {"since": "not a day"}),
     ],
 )
@@ -125,10 +127,26 @@ def test_nothing_is_started_of_what_is_not_the_homes_own(
     action: Action, fields: dict[str, str], tmp_path: Path, started: Started
 ) -> None:
     add_station(tmp_path)
+    draft(Home(tmp_path), "1")
     (tmp_path / "own.toml").write_text(CLIENT, encoding="utf-8")
     with pytest.raises(Unusable):
         Orders(Home(tmp_path)).give(action, fields, Visitor(name="Li", role="operator"))
     assert started.commands == []
+
+
+def test_a_draft_is_ordered_with_whose_it_is_who_measured_and_whether_it_is_a_report(
+    tmp_path: Path, started: Started
+) -> None:
+    home, folder = Home(tmp_path), tmp_path / "client-orders"
+    draft(home, "1")
+    folder.mkdir()
+    (folder / "acme.toml").write_text(CLIENT, encoding="utf-8")
+    form = {"run": "run of 1", "client_order": "acme.toml", "operator": "Li Na", "report": "§ 4"}
+    run = Orders(home).give("certify", form, Visitor(name="Li", role="operator"))
+    ((command, _),) = started.commands
+    assert command[-4:] == [
+        run, f"--order={folder / 'acme.toml'}", "--operator=Li Na", "--report=§ 4"
+    ]  # fmt: skip
 
 
 def test_a_form_for_each_order_that_the_role_allows(tmp_path: Path) -> None:
