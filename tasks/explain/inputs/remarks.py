@@ -30,10 +30,13 @@ def reference_remarks(recording: Recording, motion: Motion) -> tuple[Sayable, ..
             percent = f"{100.0 * motion.felt[:, 3].mean():.0f}"
             remarks.append(message("reference-without-positions", percent=percent))
     remarks.append(message("reference-nuisances"))
-    lost = 1.0 - float(motion.felt[:, 0].mean())
-    if lost > WORTH_SAYING:
-        percent, frames = f"{100.0 * lost:.0f}", int(BRIDGED) - 1
-        remarks.append(message("reference-lost", percent=percent, frames=frames))
+    unknown = 1.0 - float(motion.felt[:, 0].mean())
+    if unknown > WORTH_SAYING and recording.reference is not None:
+        steps = np.diff(recording.reference.t)
+        missing = float(steps[steps > BRIDGED * tracking.interval].sum() / steps.sum())
+        shares = {"unknown": unknown, "missing": missing}
+        given = {name: f"{100.0 * share:.0f}" for name, share in shares.items()}
+        remarks.append(message("reference-lost", frames=int(BRIDGED) - 1, **given))
     return tuple(remarks)
 
 

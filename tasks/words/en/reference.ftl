@@ -3,7 +3,7 @@
 reference-smoothed = The poses were smoothed according to their own noise: rates are the derivative of the attitude up to { $attitude } Hz, and specific force includes the second derivative of the positions up to { $place } Hz. Above these frequencies the noise of the poses exceeds the motion, and nothing was compared.
 reference-smoothed-attitude = The poses were smoothed according to their own noise: rates are the derivative of the attitude up to { $attitude } Hz. Above this frequency the noise of the poses exceeds the motion, and nothing was compared.
 reference-without-positions = The poses contain no positions (px, py, pz), so the specific force of a moving body is unknown. The accelerometers were compared only at rest, { $percent } % of the time; record positions as well.
-reference-lost = The poses are missing during { $percent } % of the recording: gaps of more than { $frames } frames were not interpolated, and nothing was compared there.
+reference-lost = Nothing was compared during { $unknown } % of the recording: poses are missing during { $missing } %, where gaps of more than { $frames } frames were not interpolated, and beside each gap and at both ends their derivatives are not known.
 reference-labels-against-gravity = Labels contradicted by gravity were excluded: { $segments }.
 reference-rests-disturbed = { $rows } rows in { $segments } lie far from the rest of their segment, as if the unit had been touched or were already moving; they were not used.
 reference-labels-against-rate = Labels whose rate the { $table ->

@@ -3,7 +3,7 @@
 reference-smoothed = 位姿按其自身噪声作了平滑：角速度取姿态的导数，至 { $attitude } Hz；比力含位置的二阶导数，至 { $place } Hz。更高频率处位姿噪声大于运动本身，未作比较。
 reference-smoothed-attitude = 位姿按其自身噪声作了平滑：角速度取姿态的导数，至 { $attitude } Hz。更高频率处位姿噪声大于运动本身，未作比较。
 reference-without-positions = 位姿不含位置（px、py、pz）：物体运动时的比力未知。加速度计只在静止时段作了比较，占 { $percent } %；请同时记录位置。
-reference-lost = 位姿在记录的 { $percent } % 时间内无内容：连续缺失多于 { $frames } 帧处未作插值，也未作比较。
+reference-lost = 记录的 { $unknown } % 时间未作比较：其中 { $missing } % 时间缺少位姿（连续缺失多于 { $frames } 帧处未作插值），各缺口两侧及首尾处位姿的导数未知。
 reference-labels-against-gravity = 与重力相矛盾的标注未予采用：{ $segments }。
 reference-rests-disturbed = { $segments } 中有 { $rows } 行明显偏离所在静止段的其余数据，似因触碰或已开始运动，未予采用。
 reference-labels-against-rate = 速率与{ $table ->
