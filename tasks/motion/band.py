@@ -60,8 +60,8 @@ def seen_by_gyros(
     """Hz up to where the gyros (n, 3) see the turns (n, 3) of the same stretches; 0: nowhere.
 
     By the multiple coherence of the turns' rates with the three gyros (Bendat, Piersol, Random
-    Data, 2010, 7.3), which neither axes, scale factors nor a delay change: up to where most power
-    is told and least is not. The noise of the poses may have any spectrum.
+    Data, 2010, 7.3), which neither axes, scale factors nor a delay change: up to where the power
+    that both have in common exceeds SHARED of all by most. The poses' noise may have any spectrum.
     """
     length = round(WINDOW / interval)
     window = np.hanning(length)[:, None]
@@ -83,8 +83,8 @@ def seen_by_gyros(
     for low, high in pairwise(edges):
         rows = (frequency >= low) & (frequency < high)
         a, b = power[rows].sum(axis=0), crossed[rows].sum(axis=0)
-        told = np.einsum("ik,ik->", b.conj(), np.linalg.lstsq(a, b, rcond=None)[0]).real
-        gain.append(gain[-1] + told - SHARED * own[rows].sum())
+        shared = np.einsum("ik,ik->", b.conj(), np.linalg.lstsq(a, b, rcond=None)[0]).real
+        gain.append(gain[-1] + shared - SHARED * own[rows].sum())
     best = int(np.argmax(gain))  # a band without motion between two that have some costs little
     return float(np.sqrt(edges[best - 1] * edges[best])) if best else 0.0
 
