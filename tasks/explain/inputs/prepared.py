@@ -13,6 +13,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import orth
 
 from schemas.recording import Recording
+from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.empty_rows import without_empty_rows
@@ -33,6 +34,7 @@ from tasks.model.terms.timing import shifted_within
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.motion.samples import bridged, interpolated
 from tasks.motion.whole import Motion
+from tasks.readings.stamps import with_instants
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
@@ -115,13 +117,14 @@ def prepare(
     Raises Unusable where the recording tells no motion or is too short.
     """
     tell(progress, "motion")
-    recorded, on_empty = without_empty_rows(as_mean_rates(recording))
+    recorded, on_empty = without_empty_rows(as_mean_rates(with_instants(recording)))
     faults, right, full = without_faults(recorded, reference)
     pose, on_turn = in_unit_axes(right, full.motion)
     if pose is not None:
         recorded, right = (replace(one, reference=pose) for one in (recorded, right))
         full = full_rate(right)
-    full = replace(full, remarks=(*on_empty, *full.remarks, *on_turn))
+    put_right = (Statement(en=each.en, zh=each.zh) for each in right.put_right)
+    full = replace(full, remarks=(*put_right, *on_empty, *full.remarks, *on_turn))
     tell(progress, "events")
     delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     rows, events = _with_delay(right, full, delay)
