@@ -25,6 +25,9 @@ FINEST = 200.0  # Hz: samples nearer to each other are averaged first
 FEWEST = 3  # samples that have derivatives
 BETWEEN = 2  # samples on each side of a time that its value is drawn through
 ORDER = 6  # of the differences that the encoder's noise is read off
+SLOW = 0.15  # s between samples: corners of a ramp are no longer a small part of the motion
+QUIET_DIFFERENCES = 5.0  # standard deviations that noise makes of differences
+UNRESOLVED = 3e-4  # rad/s by which a rate may be wrong that slow samples make
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
 
 
@@ -75,6 +78,23 @@ class SmoothCourse:
         return filtered(self.thinned, _bend_kernel(self.half) / self.interval**2)
 
     @cached_property
+    def resolved(self) -> np.ndarray:
+        """(m, k) bool: samples show the motion about them, up to the noise of the angles.
+
+        The rate of a quartic through five errs by a thirtieth of their fifth difference: by how the
+        fourth ones, beside each other, differ where a table accelerates between slow samples.
+        """
+        from scipy.ndimage import minimum_filter  # late: see encoder_rate
+
+        known = np.ones(self.thinned.shape, bool)
+        if self.interval < SLOW or len(known) < 2 * FEWEST:
+            return known
+        missed = np.abs(np.diff(self.thinned, 4, axis=0)) / (30.0 * self.interval)
+        noise = QUIET_DIFFERENCES * np.sqrt(70.0 * self.variance) / (30.0 * self.interval)
+        known[2:-2] = missed < np.maximum(UNRESOLVED, noise[2:-2])
+        return np.asarray(minimum_filter(known, size=(3, 1)))
+
+    @cached_property
     def _slopes(self) -> tuple[np.ndarray, np.ndarray]:
         """Of rate and acceleration (m, k) on the grid, by their neighbours."""
         rate, acceleration = (
@@ -90,9 +110,10 @@ class SmoothCourse:
     def at(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """As `smooth_derivatives`."""
         shortest = len(self.slope.kernels[0]) // 2
+        resolved = interpolated(at, self.even, self.resolved.astype(float)) == 1.0
         rates, accelerations = (
             np.where(
-                covered(self.t, at, (reach + BETWEEN) * self.slope.interval)[:, None],
+                resolved & covered(self.t, at, (reach + BETWEEN) * self.slope.interval)[:, None],
                 _between(at, self.even, derivative, slopes),
                 np.nan,
             )
