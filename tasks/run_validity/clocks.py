@@ -33,9 +33,10 @@ def clock_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     found = (_delay(by_unit, by_table, interval) for by_unit, by_table in parts)
     delays = [delay for delay in found if delay is not None]
     worst = max(delays, key=abs, default=0.0)
-    if abs(worst) > LARGEST:
+    limit = max(LARGEST, interval)  # of rows farther apart no shift by one is known
+    if abs(worst) > limit:
         yield run_remark(
-            "clocks_apart", run="invalid", delay=f"{worst:+.2f}", limit=f"{LARGEST:g}",
+            "clocks_apart", run="invalid", delay=f"{worst:+.2f}", limit=f"{limit:g}",
         )  # fmt: skip
 
 
@@ -80,7 +81,7 @@ def _rates(recording: Recording, interval: float) -> tuple[np.ndarray, np.ndarra
     is_known = _recorded(imu.t, at) & _recorded(table.t, at)
     by_table = is_known * np.abs(_steps(at, table.t, angles)).sum(axis=1) / interval
     gyro = np.nan_to_num(imu.stack(GYRO))
-    turned = np.cumsum(gyro[:-1] * np.diff(imu.t)[:, None], axis=0)
+    turned = np.cumsum(0.5 * (gyro[1:] + gyro[:-1]) * np.diff(imu.t)[:, None], axis=0)
     vector = _steps(at, imu.t, np.vstack([np.zeros(3), turned])) / interval
     by_unit = np.linalg.norm(vector - _bias(vector[is_known & (by_table < MOVING)]), axis=1)
     return is_known * by_unit, by_table
