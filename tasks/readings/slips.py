@@ -5,6 +5,7 @@ windows in which the motion changes, the delay of the readings beside the motion
 staircase of whole samples.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,6 +26,8 @@ MODEL_U = 0.08  # of a sample interval: what else may look like a delay in a win
 MIN_WINDOWS = 6
 CHANGE_POINT_COST = 50.0  # chi-squared that a further loss must gain: more than one window
 MIN_GAIN = 75.0  # chi-squared that losses must gain against a constant and a running delay
+CHANGE_IN_ROWS = 300.0  # chi-squared, of rows: a small error of the model adds up over hundreds
+LIKELY = 25.0  # chi-squared: what the model misses at rest makes a few
 CLOSE = 0.2  # sample intervals: half of the windows lie nearer to the staircase
 FEW = 3  # windows: a level of fewer may be those in which samples were lost
 WHOLE = 0.25  # sample intervals that a step may be off a whole number
@@ -183,24 +186,26 @@ def _best_path(delays: WindowDelays) -> tuple[np.ndarray, float]:
     """The cheapest staircase (m,) and its first delay, from several first delays to begin with."""
     candidates = []
     for first in np.unique(np.round(delays.delay[: max(3, len(delays.at) // 4)], 1)):
-        path = _cheapest_path(delays, float(first))
+        start, states = float(first), np.arange(MAX_LOST + 1)[:, None]
+        path = cheapest_path(delays.cost(start + states))
         for _ in range(3):
             start = float(np.median(delays.delay - path))
-            path = _cheapest_path(delays, start)
+            path = cheapest_path(delays.cost(start + states))
         candidates.append((path, start))
     return min(candidates, key=lambda candidate: _cost(delays, *candidate))
 
 
-def _cheapest_path(delays: WindowDelays, start: float) -> np.ndarray:
-    """The rising staircase of least cost, by dynamic programming over the samples lost."""
-    states = np.arange(MAX_LOST + 1)
-    cost = delays.cost(start + states[:, None])  # (states, windows)
+def cheapest_path(cost: np.ndarray, change: float = CHANGE_POINT_COST) -> np.ndarray:
+    """The rising staircase (n,) from 0 up of least cost (states, n), each of its change points
+    included, by dynamic programming over the samples lost.
+    """
+    states = np.arange(len(cost))
     total = np.where(states == 0, cost[:, 0], np.inf)
     came_from = np.zeros(cost.shape, int)
     for k in range(1, cost.shape[1]):
         best = np.minimum.accumulate(total)
         first = np.maximum.accumulate(np.where(total == best, states, 0))
-        jump = np.concatenate([[np.inf], best[:-1]]) + CHANGE_POINT_COST
+        jump = np.concatenate([[np.inf], best[:-1]]) + change
         stay = total <= jump
         came_from[:, k] = np.where(stay, states, np.concatenate([[0], first[:-1]]))
         total = np.where(stay, total, jump) + cost[:, k]
@@ -208,6 +213,23 @@ def _cheapest_path(delays: WindowDelays, start: float) -> np.ndarray:
     for k in range(cost.shape[1] - 1, 0, -1):
         path.append(int(came_from[path[-1], k]))
     return np.array(path[::-1], float)
+
+
+def placed(cost: np.ndarray) -> Iterator[tuple[int, int, int]]:
+    """The jumps of the cheapest staircase of a cost (states, n): the first and the last place that
+    each may have, up to a chi-squared of LIKELY, and how high it is.
+    """
+    path = cheapest_path(cost, CHANGE_IN_ROWS).astype(int)
+    after = np.flatnonzero(np.diff(path)) + 1
+    for before, place, behind in zip(
+        [0, *after[:-1].tolist()], after.tolist(), [*after[1:].tolist(), len(path) - 1], strict=True
+    ):
+        here = slice(before, behind)
+        # What it costs that the jump comes later: what is before it, and after it.
+        beside = cost[path[place - 1], here] - cost[path[place], here]
+        course = np.concatenate([[0.0], np.cumsum(beside)])
+        likely = before + np.flatnonzero(course <= course.min() + LIKELY)
+        yield int(likely[0]), int(likely[-1]), int(path[place] - path[place - 1])
 
 
 def _drift_cost(delays: WindowDelays) -> float:

@@ -16,7 +16,14 @@ from tasks.explain.events.noise import noise_by_rate
 from tasks.model.fit import plain_prediction
 from tasks.motion.samples import gaps, interpolated, sample_interval
 from tasks.motion.whole import Motion
-from tasks.readings.slips import MODEL_U, Staircase, fit_staircase, window_delays
+from tasks.readings.slips import (
+    MODEL_U,
+    OUTLIER,
+    Staircase,
+    fit_staircase,
+    placed,
+    window_delays,
+)
 from tasks.words import Message, message
 from tasks.words.quantities import moment
 
@@ -41,16 +48,11 @@ class LostSamples(Event):
 
 
 def find_lost_samples(
-    readings: np.ndarray,
-    motion: Motion,
-    predicted: np.ndarray,
-    masked: np.ndarray,
-    start: float = 0.0,
+    readings: np.ndarray, motion: Motion, masked: np.ndarray, start: float = 0.0
 ) -> LostSamples | None:
     """Losses that the stamps do not show.
 
-    predicted: (n, 6) by a plain fit. masked: (n, 6) readings that a limit disturbs. start: of
-    t = 0 on the recording's own clock, s.
+    masked: (n, 6) readings that a limit disturbs. start: of t = 0 on the recording's own clock, s.
     """
     t = motion.t
     if len(t) < 3 or not motion.known.any():
@@ -65,46 +67,59 @@ def find_lost_samples(
         steps = None if delays is None else fit_staircase(delays)
         if steps is None:
             return event
-        late = interpolated(t + steps.delay(t) * interval, t, predicted)
-        fitted = plain_prediction(readings - np.nan_to_num(late - predicted), motion, masked)
-        late += fitted - predicted
-        predicted, signal = fitted, fitted[:, own]
+        predicted, late = aligned_prediction(t + steps.delay(t) * interval, readings, motion, masked)
+        signal = predicted[:, own]
         slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
         variance = noise_by_rate(used - late, motion) ** 2 + (2 * MODEL_U * slope) ** 2
         event = _event(t, interval, used, predicted, variance, steps, start)
     return event
 
 
+def aligned_prediction(
+    instants: np.ndarray, readings: np.ndarray, motion: Motion, masked: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The plain fit of readings (n, 6) by the motion when they were taken, instants (n,) s that
+    rise: what it predicts for the stamps, and for the instants.
+
+    A fit beside the stamps would lose the more of the motion the farther they slipped.
+    """
+
+    def then(values: np.ndarray) -> np.ndarray:
+        flat = interpolated(instants, motion.t, values.reshape(len(values), -1))
+        return flat.reshape(values.shape)
+
+    late = plain_prediction(readings, motion.mapped(then), masked)
+    return interpolated(motion.t, instants, late), late
+
+
 def _event(
     t: np.ndarray, interval: float, readings: np.ndarray, predicted: np.ndarray,
     variance: np.ndarray, steps: Staircase, start: float,
 ) -> LostSamples:  # fmt: skip
-    """Each jump of the staircase, placed by all rows (n, 6) of the two windows beside it."""
+    """Each jump of the staircase, placed by all rows (n, 6) of the windows beside it."""
     times, losses, parameters, texts = [], [], list[FoundParameter](), []
-    reach = steps.delays.width / 2
-    for k in np.flatnonzero(np.diff(steps.lost)):
-        first = int(np.searchsorted(t, steps.delays.at[k] - reach))
-        rows = slice(first, int(np.searchsorted(t, steps.delays.at[k + 1] + reach)))
-        levels = (steps.first + steps.lost[k : k + 2]) * interval
-        signals = (interpolated(t[rows] + level, t, predicted) for level in levels)
-        before, after = (
-            np.nan_to_num((readings[rows] - signal) ** 2 / variance[rows]) for signal in signals
-        )
-        # Chi-squared if the jump comes before row j: what is before it, and after it.
-        cost = np.concatenate([[0.0], np.cumsum((before - after).sum(axis=1))])
-        likely = first + np.flatnonzero(cost <= cost.min() + 4)
-        low, high = float(t[likely[0]]), float(t[min(likely[-1], len(t) - 1)])
-        time, lost = 0.5 * (low + high), float(steps.lost[k + 1] - steps.lost[k])
-        u = max((high - low) / np.sqrt(12), interval)
-        times.append(time)
-        losses.append(lost)
-        parameters += [
-            FoundParameter(name=f"lost_{len(times)}", value=lost, unit="1", u=steps.u),
-            FoundParameter(name=f"time_{len(times)}", value=start + time, unit="s", u=u),
-        ]
-        texts.append(
-            message("events-lost-samples-at", lost=f"{lost:.0f}", time=moment(start + time))
-        )
+    jumps = np.flatnonzero(np.diff(steps.lost))
+    for near in np.split(jumps, np.flatnonzero(np.diff(jumps) > 1) + 1):
+        beside = steps.delays.at[[near[0], near[-1] + 1]] + steps.delays.width / 2 * np.array([-1, 1])
+        first, last = np.searchsorted(t, beside)
+        levels = np.arange(steps.lost[near[0]], steps.lost[near[-1] + 1] + 1)
+        cost = np.empty((len(levels), last - first))
+        for each, level in zip(cost, (steps.first + levels) * interval, strict=True):
+            off = readings[first:last] - interpolated(t[first:last] + level, t, predicted)
+            each[:] = np.minimum(np.nansum(off**2 / variance[first:last], axis=1), OUTLIER)
+        cost[:-1, -1] = np.inf
+        for low, high, lost in placed(cost):
+            begun, ended = float(t[first + low]), float(t[min(first + high, len(t) - 1)])
+            time, u = 0.5 * (begun + ended), max((ended - begun) / np.sqrt(12), interval)
+            times.append(time)
+            losses.append(float(lost))
+            parameters += [
+                FoundParameter(name=f"lost_{len(times)}", value=lost, unit="1", u=steps.u),
+                FoundParameter(name=f"time_{len(times)}", value=start + time, unit="s", u=u),
+            ]
+            texts.append(
+                message("events-lost-samples-at", lost=f"{lost:d}", time=moment(start + time))
+            )
     return LostSamples(
         "dropped_samples", EVERY, tuple(parameters), float(chi2.sf(steps.gain, 2 * len(times))),
         message("events-lost-samples", losses=tuple(texts)), np.array(times), np.array(losses),

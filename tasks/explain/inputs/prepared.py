@@ -19,7 +19,7 @@ from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.empty_rows import without_empty_rows
 from tasks.explain.events.event import Events
 from tasks.explain.events.faults import Fault, find_faults
-from tasks.explain.events.lost_samples import LostSamples
+from tasks.explain.events.lost_samples import LostSamples, aligned_prediction
 from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.inputs.blocks import Blocks, block_means
@@ -192,10 +192,15 @@ def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarra
     """The readings as they were before the events changed them, and which (n, 6) say nothing."""
     if not events.events:
         return full, events.masked
-    corrected = full.readings
+    corrected, t = full.readings, full.motion.t
+    for event in events.events:
+        if isinstance(event, LostSamples):
+            instants = event.sampled_at(t)
+            first, _ = aligned_prediction(instants, corrected, full.motion, events.masked)
+            corrected = events.corrected(t, corrected, first)
     for _ in range(ROUNDS):
         predicted = plain_prediction(corrected, full.motion, events.masked, own_squared_rate=True)
-        corrected = events.corrected(full.motion.t, full.readings, predicted)
+        corrected = events.corrected(t, full.readings, predicted)
     masked = events.masked | (np.isnan(corrected) & np.isfinite(predicted))
     readings = np.where(np.isfinite(corrected), corrected, full.readings)
     return replace(full, readings=readings), masked

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from tasks.explain.events.lost_samples import LostSamples, find_lost_samples
-from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.readings.slips import window_delays
 from tasks.words import say
@@ -38,8 +37,7 @@ def read(lost: float, at: float) -> np.ndarray:
 
 def losses(readings: np.ndarray, start: float = 0.0) -> LostSamples | None:
     motion, masked = shaft(), np.zeros((len(T), 6), bool)
-    predicted = plain_prediction(readings, motion, masked)
-    return find_lost_samples(readings, motion, predicted, masked, start)
+    return find_lost_samples(readings, motion, masked, start)
 
 
 @pytest.mark.parametrize("lost", [3, 8, 9, 20])
@@ -95,8 +93,7 @@ def test_a_loss_with_three_ramps_on_either_side_is_found(ramps: int, *, is_found
     readings = np.random.default_rng(3).standard_normal((len(T), 6)) * 1e-3
     readings[:, 1] += ladder(np.clip(T + 0.02 * (at <= T), 0.0, T[-1]))
     readings[:, 5] += 9.8
-    predicted = plain_prediction(readings, motion, nothing)
-    found = find_lost_samples(readings, motion, predicted, nothing)
+    found = find_lost_samples(readings, motion, nothing)
     assert (found is not None) is is_found
     if found is not None:
         assert found.lost.tolist() == [2]
