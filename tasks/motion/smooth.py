@@ -17,7 +17,13 @@ import numpy as np
 from schemas.recording import Stream
 from tasks.motion.angle_noise import angle_variance
 from tasks.motion.encoder_rate import EncoderRate, encoder_rate, filtered, half_window
-from tasks.motion.samples import covered, in_blocks, interpolated, noise_by_differences
+from tasks.motion.samples import (
+    NORMAL_QUANTILES,
+    covered,
+    in_blocks,
+    interpolated,
+    noise_by_differences,
+)
 
 QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
 LONGEST_WINDOW = 0.5  # s
@@ -77,9 +83,8 @@ class SmoothCourse:
         """(m, k) rad/s²."""
         return filtered(self.thinned, _bend_kernel(self.half) / self.interval**2)
 
-    @cached_property
-    def resolved(self) -> np.ndarray:
-        """(m, k) bool: samples show the motion about them, up to the noise of the angles.
+    def shows(self, at: np.ndarray) -> np.ndarray:
+        """(m, k) bool: samples show the motion about the times `at` (m,) s, up to their noise.
 
         The rate of a quartic through five errs by a thirtieth of their fifth difference: by how the
         fourth ones, beside each other, differ where a table accelerates between slow samples.
@@ -88,11 +93,17 @@ class SmoothCourse:
 
         known = np.ones(self.thinned.shape, bool)
         if self.interval < SLOW or len(known) < 2 * FEWEST:
-            return known
+            return np.ones((len(at), known.shape[1]), bool)
         missed = np.abs(np.diff(self.thinned, 4, axis=0)) / (30.0 * self.interval)
-        noise = QUIET_DIFFERENCES * np.sqrt(70.0 * self.variance) / (30.0 * self.interval)
-        known[2:-2] = missed < np.maximum(UNRESOLVED, noise[2:-2])
-        return np.asarray(minimum_filter(known, size=(3, 1)))
+        noise = QUIET_DIFFERENCES * np.median(missed, axis=0) / NORMAL_QUANTILES[0.5]
+        known[2:-2] = missed < np.maximum(UNRESOLVED, noise)
+        known = minimum_filter(known, size=(3, 1))
+        between = minimum_filter(known, size=(3, 1))  # what a cubic is drawn through
+        place = (at - self.even[0]) / self.interval
+        on_grid = (np.abs(place - np.round(place)) < UNEVEN)[:, None]
+        nearest = np.clip(np.round(place).astype(int), 0, len(known) - 1)
+        drawn = interpolated(at, self.even, between.astype(float)) == 1.0
+        return np.asarray(np.where(on_grid, known[nearest], drawn))
 
     @cached_property
     def _slopes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -110,10 +121,10 @@ class SmoothCourse:
     def at(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """As `smooth_derivatives`."""
         shortest = len(self.slope.kernels[0]) // 2
-        resolved = interpolated(at, self.even, self.resolved.astype(float)) == 1.0
+        shown = self.shows(at)
         rates, accelerations = (
             np.where(
-                resolved & covered(self.t, at, (reach + BETWEEN) * self.slope.interval)[:, None],
+                shown & covered(self.t, at, (reach + BETWEEN) * self.slope.interval)[:, None],
                 _between(at, self.even, derivative, slopes),
                 np.nan,
             )

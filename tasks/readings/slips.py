@@ -24,7 +24,7 @@ OUTLIER = 50.0  # chi-squared that one window may cost at most
 MAX_U = 0.25  # of a sample interval: windows that know the delay worse are left out
 MODEL_U = 0.08  # of a sample interval: what else may look like a delay in a window
 MIN_WINDOWS = 6
-CHANGE_POINT_COST = 50.0  # chi-squared that a further loss must gain: more than one window
+CHANGE_POINT_COST = 40.0  # chi-squared that a further loss must gain: less than one window has
 MIN_GAIN = 75.0  # chi-squared that losses must gain against a constant and a running delay
 CHANGE_IN_ROWS = 300.0  # chi-squared, of rows: a small error of the model adds up over hundreds
 LIKELY = 25.0  # chi-squared: what the model misses at rest makes a few
@@ -116,7 +116,9 @@ def window_delays(
         if np.ptp(unknown[np.clip(reach, 0, len(t))]):
             continue
         moved = (t[here] + lags[:, None] * interval).ravel()
-        tables.append(_misfits(read, interpolated(moved, t, signal).reshape(len(lags), *read.shape)))
+        tables.append(
+            _misfits(read, interpolated(moved, t, signal).reshape(len(lags), *read.shape))
+        )
         at.append(0.5 * (t[here[0]] + t[here[-1]]))
         rows.append(read.size)
     if not at:

@@ -16,7 +16,7 @@ from scipy.ndimage import median_filter
 
 from schemas.recording import Recording
 from tasks.motion.samples import NORMAL_QUANTILES, sample_interval
-from tasks.words import Message, message, remark
+from tasks.words import message, remark
 
 TOGETHER = 0.35  # of the sampling interval: rows nearer to each other came in one packet
 APART = 0.65  # rows farther from each other did not; few are between
@@ -61,9 +61,9 @@ def with_instants(recording: Recording) -> Recording:
     packets = in_packets(imu.t)
     if packets is None or _denied(imu.t, packets.t, np.array(list(imu.columns.values()))):
         return recording
-    late = imu.t - packets.t
+    late, every = imu.t - packets.t, packets.size * packets.interval
     said = message(
-        "stamps-packets", size=f"{packets.size:.3g}", every=f"{1e3 * packets.size * packets.interval:.3g}",
+        "stamps-packets", size=f"{packets.size:.3g}", every=f"{1e3 * every:.3g}",
         rate=f"{1.0 / packets.interval:.4g}", most=f"{1e3 * float(np.ptp(late)):.2g}",
         u=f"{1e3 * packets.u:.1g}", missing=int(packets.missing[:, 1].sum()),
     )  # fmt: skip
@@ -74,8 +74,11 @@ def with_instants(recording: Recording) -> Recording:
 
 
 def in_packets(t: np.ndarray) -> Packets | None:
-    """The instants of rows stamped t (n,) s, not falling; None where they did not come in packets."""
-    if _came_together(np.diff(t[:GLANCE])) is None or (together := _came_together(np.diff(t))) is None:
+    """The instants of rows stamped t (n,) s, not falling; None where none came in packets."""
+    if (
+        _came_together(np.diff(t[:GLANCE])) is None
+        or (together := _came_together(np.diff(t))) is None
+    ):
         return None
     last = np.append(np.flatnonzero(~together), len(t) - 1)  # rows: of each packet
     if len(last) < FEWEST:
@@ -85,6 +88,7 @@ def in_packets(t: np.ndarray) -> Packets | None:
     rows = last[breaks]
     missing = np.round((instants[rows + 1] - instants[rows]) / interval - 1).astype(int)
     lost = missing > 0
+    instants = np.round(instants, 9)  # as stamps are kept
     return Packets(instants, interval, u, len(last), np.column_stack([rows, missing])[lost])
 
 
@@ -113,7 +117,7 @@ def _rate_and_breaks(at: np.ndarray, last: np.ndarray) -> tuple[float, np.ndarra
     which of them samples are missing.
     """
     breaks = np.empty(0, int)
-    reach = max(1, min(4 * NEAR, len(at) // 4))
+    reach = max(1, min(4 * NEAR, len(at) // 16))  # few of them hold a loss
     interval = float(np.median((at[reach:] - at[:-reach]) / (last[reach:] - last[:-reach])))
     for _ in range(3):
         late = at - interval * last
@@ -138,17 +142,17 @@ def _late_from(late: np.ndarray, interval: float) -> np.ndarray:
     middle = median_filter(late, near, mode="nearest")
     before, after = np.arange(len(late) - 1) - half, np.arange(1, len(late)) + half
     rise = middle[after.clip(0, len(late) - 1)] - middle[before.clip(0, len(late) - 1)]
-    limit = max(LOST * interval, CLEAR * float(np.median(np.abs(rise - np.median(rise)))) / NORMAL_QUANTILES[0.5])
+    limit = max(
+        LOST * interval,
+        CLEAR * float(np.median(np.abs(rise - np.median(rise)))) / NORMAL_QUANTILES[0.5],
+    )
     step = np.diff(late)
+    high = np.flatnonzero(rise > limit)
     found: list[int] = []
-    for k in np.flatnonzero((rise > limit) & (step > LOST * interval)).tolist():
-        if not half <= k < len(step) - half:
-            continue
-        if found and k - found[-1] <= half:
-            if step[k] > step[found[-1]]:
-                found[-1] = k
-        else:
-            found.append(k)
+    for near_by in np.split(high, np.flatnonzero(np.diff(high) > half) + 1) if len(high) else ():
+        place = int(near_by[(rise + step)[near_by].argmax()])
+        if half <= place < len(step) - half:
+            found.append(place)
     return np.array(found, int)
 
 
@@ -190,19 +194,20 @@ def _wander(late: np.ndarray) -> np.ndarray:
 def _denied(t: np.ndarray, even: np.ndarray, readings: np.ndarray) -> bool:
     """Whether readings (c, n) are smoother at the times t (n,) s than at the even ones: they were
     taken in bursts, and the stamps are right.
-
-    By how far each lies off the line between its neighbours, over what white noise makes of that.
     """
-    rough = []
-    for at in (t, even):
-        share = (at[1:-1] - at[:-2]) / np.maximum(at[2:] - at[:-2], 1e-12)
-        off = readings[:, 1:-1] - readings[:, :-2] - share * (readings[:, 2:] - readings[:, :-2])
-        rough.append((off**2 / (1.0 + share**2 + (1.0 - share) ** 2)))
-    by_stamps, by_even = rough
-    known = np.isfinite(by_stamps + by_even)
-    total = np.where(known, by_even, 0.0).sum(axis=1), np.where(known, by_stamps, 0.0).sum(axis=1)
-    moved = total[0] + total[1] > 0
-    return bool(moved.any() and np.median((total[0][moved]) / total[1][moved].clip(1e-300)) > DENIED)
+    by_stamps, by_even = _roughness(t, readings), _roughness(even, readings)
+    moved = by_stamps > 0.0
+    return bool(moved.any() and np.median(by_even[moved] / by_stamps[moved]) > DENIED)
+
+
+def _roughness(at: np.ndarray, readings: np.ndarray) -> np.ndarray:
+    """(c,) by how far readings (c, n) at times (n,) s lie off the lines between their neighbours,
+    squared, over what white noise makes of that.
+    """
+    share = (at[1:-1] - at[:-2]) / np.maximum(at[2:] - at[:-2], 1e-12)
+    line = readings[:, :-2] + share * (readings[:, 2:] - readings[:, :-2])
+    off = (readings[:, 1:-1] - line) ** 2 / (1.0 + share**2 + (1.0 - share) ** 2)
+    return np.asarray(np.nansum(off, axis=1))
 
 
 def never_set(t: np.ndarray) -> bool:

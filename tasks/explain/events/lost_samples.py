@@ -67,7 +67,9 @@ def find_lost_samples(
         steps = None if delays is None else fit_staircase(delays)
         if steps is None:
             return event
-        predicted, late = aligned_prediction(t + steps.delay(t) * interval, readings, motion, masked)
+        predicted, late = aligned_prediction(
+            t + steps.delay(t) * interval, readings, motion, masked
+        )
         signal = predicted[:, own]
         slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
         variance = noise_by_rate(used - late, motion) ** 2 + (2 * MODEL_U * slope) ** 2
@@ -84,12 +86,17 @@ def aligned_prediction(
     A fit beside the stamps would lose the more of the motion the farther they slipped.
     """
 
-    def then(values: np.ndarray) -> np.ndarray:
-        flat = interpolated(instants, motion.t, values.reshape(len(values), -1))
-        return flat.reshape(values.shape)
+    count = len(readings)
 
-    late = plain_prediction(readings, motion.mapped(then), masked)
-    return interpolated(motion.t, instants, late), late
+    def both(values: np.ndarray) -> np.ndarray:
+        then = interpolated(instants, motion.t, values.reshape(count, -1))
+        return np.concatenate([then.reshape(values.shape), values])
+
+    unread = np.full(readings.shape, np.nan)
+    fitted = plain_prediction(
+        np.concatenate([readings, unread]), motion.mapped(both), np.concatenate([masked, masked])
+    )
+    return fitted[count:], fitted[:count]
 
 
 def _event(
@@ -100,7 +107,9 @@ def _event(
     times, losses, parameters, texts = [], [], list[FoundParameter](), []
     jumps = np.flatnonzero(np.diff(steps.lost))
     for near in np.split(jumps, np.flatnonzero(np.diff(jumps) > 1) + 1):
-        beside = steps.delays.at[[near[0], near[-1] + 1]] + steps.delays.width / 2 * np.array([-1, 1])
+        beside = steps.delays.at[[near[0], near[-1] + 1]] + steps.delays.width / 2 * np.array(
+            [-1, 1]
+        )
         first, last = np.searchsorted(t, beside)
         levels = np.arange(steps.lost[near[0]], steps.lost[near[-1] + 1] + 1)
         cost = np.empty((len(levels), last - first))

@@ -234,9 +234,7 @@ def in_packets(
     return np.maximum.accumulate(stamps + 1e-9 * np.arange(len(at)))
 
 
-def numbered(
-    at: np.ndarray, gaps: tuple[tuple[float, int], ...]
-) -> tuple[np.ndarray, np.ndarray]:
+def numbered(at: np.ndarray, gaps: tuple[tuple[float, int], ...]) -> tuple[np.ndarray, np.ndarray]:
     """Which rows arrive where samples are lost from some times (s) on, so many each time, and the
     stamps of a logger that numbers those that do."""
     kept = np.ones(len(at), bool)
