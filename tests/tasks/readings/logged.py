@@ -230,7 +230,7 @@ def in_packets(
     delays = latency + scatter * np.abs(rng.standard_normal(int(number[-1]) + 1))
     first = np.searchsorted(number, number)
     place = np.arange(len(at)) - first
-    stamps = sent + delays[number] + within * place * rng.uniform(0.5, 1.5, len(at))
+    stamps = sent + delays[number] + within * (place + rng.uniform(0.0, 0.5, len(at)))
     return np.maximum.accumulate(stamps + 1e-9 * np.arange(len(at)))
 
 

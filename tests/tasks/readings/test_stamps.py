@@ -32,7 +32,7 @@ def test_instants_of_packets_are_even_and_losses_counted(
     found = in_packets(stamps)
     assert found is not None
     assert found.interval * rate == pytest.approx(1.0, abs=1e-5 if not lost else 4e-5)
-    few = size is not None and np.max(size) >= 50  # packets: which of them lack one is not seen
+    few = size is not None and np.max(size) >= 50  # packets: those that lack one are not all seen
     assert found.missing[:, 1].tolist() in ([lost, lost] if lost else [], [] if few else None)
     off = found.t - taken
     assert off.mean() == pytest.approx((stamps - taken).mean(), abs=1e-5)
