@@ -19,6 +19,8 @@ from tasks.motion.angle_noise import angle_variance
 from tasks.motion.encoder_rate import EncoderRate, encoder_rate, filtered, half_window
 from tasks.motion.samples import (
     NORMAL_QUANTILES,
+    SLOW,
+    continuous,
     covered,
     in_blocks,
     interpolated,
@@ -31,7 +33,6 @@ FINEST = 200.0  # Hz: samples nearer to each other are averaged first
 FEWEST = 3  # samples that have derivatives
 BETWEEN = 2  # samples on each side of a time that its value is drawn through
 ORDER = 6  # of the differences that the encoder's noise is read off
-SLOW = 0.15  # s between samples: corners of a ramp are no longer a small part of the motion
 QUIET_DIFFERENCES = 5.0  # standard deviations that noise makes of differences
 UNRESOLVED = 3e-4  # rad/s by which a rate may be wrong that slow samples make
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
@@ -153,9 +154,7 @@ def smooth_derivatives(
 @lru_cache(maxsize=2)  # a recording's motion is asked for again and again, at other times
 def smooth_course(table: Stream, names: tuple[str, ...]) -> SmoothCourse | None:
     """Of a table's named angles, made continuous; None of fewer samples than have derivatives."""
-    angles = table.stack(names)
-    if (np.abs(np.diff(angles, axis=0)) > np.pi).any():  # an encoder that starts anew each turn
-        angles = np.unwrap(angles, axis=0)
+    angles = continuous(table, names)
     return SmoothCourse.of(table.t, angles) if len(table) >= FEWEST else None
 
 

@@ -32,7 +32,7 @@ from tasks.explain.progress import Progress, silent, tell
 from tasks.model.fit import plain_prediction
 from tasks.model.terms.timing import shifted_within
 from tasks.motion.angle_rates import as_mean_rates
-from tasks.motion.samples import bridged, interpolated
+from tasks.motion.samples import SLOW, bridged, interpolated
 from tasks.motion.whole import Motion
 from tasks.readings.stamps import with_instants
 
@@ -100,6 +100,8 @@ def known_before(motion: Motion, late: float) -> np.ndarray:
     felt = motion.felt
     if felt.all() or (motion.axes is None and motion.tracking is None):
         return felt
+    if not late and motion.interval >= SLOW:
+        return felt  # only steady motion is known of so slow a recording, whatever the delay
     earlier = shifted_within(motion, np.where(felt, 0.0, np.nan), late + 0.5 * motion.interval)
     return np.asarray(felt & np.isfinite(earlier))
 

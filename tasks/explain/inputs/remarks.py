@@ -7,8 +7,7 @@ from schemas.recording import ACCEL, Recording
 from schemas.unit_link import ClockComparison
 from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.pose_frames import BRIDGED
-from tasks.motion.samples import sample_interval
-from tasks.motion.smooth import SLOW
+from tasks.motion.samples import SLOW, sample_interval
 from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
 from tasks.words.quantities import plain
