@@ -15,6 +15,8 @@ from schemas.base import Finite
 if TYPE_CHECKING:
     import numpy as np
 
+    from schemas.text import Remark
+
 FORMAT: Literal["mimu-recording/1"] = "mimu-recording/1"
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
 ACCEL = ("accel_x", "accel_y", "accel_z")
@@ -197,7 +199,8 @@ class Recording:
     """A whole recording in memory. `digest`: SHA-256 of its content (storage.formats.content).
 
     rate_errors: by how much (relative) the table's rate in a segment, by its name, is less than
-    encoders and label say, as the certificate of the table has it; not in the file.
+    encoders and label say, as the certificate of the table has it; not in the file. put_right: what
+    was put right in the readings before anything was estimated; not in the file.
     """
 
     manifest: Manifest
@@ -208,6 +211,7 @@ class Recording:
     digest: str = ""
     extra: Mapping[str, Any] = field(default_factory=dict)
     rate_errors: Mapping[str, float] = field(default_factory=dict)
+    put_right: "tuple[Remark, ...]" = ()
 
     def streams(self) -> dict[str, Stream]:
         """The streams that are present, by name."""

@@ -1,13 +1,18 @@
 """Sampled signals: interpolation, block means, and the noise of both."""
 
+from functools import lru_cache
 from math import comb
 
 import numpy as np
+
+from schemas.recording import Stream
 
 FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
 LOST = 2.5  # intervals: a longer step is a gap, a shorter one may be stamps that scatter
 NORMAL_QUANTILES = {0.5: 0.6745, 0.9: 1.645}  # of the absolute value of a standard normal variable
 SAMPLE = 20_000  # differences that a quantile is taken of
+SLOW = 0.15  # s between samples: corners of a ramp are no longer a small part of the motion
+TURN = 2.0 * np.pi + 0.1  # rad: encoders that start anew each turn stay within, but for noise
 SPAN = 60  # rows: whole batches of most sizes in which stamps are written
 USUAL = 0.25  # of the usual time of so many rows: more is a gap
 
@@ -45,6 +50,27 @@ def gaps(t: np.ndarray, interval: float, wide: float) -> np.ndarray:
 def interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values (n, k) at times t (n,) s, linearly interpolated at the times `at` (m,): (m, k)."""
     return np.column_stack([np.interp(at, t, column) for column in values.T])
+
+
+def continuous(table: Stream, names: tuple[str, ...], rows: slice | None = None) -> np.ndarray:
+    """The named angles (n, k) rad over some rows, without the jumps of an encoder that starts anew
+    each turn.
+
+    A slow one that has gone farther than a turn does not: between two samples it may turn by more
+    than half of one.
+    """
+    angles = table.stack(names, rows)
+    jumps = (np.abs(np.diff(angles, axis=0)) > np.pi).any(axis=0)
+    for k in np.flatnonzero(jumps).tolist():
+        if not _passes_turns(table, names[k]):
+            angles[:, k] = np.unwrap(angles[:, k])
+    return angles
+
+
+@lru_cache(maxsize=16)  # asked for again in each segment
+def _passes_turns(table: Stream, name: str) -> bool:
+    slow = float(np.median(np.diff(table.t))) >= SLOW
+    return slow and float(np.ptp(table.columns[name])) > TURN
 
 
 def covered(t: np.ndarray, at: np.ndarray, reach: float = 0.0) -> np.ndarray:

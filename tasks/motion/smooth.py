@@ -17,7 +17,15 @@ import numpy as np
 from schemas.recording import Stream
 from tasks.motion.angle_noise import angle_variance
 from tasks.motion.encoder_rate import EncoderRate, encoder_rate, filtered, half_window
-from tasks.motion.samples import covered, in_blocks, interpolated, noise_by_differences
+from tasks.motion.samples import (
+    NORMAL_QUANTILES,
+    SLOW,
+    continuous,
+    covered,
+    in_blocks,
+    interpolated,
+    noise_by_differences,
+)
 
 QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
 LONGEST_WINDOW = 0.5  # s
@@ -25,6 +33,8 @@ FINEST = 200.0  # Hz: samples nearer to each other are averaged first
 FEWEST = 3  # samples that have derivatives
 BETWEEN = 2  # samples on each side of a time that its value is drawn through
 ORDER = 6  # of the differences that the encoder's noise is read off
+QUIET_DIFFERENCES = 5.0  # standard deviations that noise makes of differences
+UNRESOLVED = 3e-4  # rad/s by which a rate may be wrong that slow samples make
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
 
 
@@ -74,6 +84,28 @@ class SmoothCourse:
         """(m, k) rad/s²."""
         return filtered(self.thinned, _bend_kernel(self.half) / self.interval**2)
 
+    def shows(self, at: np.ndarray) -> np.ndarray:
+        """(m, k) bool: samples show the motion about the times `at` (m,) s, up to their noise.
+
+        The rate of a quartic through five errs by a thirtieth of their fifth difference: by how the
+        fourth ones, beside each other, differ where a table accelerates between slow samples.
+        """
+        from scipy.ndimage import minimum_filter  # late: see encoder_rate
+
+        known = np.ones(self.thinned.shape, bool)
+        if self.interval < SLOW or len(known) < 2 * FEWEST:
+            return np.ones((len(at), known.shape[1]), bool)
+        missed = np.abs(np.diff(self.thinned, 4, axis=0)) / (30.0 * self.interval)
+        noise = QUIET_DIFFERENCES * np.median(missed, axis=0) / NORMAL_QUANTILES[0.5]
+        known[2:-2] = missed < np.maximum(UNRESOLVED, noise)
+        known = minimum_filter(known, size=(3, 1))
+        between = minimum_filter(known, size=(3, 1))  # what a cubic is drawn through
+        place = (at - self.even[0]) / self.interval
+        on_grid = (np.abs(place - np.round(place)) < UNEVEN)[:, None]
+        nearest = np.clip(np.round(place).astype(int), 0, len(known) - 1)
+        drawn = interpolated(at, self.even, between.astype(float)) == 1.0
+        return np.asarray(np.where(on_grid, known[nearest], drawn))
+
     @cached_property
     def _slopes(self) -> tuple[np.ndarray, np.ndarray]:
         """Of rate and acceleration (m, k) on the grid, by their neighbours."""
@@ -90,9 +122,10 @@ class SmoothCourse:
     def at(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """As `smooth_derivatives`."""
         shortest = len(self.slope.kernels[0]) // 2
+        shown = self.shows(at)
         rates, accelerations = (
             np.where(
-                covered(self.t, at, (reach + BETWEEN) * self.slope.interval)[:, None],
+                shown & covered(self.t, at, (reach + BETWEEN) * self.slope.interval)[:, None],
                 _between(at, self.even, derivative, slopes),
                 np.nan,
             )
@@ -121,9 +154,7 @@ def smooth_derivatives(
 @lru_cache(maxsize=2)  # a recording's motion is asked for again and again, at other times
 def smooth_course(table: Stream, names: tuple[str, ...]) -> SmoothCourse | None:
     """Of a table's named angles, made continuous; None of fewer samples than have derivatives."""
-    angles = table.stack(names)
-    if (np.abs(np.diff(angles, axis=0)) > np.pi).any():  # an encoder that starts anew each turn
-        angles = np.unwrap(angles, axis=0)
+    angles = continuous(table, names)
     return SmoothCourse.of(table.t, angles) if len(table) >= FEWEST else None
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from schemas.recording import GYRO, Recording
 from schemas.text import Remark
+from tasks.motion.samples import continuous
 from tasks.run_validity.remark import run_remark
 from tasks.specifications.evidence import ClauseEvidence
 
@@ -33,9 +34,10 @@ def clock_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     found = (_delay(by_unit, by_table, interval) for by_unit, by_table in parts)
     delays = [delay for delay in found if delay is not None]
     worst = max(delays, key=abs, default=0.0)
-    if abs(worst) > LARGEST:
+    limit = max(LARGEST, interval)  # of rows farther apart no shift by one is known
+    if abs(worst) > limit:
         yield run_remark(
-            "clocks_apart", run="invalid", delay=f"{worst:+.2f}", limit=f"{LARGEST:g}",
+            "clocks_apart", run="invalid", delay=f"{worst:+.2f}", limit=f"{limit:g}",
         )  # fmt: skip
 
 
@@ -76,11 +78,11 @@ def _rates(recording: Recording, interval: float) -> tuple[np.ndarray, np.ndarra
     at = np.arange(start, end, interval)
     if len(at) < PARTS * SEARCHED / interval:
         return None
-    angles = np.unwrap(table.stack(tuple(f"{axis.name}_angle" for axis in axes)), axis=0)
+    angles = continuous(table, tuple(f"{axis.name}_angle" for axis in axes))
     is_known = _recorded(imu.t, at) & _recorded(table.t, at)
     by_table = is_known * np.abs(_steps(at, table.t, angles)).sum(axis=1) / interval
     gyro = np.nan_to_num(imu.stack(GYRO))
-    turned = np.cumsum(gyro[:-1] * np.diff(imu.t)[:, None], axis=0)
+    turned = np.cumsum(0.5 * (gyro[1:] + gyro[:-1]) * np.diff(imu.t)[:, None], axis=0)
     vector = _steps(at, imu.t, np.vstack([np.zeros(3), turned])) / interval
     by_unit = np.linalg.norm(vector - _bias(vector[is_known & (by_table < MOVING)]), axis=1)
     return is_known * by_unit, by_table

@@ -51,6 +51,7 @@ def run_remarks(
         *environment_remarks(evidence, conditions),
         *unit_temperature_remarks(evidence),
         *supply_remarks(evidence),
+        *evidence.recording.put_right,
         *station_remarks(evidence),
         *field_remarks(evidence.recording.manifest),
     )

@@ -6,7 +6,8 @@ import numpy as np
 
 from schemas.recording import MEASURED, TRIADS, Recording, Stream
 from schemas.text import Remark
-from tasks.motion.samples import covered
+from tasks.motion.samples import covered, gaps
+from tasks.readings.stamps import in_packets
 from tasks.run_validity.remark import run_remark
 from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
@@ -15,7 +16,7 @@ from tasks.words import message
 from tasks.words.quantities import moment, plain
 
 LARGEST_SHARE = 0.01  # of a segment's samples, or of the run's, that may be lost
-GAP = 1.5  # usual intervals: a longer step is a gap
+GAP = 1.5  # sampling intervals: a longer step after which stamps stay late is a gap
 BEYOND = 1.0  # s by which a segment may begin before the first sample, or end after the last
 
 
@@ -34,7 +35,7 @@ def lost_data_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
 
 
 def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
-    """Samples of a stream that are missing in all segments together, by its usual interval."""
+    """Samples of a stream that are missing in all segments together, by its sampling rate."""
     if len(rows) < 2 or not segments:
         return
     seconds = sum(s.segment.t_end - s.segment.t_start for s in segments)
@@ -44,7 +45,9 @@ def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iter
         found += here.stop - here.start + 1  # one more for the ends
     if found >= (1.0 - LARGEST_SHARE) * seconds / extreme_steps(rows.t)[0]:
         return  # whatever the usual interval is
-    share = 1.0 - found * float(np.median(np.diff(rows.t))) / seconds
+    packets = in_packets(rows.t)
+    interval = float(np.median(np.diff(rows.t))) if packets is None else packets.interval
+    share = 1.0 - found * interval / seconds
     if share > LARGEST_SHARE:
         yield run_remark(
             "lost_share", run="invalid", stream=stream, share=plain(100 * share, 2),
@@ -60,16 +63,16 @@ def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     t = recording.imu.t[segment.place]
     steps = np.diff(t)
     interval = float(np.median(steps))
-    gaps = steps > GAP * interval
-    if not gaps.any():
+    before = gaps(t, interval, GAP - 1.0)
+    if not len(before):
         return
-    lost = int(np.round(steps[gaps] / interval - 1).sum())
-    worst = int(steps.argmax())
+    lost = int(np.round(steps[before] / interval - 1).sum())
+    worst = before[int(steps[before].argmax())]
     name, at = segment.segment.name, t[worst]
     yield run_remark(
         "lost_samples", name,
         run="invalid" if lost > LARGEST_SHARE * segment.rows else "valid",
-        segment=name, lost=lost, gaps=int(gaps.sum()), longest=f"{steps[worst]:.3f}",
+        segment=name, lost=lost, gaps=len(before), longest=f"{steps[worst]:.3f}",
         time=f"{at:.2f}",
     )  # fmt: skip
 

@@ -7,6 +7,7 @@ import numpy as np
 from schemas.recording import AXES, Recording, Up
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import unit_vector
+from tasks.readings.stamps import with_instants
 from tasks.segments.find import GRAVITY_LIKE, find_segments, up_of
 from tasks.segments.rates import turning_points
 from tasks.segments.summarise import (
@@ -24,6 +25,7 @@ from tasks.uncertainty.type_a import fit_noise
 
 def gather(recording: Recording) -> ClauseEvidence:
     """Summarise a recording's segments, labelled or found, and sort them."""
+    recording = with_instants(recording)
     labels = recording.manifest.segments
     if labels:
         long_enough = tuple(s for s in labels if rows_of(recording, s) >= MIN_ROWS)

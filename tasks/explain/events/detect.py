@@ -18,7 +18,7 @@ from tasks.explain.events.event import AddedSignal, Event, Events, channel_names
 from tasks.explain.events.impacts import find_impacts
 from tasks.explain.events.jitter import find_jitter
 from tasks.explain.events.lines import find_lines
-from tasks.explain.events.lost_samples import find_lost_samples, gap_remarks
+from tasks.explain.events.lost_samples import aligned_prediction, find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
 from tasks.explain.events.quantisation import (
     Quantiser,
@@ -66,7 +66,9 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
         quantisers = [quantiser_of(column) for column in used.T]
     held = masked if repeats is None else masked | repeats.held
     jitter = find_jitter(readings, motion, predicted, held)
-    lost = find_lost_samples(readings, motion, predicted, masked, start)
+    lost = find_lost_samples(readings, motion, masked, start)
+    if lost is not None:
+        predicted, _ = aligned_prediction(lost.sampled_at(t), readings, motion, masked)
     times = (event for event in (jitter, repeats, lost) if event is not None)
     events: tuple[Event, ...] = (*times, *limits)
     residual = readings - predicted

@@ -23,6 +23,7 @@ MIN_OF_POSES = 30  # blocks as long as poses ask for: half a minute of a body th
 VIBRATING = 1.3  # times the noise variance at rest
 BY_NOISE = 45.0  # times the noise of a block: a fourth difference that no corner makes
 REACH = 5  # blocks on each side that delays and filters make a reading of
+FARTHEST = 0.3  # s, where blocks are longer than delays and filters reach
 NEXT = 2  # blocks on each side of a corner whose means it makes wrong
 UNEVEN = 0.5  # of an interval: stamps that scatter by less are no batches
 BRIEF = 1.0  # s: a shorter gap stays between its neighbours
@@ -134,7 +135,7 @@ def block_means(
     weight /= np.sqrt(1.0 + _corners(motion, known_errors, reach) / at_rest)
     # Beside the noise that it has anyhow, else a rest would count more than its reference allows.
     weight /= np.sqrt(1.0 + weight**2 * known_errors / at_rest)
-    weight[~_known(motion)] = 0.0
+    weight[~_known(motion, step / own)] = 0.0
     if not weight.any():
         raise Unusable(
             f"the recording has no unbroken {(2 * REACH + 1) * step / own:.2g} s with both imu "
@@ -177,7 +178,7 @@ def _block_motion(motion: Motion, block: np.ndarray, count: int, width: float) -
     return replace(means, t=t, recorded=recorded)
 
 
-def _known(motion: Motion) -> np.ndarray:
+def _known(motion: Motion, width: float) -> np.ndarray:
     """(n, 6) bool: the inputs are known, and with encoders also just before and after.
 
     Every effect is judged by the same blocks: beside a gap of the encoders, one that needs no
@@ -185,7 +186,8 @@ def _known(motion: Motion) -> np.ndarray:
     """
     if motion.axes is None:
         return motion.felt
-    return np.asarray(minimum_filter1d(motion.felt, 2 * REACH + 1, axis=0, mode="nearest"))
+    reach = min(REACH, int(np.ceil(FARTHEST / width)))
+    return np.asarray(minimum_filter1d(motion.felt, 2 * reach + 1, axis=0, mode="nearest"))
 
 
 def _corners(motion: Motion, known_errors: np.ndarray, reach: int) -> np.ndarray:

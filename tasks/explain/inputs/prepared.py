@@ -13,12 +13,13 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import orth
 
 from schemas.recording import Recording
+from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.empty_rows import without_empty_rows
 from tasks.explain.events.event import Events
 from tasks.explain.events.faults import Fault, find_faults
-from tasks.explain.events.lost_samples import LostSamples
+from tasks.explain.events.lost_samples import LostSamples, aligned_prediction
 from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.inputs.blocks import Blocks, block_means
@@ -31,8 +32,9 @@ from tasks.explain.progress import Progress, silent, tell
 from tasks.model.fit import plain_prediction
 from tasks.model.terms.timing import shifted_within
 from tasks.motion.angle_rates import as_mean_rates
-from tasks.motion.samples import bridged, interpolated
+from tasks.motion.samples import SLOW, bridged, interpolated
 from tasks.motion.whole import Motion
+from tasks.readings.stamps import with_instants
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
@@ -98,6 +100,8 @@ def known_before(motion: Motion, late: float) -> np.ndarray:
     felt = motion.felt
     if felt.all() or (motion.axes is None and motion.tracking is None):
         return felt
+    if not late and motion.interval >= SLOW:
+        return felt  # only steady motion is known of so slow a recording, whatever the delay
     earlier = shifted_within(motion, np.where(felt, 0.0, np.nan), late + 0.5 * motion.interval)
     return np.asarray(felt & np.isfinite(earlier))
 
@@ -115,7 +119,7 @@ def prepare(
     Raises Unusable where the recording tells no motion or is too short.
     """
     tell(progress, "motion")
-    recorded, on_empty = without_empty_rows(as_mean_rates(recording))
+    recorded, on_empty = without_empty_rows(as_mean_rates(with_instants(recording)))
     faults, right, full = without_faults(recorded, reference)
     late = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     on_time = full_rate(advanced(right, late)) if late else full
@@ -123,7 +127,8 @@ def prepare(
     if pose is not None:
         recorded, right = (replace(one, reference=pose) for one in (recorded, right))
         full = full_rate(right)
-    full = replace(full, remarks=(*on_empty, *full.remarks, *on_turn))
+    put_right = (Statement(en=each.en, zh=each.zh) for each in right.put_right)
+    full = replace(full, remarks=(*put_right, *on_empty, *full.remarks, *on_turn))
     tell(progress, "events")
     delay = late if pose is None or not delay_sought else coarse_delay(_between_fresh(full))
     rows, events = _with_delay(right, full, delay)
@@ -191,10 +196,15 @@ def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarra
     """The readings as they were before the events changed them, and which (n, 6) say nothing."""
     if not events.events:
         return full, events.masked
-    corrected = full.readings
+    corrected, t = full.readings, full.motion.t
+    for event in events.events:
+        if isinstance(event, LostSamples):
+            instants = event.sampled_at(t)
+            first, _ = aligned_prediction(instants, corrected, full.motion, events.masked)
+            corrected = events.corrected(t, corrected, first)
     for _ in range(ROUNDS):
         predicted = plain_prediction(corrected, full.motion, events.masked, own_squared_rate=True)
-        corrected = events.corrected(full.motion.t, full.readings, predicted)
+        corrected = events.corrected(t, full.readings, predicted)
     masked = events.masked | (np.isnan(corrected) & np.isfinite(predicted))
     readings = np.where(np.isfinite(corrected), corrected, full.readings)
     return replace(full, readings=readings), masked

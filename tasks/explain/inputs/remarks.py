@@ -7,8 +7,10 @@ from schemas.recording import ACCEL, Recording
 from schemas.unit_link import ClockComparison
 from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.pose_frames import BRIDGED
+from tasks.motion.samples import SLOW, sample_interval
 from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
+from tasks.words.quantities import plain
 
 WORTH_SAYING = 0.005  # of the recording
 COVERAGE = 2.0
@@ -17,6 +19,11 @@ COVERAGE = 2.0
 def reference_remarks(recording: Recording, motion: Motion) -> tuple[Sayable, ...]:
     """Remarks on tracked poses; none for a table or labels."""
     tracking = motion.tracking
+    slow = recording.table
+    if motion.axes is not None and slow is not None and sample_interval(slow.t) >= SLOW:
+        unknown = (np.isfinite(motion.up) & ~np.isfinite(motion.rate)).any(axis=1)
+        percent = f"{100.0 * float(unknown.mean()):.0f}"
+        return (message("reference-slow", every=plain(sample_interval(slow.t)), percent=percent),)
     if tracking is None or not np.isfinite(tracking.edge):
         return ()
     attitude = f"{tracking.attitude:.1f}"

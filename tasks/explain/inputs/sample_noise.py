@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.model.fit import plain_prediction
+from tasks.motion.samples import NORMAL_QUANTILES
 from tasks.motion.whole import Motion
 
 KEPT, MEAN_OF_KEPT = 0.98, 0.8734  # of the squares; their mean for standard normal ones
@@ -51,6 +52,8 @@ def _by_segment(course: np.ndarray, segment: np.ndarray, count: int) -> np.ndarr
     """(count + 1, 2) by the second differences of a course (n, 6)."""
     rough = np.full_like(course, np.nan)
     rough[1:-1] = np.diff(course, 2, axis=0) ** 2 / 6.0
+    if np.bincount(segment + 1, minlength=count + 1)[1:].max(initial=0) < MIN_ROWS:
+        return _together(rough, segment, count)
     variance = np.full((count + 1, 2), np.nan)
     for k in range(-1, count):
         rows = np.flatnonzero(segment == k)
@@ -64,6 +67,18 @@ def _by_segment(course: np.ndarray, segment: np.ndarray, count: int) -> np.ndarr
                 # Quantised readings tie at the quantile, where rounding must not choose.
                 part = part[part <= np.quantile(part, KEPT) * (1.0 + TIE)]
                 variance[k, triad] = part.mean() / MEAN_OF_KEPT
+    return variance
+
+
+def _together(rough: np.ndarray, segment: np.ndarray, count: int) -> np.ndarray:
+    """The same where no segment has enough rows: of all of them together, by the median."""
+    inside = (segment >= 0) & (np.roll(segment, 1) == segment) & (np.roll(segment, -1) == segment)
+    variance = np.full((count + 1, 2), np.nan)
+    for triad in range(2):
+        part = rough[inside, 3 * triad : 3 * triad + 3]
+        part = part[np.isfinite(part)]
+        if len(part) >= MIN_ROWS:
+            variance[:count, triad] = np.median(part) / NORMAL_QUANTILES[0.5] ** 2
     return variance
 
 

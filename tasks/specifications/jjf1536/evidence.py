@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
+from tasks.readings.stamps import with_instants
 from tasks.segments.attitude import attitude_vector, with_attitude
 from tasks.segments.find import find_segments, up_of
 from tasks.segments.rates import turning_points
@@ -137,6 +138,7 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
 
     Raises Unusable where rates and labels are in different units.
     """
+    recording = with_instants(recording)
     by_angle = has_angles(recording)
     rates = as_rates(recording) if by_angle else recording
     labels = recording.manifest.segments

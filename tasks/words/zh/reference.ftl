@@ -13,3 +13,4 @@ reference-labels-against-rate = 速率与{ $table ->
 reference-nuisances = 位姿的延迟和铅垂方向的倾斜在跟踪系统与单元之间属常见现象：在此类记录的每个模型中均予以拟合，并非单元的故障。
 reference-turned = 被跟踪体的轴相对单元的轴偏转 { $degrees }°。此属常见；位姿已按此转换到单元的轴系。
 reference-unit-clock = 采集时按数据帧的到达时刻比对了单元时钟与转台时钟：读数延迟中由时钟引起的部分为 { $delay } ms ± { $U } ms（k = 2），其余为单元自身的延迟。
+reference-slow = 转台角度每 { $every } s 记录一次，不足以反映其间角速率的变化：记录中 { $percent } % 的时间（加减速及其前后）未作比较。

@@ -1,0 +1,230 @@
+"""When samples were taken, from their stamps alone.
+
+A logger that stamps rows as packets arrive gives the rows of a packet nearly one time, and the next
+packet's a time as much later as that one has samples. The last sample of a packet was taken less
+than one sampling interval before the packet was sent, however many it has, so that the ends of
+packets, over the number of samples until then, show the sampling rate and what is missing; the
+instants between are even. What the packets' way takes on average no stamp shows: the instants keep
+the mean of the stamps, and one delay of all is left to be found.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from schemas.recording import Recording
+from tasks.motion.samples import NORMAL_QUANTILES, sample_interval
+from tasks.words import message, remark
+
+TOGETHER = 0.35  # of the sampling interval: rows nearer to each other came in one packet
+APART = 0.65  # rows farther from each other did not; few are between
+BETWEEN = 0.1  # of the rows that came together: more between, and stamps scatter
+FEWEST = 20  # packets
+GLANCE = 50_000  # rows that show whether there are any
+LEAST = 0.05  # of the rows that came together with the one before
+NEAR = 31  # packets, at most, whose median tells a loss
+LOST = 0.6  # of the sampling interval by which packets stay late where a sample is missing
+CLEAR = 6.0  # times the scatter of such medians
+BLOCK = 100  # packets: over as many a clock wanders
+WANDERING = 3.0  # times what the scatter of packets makes of their means
+FAR = 5.0  # times the usual time between packets: more is a gap, and no part of the rate
+DENIED = 1.2  # times the roughness: readings that are smooth by the stamps were taken then
+
+
+@dataclass(frozen=True)
+class Packets:
+    """The instants of rows that were stamped as packets arrived.
+
+    t: (n,) s, even but where samples are missing, with the mean of the stamps. interval: s. u: s,
+    standard uncertainty of an instant beside one delay of all. count: of packets. missing: (k, 2)
+    the row after which samples are missing, and how many.
+    """
+
+    t: np.ndarray
+    interval: float
+    u: float
+    count: int
+    missing: np.ndarray
+
+    @property
+    def size(self) -> float:
+        """Samples in a packet, on average."""
+        return len(self.t) / self.count
+
+
+def with_instants(recording: Recording) -> Recording:
+    """The recording with the unit's stamps put right where they came in packets, which it says;
+    itself where they did not."""
+    imu = recording.imu
+    packets = in_packets(imu.t)
+    if packets is None or _denied(imu.t, packets.t, np.array(list(imu.columns.values()))):
+        return recording
+    late, every = imu.t - packets.t, packets.size * packets.interval
+    said = message(
+        "stamps-packets", size=f"{packets.size:.3g}", every=f"{1e3 * every:.3g}",
+        rate=f"{1.0 / packets.interval:.4g}", most=f"{1e3 * float(np.ptp(late)):.2g}",
+        u=f"{1e3 * packets.u:.1g}", missing=int(packets.missing[:, 1].sum()),
+    )  # fmt: skip
+    right = replace(imu, t=packets.t)
+    return replace(
+        recording, imu=right, put_right=(*recording.put_right, remark("stamps_in_packets", said))
+    )
+
+
+def in_packets(t: np.ndarray) -> Packets | None:
+    """The instants of rows stamped t (n,) s, not falling; None where none came in packets."""
+    if (
+        _came_together(np.diff(t[:GLANCE])) is None
+        or (together := _came_together(np.diff(t))) is None
+    ):
+        return None
+    last = np.append(np.flatnonzero(~together), len(t) - 1)  # rows: of each packet
+    if len(last) < FEWEST:
+        return None
+    interval, breaks = _rate_and_breaks(t[last], last)
+    instants, u = _even(t, last, interval, breaks)
+    rows = last[breaks]
+    missing = np.round((instants[rows + 1] - instants[rows]) / interval - 1).astype(int)
+    lost = missing > 0
+    instants = np.round(instants, 9)  # as stamps are kept
+    return Packets(instants, interval, u, len(last), np.column_stack([rows, missing])[lost])
+
+
+def _came_together(steps: np.ndarray) -> np.ndarray | None:
+    """Which rows (n - 1,) bool came with the one before, by the steps (n - 1,) s between stamps;
+    None where stamps are even or merely scatter.
+    """
+    if len(steps) < 2 * FEWEST:
+        return None
+    interval = float(np.minimum(steps, FAR * _step_of_most_time(steps)).mean())
+    together = steps < TOGETHER * interval
+    between = np.count_nonzero((steps < APART * interval) & ~together)
+    few = together.mean() < LEAST or between > BETWEEN * np.count_nonzero(together)
+    return None if few else together
+
+
+def _step_of_most_time(steps: np.ndarray) -> float:
+    """The step (s) that a moment of the recording usually lies in: from packet to packet."""
+    ordered = np.sort(steps)
+    passed = np.cumsum(ordered)
+    return float(ordered[np.searchsorted(passed, 0.5 * passed[-1])])
+
+
+def _rate_and_breaks(at: np.ndarray, last: np.ndarray) -> tuple[float, np.ndarray]:
+    """The sampling interval (s) by packets that end at (k,) s with the rows `last` (k,), and after
+    which of them samples are missing.
+    """
+    breaks = np.empty(0, int)
+    reach = max(1, min(4 * NEAR, len(at) // 16))  # few of them hold a loss
+    interval = float(np.median((at[reach:] - at[:-reach]) / (last[reach:] - last[:-reach])))
+    for _ in range(3):
+        late = at - interval * last
+        found = _late_from(late, interval)
+        stretch = np.searchsorted(found, np.arange(len(at)), side="left")
+        count = np.bincount(stretch)
+        x = last - (np.bincount(stretch, last) / count)[stretch]
+        y = late - (np.bincount(stretch, late) / count)[stretch]
+        interval += float(x @ y / max(float(x @ x), 1.0))
+        if np.array_equal(found, breaks):
+            break
+        breaks = found
+    return interval, breaks
+
+
+def _late_from(late: np.ndarray, interval: float) -> np.ndarray:
+    """(k,) packets after which the course of how late they are (n,) s stays higher by a sample or
+    more. What is missing beside the first or last packets no course tells.
+    """
+    near = min(NEAR, len(late) // 6 | 1)
+    half = near // 2
+    middle = median_filter(late, near, mode="nearest")
+    before, after = np.arange(len(late) - 1) - half, np.arange(1, len(late)) + half
+    rise = middle[after.clip(0, len(late) - 1)] - middle[before.clip(0, len(late) - 1)]
+    limit = max(
+        LOST * interval,
+        CLEAR * float(np.median(np.abs(rise - np.median(rise)))) / NORMAL_QUANTILES[0.5],
+    )
+    step = np.diff(late)
+    high = np.flatnonzero(rise > limit)
+    found: list[int] = []
+    for near_by in np.split(high, np.flatnonzero(np.diff(high) > half) + 1) if len(high) else ():
+        place = int(near_by[(rise + step)[near_by].argmax()])
+        if half <= place < len(step) - half:
+            found.append(place)
+    return np.array(found, int)
+
+
+def _even(
+    t: np.ndarray, last: np.ndarray, interval: float, breaks: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """(n,) s even instants between the breaks, and their standard uncertainty."""
+    late, u = t[last] - interval * last, 0.0
+    course = np.empty(len(last))
+    for start, stop in pairwise([0, *(breaks + 1).tolist(), len(last)]):
+        part = slice(start, stop)
+        course[part] = _wander(late[part])
+        together = BLOCK if np.ptp(course[part]) else stop - start
+        u = max(u, float(np.std(late[part] - course[part])) / np.sqrt(together))
+    # Beyond the last packet before a break there is none to be drawn to.
+    packet = np.searchsorted(last, np.arange(len(t)))
+    even = interval * np.arange(len(t)) + course[packet]
+    even += float((t - even).mean())
+    return even, u
+
+
+def _wander(late: np.ndarray) -> np.ndarray:
+    """How late packets (n,) s are on the whole: one number, or the course of a clock that wanders
+    against the other by more than their scatter makes of it.
+    """
+    blocks = len(late) // BLOCK
+    mean = np.full(len(late), float(late.mean()))
+    if blocks < 3:
+        return mean
+    whole = late[: blocks * BLOCK].reshape(blocks, BLOCK)
+    means = whole.mean(axis=1)
+    by_chance = float(np.sqrt((whole.var(axis=1) / BLOCK).mean()))
+    if np.std(means) < WANDERING * by_chance:
+        return mean
+    middles = (np.arange(blocks) + 0.5) * BLOCK - 0.5
+    return np.interp(np.arange(len(late)), middles, means)
+
+
+def _denied(t: np.ndarray, even: np.ndarray, readings: np.ndarray) -> bool:
+    """Whether readings (c, n) are smoother at the times t (n,) s than at the even ones: they were
+    taken in bursts, and the stamps are right.
+    """
+    by_stamps, by_even = _roughness(t, readings), _roughness(even, readings)
+    moved = by_stamps > 0.0
+    return bool(moved.any() and np.median(by_even[moved] / by_stamps[moved]) > DENIED)
+
+
+def _roughness(at: np.ndarray, readings: np.ndarray) -> np.ndarray:
+    """(c,) by how far readings (c, n) at times (n,) s lie off the lines between their neighbours,
+    squared, over what white noise makes of that.
+    """
+    share = (at[1:-1] - at[:-2]) / np.maximum(at[2:] - at[:-2], 1e-12)
+    line = readings[:, :-2] + share * (readings[:, 2:] - readings[:, :-2])
+    off = (readings[:, 1:-1] - line) ** 2 / (1.0 + share**2 + (1.0 - share) ** 2)
+    return np.asarray(np.nansum(off, axis=1))
+
+
+def never_set(t: np.ndarray) -> bool:
+    """Whether stamps (n,) s were never set: more than one, and all the same."""
+    return len(t) > 1 and bool((t == t[0]).all())
+
+
+def running_on(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Stamps (n,) s of a clock that runs on where it was set back, and the rows (k,) from which on
+    it was.
+
+    The first row afterwards came one interval after the one before, as far as can be known.
+    """
+    back = np.flatnonzero(np.diff(t) < 0.0) + 1
+    if not len(back):
+        return t, back
+    moved = np.zeros(len(t))
+    interval = sample_interval(np.delete(t, back)) if len(t) > len(back) + 2 else 0.0
+    moved[back] = t[back - 1] + interval - t[back]
+    return t + np.cumsum(moved), back
