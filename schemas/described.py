@@ -8,9 +8,9 @@ of steps with the values given: an axis's `angle` (deg), `rate`, `speed` (its am
 
 import string
 from collections.abc import Mapping
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from schemas.base import Finite, Frozen
 
@@ -30,26 +30,56 @@ TRIPS = ("fault", "emergency_stop", "interlock", "watchdog")
 FLAGS = (*TRIPS, "moving", "settled", "homed", "arrived")
 
 
+SERIAL_SCHEMES = ("socket", "rfc2217", "loop", "hwgrep", "spy", "alt")  # that pyserial opens
+
+
+def check_url(url: str, schemes: tuple[str, ...] = SERIAL_SCHEMES) -> str:
+    """The url; raises ValueError, without repeating it, for one that no line can be opened by."""
+    scheme, is_url, rest = url.partition("://")
+    if not is_url:
+        return url
+    if scheme not in schemes:
+        raise ValueError(
+            f"there is no scheme {scheme}:// ({', '.join(schemes)} are known): write "
+            f"socket://host:port for TCP, or a serial device such as /dev/ttyUSB0 or COM3"
+        )
+    if scheme in ("socket", "udp"):
+        host, _, port = rest.rstrip("/").rpartition(":")
+        if "@" in rest:
+            raise ValueError("a socket takes no user and no password: write socket://host:port")
+        if not host or not port.isdigit() or not 0 < int(port) < 65536:
+            raise ValueError(f"there is no host and port: write {scheme}://host:502")
+    return url
+
+
 class Connection(Frozen):
     """url: `socket://host:port`, or a serial device such as `/dev/ttyUSB0` or `COM3`."""
 
-    url: str = Field(min_length=1)
+    url: Annotated[str, AfterValidator(check_url)] = Field(min_length=1)
     baudrate: int = Field(default=115200, gt=0)
     parity: Literal["N", "E", "O"] = "N"
     stopbits: Literal[1, 2] = 1
     timeout_s: Finite = Field(default=1.0, gt=0, le=30)
 
 
+class ModbusConnection(Connection):
+    """framing: of a socket; a serial server that passes frames of a serial line through has rtu."""
+
+    framing: Literal["tcp", "rtu"] = "tcp"
+
+
 class Register(Frozen):
     """One value: what its words hold, times `scale` plus `offset`.
 
     stride: addresses from one axis to the next; without it, the value belongs to the whole device.
+    byte_order: of the bytes within each word; null: the device's.
     """
 
     address: int = Field(ge=0, le=65535)
     type: RegisterType = "uint16"
     bank: Bank = "holding"
     stride: int | None = Field(default=None, ge=0)
+    byte_order: Literal["big", "little"] | None = None
     scale: Finite = 1.0
     offset: Finite = 0.0
 
@@ -126,15 +156,17 @@ class Described(Connection):
         raise NotImplementedError
 
 
-class ModbusDevice(Described):
+class ModbusDevice(Described, ModbusConnection):
     """A device behind registers, over Modbus/TCP (`socket://…`) or Modbus/RTU (a serial device).
 
+    word_order: of the words of a value; byte_order: of the bytes within each word.
     reads_across_gaps: addresses between registers may be read, so that one request suffices.
     """
 
     driver: Literal["modbus"] = "modbus"
     device: int = Field(default=1, ge=0, le=255)
     word_order: Literal["big", "little"] = "big"
+    byte_order: Literal["big", "little"] = "big"
     reads_across_gaps: bool = False
     registers: Mapping[str, Register]
     commands: Mapping[str, tuple[Write, ...]] = {}

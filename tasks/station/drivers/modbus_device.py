@@ -13,7 +13,7 @@ from schemas.described import Bank, ModbusDevice, Register
 from schemas.devices import Capture, ModbusTable, TextTable
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Backend, Values
-from tasks.station.drivers.modbus import ModbusLink, decode, encode
+from tasks.station.drivers.modbus import ModbusLink, Order, decode, encode
 from tasks.station.ports import EncoderBlock
 
 MOST_WORDS = 120  # a request reads at most 125
@@ -96,12 +96,16 @@ class ModbusBackend:
         self.link.close()
 
     def _words(self, raw: float, register: Register) -> list[int]:
-        return encode(raw, register.type, self.described.word_order)
+        return encode(raw, register.type, *self.orders(register))
+
+    def orders(self, register: Register) -> tuple[Order, Order]:
+        """The order of a register's words, and of the bytes in each."""
+        return self.described.word_order, register.byte_order or self.described.byte_order
 
     def _value(self, words: Sequence[int], register: Register) -> Any:
         if register.type == "bit":
             return words[0]
-        raw = decode(words, register.type, self.described.word_order)
+        raw = decode(words, register.type, *self.orders(register))
         if register.scale == 1.0 and register.offset == 0.0:
             return raw
         return raw * register.scale + register.offset
@@ -174,9 +178,8 @@ class CapturedEncoders:
         self.period_us = capture.period_us
         self.block_samples = capture.values // axes
         self._axes = axes
-        self._order = described.word_order
         self._device = described.device
-        self._link = backend.link
+        self._backend, self._link = backend, backend.link
         registers = described.registers
         self._wanted, self._count = registers[capture.wanted], registers[capture.count]
         self._first, self._samples = registers[capture.first], registers[capture.samples]
@@ -189,26 +192,29 @@ class CapturedEncoders:
         words = await self._link.write_then_read(
             self._device,
             self._wanted.address,
-            encode(first, self._wanted.type, self._order),
+            encode(first, self._wanted.type, *self._backend.orders(self._wanted)),
             start,
             at + width * self._axes * self.block_samples,
         )
-        count = int(decode(words[: self._count.words], self._count.type, self._order))
+        count = int(self._held(words[: self._count.words], self._count))
         if not 0 <= count <= self.block_samples:
             raise Unusable(
                 f"the table at {self._link.url} gives {count} samples where a block holds "
                 f"{self.block_samples}: check capture in the station file"
             )
         place = self._first.address - start
-        number = decode(words[place : place + self._first.words], self._first.type, self._order)
+        number = self._held(words[place : place + self._first.words], self._first)
         if not count:
             return EncoderBlock(int(number), np.empty((0, self._axes)), np.empty(0))
-        read = decode(words[at : at + width * self._axes * count], self._samples.type, self._order)
+        read = self._held(words[at : at + width * self._axes * count], self._samples)
         degrees = np.reshape(read, (count, self._axes)) * self._samples.scale
         angles = np.radians(self._unwrapped(degrees + self._samples.offset))
         return EncoderBlock(
             int(number), angles, (np.arange(count) + int(number)) * self.period_us / 1e6
         )
+
+    def _held(self, words: Sequence[int], register: Register) -> Any:
+        return decode(words, register.type, *self._backend.orders(register))
 
 
 class PolledEncoders:
