@@ -8,7 +8,7 @@ a difference of angles half an interval late; then the angle is what counts.
 import numpy as np
 
 from schemas.recording import Stream
-from tasks.motion.samples import in_blocks, noise_by_differences
+from tasks.motion.samples import in_blocks, noise_by_differences, running_on
 
 STEADY = 0.02  # rad/s²: less of it is a dwell at rate
 MOVING = 0.005  # rad/s
@@ -28,7 +28,7 @@ def reported_rate(table: Stream, axis: str) -> np.ndarray | None:
     rate = table.columns.get(f"{axis}_rate")
     if rate is None:
         return None
-    angle = np.unwrap(table.columns[f"{axis}_angle"])  # an encoder that starts anew each turn
+    angle = running_on(table.columns[f"{axis}_angle"])
     return rate if is_rate_of(table.t, angle, rate) else None
 
 

@@ -99,3 +99,14 @@ def noise_by_differences(values: np.ndarray, order: int, share: float) -> float:
         return 0.0
     size = float(np.quantile(rough, share)) / NORMAL_QUANTILES[share]
     return size / float(np.sqrt(comb(2 * order, order)))
+
+
+def running_on(angles: np.ndarray) -> np.ndarray:
+    """Angles (n, ...) rad continuous over whole turns, also where an encoder starts anew.
+
+    One that was read past a turn runs on by itself: there a long step is a gap in the readings.
+    """
+    if len(angles) < 2:
+        return angles
+    begins_anew = np.ptp(angles, axis=0) <= 2.0 * np.pi * (1.0 + 1e-6)
+    return np.where(begins_anew, np.unwrap(angles, axis=0), angles)

@@ -17,7 +17,13 @@ import numpy as np
 from schemas.recording import Stream
 from tasks.motion.angle_noise import angle_variance
 from tasks.motion.encoder_rate import EncoderRate, encoder_rate, filtered, half_window
-from tasks.motion.samples import covered, in_blocks, interpolated, noise_by_differences
+from tasks.motion.samples import (
+    covered,
+    in_blocks,
+    interpolated,
+    noise_by_differences,
+    running_on,
+)
 
 QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
 LONGEST_WINDOW = 0.5  # s
@@ -123,7 +129,7 @@ def smooth_course(table: Stream, names: tuple[str, ...]) -> SmoothCourse | None:
     """Of a table's named angles, made continuous; None of fewer samples than have derivatives."""
     angles = table.stack(names)
     if (np.abs(np.diff(angles, axis=0)) > np.pi).any():  # an encoder that starts anew each turn
-        angles = np.unwrap(angles, axis=0)
+        angles = running_on(angles)
     return SmoothCourse.of(table.t, angles) if len(table) >= FEWEST else None
 
 

@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from schemas.recording import Manifest, Recording, Segment, Station
+from tasks.motion.samples import running_on
 
 EARTH_RATE = 7.292115e-5  # rad/s, sidereal; WGS 84
 
@@ -117,7 +118,7 @@ def table_angles(recording: Recording, segment: Segment) -> np.ndarray:
         return np.empty((0, 0))
     rows = table.rows(segment.t_start, segment.t_end)
     angles = table.stack(tuple(f"{axis.name}_angle" for axis in axes), rows)
-    return np.unwrap(angles, axis=0)  # an encoder that starts anew each turn
+    return running_on(angles)
 
 
 def mean_rate(recording: Recording, segment: Segment) -> np.ndarray | None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from schemas.recording import GYRO, Recording
 from schemas.text import Remark
+from tasks.motion.samples import running_on
 from tasks.run_validity.remark import run_remark
 from tasks.specifications.evidence import ClauseEvidence
 
@@ -76,7 +77,7 @@ def _rates(recording: Recording, interval: float) -> tuple[np.ndarray, np.ndarra
     at = np.arange(start, end, interval)
     if len(at) < PARTS * SEARCHED / interval:
         return None
-    angles = np.unwrap(table.stack(tuple(f"{axis.name}_angle" for axis in axes)), axis=0)
+    angles = running_on(table.stack(tuple(f"{axis.name}_angle" for axis in axes)))
     is_known = _recorded(imu.t, at) & _recorded(table.t, at)
     by_table = is_known * np.abs(_steps(at, table.t, angles)).sum(axis=1) / interval
     gyro = np.nan_to_num(imu.stack(GYRO))

@@ -12,6 +12,7 @@ import numpy as np
 
 from schemas.recording import AXES, Axis, Recording, Segment
 from tasks.motion.table import mean_rate
+from tasks.segments.commanded_rate import doubt_of_angles, is_by_command
 from tasks.segments.summarise import SegmentMean, median
 
 STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
@@ -67,9 +68,19 @@ def turning_points(
 
 
 def held_rate(recording: Recording, segment: Segment) -> np.ndarray | None:
-    """Mean body rate (3,) rad/s of a held rate by the encoders, None where there are none."""
+    """Mean body rate (3,) rad/s of a held rate by the encoders, None where there are none.
+
+    Its amount is the commanded one where that is known better, and the angles do not contradict it.
+    """
     rate = mean_rate(recording, segment)
-    return None if rate is None else rate / (1.0 + recording.rate_errors.get(segment.name, 0.0))
+    if rate is None:
+        return None
+    seconds = segment.t_end - segment.t_start
+    if is_by_command(recording, segment, seconds) and rate.any():
+        command = abs(np.radians(segment.rate_deg_s or 0.0)) / np.linalg.norm(rate)
+        if abs(command - 1.0) < STEADINESS + doubt_of_angles(recording, seconds):
+            rate = rate * command
+    return rate / (1.0 + recording.rate_errors.get(segment.name, 0.0))
 
 
 def _input_rate(rate: float) -> float:
@@ -88,13 +99,14 @@ def _by_encoders(
     sizes = [float(np.linalg.norm(part)) for part in thirds if part is not None]
     wander = max(sizes) - min(sizes) if sizes else 0.0
     steps = READOUT * 30.0 / max(segment.seconds, 1e-3)
+    doubt = doubt_of_angles(recording, segment.seconds) * abs(label)
     return TurningPoint(
         rate=_input_rate(shown),
         label=label,
         shown=shown,
         by_table=True,
-        contradicted=abs(shown - label) > max(STEADINESS * abs(label), READOUT),
-        unsteady=wander > 2 * STEADINESS * abs(shown) + steps,
+        contradicted=abs(shown - label) > max(STEADINESS * abs(label), READOUT) + doubt,
+        unsteady=wander > 2 * STEADINESS * abs(shown) + steps + 2 * 3 * doubt,
         wander=wander,
     )
 
