@@ -47,11 +47,14 @@ def interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarra
     return np.column_stack([np.interp(at, t, column) for column in values.T])
 
 
-def covered(t: np.ndarray, at: np.ndarray, reach: float = 0.0) -> np.ndarray:
+def covered(
+    t: np.ndarray, at: np.ndarray, reach: float = 0.0, farthest: float = FARTHEST
+) -> np.ndarray:
     """Whether samples at t (n,) s lie near the times asked: (m,) bool.
 
-    Before and behind a time there is one within FARTHEST or, where it samples more slowly, within
-    INTERVALS of its usual interval; at either end of the samples, one on the other side will do.
+    Before and behind a time there is one within `farthest` (s) or, where it samples more slowly,
+    within INTERVALS of its usual interval; at either end of the samples, one on the other side
+    will do.
     reach: s, of what is made of the samples around a time: none of them in a row may be LOST.
     """
     if len(t) < 2:
@@ -63,7 +66,7 @@ def covered(t: np.ndarray, at: np.ndarray, reach: float = 0.0) -> np.ndarray:
     away = np.maximum(np.abs(at - t[before]), np.abs(t[after] - at))
     gaps = np.flatnonzero(steps > LOST * interval) if reach else np.empty(0, int)
     begun, ended = np.searchsorted(t[gaps], at + reach), np.searchsorted(t[gaps + 1], at - reach)
-    return np.asarray((away <= max(FARTHEST, INTERVALS * interval)) & (begun == ended))
+    return np.asarray((away <= max(farthest, INTERVALS * interval)) & (begun == ended))
 
 
 def bridged(values: np.ndarray) -> np.ndarray:

@@ -6,8 +6,9 @@ import numpy as np
 
 from schemas.recording import MEASURED, TRIADS, Recording, Stream
 from schemas.text import Remark
-from tasks.motion.samples import covered
+from tasks.motion.samples import FARTHEST, covered
 from tasks.run_validity.remark import run_remark
+from tasks.segments.commanded_rate import polled_within
 from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.specifications.evidence import ClauseEvidence
@@ -16,6 +17,7 @@ from tasks.words.quantities import moment, plain
 
 LARGEST_SHARE = 0.01  # of a segment's samples, or of the run's, that may be lost
 GAP = 1.5  # usual intervals: a longer step is a gap
+POLLED_GAP = 3.0  # s: angles that are asked for one by one come as they can
 BEYOND = 1.0  # s by which a segment may begin before the first sample, or end after the last
 
 
@@ -26,7 +28,7 @@ def lost_data_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
         yield from _lost(recording, segment)
         yield from _beyond(recording, segment)
     yield from _share("imu", recording.imu, segments)
-    if recording.table is not None:
+    if recording.table is not None and not polled_within(recording):
         yield from _share("table", recording.table, segments)
     yield from _without_rows(recording)
     yield from _null_rows(recording)
@@ -121,7 +123,8 @@ def _table_gap(recording: Recording, segments: tuple[SegmentMean, ...]) -> Itera
     table, imu = recording.table, recording.imu
     if table is None or not recording.manifest.station.table_axes:
         return
-    bare = imu.t[~covered(table.t, imu.t)]
+    farthest = POLLED_GAP if polled_within(recording) else FARTHEST
+    bare = imu.t[~covered(table.t, imu.t, farthest=farthest)]
     first = {}
     for s in segments:
         start, stop = np.searchsorted(bare, (s.t_start, s.t_end))

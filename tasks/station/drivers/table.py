@@ -12,13 +12,13 @@ from schemas.base import Unusable
 from schemas.devices import ModbusTable, TextTable
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Backend
-from tasks.station.drivers.modbus_device import (
+from tasks.station.drivers.encoders import (
     CapturedEncoders,
     Exchanges,
-    ModbusBackend,
     PolledEncoders,
     Unwrapped,
 )
+from tasks.station.drivers.modbus_device import ModbusBackend
 from tasks.station.ports import TRIPS, AxisState, EncoderBlock, TableState, check_trips
 
 MOVING_DEG_S = 0.01  # where a table does not say itself whether it moves

@@ -89,6 +89,8 @@ class ColonMaker:
                 self.errors = 0
             case ["interlock", "close" | "open" as state]:
                 self.is_closed[int(values[0]) - 1] = state == "close"
+                if state == "open":
+                    self._switch(int(values[0]) - 1, "off")
             case ["mode", mode] if mode in MODES:
                 self._switch(int(values[0]) - 1, mode)
             case ["limit", what] if what in ("rate", "acceleration"):
