@@ -17,7 +17,7 @@ from tasks.words.quantities import moment, plain
 
 LARGEST_SHARE = 0.01  # of a segment's samples, or of the run's, that may be lost
 GAP = 1.5  # usual intervals: a longer step is a gap
-POLLED_GAP = 3.0  # s: angles that are asked for one by one come as they can
+POLLED_GAP = 5.0  # s: angles that are asked for one by one come as they can
 BEYOND = 1.0  # s by which a segment may begin before the first sample, or end after the last
 
 

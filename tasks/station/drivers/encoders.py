@@ -16,9 +16,9 @@ from tasks.station.drivers.modbus import decode, encode
 from tasks.station.drivers.modbus_device import ModbusBackend
 from tasks.station.ports import EncoderBlock
 
-LATE_S = 3.0  # a poll that comes later leaves a gap: longer than what is read again
+LATE_S = 5.0  # a poll that comes later leaves a gap: longer than what is read again
 LONG, USUAL_OF, FEWEST = 2.5, 101, 5  # times the usual one, which is the median of so many
-AGAIN = 3  # times that an angle is read whose time is known too badly
+AGAIN = 2  # times that an angle is read whose time is known too badly
 
 
 class Exchanges:
