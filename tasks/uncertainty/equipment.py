@@ -188,10 +188,13 @@ def with_polled_encoders(
     commanded: how far the rates that it holds may be from those commanded, relative.
     """
     limit = _limit("τ", "encoder-time", "s", half_width_s, "rectangular", POLLED)
-    rate = commanded and _limit(
+    timed = replace(equipment, encoder_time=limit)
+    if commanded is None:
+        return timed
+    rate = _limit(
         "ε5", "commanded-rate", "1", commanded.half_width, commanded.distribution, COMMANDED
     )
-    return replace(equipment, encoder_time=limit, commanded_rate=rate)
+    return replace(timed, commanded_rate=rate)
 
 
 def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -> Equipment:

@@ -222,6 +222,12 @@ class DescribedTable:
         given["direction"] = 1.0 if rate >= 0 else -1.0
         await self._backend.command("turn_at", given, axis)
 
+    async def oscillate(self, axis: int, amplitude: float, frequency: float, cycles: int) -> None:
+        """Turn an axis to and fro by an amplitude (deg) at a frequency (Hz), so many periods."""
+        self._settling[axis].send("off")
+        given = {"amplitude": amplitude, "frequency": frequency, "cycles": float(cycles)}
+        await self._backend.command("oscillate", given, axis)
+
     async def stop(self, axis: int) -> None:
         """Ramp an axis to rest."""
         self._settling[axis].send("off")

@@ -42,10 +42,19 @@ class LettersMaker:
             case _:
                 return f"?{UNKNOWN:02d}"
         try:
-            value = float(numbers[0]) if numbers else None
+            value = None if not numbers or "," in numbers[0] else float(numbers[0])
         except ValueError:
             return f"?{NO_NUMBER:02d}"
+        if command == "SIN":
+            return self._swung(axis, numbers)
         return self._asked(command, axis) if "?" in command else self._told(command, axis, value)
+
+    def _swung(self, axis: int, numbers: list[str]) -> str:
+        if not self.is_on[axis] or not numbers:
+            return f"?{NOT_READY:02d}"
+        amplitude, frequency, cycles = numbers[0].split(",")
+        self._axes.swing(axis, float(amplitude), float(frequency), int(cycles))
+        return ""
 
     def _asked(self, command: str, axis: int) -> str:
         match command:

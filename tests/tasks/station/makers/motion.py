@@ -2,8 +2,13 @@
 
 import math
 
+import numpy as np
+
+from tasks.station.virtual.profile import Profile
 from tasks.station.virtual.protocol import AXIS_STATUS, MODES
 from tasks.station.virtual.table import VirtualTable
+
+PIECES = 200  # of a period
 
 
 class Axes:
@@ -33,6 +38,18 @@ class Axes:
 
     def turn(self, axis: int, rate: float, acceleration: float) -> None:
         self._start(axis, "rate", rate, acceleration)
+
+    def swing(self, axis: int, amplitude: float, frequency: float, cycles: int) -> None:
+        """A sinusoid about where it stands, drawn as pieces of constant acceleration."""
+        drive, now = self.table.drives[axis], self.table.now
+        start = float(drive.profile.at(np.array([now]))[0][0])
+        t = np.linspace(0.0, cycles / frequency, PIECES * cycles + 1)
+        rate = math.radians(amplitude) * 2.0 * np.pi * frequency * np.cos(2 * np.pi * frequency * t)
+        rate *= np.minimum(1.0, 4.0 * np.minimum(t, t[-1] - t) * frequency)  # in and out
+        change = np.append(np.diff(rate) / np.diff(t), 0.0)
+        turned = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))])
+        drive.profile = Profile(now + t, start + turned, rate, change)
+        drive.mode, drive.setpoint = MODES["rate"], 0.0
 
     def halt(self, axis: int) -> None:
         self.table.command(axis, MODES["stop"])

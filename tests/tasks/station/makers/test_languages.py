@@ -53,7 +53,7 @@ def station(language: str, make: Make | None = None, **line: Any) -> EmulatedSta
 
 def within_U(emulated: EmulatedStation, recording: Any) -> None:  # noqa: N802 (the symbol)
     """Every element of both matrices, and the biases of the accelerometers, lies within its U."""
-    made = calibrate(BY_STANDARD["JJF2003-2022"], recording, run="r", code_version="c")
+    made = calibrate(BY_STANDARD[recording.manifest.standard], recording, run="r", code_version="c")
     true = truth(emulated.simulation.config)
     for triad, name in (("gyro", "Kg"), ("accel", "Ka")):
         matrix = np.array(true[name])
@@ -153,6 +153,57 @@ def test_a_command_that_comes_too_soon_is_lost_and_that_is_said(short, kept):
 
 
 NEEDS_WALL_S = 0.1  # a busy machine reads a line late
+
+
+SWING = {
+    "kind": "oscillation", "name": "sine_x", "item": "decide", "axis": "x", "up": "+x",
+    "spin_axis": 0, "amplitude_deg": 5.0, "frequency_hz": 0.5, "cycles": 4,
+}  # fmt: skip
+
+
+def with_a_swing(short: Procedure) -> Procedure:
+    values = short.model_dump()
+    swing = SWING | {"angles_deg": values["steps"][2]["angles_deg"]}
+    return Procedure.model_validate(values | {"steps": [*values["steps"], swing]})
+
+
+def test_a_controller_that_has_sinusoids_makes_them_and_the_encoders_show_it(short, kept):
+    emulated = station("three_letter_table")
+    run = emulated.acquire(with_a_swing(short), kept)
+    (swung,) = [each for each in run.manifest.segments or () if each.name.startswith("sine_x")]
+    assert swung.kind == "transition"
+    table = kept.stream("table")
+    angle = np.degrees(table.columns["outer_angle"][table.rows(swung.t_start, swung.t_end)])
+    assert 7.0 < np.ptp(angle) < 11.0  # of polled angles the extremes may be missed
+    assert not emulated.simulation.table.rate.any()
+
+
+def test_a_controller_that_has_none_is_told_before_anything_moves(short, kept):
+    emulated = station("scpi_table")
+    with pytest.raises(Unusable, match=r"step sine_x .* the table has no command oscillate"):
+        emulated.acquire(with_a_swing(short), kept)
+    assert emulated.simulation.table.steps == 0
+
+
+def test_a_swing_beyond_the_limits_is_refused():
+    from tasks.station.requirements import check_limits
+
+    fields = sample("three_letter_table")
+    fields["limits"] = {"axes": {"outer": {"acceleration_deg_s2": 500.0, "angle_deg": [-4, 400]}}}
+    procedure = with_a_swing(shortened("jjf2003"))
+    only = procedure.model_copy(update={"steps": procedure.steps[-1:]})
+    with pytest.raises(Unusable, match=r"segment sine_x .* needs -5 deg"):
+        check_limits(only, StationFile.model_validate(fields))
+
+
+def test_whole_turns_are_refused_where_it_goes_to_angles_of_one_turn_alone(kept):
+    values = procedures.load("jjf2003").model_dump()
+    same = ("name", "item", "axis", "up", "spin_axis")
+    turns = {name: SWING[name] for name in same} | {"kind": "turns", "turns": 2}
+    turns |= {"rate_deg_s": 50.0, "angles_deg": values["steps"][0]["angles_deg"]}
+    procedure = Procedure.model_validate(values | {"steps": [turns]})
+    with pytest.raises(Unusable, match="whole turns, and move_to of the table takes angles within"):
+        station("scpi_table").acquire(procedure, kept)
 
 
 class InWallTime:
