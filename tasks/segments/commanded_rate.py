@@ -6,13 +6,16 @@ table that holds the rate it is told to better than that is believed, where its 
 
 import math
 
+import numpy as np
 from pydantic import ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.equipment import ErrorBound
 from schemas.recording import Recording, Segment
+from tasks.motion.table import mean_rate
 
 MOST_HALF_WIDTH_S = 3600.0
+STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
 
 
 def polled_within(recording: Recording) -> float:
@@ -53,9 +56,17 @@ def doubt_of_angles(recording: Recording, seconds: float) -> float:
     return math.sqrt(2.0) * polled_within(recording) / max(seconds, 1e-3)
 
 
-def is_by_command(recording: Recording, segment: Segment, seconds: float) -> bool:
-    """Whether the commanded rate is known better than the one that the angles tell."""
-    bound = commanded_bound(recording)
-    if bound is None or segment.kind != "rate" or not segment.rate_deg_s:
-        return False
-    return bound.half_width < doubt_of_angles(recording, seconds)
+def rate_by_command(recording: Recording, segment: Segment) -> np.ndarray | None:
+    """The mean body rate (3,) rad/s of a held rate as commanded, about the axis that turns.
+
+    None where the angles tell it better, or contradict it.
+    """
+    bound, seconds = commanded_bound(recording), segment.t_end - segment.t_start
+    doubt = doubt_of_angles(recording, seconds)
+    if bound is None or segment.kind != "rate" or bound.half_width >= doubt:
+        return None
+    shown = mean_rate(recording, segment)
+    if shown is None or not shown.any() or not segment.rate_deg_s:
+        return None
+    commanded = abs(np.radians(segment.rate_deg_s)) / np.linalg.norm(shown)
+    return shown * commanded if abs(commanded - 1.0) < STEADINESS + doubt else None

@@ -12,10 +12,9 @@ import numpy as np
 
 from schemas.recording import AXES, Axis, Recording, Segment
 from tasks.motion.table import mean_rate
-from tasks.segments.commanded_rate import doubt_of_angles, is_by_command
+from tasks.segments.commanded_rate import STEADINESS, doubt_of_angles, rate_by_command
 from tasks.segments.summarise import SegmentMean, median
 
-STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
 OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate's
 OFF_LINE_LEAST = np.radians(2.0)  # rad/s: a gyro bias is no other rate
 PLAUSIBLE_SLOPES = (0.5, 2.0)  # scale factors that a gyro may have
@@ -72,14 +71,10 @@ def held_rate(recording: Recording, segment: Segment) -> np.ndarray | None:
 
     Its amount is the commanded one where that is known better, and the angles do not contradict it.
     """
-    rate = mean_rate(recording, segment)
+    commanded = rate_by_command(recording, segment)
+    rate = mean_rate(recording, segment) if commanded is None else commanded
     if rate is None:
         return None
-    seconds = segment.t_end - segment.t_start
-    if is_by_command(recording, segment, seconds) and rate.any():
-        command = abs(np.radians(segment.rate_deg_s or 0.0)) / np.linalg.norm(rate)
-        if abs(command - 1.0) < STEADINESS + doubt_of_angles(recording, seconds):
-            rate = rate * command
     return rate / (1.0 + recording.rate_errors.get(segment.name, 0.0))
 
 

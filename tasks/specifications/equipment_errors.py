@@ -21,7 +21,7 @@ from tasks.model.simulate import predict
 from tasks.model.term import Term
 from tasks.motion.whole import Motion
 from tasks.segments.attitude import VERTICAL, attitude_vector
-from tasks.segments.commanded_rate import is_by_command
+from tasks.segments.commanded_rate import rate_by_command
 from tasks.specifications.axes_of_table import axes_of_table
 from tasks.specifications.error_sources import EquipmentErrors, ErrorSource, Scope
 from tasks.specifications.evidence import ClauseEvidence
@@ -131,11 +131,7 @@ def _of_rates(
     left = held / np.maximum(turned, MIN_RIPPLE_ANGLE)  # of a ripple, over the angle turned
     yield from _source(equipment.ripple, "point", of_points(left))
     told = np.array(
-        [
-            is_by_command(evidence.recording, label, s)
-            for label, s in zip(evidence.labels, seconds, strict=True)
-        ],
-        bool,
+        [rate_by_command(evidence.recording, label) is not None for label in evidence.labels], bool
     )
     timed = math.sqrt(2.0) * (held & ~told) / seconds
     yield from _source(equipment.encoder_time, "point", of_points(timed))
