@@ -15,7 +15,8 @@ from schemas.equipment import EquipmentLimit, LimitName, ResultAxes
 from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.uncertainty import Budget
-from tasks.segments.commanded_rate import commanded_bound, polled_within
+from tasks.motion.polled import polled_within
+from tasks.segments.commanded_rate import commanded_bound
 from tasks.specifications.estimate import Estimate, Estimates, ItemEstimate
 from tasks.specifications.items import ItemDefinition
 from tasks.specifications.register import BY_STANDARD

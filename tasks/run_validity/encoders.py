@@ -6,9 +6,9 @@ import numpy as np
 
 from schemas.recording import AXES, Stream
 from schemas.text import Remark
+from tasks.motion.polled import polled_within
 from tasks.motion.table import mount_of, payload_attitude, table_angles
 from tasks.run_validity.remark import run_remark
-from tasks.segments.commanded_rate import polled_within
 from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS
 from tasks.specifications.evidence import ClauseEvidence
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from schemas.recording import MEASURED, TRIADS, Recording, Stream
 from schemas.text import Remark
+from tasks.motion.polled import polled_within
 from tasks.motion.samples import FARTHEST, covered
 from tasks.run_validity.remark import run_remark
-from tasks.segments.commanded_rate import polled_within
 from tasks.segments.one_pass import extreme_steps
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.specifications.evidence import ClauseEvidence

@@ -4,35 +4,13 @@ The times of polled angles are known to ± τ, so that a mean rate over T is unc
 table that holds the rate it is told to better than that is believed, where its angles agree.
 """
 
-import math
-
 import numpy as np
 from pydantic import ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.equipment import ErrorBound
 from schemas.recording import Recording, Segment
-from tasks.motion.table import mean_rate
-
-MOST_HALF_WIDTH_S = 3600.0
-STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
-
-
-def polled_within(recording: Recording) -> float:
-    """Within how many seconds the times of polled angles are known; 0 where they are captured.
-
-    Raises Unusable for a `table_time` that says no such time.
-    """
-    stated = (recording.manifest.model_extra or {}).get("table_time")
-    if stated is None or recording.table is None:
-        return 0.0
-    half_width_s = stated.get("half_width_s") if isinstance(stated, dict) else stated
-    if not isinstance(half_width_s, int | float) or not 0.0 <= half_width_s < MOST_HALF_WIDTH_S:
-        raise Unusable(
-            f"the manifest's table_time.half_width_s is {half_width_s!r}: give the half-width in s "
-            f"(0 to {MOST_HALF_WIDTH_S:g}) by which the encoders' times are known"
-        )
-    return float(half_width_s)
+from tasks.motion.polled import agreeing_rate, doubt_of_angles
 
 
 def commanded_bound(recording: Recording) -> ErrorBound | None:
@@ -51,22 +29,13 @@ def commanded_bound(recording: Recording) -> ErrorBound | None:
         ) from error
 
 
-def doubt_of_angles(recording: Recording, seconds: float) -> float:
-    """By how much of itself a mean rate over some seconds may be wrong, by the angles' times."""
-    return math.sqrt(2.0) * polled_within(recording) / max(seconds, 1e-3)
-
-
 def rate_by_command(recording: Recording, segment: Segment) -> np.ndarray | None:
     """The mean body rate (3,) rad/s of a held rate as commanded, about the axis that turns.
 
     None where the angles tell it better, or contradict it.
     """
     bound, seconds = commanded_bound(recording), segment.t_end - segment.t_start
-    doubt = doubt_of_angles(recording, seconds)
-    if bound is None or segment.kind != "rate" or bound.half_width >= doubt:
+    if bound is None or segment.kind != "rate":
         return None
-    shown = mean_rate(recording, segment)
-    if shown is None or not shown.any() or not segment.rate_deg_s:
-        return None
-    commanded = abs(np.radians(segment.rate_deg_s)) / np.linalg.norm(shown)
-    return shown * commanded if abs(commanded - 1.0) < STEADINESS + doubt else None
+    is_better = bound.half_width < doubt_of_angles(recording, seconds)
+    return agreeing_rate(recording, segment) if is_better else None

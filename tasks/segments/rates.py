@@ -11,8 +11,9 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.recording import AXES, Axis, Recording, Segment
+from tasks.motion.polled import STEADINESS, doubt_of_angles
 from tasks.motion.table import mean_rate
-from tasks.segments.commanded_rate import STEADINESS, doubt_of_angles, rate_by_command
+from tasks.segments.commanded_rate import rate_by_command
 from tasks.segments.summarise import SegmentMean, median
 
 OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate's
