@@ -149,6 +149,7 @@ def _of_this_computer() -> str:
 
 def _write_unit(station: str, home: "Home") -> Path:
     """The systemd unit of a station's worker, which finds its secrets by the name of the line."""
+    from storage.environment import environment
     from storage.whole_files import drafted, writing_in_home
 
     text = (files("flows.on_prefect") / "systemd" / "mimucal-station.service").read_text(
@@ -156,7 +157,7 @@ def _write_unit(station: str, home: "Home") -> Path:
     )
     path = _unit_file(station, home)
     unit = Template(text).substitute(
-        station=station, home=home.path, server=os.environ["PREFECT_API_URL"],
+        station=station, home=home.path, server=environment().prefect_server,
         bin=get_path("scripts"), line=_line(home), unit=path.name,
     )  # fmt: skip
     with writing_in_home(path), drafted(path) as draft:

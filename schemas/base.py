@@ -4,6 +4,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from schemas.secret_urls import shown
+
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -33,5 +35,6 @@ def first_fault(error: ValidationError) -> str:
         return f"{place} is missing"
     message = fault["msg"].removeprefix("Value error, ")
     value = fault.get("input")
-    shown = "" if isinstance(value, dict) else f" (found {value!r})"[:80]
-    return f"{place}: {message}{shown}"
+    value = shown(value) if isinstance(value, str) else value
+    found = "" if isinstance(value, dict) else f" (found {value!r})"[:80]
+    return f"{place}: {message}{found}"

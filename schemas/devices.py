@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from schemas.base import Finite, Frozen
 from schemas.described import ModbusDevice, TextDevice
+from schemas.equipment import ErrorBound
 
 
 class Capture(Frozen):
@@ -28,17 +29,39 @@ class Capture(Frozen):
 class _TableAbilities(Frozen):
     """Abilities of a table beside what it reads.
 
-    turnover_deg: the angle at which its encoder wraps. poll_period_ms: how often the angles are
-    read if the controller does not capture them. settled_deg, settled_rate: how close (deg, and as
-    a share of the rate), and settled_s: for how long, if the table has no flag for it.
+    turnover_deg: the angle at which its encoder wraps, or counter_bits: the width of its counter.
+    poll_period_ms: how often the angles are read if the controller does not capture them.
+    commanded_rate: how far a rate that it holds may be from the one commanded, relative; that one
+    is then the reference where the times of polled angles tell the rate worse. settled_deg,
+    settled_rate: how close (deg, and as a share of the rate), and settled_s: for how long, if the
+    table has no flag for it.
     """
 
     turnover_deg: Finite | None = Field(default=None, gt=0)
+    counter_bits: int | None = Field(default=None, gt=0, le=64)
+    commanded_rate: ErrorBound | None = None
     poll_period_ms: int = Field(default=20, gt=0)
     settled_deg: Finite = Field(default=0.002, gt=0)
     settled_rate: Finite = Field(default=2e-3, gt=0)
     settled_s: Finite = Field(default=0.5, gt=0)
     home_timeout_s: Finite = Field(default=120.0, gt=0)
+
+    @model_validator(mode="after")
+    def _wraps_in_one_way(self) -> Self:
+        if self.turnover_deg is not None and self.counter_bits is not None:
+            raise ValueError("turnover_deg and counter_bits: give the one that is known")
+        return self
+
+    def turnover_of(self, scale: float) -> float | None:
+        """The angle (deg) at which the encoder wraps, with one count of its counter in deg."""
+        if self.counter_bits is not None:
+            return 2.0**self.counter_bits * scale
+        return self.turnover_deg
+
+    @property
+    def turnover(self) -> float | None:
+        """The angle (deg) at which the encoder wraps; None: it does not."""
+        raise NotImplementedError
 
 
 class _Kind(Frozen):
@@ -63,6 +86,13 @@ class _Table(_Kind):
     needed = ("move_to", "turn_at", "stop")
     read = ("angle",)
 
+    @model_validator(mode="after")
+    def _knows_a_turn_that_it_asks_for(self) -> Self:
+        table: Any = self
+        if table.asks_within_a_turn and table.turnover is None:
+            raise ValueError("move_to asks for angle_in_turn: give turnover_deg, as 360.0")
+        return self
+
 
 class _Chamber(_Kind):
     read = ("temperature",)
@@ -77,6 +107,16 @@ class ModbusTable(_Table, ModbusDevice, _TableAbilities):
 
     capture: Capture | None = None
 
+    @property
+    def turnover(self) -> float | None:
+        """By the scale of the register `angle`."""
+        return self.turnover_of(self.registers["angle"].scale)
+
+    @property
+    def asks_within_a_turn(self) -> bool:
+        """Whether it is sent to angles within a turn, and turns the short way."""
+        return any(write.value == "angle_in_turn" for write in self.commands["move_to"])
+
     @model_validator(mode="after")
     def _captures_into_registers(self) -> Self:
         named = self.capture and (
@@ -90,6 +130,16 @@ class ModbusTable(_Table, ModbusDevice, _TableAbilities):
 
 class TextTable(_Table, TextDevice, _TableAbilities):
     """A table that takes lines of text; its angles are polled."""
+
+    @property
+    def turnover(self) -> float | None:
+        """By the scale of `angle`."""
+        return self.turnover_of(self.scale.get("angle", 1.0))
+
+    @property
+    def asks_within_a_turn(self) -> bool:
+        """Whether it is sent to angles within a turn, and turns the short way."""
+        return any("{angle_in_turn" in line for line in self.commands["move_to"])
 
 
 class ModbusChamber(_Chamber, ModbusDevice):

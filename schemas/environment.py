@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import ConfigDict, Field
 
 from schemas.base import Frozen
+from schemas.secret_urls import shown
 
 OWN = "MIMUCAL_"  # what begins with it and is no variable here is a slip of the pen
 
@@ -79,12 +80,12 @@ def in_rows(environment: Environment) -> list[Row]:
     rows = []
     for name, field in Environment.model_fields.items():
         value = getattr(environment, name)
-        shown = "***" if value is not None and not field.repr else value
+        printed = "***" if value is not None and not field.repr else value
         is_set = name in environment.model_fields_set
         rows.append(
             Row(
                 variable=str(field.alias),
-                value=None if shown is None else str(shown),
+                value=None if printed is None else shown(str(printed)),
                 source="environment" if is_set else "default",
                 what=str(field.description),
             )

@@ -3,6 +3,7 @@
 All angles are in deg, table axes outer first (the outermost is 0).
 """
 
+from math import pi
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -83,6 +84,40 @@ class Turns(Frozen):
     rate_deg_s: Finite = Field(gt=0)
 
 
+class Oscillation(Frozen):
+    """Whole periods of a sinusoid of one table axis, from rest to rest at given angles.
+
+    The recording labels it as a transition: nothing is measured in its mean. Only a table with the
+    command `oscillate` can do it.
+    """
+
+    kind: Literal["oscillation"] = "oscillation"
+    name: str
+    item: str
+    axis: Axis | None = None
+    up: Up | None = None
+    spin_axis: int = Field(ge=0)
+    angles_deg: tuple[Finite, ...]
+    amplitude_deg: Finite = Field(gt=0)
+    frequency_hz: Finite = Field(gt=0)
+    cycles: int = Field(gt=0)
+
+    @property
+    def seconds(self) -> float:
+        """Of the motion."""
+        return self.cycles / self.frequency_hz
+
+    @property
+    def rate_deg_s(self) -> float:
+        """The largest."""
+        return 2.0 * pi * self.frequency_hz * self.amplitude_deg
+
+    @property
+    def acceleration_deg_s2(self) -> float:
+        """The largest."""
+        return 2.0 * pi * self.frequency_hz * self.rate_deg_s
+
+
 class Refix(Frozen):
     """The unit is turned over in its fixture; mount: its attitude from then on.
 
@@ -117,7 +152,9 @@ class Procedure(Frozen):
     settle_s: Finite = Field(ge=0)
     move_rate_deg_s: Finite = Field(gt=0)
     acceleration_deg_s2: Finite = Field(gt=0)
-    steps: tuple[Position | Sweep | RateRun | Turns | Refix, ...] = Field(min_length=1)
+    steps: tuple[Position | Sweep | RateRun | Turns | Oscillation | Refix, ...] = Field(
+        min_length=1
+    )
 
     @model_validator(mode="after")
     def _measures_after_every_refix(self) -> Self:

@@ -5,7 +5,7 @@ from typing import Literal, Self
 from pydantic import model_validator
 
 from schemas.base import Frozen
-from schemas.devices import ChamberDevice, FixtureDevice, TableDevice
+from schemas.devices import ChamberDevice, FixtureDevice, PythonDevice, TableDevice
 from schemas.equipment import MeasurementStandard
 from schemas.limits import Limits
 from schemas.recording import Mount, Station, Unit
@@ -48,6 +48,15 @@ class StationFile(Frozen):
             raise ValueError(
                 f"limits.chamber allows temperatures, and chamber.commands has no {SET_TEMPERATURE}"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _table_is_described_for_each_axis(self) -> Self:
+        axes = len(self.station.table_axes or ())
+        table = self.table
+        fault = None if isinstance(table, PythonDevice) else table.not_of_each_axis(axes)
+        if axes and fault:
+            raise ValueError(f"station.table_axes has {axes} axes, and in table {fault}")
         return self
 
     @model_validator(mode="after")

@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from math import pi
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from schemas.base import Finite, Frozen
+from schemas.described import SERIAL_SCHEMES, check_url
 from schemas.recording import ACCEL, ANGLE, GYRO
 
 SIZES: Mapping[str, int] = {
@@ -28,6 +29,7 @@ CHECK_BYTES: Mapping[str, int] = {
     "crc16_xmodem": 2, "crc16_ccitt_false": 2, "crc16_modbus": 2, "crc32": 4, "sum8": 1, "xor8": 1
 }  # fmt: skip
 CHANNELS = (*GYRO, *ANGLE, *ACCEL, "temperature")
+LINE_SCHEMES = (*SERIAL_SCHEMES, "udp", "file")
 PLACES = ("counter", "time", "skip", *CHANNELS)
 
 
@@ -199,7 +201,9 @@ class UnitLink(Frozen):
     of a file that is being written.
     """
 
-    url: str = Field(min_length=1)
+    url: Annotated[str, AfterValidator(lambda url: check_url(url, LINE_SCHEMES))] = Field(
+        min_length=1
+    )
     baudrate: int = Field(default=460800, gt=0)
     rate_hz: Finite = Field(gt=0)
     frame: Annotated[AnyFrame, Field(discriminator="kind")]

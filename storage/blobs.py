@@ -2,7 +2,7 @@
 
 MIMUCAL_STORE names the bucket as s3://BUCKET/PREFIX, with `endpoint`, `scheme` and `region` behind
 a question mark where it is not AWS; without it they are in the home. Keys come from the
-environment, as AWS names them.
+environment, as AWS names them, or stand as KEY:SECRET@ before the bucket.
 """
 
 import json
@@ -20,6 +20,7 @@ from typing import Any, Protocol
 from urllib.parse import parse_qsl, urlsplit
 
 from schemas.base import Unusable
+from schemas.secret_urls import login_apart, shown
 from storage.environment import environment
 from storage.home import Home
 from storage.whole_files import writing_in_home, writing_to
@@ -250,15 +251,18 @@ def _named_in(manifest: Path) -> list[str]:
 def _bucket(url: str) -> Bucket:
     from pyarrow.fs import AwsStandardS3RetryStrategy, S3FileSystem
 
-    parts = urlsplit(url)
+    place, key, secret = login_apart(url)
+    parts = urlsplit(place)
     asked = dict(parse_qsl(parts.query))
     root = f"{parts.netloc}{parts.path.rstrip('/')}"
     if parts.scheme != "s3" or not parts.netloc or not asked.keys() <= OPTIONS.keys():
-        raise Unusable(f"MIMUCAL_STORE is {url!r}, which cannot be used; {WAY_OUT}.")
+        raise Unusable(f"MIMUCAL_STORE is {shown(url)}, which cannot be used; {WAY_OUT}.")
     # Recordings are checked against their own digest: the client's check sums would only repeat it.
     os.environ.setdefault("AWS_RESPONSE_CHECKSUM_VALIDATION", "when_required")
     system = S3FileSystem(
         **{OPTIONS[name]: value for name, value in asked.items()},
+        access_key=key,
+        secret_key=secret,
         request_timeout=REQUEST_S,
         connect_timeout=CONNECT_S,
         retry_strategy=AwsStandardS3RetryStrategy(max_attempts=ATTEMPTS),

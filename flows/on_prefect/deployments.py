@@ -23,8 +23,6 @@ from prefect.client.schemas.schedules import CronSchedule
 from prefect.exceptions import ObjectAlreadyExists, ObjectNotFound
 from prefect.utilities.callables import parameter_schema
 from prefect.workers.process import ProcessWorker
-from sqlalchemy import make_url
-from sqlalchemy.exc import ArgumentError
 
 from flows.on_prefect import prefect_flows
 from flows.on_prefect.automations import automate
@@ -32,6 +30,7 @@ from flows.on_prefect.client import prefect_client
 from flows.on_prefect.prefect_queue import LINE, pool_of
 from flows.on_prefect.worker import PATIENT
 from schemas.base import Unusable
+from schemas.secret_urls import has_secret
 from storage.home import Home
 
 AGAIN = "then repeat the command"
@@ -159,12 +158,5 @@ def environment(home: Home) -> dict[str, str]:
     What carries a password stays out of Prefect's database: the worker's environment has it.
     """
     named = {name: os.environ[name] for name in PASSED_ON if os.environ.get(name)}
-    without = {name: value for name, value in named.items() if not _has_password(value)}
+    without = {name: value for name, value in named.items() if not has_secret(value)}
     return {"MIMUCAL_HOME": str(home.path.absolute())} | without | PATIENT
-
-
-def _has_password(value: str) -> bool:
-    try:
-        return make_url(value).password is not None
-    except ArgumentError:
-        return False

@@ -78,7 +78,12 @@ def connect(home: Home) -> None:
     settings = QUIET if server_named() else QUIET | OWN_SERVER
     for name, value in settings.items():
         os.environ.setdefault(name, value)
-    if not server_named():
+    if server_named():  # Prefect prints the URL: the login does not stay in it
+        named = environment()
+        os.environ["PREFECT_API_URL"] = str(named.prefect_server)
+        if named.prefect_login:
+            os.environ[CLIENT_AUTH] = named.prefect_login
+    else:
         _start(home.prefect.absolute())
         # Runs before the server is ended, which a second Ctrl-C would break off with a traceback.
         for stop in STOPPING:

@@ -13,6 +13,7 @@ import sqlalchemy as sql
 from sqlalchemy.pool import NullPool, QueuePool
 
 from schemas.base import Unusable
+from schemas.secret_urls import escaped, shown
 from storage.home import Home
 
 SWITCH_PAUSE_S = 0.02
@@ -26,19 +27,21 @@ class Busy(Unusable):
 def url_of(home: Home) -> sql.URL:
     """The URL of the catalogue; raises Unusable for an unsupported kind of database."""
     try:
-        url = sql.make_url(home.database_url)
+        url = sql.make_url(escaped(home.database_url))
     except sql.exc.ArgumentError as error:
         raise Unusable(f"MIMUCAL_DATABASE is not a database URL; {WAY_OUT}.") from error
     if url.drivername in ("postgresql", "postgres"):
         return url.set(drivername="postgresql+psycopg")
     if url.drivername == "postgresql+psycopg" or (url.drivername == "sqlite" and url.database):
         return url
-    raise Unusable(f"MIMUCAL_DATABASE is {url!r}, which cannot be used; {WAY_OUT}.")
+    raise Unusable(
+        f"MIMUCAL_DATABASE is {shown(home.database_url)}, which cannot be used; {WAY_OUT}."
+    )
 
 
 def name_of(home: Home) -> str:
     """The URL of the catalogue, without a password."""
-    return url_of(home).render_as_string(hide_password=True)
+    return shown(url_of(home).render_as_string(hide_password=True))
 
 
 _of_thread = threading.local()  # `once`: whether it keeps its file open
@@ -130,9 +133,9 @@ def explained(made: sql.Engine) -> Iterator[None]:
             raise  # a fault of the program, not of the place
         reason = str(error.orig).splitlines()[0].rstrip(".")
         raise (Busy if _may_pass(error) else Unusable)(
-            f"The catalogue {made.url!r} cannot be used ({reason}); see that it can be reached and "
-            "written and that its disk has room, or let MIMUCAL_HOME or MIMUCAL_DATABASE name "
-            "another."
+            f"The catalogue {shown(repr(made.url))} cannot be used ({reason}); see that it can be "
+            "reached and written and that its disk has room, or let MIMUCAL_HOME or "
+            "MIMUCAL_DATABASE name another."
         ) from error
 
 

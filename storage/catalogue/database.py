@@ -17,6 +17,7 @@ from urllib.parse import quote, unquote
 import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
+from schemas.secret_urls import shown
 from storage.catalogue.connection import engine_of, explained, url_of
 from storage.catalogue.tables import results, units
 from storage.home import RESTORING, Home
@@ -208,7 +209,7 @@ def check_revision(made: sql.Engine, revision: str | None) -> None:
     Nothing but `mimucal upgrade` changes a catalogue that is there: programs of the version that
     made it go on using it.
     """
-    where, is_read_only = repr(made.url), "mode" in made.url.query
+    where, is_read_only = shown(repr(made.url)), "mode" in made.url.query
     if is_read_only:
         where = unquote(str(made.url.database).removeprefix("file:"))
     if revision is not None and revision > HEAD:

@@ -15,6 +15,8 @@ from schemas.equipment import EquipmentLimit, LimitName, ResultAxes
 from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.uncertainty import Budget
+from tasks.motion.polled import polled_within
+from tasks.segments.commanded_rate import commanded_bound
 from tasks.specifications.estimate import Estimate, Estimates, ItemEstimate
 from tasks.specifications.items import ItemDefinition
 from tasks.specifications.register import BY_STANDARD
@@ -33,7 +35,6 @@ from tasks.words.rounding import USUAL_K
 
 ENOUGH_DOF = 50.0  # effective degrees of freedom below which k = 2 covers too little
 MAX_BITS = 64.0
-MOST_HALF_WIDTH_S = 3600.0
 EFFECTIVE_BITS = TypeAdapter(Annotated[float, Field(ge=1.0, le=MAX_BITS)])
 EXAMPLE: UncertaintyKind = "as the specification's example"
 BY_EXAMPLE = "the example's"
@@ -152,8 +153,8 @@ def evaluation_for(
     if specification is not None:
         equipment, named = specification.equipment, specification.equipment_source
     equipment = with_limits(equipment, own)
-    if half_width_s := _polled_within(recording):
-        equipment = with_polled_encoders(equipment, half_width_s)
+    if half_width_s := polled_within(recording):
+        equipment = with_polled_encoders(equipment, half_width_s, commanded_bound(recording))
     settings: dict[str, str | float] = {"uncertainty": kind, "axes": axes}
     remarks: tuple[Remark, ...] = ()
     if axes == "mounting plane" and not counts:
@@ -180,23 +181,6 @@ def evaluation_for(
         equipment, kind, table=table, table_source=table_source, bits=bits or BITS,
         settings=settings, remarks=remarks,
     )  # fmt: skip
-
-
-def _polled_within(recording: Recording) -> float:
-    """Within how many seconds the times of polled encoders are known; 0 where they are captured.
-
-    Raises Unusable for a `table_time` that says no such time.
-    """
-    stated = (recording.manifest.model_extra or {}).get("table_time")
-    if stated is None or recording.table is None:
-        return 0.0
-    half_width_s = stated.get("half_width_s") if isinstance(stated, dict) else stated
-    if not isinstance(half_width_s, int | float) or not 0.0 <= half_width_s < MOST_HALF_WIDTH_S:
-        raise Unusable(
-            f"the manifest's table_time.half_width_s is {half_width_s!r}: give the half-width in s "
-            f"(0 to {MOST_HALF_WIDTH_S:g}) by which the encoders' times are known"
-        )
-    return float(half_width_s)
 
 
 def common_factor(budgets: Mapping[str, Budget]) -> float:

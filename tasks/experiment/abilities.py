@@ -25,8 +25,8 @@ class Abilities:
 
     rates_deg_s: of each axis, outermost first. acceleration_deg_s2: of all. endless: of each axis,
     whether it turns on and on. chamber: None where its temperature cannot be set, or is not known
-    to be. ramp_share: of the acceleration that ramps show: 1 where it is constant, ¾ where it comes
-    and goes as sin².
+    to be. oscillates: whether the controller makes sinusoids. ramp_share: of the acceleration that
+    ramps show: 1 where it is constant, ¾ where it comes and goes as sin².
     """
 
     station: Station
@@ -36,6 +36,7 @@ class Abilities:
     endless: tuple[bool, ...]
     chamber: ChamberLimits | None = None
     ramp_share: float = 1.0
+    oscillates: bool = False
 
     @classmethod
     def of_station(cls, file: StationFile) -> "Abilities":
@@ -60,7 +61,8 @@ class Abilities:
         endless = tuple(file.limits.is_endless(name) for name in names)
         acceleration = min(accelerations, default=ACCELERATION_DEG_S2)
         return cls(
-            file.station, file.mount, rates, acceleration, endless, file.limits.chamber
+            file.station, file.mount, rates, acceleration, endless, file.limits.chamber,
+            oscillates="oscillate" in getattr(file.table, "commands", ()),
         )  # fmt: skip
 
     @classmethod

@@ -12,12 +12,20 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.limits import ChamberLimits
-from schemas.procedure import EnvironmentLimits, Position, RateRun, Refix, Sweep, Turns
+from schemas.procedure import (
+    EnvironmentLimits,
+    Oscillation,
+    Position,
+    RateRun,
+    Refix,
+    Sweep,
+    Turns,
+)
 from schemas.recording import Axis, Up
 from tasks.experiment.abilities import Abilities
 from tasks.motion.table import axis_directions, payload_attitude
 
-Step = Position | Sweep | RateRun | Turns
+Step = Position | Sweep | RateRun | Turns | Oscillation
 
 ITEM = "decide"
 QUARTERS = (0.0, 90.0, -90.0, 180.0)  # deg
@@ -27,6 +35,8 @@ BISECTOR = 0.7  # and from which two of them do, alike
 ASLANT = (1.0, 0.02)  # of the largest rate: the fast one is compared with the slow one
 SWINGS, EACH_SLOWER = 16, 0.02  # no two rates alike, so that each segment has a name of its own
 SWING_S, RATE_S, REST_S, TUMBLE_S, SOAK_S = 0.2, 6.0, 10.0, 1.0, 180.0
+SINE_SHARES, SINE_S, EDGE = (1.0, 0.25), 8.0, 0.99  # of the largest rate
+MOST_AMPLITUDE_DEG = 60.0  # of a table whose axis may have stops
 NOISE_S = 20.0  # at rest: without it `explain` does not know by how much the readings scatter
 SHARES = (1.0, 0.5, 0.25, 0.1)  # of the largest rate
 # |ω| and ω² differ most at rest, at the half and at the whole (Chebyshev): there |ω| − ω² − 1/8,
@@ -192,6 +202,8 @@ def _about(one: Attitude, abilities: Abilities) -> Iterator[Block]:
         Sweep(name=f"heading_{one.label}", table_axis=0, stops_deg=HEADINGS, dwell_s=REST_S,
               **common),
     ))  # fmt: skip
+    if abilities.oscillates:
+        yield from _sinusoids(abilities, one, spin)
     if not abilities.endless[0]:
         return
     for share in (1.0, 0.25):
@@ -210,6 +222,21 @@ def _about(one: Attitude, abilities: Abilities) -> Iterator[Block]:
     yield Block(f"turns_{one.label}", (
         Turns(name=f"turns_{one.label}", turns=2, rate_deg_s=round(0.25 * most, 1), **spin),
     ))  # fmt: skip
+
+
+def _sinusoids(abilities: Abilities, one: Attitude, spin: dict[str, Any]) -> Iterator[Block]:
+    """To and fro with the largest acceleration, at the largest rate or at a part of it."""
+    for share in SINE_SHARES:
+        rate = share * abilities.rates_deg_s[0]
+        omega = abilities.acceleration_deg_s2 / rate
+        frequency = round(omega / (2.0 * np.pi), 4)
+        amplitude = round(EDGE * rate / (2.0 * np.pi * frequency), 3)
+        cycles = max(1, round(SINE_S * frequency))
+        name = f"sine_{one.label}_{frequency:.1f}hz"
+        step = Oscillation(name=name, amplitude_deg=amplitude, frequency_hz=frequency,
+                           cycles=cycles, **spin)  # fmt: skip
+        if amplitude <= MOST_AMPLITUDE_DEG:
+            yield Block(name, (step,))
 
 
 def _rounded(rates: list[float]) -> tuple[float, ...]:

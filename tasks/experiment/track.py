@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from schemas.procedure import Procedure
+from schemas.procedure import Oscillation, Procedure
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Segment, Stream
 from tasks.experiment.temperature import SetPoint, ThermalResponse
 from tasks.station.plan import SERVO_S, PlannedSegment, plan
@@ -79,6 +79,14 @@ class _Track:
         self._append(self.angles + way * _profile(abs(by), rate, acceleration,
                                                   self.step_s)[:, None])  # fmt: skip
 
+    def swing(self, step: Oscillation) -> None:
+        """One axis to and fro, from rest to rest."""
+        t = np.arange(1, round(step.seconds / self.step_s) + 1) * self.step_s
+        piece = np.tile(self.angles, (len(t), 1))
+        phase = 2.0 * np.pi * step.frequency_hz * t
+        piece[:, step.spin_axis] += step.amplitude_deg * np.sin(phase)
+        self._append(piece)
+
     def _append(self, piece: np.ndarray) -> None:
         self.pieces.append(piece)
         self.count += len(piece)
@@ -141,7 +149,10 @@ def _follow(track: _Track, segment: PlannedSegment, procedure: Procedure) -> Non
     start = track.now
     if segment.chamber_degc is not None:
         track.set_points.append((start, segment.chamber_degc))
-    if segment.turn_by_deg is not None:
+    if segment.oscillation is not None:
+        track.swing(segment.oscillation)
+        track.stay(SERVO_S, axis)
+    elif segment.turn_by_deg is not None:
         track.turn(axis, segment.turn_by_deg, abs(segment.rate_deg_s), acceleration)
         track.stay(SERVO_S, axis)
     else:

@@ -56,8 +56,7 @@ def continuous(table: Stream, names: tuple[str, ...], rows: slice | None = None)
     """The named angles (n, k) rad over some rows, without the jumps of an encoder that starts anew
     each turn.
 
-    A slow one that has gone farther than a turn does not: between two samples it may turn by more
-    than half of one.
+    One that was read past a turn does not: there a long step is a gap, or a slow sampling.
     """
     angles = table.stack(names, rows)
     jumps = (np.abs(np.diff(angles, axis=0)) > np.pi).any(axis=0)
@@ -69,15 +68,17 @@ def continuous(table: Stream, names: tuple[str, ...], rows: slice | None = None)
 
 @lru_cache(maxsize=16)  # asked for again in each segment
 def _passes_turns(table: Stream, name: str) -> bool:
-    slow = float(np.median(np.diff(table.t))) >= SLOW
-    return slow and float(np.ptp(table.columns[name])) > TURN
+    return float(np.ptp(table.columns[name])) > TURN
 
 
-def covered(t: np.ndarray, at: np.ndarray, reach: float = 0.0) -> np.ndarray:
+def covered(
+    t: np.ndarray, at: np.ndarray, reach: float = 0.0, farthest: float = FARTHEST
+) -> np.ndarray:
     """Whether samples at t (n,) s lie near the times asked: (m,) bool.
 
-    Before and behind a time there is one within FARTHEST or, where it samples more slowly, within
-    INTERVALS of its usual interval; at either end of the samples, one on the other side will do.
+    Before and behind a time there is one within `farthest` (s) or, where it samples more slowly,
+    within INTERVALS of its usual interval; at either end of the samples, one on the other side
+    will do.
     reach: s, of what is made of the samples around a time: none of them in a row may be LOST.
     """
     if len(t) < 2:
@@ -89,7 +90,7 @@ def covered(t: np.ndarray, at: np.ndarray, reach: float = 0.0) -> np.ndarray:
     away = np.maximum(np.abs(at - t[before]), np.abs(t[after] - at))
     gaps = np.flatnonzero(steps > LOST * interval) if reach else np.empty(0, int)
     begun, ended = np.searchsorted(t[gaps], at + reach), np.searchsorted(t[gaps + 1], at - reach)
-    return np.asarray((away <= max(FARTHEST, INTERVALS * interval)) & (begun == ended))
+    return np.asarray((away <= max(farthest, INTERVALS * interval)) & (begun == ended))
 
 
 def bridged(values: np.ndarray) -> np.ndarray:

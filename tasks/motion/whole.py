@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.recording import AXES, Recording, Stream, Up
+from tasks.motion.polled import as_held, polled_within
 from tasks.motion.pose import Tracking, tracked_motion
 from tasks.motion.pose_frames import POSE
 from tasks.motion.reported_rate import reported_rate
@@ -23,6 +24,7 @@ from tasks.motion.table import TableAxes, mount_of, table_vectors
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
 UNEVEN = 0.02  # of the interval by which a step between stamps differs
 MOSTLY = 0.9  # of the steps: rows are even but for gaps
+TIMED = 1e-4  # s: angles whose times are known worse have no derivatives
 SEAM = 0.05  # rad that the vertical jumps by, at least, where the unit was fixed anew
 
 
@@ -213,7 +215,8 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
         rate += own
     turning = TableAxes(angle, speed, np.stack(spins, axis=1), base)
     gravity = gravity_of(recording)
-    return _mounted(recording, Motion(at, up, north, rate, acceleration, gravity, turning))
+    motion = _mounted(recording, Motion(at, up, north, rate, acceleration, gravity, turning))
+    return as_held(recording, motion) if polled_within(recording) > TIMED else motion
 
 
 def _mounted(recording: Recording, payload: Motion) -> Motion:

@@ -5,12 +5,12 @@ import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from datetime import date, datetime, timedelta
-from string import Template
 from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
 from schemas.base import Unusable
 from schemas.recall import DueUnit, SilentHours
+from schemas.secret_urls import filled
 from schemas.text import Statement
 from tasks.words import message, say
 
@@ -23,22 +23,33 @@ LONGEST_PAUSE = timedelta(hours=6)
 PRODUCT = "-//mimucal//recalibration//"
 ENTRY = "recalibration.ics"
 NO_REASON = "the channel gave no reason"
+NOT_ASCII = (
+    "user or password has a character beyond ASCII, which a mail server cannot be told: choose "
+    "another"
+)
 
 
 def check_channel(name: str, url: str) -> str:
-    """The URL of a channel with environment variables filled in; Unusable for an invalid one."""
+    """The URL of a channel with environment variables filled in; Unusable for an invalid one.
+
+    A password may hold any character, as a variable or as it is; it is never part of a sentence.
+    """
     from apprise import Apprise
 
     try:
-        whole = Template(url).substitute(os.environ)
+        whole = filled(url, os.environ)
     except KeyError as missing:
         raise Unusable(
             f"recall.toml: channel {name!r} uses ${{{missing.args[0]}}}, which is not set in "
             "the environment; set it."
         ) from missing
     except ValueError as error:
-        raise Unusable(f"recall.toml: channel {name!r}: {error}; write $$ for a dollar.") from error
-    if Apprise.instantiate(whole) is None:
+        raise Unusable(
+            f"recall.toml: channel {name!r} has a dollar without a name; write $$ for a dollar."
+        ) from error
+    with _warnings():  # they repeat the URL
+        is_one = Apprise.instantiate(whole) is not None
+    if not is_one:
         raise Unusable(
             f"recall.toml: channel {name!r} is not an Apprise URL (mailto://, dingtalk://, "
             "wecombot://, feishu://, slack://); correct it there."
@@ -62,9 +73,12 @@ def send(url: str, title: str, body: str, entry: bytes | None) -> str | None:
         attached = AppriseAttachment()
         attached.add(AttachMemory(content=entry, name=ENTRY, mimetype="text/calendar"))
     with _warnings() as warned:
-        done = channel.notify(
-            body=body, title=title, body_format=NotifyFormat.TEXT, attach=attached
-        )  # fmt: skip
+        try:
+            done = channel.notify(
+                body=body, title=title, body_format=NotifyFormat.TEXT, attach=attached
+            )  # fmt: skip
+        except UnicodeEncodeError:  # whose text would repeat them
+            return NOT_ASCII
     if done:
         return None
     return warned[-1] if warned else NO_REASON

@@ -6,6 +6,7 @@ import numpy as np
 
 from schemas.recording import AXES, Stream
 from schemas.text import Remark
+from tasks.motion.polled import polled_within
 from tasks.motion.table import mount_of, payload_attitude, table_angles
 from tasks.run_validity.remark import run_remark
 from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS
@@ -26,13 +27,16 @@ def encoder_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     if table is None or not axes:
         return
     for axis in axes:
-        yield from _jumps(axis.name, table)
+        yield from _jumps(axis.name, table, polled_within(recording))
     yield from _attitude(evidence)
     yield from _gain(evidence)
 
 
-def _jumps(axis: str, table: Stream) -> Iterator[Remark]:
-    """Samples between which no table can have turned so far."""
+def _jumps(axis: str, table: Stream, half_width_s: float) -> Iterator[Remark]:
+    """Samples between which no table can have turned so far.
+
+    half_width_s: of the time of an angle that is polled, at any interval.
+    """
     if len(table) < 4:
         return
     steps, angle = np.diff(table.t), table.columns[f"{axis}_angle"]
@@ -40,7 +44,12 @@ def _jumps(axis: str, table: Stream) -> Iterator[Remark]:
     turned = np.diff(angle)
     bend = np.abs((np.diff(turned) + np.pi) % (2.0 * np.pi) - np.pi)  # encoders may start anew
     near = np.maximum(steps[1:], steps[:-1]) < ADJACENT * usual
-    jumps = np.flatnonzero(near & (bend > max(JUMP, ACCELERATION * usual**2)))
+    limit = np.full(len(bend), max(JUMP, ACCELERATION * usual**2))
+    if half_width_s:
+        speed = np.abs(turned / steps)
+        off = np.abs(np.diff(steps)) + 4.0 * half_width_s
+        limit += off * np.maximum(speed[1:], speed[:-1])
+    jumps = np.flatnonzero(near & (bend > limit))
     if len(jumps):
         worst = int(jumps[bend[jumps].argmax()])
         yield run_remark(

@@ -6,7 +6,8 @@ import numpy as np
 
 from schemas.recording import MEASURED, TRIADS, Recording, Stream
 from schemas.text import Remark
-from tasks.motion.samples import covered, gaps
+from tasks.motion.polled import polled_within
+from tasks.motion.samples import FARTHEST, covered, gaps
 from tasks.readings.stamps import in_packets
 from tasks.run_validity.remark import run_remark
 from tasks.segments.one_pass import extreme_steps
@@ -17,6 +18,7 @@ from tasks.words.quantities import moment, plain
 
 LARGEST_SHARE = 0.01  # of a segment's samples, or of the run's, that may be lost
 GAP = 1.5  # sampling intervals: a longer step after which stamps stay late is a gap
+POLLED_GAP = 5.0  # s: angles that are asked for one by one come as they can
 BEYOND = 1.0  # s by which a segment may begin before the first sample, or end after the last
 
 
@@ -27,7 +29,7 @@ def lost_data_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
         yield from _lost(recording, segment)
         yield from _beyond(recording, segment)
     yield from _share("imu", recording.imu, segments)
-    if recording.table is not None:
+    if recording.table is not None and not polled_within(recording):
         yield from _share("table", recording.table, segments)
     yield from _without_rows(recording)
     yield from _null_rows(recording)
@@ -124,7 +126,8 @@ def _table_gap(recording: Recording, segments: tuple[SegmentMean, ...]) -> Itera
     table, imu = recording.table, recording.imu
     if table is None or not recording.manifest.station.table_axes:
         return
-    bare = imu.t[~covered(table.t, imu.t)]
+    farthest = POLLED_GAP if polled_within(recording) else FARTHEST
+    bare = imu.t[~covered(table.t, imu.t, farthest=farthest)]
     first = {}
     for s in segments:
         start, stop = np.searchsorted(bare, (s.t_start, s.t_end))

@@ -11,10 +11,11 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.recording import AXES, Axis, Recording, Segment
+from tasks.motion.polled import STEADINESS, doubt_of_angles
 from tasks.motion.table import mean_rate
+from tasks.segments.commanded_rate import rate_by_command
 from tasks.segments.summarise import SegmentMean, median
 
-STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
 OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate's
 OFF_LINE_LEAST = np.radians(2.0)  # rad/s: a gyro bias is no other rate
 PLAUSIBLE_SLOPES = (0.5, 2.0)  # scale factors that a gyro may have
@@ -67,9 +68,15 @@ def turning_points(
 
 
 def held_rate(recording: Recording, segment: Segment) -> np.ndarray | None:
-    """Mean body rate (3,) rad/s of a held rate by the encoders, None where there are none."""
-    rate = mean_rate(recording, segment)
-    return None if rate is None else rate / (1.0 + recording.rate_errors.get(segment.name, 0.0))
+    """Mean body rate (3,) rad/s of a held rate by the encoders, None where there are none.
+
+    Its amount is the commanded one where that is known better, and the angles do not contradict it.
+    """
+    commanded = rate_by_command(recording, segment)
+    rate = mean_rate(recording, segment) if commanded is None else commanded
+    if rate is None:
+        return None
+    return rate / (1.0 + recording.rate_errors.get(segment.name, 0.0))
 
 
 def _input_rate(rate: float) -> float:
@@ -88,13 +95,14 @@ def _by_encoders(
     sizes = [float(np.linalg.norm(part)) for part in thirds if part is not None]
     wander = max(sizes) - min(sizes) if sizes else 0.0
     steps = READOUT * 30.0 / max(segment.seconds, 1e-3)
+    doubt = doubt_of_angles(recording, segment.seconds) * abs(label)
     return TurningPoint(
         rate=_input_rate(shown),
         label=label,
         shown=shown,
         by_table=True,
-        contradicted=abs(shown - label) > max(STEADINESS * abs(label), READOUT),
-        unsteady=wander > 2 * STEADINESS * abs(shown) + steps,
+        contradicted=abs(shown - label) > max(STEADINESS * abs(label), READOUT) + doubt,
+        unsteady=wander > 2 * STEADINESS * abs(shown) + steps + 2 * 3 * doubt,
         wander=wander,
     )
 

@@ -21,6 +21,7 @@ from tasks.model.simulate import predict
 from tasks.model.term import Term
 from tasks.motion.whole import Motion
 from tasks.segments.attitude import VERTICAL, attitude_vector
+from tasks.segments.commanded_rate import rate_by_command
 from tasks.specifications.axes_of_table import axes_of_table
 from tasks.specifications.error_sources import EquipmentErrors, ErrorSource, Scope
 from tasks.specifications.evidence import ClauseEvidence
@@ -129,7 +130,13 @@ def _of_rates(
         yield from _source(limit, "run", effects, followed=True)
     left = held / np.maximum(turned, MIN_RIPPLE_ANGLE)  # of a ripple, over the angle turned
     yield from _source(equipment.ripple, "point", of_points(left))
-    yield from _source(equipment.encoder_time, "point", of_points(math.sqrt(2.0) * held / seconds))
+    told = np.array(
+        [rate_by_command(evidence.recording, label) is not None for label in evidence.labels], bool
+    )
+    timed = math.sqrt(2.0) * (held & ~told) / seconds
+    yield from _source(equipment.encoder_time, "point", of_points(timed))
+    by_command = -((held & told)[:, None] * response.rate)[None]
+    yield from _source(equipment.commanded_rate, "run", by_command, followed=True)
     for limit in equipment.angles:
         share = by_angle / np.where(by_angle, turned, 1.0)
         name = message("uncertainty-turned-angle", limit=limit.name)

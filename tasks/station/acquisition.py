@@ -26,7 +26,7 @@ from tasks.station.stopping import OPERATOR, StopRequested, StopSwitch, run_unti
 from tasks.station.unit_recorder import Sink, UnitRecorder
 from tasks.words import Message, message, texts
 
-LEAVE_TIMEOUT_S = 3.0
+LEAVE_TIMEOUT_S = 8.0  # lines of text with a pause behind each take seconds
 CLOCK_INTERVAL_S = 0.1
 CANCEL_AGAIN_S = 0.1
 

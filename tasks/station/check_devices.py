@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from schemas.base import Unusable
+from schemas.devices import PythonDevice
 from schemas.limits import Limits
 from schemas.station import StationFile
 from schemas.text import Statement
@@ -19,6 +20,7 @@ from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
 from tasks.station.plan import SetPoint, move_s
 from tasks.station.ports import Climate, Fixture, Table, TableState
+from tasks.station.possible import CLIMATE, check_climate, check_state, check_unit
 from tasks.station.stopping import StopSwitch, run_until_stopped
 from tasks.words import Message, Sayable, message, statement
 
@@ -84,10 +86,11 @@ class _Trials:
         """What the work gives; None where it does not work."""
         try:
             given = await work
+            said = statement(found(given))
         except Unusable as fault:
             self.made.append(Trial(device, tried, False, Statement(en=str(fault), zh=str(fault))))
             return None
-        self.made.append(Trial(device, tried, True, statement(found(given))))
+        self.made.append(Trial(device, tried, True, said))
         return given
 
 
@@ -166,13 +169,15 @@ async def _unit(station: StationFile) -> Message:
             taken += [samples for samples in unit.take() if len(samples)]
         samples = np.concatenate(taken)
     means = unit.stream(samples).stack(tuple(station.unit_link.frame.channels)).mean(axis=0)
-    channels = zip(station.unit_link.frame.channels, means, strict=True)
+    channels = dict(zip(station.unit_link.frame.channels, means.tolist(), strict=True))
     seconds = max((samples["stamp"][-1] - samples["stamp"][0]) / 1e6, 1e-9)
+    rate_hz = (len(samples) - 1) / seconds
+    check_unit(station, rate_hz, channels)
     return message(
         "station-check-unit",
-        rate=f"{(len(samples) - 1) / seconds:.1f}",
+        rate=f"{rate_hz:.1f}",
         bad=unit.bad_frames,
-        means=tuple(f"{name} {mean:.4g}" for name, mean in channels),
+        means=tuple(f"{name} {mean:.4g}" for name, mean in channels.items()),
     )
 
 
@@ -186,7 +191,13 @@ async def _serial(station: StationFile) -> Message:
 
 async def _climate_of(devices: Devices, station: StationFile) -> Climate:
     is_set = station.limits.chamber is not None
-    return await (await devices.chamber(station.chamber, is_set)).climate()
+    climate = await (await devices.chamber(station.chamber, is_set)).climate()
+    if isinstance(station.chamber, PythonDevice):  # NaN where it does not measure
+        read = frozenset(name for name in CLIMATE if not np.isnan(getattr(climate, name)))
+    else:
+        read = station.chamber.readings
+    check_climate(climate, read)
+    return climate
 
 
 def _itself(found: Message) -> Message:
@@ -198,6 +209,7 @@ def _is_one(_: Any) -> Message:
 
 
 def _state(state: TableState, names: tuple[str, ...]) -> Message:
+    check_state(state, names)
     axes = tuple(
         f"{name} {axis.angle_deg:.4f}°, {axis.rate_deg_s:.4f} °/s"
         for name, axis in zip(names, state.axes, strict=True)

@@ -15,7 +15,16 @@ from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.identity import confirm
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
-from tasks.station.ports import Ask, Chamber, Climate, EncoderBlock, Fixture, Table, TableState
+from tasks.station.ports import (
+    Ask,
+    Chamber,
+    Climate,
+    EncoderBlock,
+    Fixture,
+    Table,
+    TableState,
+    oscillating,
+)
 from tasks.station.stopping import StopSwitch, bring_to_rest, is_at_rest
 
 T = TypeVar("T")
@@ -120,6 +129,9 @@ class BusTable:
 
     async def turn_at(self, axis: int, rate: float, acceleration: float) -> None:
         await self._do(self.table.turn_at, axis, rate, acceleration)
+
+    async def oscillate(self, axis: int, amplitude: float, frequency: float, cycles: int) -> None:
+        await self._do(oscillating(self.table), axis, amplitude, frequency, cycles)  # type: ignore[arg-type]
 
     async def stop(self, axis: int) -> None:
         await self._do(self.table.stop, axis)

@@ -44,15 +44,20 @@ def check_unit(segment: Segment, imu: Stream, link: UnitLink) -> list[Anomaly]:
     return anomalies
 
 
-def check_rate(segment: Segment, axis: str, table: Stream) -> list[Anomaly]:
-    """The mean rate of a table axis by its encoder against the rate asked for."""
+def check_rate(
+    segment: Segment, axis: str, table: Stream, half_width_s: float = 0.0
+) -> list[Anomaly]:
+    """The mean rate of a table axis by its encoder against the rate asked for.
+
+    half_width_s: by how much the time of an angle may be wrong, at both ends.
+    """
     rows = table.rows(segment.t_start, segment.t_end)
     t, angle = table.t[rows], table.columns[f"{axis}_angle"][rows]
     if segment.kind != "rate" or segment.rate_deg_s is None or len(t) < 2:
         return []
     rate = np.degrees((angle[-1] - angle[0]) / (t[-1] - t[0]))
     error = float(rate / segment.rate_deg_s - 1.0)
-    if abs(error) <= RATE_TOLERANCE:
+    if abs(error) <= RATE_TOLERANCE + 2.0 * half_width_s / (t[-1] - t[0]):
         return []
     return [_anomaly("table_rate", segment, axis, 100.0 * error)]
 
@@ -79,8 +84,11 @@ class SegmentMonitor:
         """The time up to which both streams have come."""
         return min(each[-1].t[-1] if each else -np.inf for each in (self.imu, self.table))
 
-    def run(self, imu: Stream, table: Stream) -> list[Anomaly]:
-        """Take in what came next, and check every segment whose data are there."""
+    def run(self, imu: Stream, table: Stream, half_width_s: float) -> list[Anomaly]:
+        """Take in what came next, and check every segment whose data are there.
+
+        half_width_s: by how much the time of an angle of the table may be wrong.
+        """
         self.imu += [imu] if len(imu) else []
         self.table += [table] if len(table) else []
         anomalies = []
@@ -89,7 +97,7 @@ class SegmentMonitor:
             imu, table = joined(self.imu), joined(self.table)
             anomalies += check_unit(segment, imu, self._link)
             if spin_axis is not None:
-                anomalies += check_rate(segment, spin_axis, table)
+                anomalies += check_rate(segment, spin_axis, table, half_width_s)
             self.imu = [imu.at(slice(_last_before(imu, segment.t_end), None))]
             self.table = [table.at(slice(_last_before(table, segment.t_end), None))]
         return anomalies

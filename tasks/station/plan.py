@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Literal
 
-from schemas.procedure import Position, Procedure, RateRun, Refix, Sweep, Turns
+from schemas.procedure import Oscillation, Position, Procedure, RateRun, Refix, Sweep, Turns
 from schemas.recording import Axis, Mount, Segment, Up
 from tasks.station.ports import AxisState, TableState
 
@@ -57,8 +57,8 @@ class PlannedSegment:
 
     planned_s: the expected duration of all of that, from the end of the previous segment. refix:
     the unit is turned over first. fixture: the attitude of the fixture, None as long as it is that
-    of the station file. turn_by_deg: whole turns instead of a dwell. chamber_degc: the chamber's
-    set-point from the beginning of the dwell.
+    of the station file. turn_by_deg: whole turns instead of a dwell, oscillation: to and fro.
+    chamber_degc: the chamber's set-point from the beginning of the dwell.
     """
 
     name: str
@@ -75,9 +75,12 @@ class PlannedSegment:
     chamber_degc: float | None = None
     refix: Refix | None = None
     fixture: Mount | None = None
+    oscillation: Oscillation | None = None
 
     @property
-    def kind(self) -> Literal["static", "rate", "rotation"]:
+    def kind(self) -> Literal["static", "rate", "rotation", "transition"]:
+        if self.oscillation is not None:
+            return "transition"
         if self.turn_by_deg is not None:
             return "rotation"
         return "static" if self.spin_axis is None else "rate"
@@ -133,7 +136,7 @@ def plan(procedure: Procedure) -> tuple[PlannedSegment, ...]:
 
 
 def _segments_of(
-    procedure: Procedure, step: Position | Sweep | RateRun | Turns
+    procedure: Procedure, step: Position | Sweep | RateRun | Turns | Oscillation
 ) -> Iterator[PlannedSegment]:
     """The segments of one step, without what comes before each."""
     common = PlannedSegment(
@@ -165,6 +168,10 @@ def _segments_of(
                     rate_deg_s=rate,
                     dwell_s=step.dwell_s,
                 )
+        case Oscillation():
+            yield replace(
+                common, spin_axis=step.spin_axis, dwell_s=step.seconds + SERVO_S, oscillation=step
+            )
         case Turns():
             turn, rate = 360.0 * step.turns, step.rate_deg_s
             turning_s = move_s(turn, rate, procedure.acceleration_deg_s2)

@@ -104,6 +104,19 @@ class Table(Protocol):
         """Stop every axis and hand the table back, even if the connection had failed."""
 
 
+Oscillate = Callable[[int, float, float, int], Awaitable[None]]
+
+
+def oscillating(table: Table) -> Oscillate:
+    """How a table turns an axis to and fro: by an amplitude (deg), a frequency (Hz) and a number of
+    periods. Raises Unusable for one that cannot.
+    """
+    found: Oscillate | None = getattr(table, "oscillate", None)
+    if found is None:
+        raise Unusable("the driver of this table has no method oscillate: leave oscillations out")
+    return found
+
+
 @dataclass(frozen=True)
 class Climate:
     """One reading of the chamber at a station time (s): °C, %RH, V and hPa.

@@ -56,17 +56,18 @@ class Recorder:
     def flush(self, final: bool = False) -> None:
         """Write what has come. Raises Unusable where no unit is left."""
         table, environment = self.encoders.take(), self.climate.take()
+        half_width_s = self.encoders.table.time_half_width_s
         faults: list[tuple[UnitRecorder, Unusable]] = []
         for unit in self.sound:
             try:
-                unit.write(table, environment, final)
+                unit.write(table, environment, final, half_width_s)
             except Unusable as fault:
                 faults.append((unit, fault))
         if faults and len(faults) == len(self.sound):
             raise faults[-1][1]
         for unit, its_fault in faults:
             unit.give_up(str(its_fault))
-            unit.write_manifest(self.encoders.table.time_half_width_s)
+            unit.write_manifest(half_width_s)
 
     @property
     def t_end(self) -> float:

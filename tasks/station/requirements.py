@@ -8,8 +8,9 @@ from math import inf
 import numpy as np
 
 from schemas.base import Unusable
+from schemas.devices import PythonDevice
 from schemas.limits import MotionLimits
-from schemas.procedure import Position, Procedure, RateRun, Refix, Sweep, Turns
+from schemas.procedure import Oscillation, Position, Procedure, RateRun, Refix, Sweep, Turns
 from schemas.recording import AXES, Mount, TableAxis
 from schemas.station import StationFile
 from tasks.station.plan import PlannedSegment, plan
@@ -20,13 +21,16 @@ ALIGNED = np.cos(np.radians(5.0))  # a wrong label is off by 90 degrees, a mount
 
 @dataclass(frozen=True)
 class Motion:
-    """What a segment asks of one axis: rate (deg/s), and lowest and highest angle (deg)."""
+    """What a segment asks of one axis: rate (deg/s), lowest and highest angle (deg), and the
+    acceleration (deg/s²) where it is not the procedure's.
+    """
 
     segment: str
     axis: int
     rate_deg_s: float
     low_deg: float
     high_deg: float
+    acceleration_deg_s2: float | None = None
 
 
 def check_procedure(procedure: Procedure, station: StationFile) -> None:
@@ -49,6 +53,7 @@ def check_procedure(procedure: Procedure, station: StationFile) -> None:
                 f"procedure made for this table"
             )
         _check_axes(procedure, step, len(axes))
+        _check_commands(procedure, step, station)
     for segment in planned:
         _check_attitude(segment, axes, procedure, station)
 
@@ -82,7 +87,29 @@ def _check_names(procedure: Procedure, planned: tuple[PlannedSegment, ...]) -> N
         )
 
 
-def _check_axes(procedure: Procedure, step: Position | Sweep | RateRun | Turns, axes: int) -> None:
+def _check_commands(
+    procedure: Procedure, step: Position | Sweep | RateRun | Turns | Oscillation,
+    station: StationFile,
+) -> None:  # fmt: skip
+    """What a description of the table has no command for."""
+    table = station.table
+    if isinstance(table, PythonDevice):
+        return
+    lacks = None
+    if isinstance(step, Oscillation) and "oscillate" not in table.commands:
+        lacks = "an oscillation, and the table has no command oscillate"
+    if isinstance(step, Turns) and table.asks_within_a_turn:
+        lacks = "whole turns, and move_to of the table takes angles within a turn"
+    if lacks:
+        raise Unusable(
+            f"step {step.name} of procedure {procedure.name} is {lacks}: choose a procedure "
+            f"without it, or describe the command in the station file of {station.station.id}"
+        )
+
+
+def _check_axes(
+    procedure: Procedure, step: Position | Sweep | RateRun | Turns | Oscillation, axes: int
+) -> None:
     for field in ("spin_axis", "table_axis"):
         axis = getattr(step, field, 0)
         if axis >= axes:
@@ -188,15 +215,22 @@ def motions(segment: PlannedSegment, procedure: Procedure) -> Iterator[Motion]:
         yield Motion(segment.name, axis, procedure.move_rate_deg_s, angle, angle)
     if segment.spin_axis is None:
         return
-    start, by = segment.angles_deg[segment.spin_axis], segment.turn_by_deg
+    start, by, swing = (
+        segment.angles_deg[segment.spin_axis], segment.turn_by_deg, segment.oscillation
+    )  # fmt: skip
     low, high = (-inf, inf) if by is None else sorted((start, start + by))
-    yield Motion(segment.name, segment.spin_axis, abs(segment.rate_deg_s), low, high)
+    rate, acceleration = abs(segment.rate_deg_s), None
+    if swing is not None:
+        low, high = start - swing.amplitude_deg, start + swing.amplitude_deg
+        rate, acceleration = swing.rate_deg_s, swing.acceleration_deg_s2
+    yield Motion(segment.name, segment.spin_axis, rate, low, high, acceleration)
 
 
 def _broken(motion: Motion, limits: MotionLimits, acceleration: float) -> str | None:
     """What a motion needs beyond the limits, in words."""
     if limits.rate_deg_s is not None and motion.rate_deg_s > limits.rate_deg_s:
         return f"{motion.rate_deg_s:g} deg/s (limit {limits.rate_deg_s:g})"
+    acceleration = motion.acceleration_deg_s2 or acceleration
     if limits.acceleration_deg_s2 is not None and acceleration > limits.acceleration_deg_s2:
         return f"{acceleration:g} deg/s2 (limit {limits.acceleration_deg_s2:g})"
     low, high = limits.angle_deg or (-inf, inf)

@@ -72,6 +72,8 @@ class ManifestBuilder:
         self._recording_id = recording_id
         self._until = t_start
         self._nothing_until_s = 0.0  # since origin_s
+        commanded = getattr(station.table, "commanded_rate", None)
+        self._rates = {"commanded_rate": commanded.model_dump(mode="json")} if commanded else {}
         if earlier is not None:
             self._go_on(earlier, t_start)
         self.extra["station_time_origin_s"] = self.origin_s
@@ -92,11 +94,18 @@ class ManifestBuilder:
         persons = [before.get("operator"), self.extra.get("operator")]
         if named := list(dict.fromkeys(filter(None, persons))):
             self.extra["operator"] = PERSONS.join(named)
-        for name in ("recorded_at", "acquired_at", "log", "station_remarks"):
+        for name in ("recorded_at", "acquired_at", "log", "station_remarks", "table_time"):
             if name in before:
                 self.extra[name] = before[name]
         self._until = end_s + self.origin_s
         self.fill("interrupted", "transition", t_start)
+
+    def polled_within(self, half_width_s: float) -> None:
+        """The angles of the table are polled, at times known to ± half_width_s, s."""
+        before = self.extra.get("table_time", {}).get("half_width_s", 0.0)
+        within_s = max(before, math.ceil(half_width_s * 1e6) / 1e6)
+        polled = {"encoder": "polled", "half_width_s": within_s}
+        self.extra["table_time"] = polled | self._rates
 
     def fill(self, name: str, kind: Literal["settle", "transition"], t_end: float) -> None:
         """Label what lies between the last segment and a time (s)."""

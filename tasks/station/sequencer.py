@@ -5,13 +5,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from schemas.base import Unusable
-from schemas.procedure import Procedure, Refix
+from schemas.procedure import Oscillation, Procedure, Refix
 from schemas.station import StationFile
 from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock, wall_s
 from tasks.station.connected_station import Bench
 from tasks.station.plan import PlannedSegment, SetPoint, move_s, nearest_turn, rate_change_s
-from tasks.station.ports import TableState, check_trips
+from tasks.station.ports import TableState, check_trips, oscillating
 from tasks.station.progress import Tracker
 from tasks.station.recorder import Recorder
 
@@ -55,7 +55,8 @@ class Sequencer:
             await self._pause()
             self.tracker.begin("measuring", segment.text, segment.planned_s)
             await self._measure(segment)
-            measured[segment.name] = replace(segment, refix=None)
+            if segment.oscillation is None:
+                measured[segment.name] = replace(segment, refix=None)
         await self._repeat_failed(measured)
         self.tracker.begin("finishing", "last data", 0.0)
         await self._catch_up(self.recorder.t_end)
@@ -100,6 +101,9 @@ class Sequencer:
             await self._refix(planned.refix)
             self.tracker.enter("measuring", planned.text)
         settled_s = await self._bring(planned)
+        if planned.oscillation is not None:
+            await self._oscillate(planned.oscillation, settled_s)
+            return
         t_start = round(settled_s + self.procedure.settle_s, 6)
         await self._wait_until(t_start)
         if planned.kind == "rotation":
@@ -136,6 +140,16 @@ class Sequencer:
         self.recorder.turned_over(refix)
         if refix.power_off:
             await self._warm_up()
+
+    async def _oscillate(self, step: Oscillation, settled_s: float) -> None:
+        """To and fro from rest to rest; what it was is told by the label alone."""
+        self.recorder.fill("move", "transition", settled_s)
+        await oscillating(self._table)(
+            step.spin_axis, step.amplitude_deg, step.frequency_hz, step.cycles
+        )
+        await self._wait_until(self.clock.station_s + step.seconds)
+        await self._settle((SetPoint(step.spin_axis, "rest"),), 0.0)
+        self.recorder.fill(step.name, "transition", self.clock.station_s)
 
     async def _turn(self, planned: PlannedSegment) -> float:
         """Turn by whole turns, from rest to rest; the station time (s) at which it rests again."""

@@ -149,13 +149,18 @@ class UnitRecorder:
     def serial(self) -> str:
         return self.manifest.serial
 
-    def write(self, table: Stream, environment: Stream, final: bool) -> None:
-        """Write what has come. The unit is last: its silence must not cost the other streams."""
+    def write(
+        self, table: Stream, environment: Stream, final: bool, time_half_width_s: float
+    ) -> None:
+        """Write what has come. The unit is last: its silence must not cost the other streams.
+
+        time_half_width_s: by how much an encoder sample's time may be wrong.
+        """
         self._write("table", table)
         self._write("environment", environment)
         imu = self.unit.take(final)
         self._write("imu", imu)
-        self.anomalies += self.monitor.run(imu, table)
+        self.anomalies += self.monitor.run(imu, table, time_half_width_s)
         self.log.notice(self.anomalies)
 
     def _write(self, name: str, stream: Stream) -> None:
@@ -211,8 +216,7 @@ class UnitRecorder:
             since_start = [round(shift_s - self.manifest.origin_s, 6) for shift_s in again_s]
             extra["unit_power_on_s"] = since_start
         if time_half_width_s:
-            table_time = {"encoder": "polled", "half_width_s": round(time_half_width_s, 6)}
-            extra["table_time"] = table_time
+            self.manifest.polled_within(time_half_width_s)
         extra["log"] = [each.model_dump(mode="json") for each in self.log.entries]
         if comparison := self.unit.compared():
             extra["unit_clock"] = comparison.model_dump()

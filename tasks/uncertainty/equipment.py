@@ -87,10 +87,11 @@ class Equipment:
     (rad/s) on, fastest first; those of one symbol are one error. ripple: within a turn.
     position, repeatability: of each table angle. axes: between the table's axes.
     fixture: between the fixture's faces. encoder_time: when each angle of a table that is polled
-    was read (s), with which a mean rate begins and ends. level: of the vertical of the outermost
-    axis, about each of two directions. mounting: of the unit's base in the fixture. time_base: of
-    the clock of the recording, relative. creeps: whether an angle may move by its errors while it
-    is held.
+    was read (s), with which a mean rate begins and ends. commanded_rate: relative, of a held rate
+    that is taken as commanded, because the angles of such a table tell it worse. level: of the
+    vertical of the outermost axis, about each of two directions. mounting: of the unit's base in
+    the fixture. time_base: of the clock of the recording, relative. creeps: whether an angle may
+    move by its errors while it is held.
     """
 
     rates: tuple[tuple[float, ErrorLimit], ...] = ()
@@ -103,6 +104,7 @@ class Equipment:
     gravity: ErrorLimit = GRAVITY
     latitude: ErrorLimit = LATITUDE
     encoder_time: ErrorLimit | None = None
+    commanded_rate: ErrorLimit | None = None
     time_base: ErrorLimit | None = None
     mounting: ErrorLimit | None = None
     heading: ErrorLimit | None = None
@@ -159,6 +161,7 @@ JJF1536 = Equipment(
     creeps=True,  # 1800 s at each position
 )
 POLLED = "the recording: longest exchange with the table"
+COMMANDED = "the station file: how well the table holds a commanded rate"
 RECOMMENDED = {TABLE_1, FIXTURE_2003, TABLE_1_AHRS, FIXTURE_1536}
 TAKEN_TO_BE_MET = RECOMMENDED | {EXAMPLE}  # of limits that nobody stated of the equipment used
 # A unit turned by hand, on a pillar, or on a table that nobody describes.
@@ -177,10 +180,21 @@ def limit_of(name: LimitName) -> ErrorLimit:
 LIMIT_NAMES: dict[str, LimitName] = {limit_of(name).symbol: name for name in get_args(LimitName)}
 
 
-def with_polled_encoders(equipment: Equipment, half_width_s: float) -> Equipment:
-    """The equipment with a table whose angles are read at times known to ± half_width_s."""
+def with_polled_encoders(
+    equipment: Equipment, half_width_s: float, commanded: ErrorBound | None = None
+) -> Equipment:
+    """The equipment with a table whose angles are read at times known to ± half_width_s.
+
+    commanded: how far the rates that it holds may be from those commanded, relative.
+    """
     limit = _limit("τ", "encoder-time", "s", half_width_s, "rectangular", POLLED)
-    return replace(equipment, encoder_time=limit)
+    timed = replace(equipment, encoder_time=limit)
+    if commanded is None:
+        return timed
+    rate = _limit(
+        "ε5", "commanded-rate", "1", commanded.half_width, commanded.distribution, COMMANDED
+    )
+    return replace(timed, commanded_rate=rate)
 
 
 def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -> Equipment:

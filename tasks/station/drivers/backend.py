@@ -1,6 +1,7 @@
 """Reads and commands a described device, whatever its protocol."""
 
 from collections.abc import Mapping
+from contextlib import AbstractAsyncContextManager
 from typing import Any, Protocol
 
 from schemas.base import Unusable
@@ -19,6 +20,9 @@ class Backend(Protocol):
 
     @property
     def per_axis(self) -> frozenset[str]: ...
+
+    def alone(self) -> AbstractAsyncContextManager[Any]:
+        """A block in which nothing of another stands between the exchanges of `read`."""
 
     async def read(self, names: frozenset[str], after: str = "") -> Values:
         """The values, in as few exchanges as can be; `time` is read in the last of them.

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from schemas.base import Unusable
-from schemas.described import BIT_BANKS, Bank, Connection, RegisterType
+from schemas.described import BIT_BANKS, Bank, Connection, ModbusConnection, RegisterType
 
 if TYPE_CHECKING:
     from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
@@ -19,16 +19,28 @@ ATTEMPTS = 3
 PAUSE_S = 0.3
 CANCEL_AGAIN_S = 0.05  # asyncio.wait_for may swallow a cancellation
 ILLEGAL_FUNCTION = 1
-MEANINGS = {
-    1: "illegal function",
-    2: "illegal address",
-    3: "illegal value",
-    4: "device failure",
-    6: "device busy: another client holds it",
+MAP = "check the controller, and that its register map is that of the station file"
+MEANINGS = {  # and the way out
+    1: ("illegal function", MAP),
+    2: ("illegal address", MAP),
+    3: ("illegal value", MAP),
+    4: ("device failure", MAP),
+    5: ("acknowledge: it needs long for what it was told before", "wait until it has finished"),
+    6: ("device busy: another client holds it", "end the other client, or wait for it"),
+    7: ("negative acknowledge", MAP),
+    8: ("memory parity error", "have the controller's memory looked at"),
+    10: (
+        "gateway path unavailable: the gateway has no way to the device",
+        "check the gateway's own settings",
+    ),
+    11: (
+        "gateway target silent: the gateway is there and the device behind it does not answer",
+        "check that the device is on, its wiring to the gateway, and device in the station file",
+    ),
 }
 
 Request = Callable[["Client"], Awaitable["ModbusPDU"]]
-WordOrder = Literal["big", "little"]
+Order = Literal["big", "little"]
 
 
 class Refused(Unusable):
@@ -39,24 +51,35 @@ class Refused(Unusable):
         self.code = code
 
 
-def decode(words: Sequence[int], kind: RegisterType, order: WordOrder = "big") -> Any:
+def decode(
+    words: Sequence[int], kind: RegisterType, order: Order = "big", byte_order: Order = "big"
+) -> Any:
     """The value, or the list of values, that the words hold."""
     from pymodbus.client.mixin import ModbusClientMixin as Mixin
 
-    return Mixin.convert_from_registers(list(words), Mixin.DATATYPE[kind.upper()], order)
+    turned = _bytes_in_order(words, byte_order)
+    return Mixin.convert_from_registers(turned, Mixin.DATATYPE[kind.upper()], order)
 
 
-def encode(value: float, kind: RegisterType, order: WordOrder = "big") -> list[int]:
+def _bytes_in_order(words: Sequence[int], order: Order) -> list[int]:
+    """Words whose high byte is first, of those in an order, and the other way round."""
+    return [word >> 8 | (word & 0xFF) << 8 if order == "little" else word for word in words]
+
+
+def encode(
+    value: float, kind: RegisterType, order: Order = "big", byte_order: Order = "big"
+) -> list[int]:
     """The words of a value. Raises Unusable for one that the type does not hold."""
     from pymodbus.client.mixin import ModbusClientMixin as Mixin
 
     typed = float(value) if kind.startswith("float") else round(value)
     try:
-        return Mixin.convert_to_registers(typed, Mixin.DATATYPE[kind.upper()], order)
+        words = Mixin.convert_to_registers(typed, Mixin.DATATYPE[kind.upper()], order)
     except (struct.error, OverflowError) as error:
         raise Unusable(
             f"{value:g} does not fit a register of type {kind}: correct its type or its scale"
         ) from error
+    return _bytes_in_order(words, byte_order)
 
 
 class ModbusLink:
@@ -169,10 +192,9 @@ class ModbusLink:
             )
         if answer.isError():
             code = answer.exception_code
+            meaning, way_out = MEANINGS.get(code, ("none of the standard's", MAP))
             raise Refused(
-                f"{self._where} refused {what} with Modbus exception "
-                f"{code} ({MEANINGS.get(code, 'unknown')}): check the controller, and that its "
-                f"register map is that of the station file",
+                f"{self._where} refused {what} with Modbus exception {code} ({meaning}): {way_out}",
                 code,
             )
         return answer
@@ -220,13 +242,16 @@ class ModbusLink:
             raise ConnectionError(f"{self._where} cannot be connected to")
 
     def _new_client(self) -> "Client":
+        from pymodbus import FramerType
         from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
 
         line = self._connection
         if address := host_and_port(self.url):
             host, port = address
+            is_rtu = isinstance(line, ModbusConnection) and line.framing == "rtu"
             return AsyncModbusTcpClient(
-                host, port=port, timeout=line.timeout_s, retries=0, reconnect_delay=0,
+                host, port=port, framer=FramerType.RTU if is_rtu else FramerType.SOCKET,
+                timeout=line.timeout_s, retries=0, reconnect_delay=0,
                 trace_connect=self._give_up,
             )  # fmt: skip
         return AsyncModbusSerialClient(
@@ -242,15 +267,8 @@ class ModbusLink:
 
 
 def host_and_port(url: str) -> tuple[str, int] | None:
-    """Where a URL `socket://host:port` leads to; None for a serial device.
-
-    Raises Unusable for one without a port.
-    """
+    """Where a URL `socket://host:port` leads to; None for a serial device."""
     if not url.startswith("socket://"):
         return None
-    host, _, port = url.removeprefix("socket://").rpartition(":")
-    if not host or not port.isdigit() or not 0 < int(port) < 65536:
-        raise Unusable(
-            f"url {url} of the station file has no host and port: write socket://host:502"
-        )
+    host, _, port = url.removeprefix("socket://").rstrip("/").rpartition(":")
     return host.strip("[]"), int(port)

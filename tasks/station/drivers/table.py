@@ -12,12 +12,13 @@ from schemas.base import Unusable
 from schemas.devices import ModbusTable, TextTable
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Backend
-from tasks.station.drivers.modbus_device import (
+from tasks.station.drivers.encoders import (
     CapturedEncoders,
-    ModbusBackend,
+    Exchanges,
     PolledEncoders,
     Unwrapped,
 )
+from tasks.station.drivers.modbus_device import ModbusBackend
 from tasks.station.ports import TRIPS, AxisState, EncoderBlock, TableState, check_trips
 
 MOVING_DEG_S = 0.01  # where a table does not say itself whether it moves
@@ -69,11 +70,12 @@ class DescribedTable:
         self._backend = backend
         self._is_held = False  # by this client, from `home` to `leave`
         self._began_s = wall_s()
+        self._unwrapped = Unwrapped(described.turnover)
+        self._exchanges = Exchanges()
         self._encoders = self._encoders_of(described, backend)
         shown = {"time", "angle", "rate"} | {flag.of for flag in described.flags.values()}
         self._state_names = frozenset(shown & described.readings)
         self._settling = [Settling(described) for _ in names]
-        self._unwrapped = Unwrapped(described.turnover_deg)
         self._before: tuple[float, np.ndarray] | None = None  # station time and angles last read
 
     def _encoders_of(
@@ -85,7 +87,7 @@ class DescribedTable:
             and isinstance(backend, ModbusBackend)
         ):
             return CapturedEncoders(described, described.capture, backend, len(self.names))
-        return PolledEncoders(described, backend, self._began_s)
+        return PolledEncoders(described, backend, self._began_s, self._unwrapped)
 
     @property
     def period_us(self) -> int:
@@ -135,12 +137,17 @@ class DescribedTable:
 
         It renews the hold on the table: the connection may be another than that which held it.
         """
-        asked_s = wall_s()
-        values = await self._backend.read(self._state_names, "hold" if self._is_held else "")
-        now_s = wall_s()
+        async with self._backend.alone():
+            asked_s = wall_s()
+            values = await self._backend.read(self._state_names, "hold" if self._is_held else "")
+            now_s = wall_s()
         station_s = float(values.get("time", now_s - self._began_s))
-        angles = self._unwrapped(np.array([values["angle"]], float))[0]
-        rates = self._rates(values, station_s, angles)
+        read_s = float(values.get("time", (asked_s + now_s) / 2 - self._began_s))
+        is_sure = not self._exchanges.is_long(now_s - asked_s)
+        reported = np.atleast_1d(np.array(values["rate"], float)) if "rate" in values else None
+        angles = self._unwrapped.at(values["angle"], read_s, reported, is_sure)
+        rates = self._rates(read_s, angles) if reported is None else reported
+        angles = self._near_the_target(angles)
         axes = tuple(
             AxisState(
                 angle_deg=float(angles[axis]),
@@ -154,14 +161,27 @@ class DescribedTable:
         trips = frozenset(trip for trip in TRIPS if self._is_set(trip, values, 0, False))
         return TableState(station_s, now_s, axes, trips, took_s=now_s - asked_s)
 
-    def _rates(self, values: Mapping[str, Any], station_s: float, angles: np.ndarray) -> np.ndarray:
-        """The rates reported by the table, otherwise from its angles since the last reading."""
+    def _rates(self, station_s: float, angles: np.ndarray) -> np.ndarray:
+        """The rates by the angles since the last reading, of a table that reports none."""
         before, self._before = self._before, (station_s, angles)
-        if "rate" in values:
-            return np.array(values["rate"], float)
         if before is None or station_s <= before[0]:
             return np.zeros(len(angles))
         return np.asarray((angles - before[1]) / (station_s - before[0]))
+
+    def _near_the_target(self, angles: np.ndarray) -> np.ndarray:
+        """The angles (axes,) deg; of axes sent to one within a turn, in the turn of that one.
+
+        Whether half a turn was made forwards or backwards is for the controller to choose.
+        """
+        turn = self._described.turnover
+        if turn is None or not self._described.asks_within_a_turn:
+            return angles
+        near = [
+            each.target + (angle - each.target + turn / 2) % turn - turn / 2
+            if each.kind == "angle" else angle
+            for each, angle in zip(self._settling, angles, strict=True)
+        ]  # fmt: skip
+        return np.array(near)
 
     def _is_set(self, name: str, values: Mapping[str, Any], axis: int, of_axis: bool) -> bool:
         """Whether a flag of the axes, or one of the whole table, is set."""
@@ -192,6 +212,7 @@ class DescribedTable:
         """Send an axis to an angle (deg) at a rate (deg/s)."""
         self._settling[axis].send("angle", angle)
         given = {"angle": angle, "rate": rate, "speed": rate, "acceleration": acceleration}
+        given["angle_in_turn"] = angle % (self._described.turnover or np.inf)
         await self._backend.command("move_to", given, axis)
 
     async def turn_at(self, axis: int, rate: float, acceleration: float) -> None:
@@ -200,6 +221,12 @@ class DescribedTable:
         given = {"rate": rate, "speed": abs(rate), "acceleration": acceleration}
         given["direction"] = 1.0 if rate >= 0 else -1.0
         await self._backend.command("turn_at", given, axis)
+
+    async def oscillate(self, axis: int, amplitude: float, frequency: float, cycles: int) -> None:
+        """Turn an axis to and fro by an amplitude (deg) at a frequency (Hz), so many periods."""
+        self._settling[axis].send("off")
+        given = {"amplitude": amplitude, "frequency": frequency, "cycles": float(cycles)}
+        await self._backend.command("oscillate", given, axis)
 
     async def stop(self, axis: int) -> None:
         """Ramp an axis to rest."""

@@ -5,16 +5,18 @@ import re
 import string
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractAsyncContextManager
 from typing import Any
 
 from schemas.base import Unusable
 from schemas.described import Query, TextDevice
+from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Values
 
 ATTEMPTS = 3
 MOST_BYTES = 4096  # of an answer
 NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"  # with one way to read each
-PATTERNS = {"": NUMBER, "x": r"(?:0[xX])?[0-9a-fA-F]+", "w": r"[^\s,;]+"}
+PATTERNS = {"": NUMBER, "x": r"(?:0[xX])?[0-9a-fA-F]+", "w": r"[^\s,;]+", "t": r".*"}
 
 
 class TextLink:
@@ -28,6 +30,8 @@ class TextLink:
     def __init__(self, described: TextDevice) -> None:
         self.url = described.url
         self._described = described
+        self.alone = asyncio.Lock()  # for the lines of a command, which belong together
+        self.paused_until_s = 0.0  # wall time; also where the command before was broken off
         self._port: Any = None
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="text")
 
@@ -64,7 +68,7 @@ class TextLink:
             if is_answered:
                 port.reset_input_buffer()
             port.write((line + self._described.terminator).encode())
-            return self._answer(port) if is_answered else None
+            return self._answer(port, line) if is_answered else None
         except (serial.SerialException, OSError, ValueError) as error:
             self._hang_up()
             if is_answered:
@@ -74,13 +78,15 @@ class TextLink:
                 f"switched on, and url in the station file"
             ) from error
 
-    def _answer(self, port: Any) -> str | None:
+    def _answer(self, port: Any, line: str) -> str | None:
         end = self._described.answer_terminator.encode()
         answer: bytes = port.read_until(end, MOST_BYTES)
         if not answer.endswith(end):
             self._hang_up()
             return None
-        return answer[: -len(end)].decode(errors="replace").strip()
+        text = answer[: -len(end)].decode(errors="replace").lstrip("\r\n")
+        text = text[self._described.answer_header :].strip()
+        return text.removeprefix(line.strip()).strip() if self._described.echoes else text
 
     def _connected(self) -> Any:
         import serial
@@ -138,7 +144,7 @@ class Answer:
 
 
 def _value(text: str, kind: str) -> Any:
-    if kind == "w":
+    if kind in ("w", "t"):
         return text
     return int(text, 16) if kind == "x" else float(text)
 
@@ -166,7 +172,7 @@ class TextBackend:
 
     async def read(self, names: frozenset[str], after: str = "") -> Values:
         """The values by name, one exchange after the other."""
-        await self.command(after, {})
+        await self._send(after, {}, 0)
         found: dict[tuple[str, int | None], Any] = {}
         for query, answer in self._queries:
             if not answer.names & names:
@@ -186,21 +192,50 @@ class TextBackend:
         }
 
     async def command(self, name: str, given: Mapping[str, float], axis: int = 0) -> None:
-        """Send the command's lines, one after the other."""
+        """Send the command's lines, one after the other, and nothing in between."""
+        async with self.alone():
+            await self._send(name, given, axis)
+
+    def alone(self) -> AbstractAsyncContextManager[Any]:
+        """A block in which nobody else on this line says anything."""
+        return self._link.alone
+
+    async def _send(self, name: str, given: Mapping[str, float], axis: int) -> None:
         scaled = {
             each: value / self._described.scale.get(each, 1.0) for each, value in given.items()
         }
         for template in self._described.commands.get(name, ()):
-            line = template.format(axis=self._name(axis), **scaled)
-            if self._described.acknowledge is None:
+            await self._tell(template.format(axis=self._name(axis), **scaled))
+
+    async def _tell(self, line: str) -> None:
+        """Send a line of a command; raises Unusable where the device says that it did not take it.
+
+        The pause comes before the question for errors, which would come too early otherwise.
+        """
+        errors, wanted = self._described.errors, self._described.acknowledge
+        await self._pause()
+        answer = ""
+        try:
+            if wanted is None:
                 await self._link.tell(line)
-                continue
-            answer = await self._link.ask(line)
-            if answer != self._described.acknowledge:
-                raise Unusable(
-                    f"the device at {self.url} answered “{line}” with “{answer[:80]}” instead of "
-                    f"“{self._described.acknowledge}”: see its manual"
-                )
+            else:
+                answer = await self._link.ask(line)
+        finally:
+            self._link.paused_until_s = wall_s() + self._described.pause_s
+        if wanted is None:
+            if errors is None:
+                return
+            await self._pause()
+            answer, wanted = await self._link.ask(errors.ask), errors.none
+        if Answer(wanted).values(answer) is None:
+            asked = f" and then “{errors.ask}”" if errors else ""
+            raise Unusable(
+                f"the device at {self.url} answered “{line}”{asked} with “{answer[:80]}” instead "
+                f"of “{wanted}”: see its manual"
+            )
+
+    async def _pause(self) -> None:
+        await asyncio.sleep(max(self._link.paused_until_s - wall_s(), 0.0))
 
     def close(self) -> None:
         """Hang up; the next exchange connects again."""

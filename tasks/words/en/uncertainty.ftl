@@ -12,6 +12,7 @@ uncertainty-gravity = local gravity
 uncertainty-latitude = latitude
 uncertainty-rate = table rate over whole turns
 uncertainty-encoder-time = time of the polled encoders
+uncertainty-commanded-rate = rate held, against the rate commanded
 uncertainty-ripple = table rate within a turn
 uncertainty-position = angular positioning
 uncertainty-angle-repeatability = repeatability of angle

@@ -12,6 +12,7 @@ uncertainty-gravity = 当地重力加速度
 uncertainty-latitude = 纬度
 uncertainty-rate = 转台角速率（360°平均）
 uncertainty-encoder-time = 编码器查询时刻
+uncertainty-commanded-rate = 转台实际角速率与指令角速率之差
 uncertainty-ripple = 转台角速率平稳性
 uncertainty-position = 角位置定位精度
 uncertainty-angle-repeatability = 角位置测量重复性

@@ -10,11 +10,11 @@ from pymodbus.pdu import DecodePDU
 
 from schemas.base import Unusable
 from schemas.described import RegisterType
-from tasks.station.drivers.modbus import WordOrder, decode, encode
+from tasks.station.drivers.modbus import Order, decode, encode
 from tasks.station.drivers.text_device import Answer
 from tests.proof.fuzz.damage import OTHER, SHOWN
 
-ORDERS: tuple[WordOrder, ...] = ("big", "little")
+ORDERS: tuple[Order, ...] = ("big", "little")
 WORDS: dict[RegisterType, int] = {"uint16": 1, "int16": 1, "uint32": 2, "int32": 2, "uint64": 4,
          "int64": 4, "float32": 2, "float64": 4}  # fmt: skip
 TEMPLATES = ("{angle[0]},{angle[1]},{angle[2]}", "VEL {rate}", "#{status:x}",

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration
+from schemas.calibration import Calibration, Item
 from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from schemas.uncertainty import Budget
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.motion.table import EARTH_RATE
+from tasks.segments.commanded_rate import rate_by_command
 from tasks.specifications.register import specification_for
 from tasks.uncertainty.examples import acquisition
 from tests.tasks.items_only import items_only
@@ -252,6 +253,41 @@ def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(
         (line,) = (each for each in item.budgets[element].inputs if each.symbol == "τ")
         assert (line.half_width, line.unit, line.distribution) == (0.01, "s", "rectangular")
         assert 1e-5 < line.u * abs(line.sensitivity) < 1e-3
+
+
+@pytest.mark.parametrize("method", ["jjf2003", "joint"])
+def test_a_commanded_rate_that_is_known_better_is_the_reference_with_its_own_limit(
+    plant, method: str
+) -> None:
+    recording, specification = plant("plant_clean"), specification_for("other", method)
+
+    def item(half_width_s: float, within: float) -> Item:
+        bound = {"half_width": within, "distribution": "rectangular"}
+        table_time = {"half_width_s": half_width_s, "commanded_rate": bound}
+        polled = restated(recording, table_time=table_time)
+        return items_only(specification, polled, evaluation_for(polled)).items["gyro_scale_factor"]
+
+    (better, worse), clean = (item(0.05, 2e-5), item(1e-5, 1e-3)), item(0.0, 2e-5)
+    for element in "xyz":
+        symbols = {line.symbol: line for line in better.budgets[element].inputs}
+        assert "τ" not in symbols
+        assert symbols["ε5"].half_width == 2e-5
+        assert abs(symbols["ε5"].sensitivity) == pytest.approx(1.0, rel=0.02)
+        assert {line.symbol for line in worse.budgets[element].inputs} & {"τ", "ε5"} == {"τ"}
+        assert abs(better.value[element] - clean.value[element]) < better.U[element]
+
+
+def test_a_commanded_rate_that_the_angles_contradict_is_none(plant) -> None:
+    recording = plant("plant_clean")
+    bound = {"half_width": 2e-5, "distribution": "rectangular"}
+    for half_width_s, is_believed in ((0.05, True), (1e-3, False)):
+        polled = restated(
+            recording, table_time={"half_width_s": half_width_s, "commanded_rate": bound}
+        )
+        segment = next(s for s in recording.manifest.segments or () if s.kind == "rate")
+        off = segment.model_copy(update={"rate_deg_s": segment.rate_deg_s * 1.001})
+        assert rate_by_command(polled, segment) is not None, half_width_s
+        assert (rate_by_command(polled, off) is not None) is is_believed
 
 
 @pytest.mark.parametrize("stated", ["polled", {}, {"half_width_s": -1.0}, {"half_width_s": "0.1"}])

@@ -2,15 +2,18 @@
 
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, date, datetime, time, timedelta
 from email import message_from_bytes, policy
 from email.message import EmailMessage
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urlsplit
 
 import pytest
 import vobject
 from aiosmtpd.controller import Controller
+from aiosmtpd.smtp import AuthResult
 
 from schemas.base import Unusable
 from schemas.certificate import Order, Party
@@ -218,6 +221,78 @@ def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home: Home) -> N
     assert {event.dtstart.value for event in read.vevent_list} == {DUE}
     with pytest.raises(Unusable, match="No client 'Nobody'"):
         remind.feed(home, "Nobody", at(-100))
+
+
+PASSWORDS = [
+    "p@ss", "a/b", "c#d", "e?f", "g%h", "i:j", "%41", "k&l=m+n", "o p", "@", "x@y.z/w@v.u",
+    "@/#?%:&=+ %40'\"$",
+]  # fmt: skip
+
+
+@contextmanager
+def asking_for_a_password(mailbox: Mailbox, port: int) -> Iterator[list[tuple[bytes, bytes]]]:
+    """A mail server that takes any login; what it was given."""
+    given: list[tuple[bytes, bytes]] = []
+
+    def authenticate(server: Any, session: Any, envelope: Any, how: str, login: Any) -> AuthResult:
+        given.append((login.login, login.password))
+        return AuthResult(success=True)
+
+    controller = Controller(
+        mailbox, hostname="127.0.0.1", port=port, authenticator=authenticate,
+        auth_require_tls=False, auth_required=True,
+    )  # fmt: skip
+    controller.start()
+    try:
+        yield given
+    finally:
+        controller.stop(no_assert=True)
+
+
+without_tls = pytest.mark.filterwarnings("ignore:Requiring AUTH while not requiring TLS")
+
+
+@without_tls
+@pytest.mark.parametrize("password", PASSWORDS)
+def test_the_mail_server_gets_a_password_of_any_characters(
+    home: Home, mailbox: Mailbox, free_port: int, password: str, monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    issued(home)
+    monkeypatch.setenv("MAIL_PASSWORD", password)
+    recall_file(home, mail_to(free_port).replace("://", "://lab@example.org:${MAIL_PASSWORD}@"))
+    (away,) = remind.remind(home, at(-30))
+    with asking_for_a_password(mailbox, free_port) as given:
+        assert remind.remind(home, at(-30, time(13))) == []
+    assert given == [(b"lab@example.org", password.encode())]
+    assert len(mailbox.letters) == 1
+    shown = capfd.readouterr()
+    for text in (away, shown.out, shown.err):
+        assert password not in text or len(password) == 1
+
+
+@without_tls
+def test_a_password_that_no_mail_server_can_be_told_is_a_sentence_without_it(
+    home: Home, mailbox: Mailbox, free_port: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    issued(home)
+    monkeypatch.setenv("MAIL_PASSWORD", "密secret")
+    recall_file(home, mail_to(free_port).replace("://", "://lab:${MAIL_PASSWORD}@"))
+    with asking_for_a_password(mailbox, free_port):
+        (fault,) = remind.remind(home, at(-30))
+    assert "beyond ASCII" in fault
+    assert "secret" not in fault
+
+
+@pytest.mark.parametrize("password", ["p@ss", "a/b@c", "d#e", "f?g@h=i", "j%k", "l:m", "n@o/p?q#"])
+def test_a_password_written_as_it_is_becomes_no_host(
+    home: Home, password: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    url = f"mailto://lab:{password}@mail.example.org:25?from=lab@example.org&to=c@example.org"
+    whole = remind.sending.check_channel("e-mail", url)
+    assert urlsplit(whole).hostname == "mail.example.org"
+    assert unquote(urlsplit(whole).password or "") == password
+    assert capfd.readouterr().err == ""
 
 
 @pytest.mark.parametrize(

@@ -4,14 +4,17 @@ import asyncio
 from importlib.metadata import EntryPoint
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from schemas.base import Unusable
 from schemas.described import Register
 from schemas.devices import ModbusTable, PythonDevice, TableDevice
+from schemas.station import StationFile
 from tasks.station.drivers import devices as module
 from tasks.station.drivers.devices import Devices
+from tasks.station.drivers.encoders import Unwrapped
 from tasks.station.drivers.modbus_device import ModbusBackend
 from tests.tasks.station.sample_stations import sample
 
@@ -109,6 +112,64 @@ def test_registers_apart_are_read_apart_and_of_each_axis():
 def test_a_description_that_does_not_hold_together_is_refused(change, says):
     with pytest.raises(ValidationError, match=says):
         TABLE.validate_python(sample()["table"] | change)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "says"),
+    [
+        ("text_table", {"commands": {"stop": ["STOP"]}}, r"commands.stop has no \{axis\}"),
+        ("text_table", {"commands": {"move_to": ["MOVE 1 {angle}"]}}, r"commands.move_to has no"),
+        ("text_table", {"axes": ["A", "B"]}, "3 axes, and in table axes lists 2"),
+        ("text_table", {"queries": [{"ask": "P?", "answer": "{angle[0]},{angle[1]} {status:x}"}]},
+         r"no query reads the angle of each axis, \{angle\[0\]\} to \{angle\[2\]\}"),
+        ("text_table", {"acknowledge": "OK", "errors": {"ask": "E?", "none": "0"}},
+         "acknowledge and errors"),
+        ("text_table", {"commands": {"move_to": ["MOVE {axis} {angle_in_turn}"]}},
+         "give turnover_deg"),
+        ("text_table", {"turnover_deg": 360.0, "counter_bits": 24}, "turnover_deg and counter"),
+        ("modbus_polled", {"commands": {"stop": [{"write": "drives_on", "value": 0}]}},
+         "commands.stop writes no register with a stride"),
+    ],
+)  # fmt: skip
+def test_what_is_not_of_each_axis_is_refused(name, change, says):
+    fields = sample(name)
+    fields["table"]["expect"] = {}
+    commands = fields["table"]["commands"] | change.get("commands", {})
+    fields["table"] |= change | {"commands": commands}
+    with pytest.raises(ValidationError, match=says):
+        StationFile.model_validate(fields)
+
+
+def test_one_axis_needs_no_name_for_it():
+    fields = sample("text_table")
+    fields["station"]["table_axes"] = fields["station"]["table_axes"][:1]
+    lines = {"move_to": ["MOVE {angle:.4f}"], "turn_at": ["JOG {rate:.4f}"], "stop": ["STOP"]}
+    query = {"ask": "POS?", "answer": "{angle}"}
+    fields["table"] |= {
+        "axes": [],
+        "expect": {},
+        "flags": {},
+        "commands": lines,
+        "queries": [query],
+    }
+    assert StationFile.model_validate(fields).table.readings == {"angle"}
+
+
+def test_a_counter_of_a_stated_width_turns_over_where_it_is_full():
+    table = sample("three_letter_table")["table"]
+    made = TABLE.validate_python(table)
+    assert made.turnover == pytest.approx(2**26 * 1e-4)
+    unwrapped = Unwrapped(made.turnover)
+    read = [3355.0, -3355.0, -3350.0, 3356.0]
+    on = [unwrapped.at([angle], float(t))[0] for t, angle in enumerate(read)]
+    assert on == pytest.approx([3355.0, 3355.8864, 3360.8864, 3356.0])
+
+
+def test_an_angle_within_a_turn_runs_on_by_the_rate_over_a_gap():
+    unwrapped, rate = Unwrapped(360.0), 300.0
+    for t in (0.0, 0.05, 0.1, 1.3, 1.35, 3.0):  # 1.3 s is more than a turn
+        angle = unwrapped.at([rate * t % 360.0], t, np.array([rate]))[0]
+        assert angle == pytest.approx(rate * t)
 
 
 def test_a_bit_is_in_a_bank_of_bits_and_nothing_else_is():

@@ -1,18 +1,20 @@
 """The link against small real servers of this test's own."""
 
 import asyncio
+import struct
 from collections.abc import Awaitable, Callable
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
-from schemas.base import Unusable
-from schemas.described import WORDS, Connection
+from schemas.base import Unusable, first_fault
+from schemas.described import WORDS, Connection, ModbusConnection
 from tasks.station.drivers.modbus import ModbusLink, Refused, decode, encode
 from tasks.station.plan import move_s, nearest_turn
 from tests.tasks.station.makers import modbus_maker
@@ -89,6 +91,69 @@ def test_exception_answer_is_refused_at_once_with_its_meaning():
             await link.read(1, "holding", 900, 2)
 
     on_a_server(use)
+
+
+@pytest.mark.parametrize(
+    ("code", "says"),
+    [
+        (5, r"5 \(acknowledge: .*\): wait until it has finished"),
+        (8, r"8 \(memory parity error\)"),
+        (10, r"10 \(gateway path unavailable: .*\): check the gateway"),
+        (11, r"11 \(gateway target silent: .*\): check that the device is on"),
+    ],
+)
+def test_an_exception_is_said_in_words_with_its_own_way_out(code, says):
+    async def refuse(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        request = await reader.readexactly(12)
+        writer.write(request[:4] + bytes([0, 3, request[6], 0x83, code]))
+        await writer.drain()
+        await reader.read()
+        writer.close()
+
+    async def run() -> None:
+        server = await asyncio.start_server(refuse, "127.0.0.1", 0)
+        link = ModbusLink(
+            Connection(url=f"socket://127.0.0.1:{server.sockets[0].getsockname()[1]}")
+        )
+        try:
+            with pytest.raises(Refused, match=says):
+                await link.read(1, "holding", 0, 1)
+        finally:
+            link.close()
+            server.close()
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize("word_order", ["big", "little"])
+@pytest.mark.parametrize("byte_order", ["big", "little"])
+@pytest.mark.parametrize(
+    ("kind", "code"), [("uint16", "H"), ("int32", "i"), ("float32", "f"), ("float64", "d")]
+)
+def test_words_and_bytes_have_an_order_of_their_own(word_order, byte_order, kind, code):
+    octets = struct.pack(f">{code}", 12345)
+    words = [octets[place : place + 2] for place in range(0, len(octets), 2)]
+    if word_order == "little":
+        words.reverse()
+    sent = [int.from_bytes(word, byte_order) for word in words]
+    assert decode(sent, kind, word_order, byte_order) == 12345
+    assert encode(12345, kind, word_order, byte_order) == sent
+
+
+@pytest.mark.parametrize(
+    ("url", "says"),
+    [
+        ("tcp://192.168.1.5:502", r"no scheme tcp://.*socket://host:port"),
+        ("modbus://192.168.1.5", r"no scheme modbus://"),
+        ("socket://192.168.1.5", r"no host and port"),
+        ("socket://192.168.1.5:70000", r"no host and port"),
+        ("socket://user:secret@192.168.1.5:502", r"no user and no password"),
+    ],
+)
+def test_a_url_that_no_line_is_opened_by_is_one_sentence(url, says):
+    with pytest.raises(ValidationError, match=says) as refused:
+        ModbusConnection(url=url)
+    assert "secret" not in first_fault(refused.value)
 
 
 def test_link_connects_again_when_the_server_comes_back():

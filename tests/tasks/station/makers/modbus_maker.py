@@ -85,6 +85,19 @@ def over_tcp(maker: ModbusMaker) -> socketserver.ThreadingTCPServer:
     return listening(Connection)
 
 
+def over_tcp_as_rtu(maker: ModbusMaker) -> socketserver.ThreadingTCPServer:
+    """A serial server: what comes by TCP goes on as it is, frames of Modbus/RTU."""
+
+    class Connection(socketserver.BaseRequestHandler):
+        def handle(self) -> None:
+            waiting = b""
+            while received := self.request.recv(300):
+                answers, waiting = _rtu_answers(maker, waiting + received)
+                self.request.sendall(answers)
+
+    return listening(Connection)
+
+
 def listening(handler: Any) -> socketserver.ThreadingTCPServer:
     """A server of a thread for each connection."""
     server = socketserver.ThreadingTCPServer(("127.0.0.1", 0), handler)
@@ -105,15 +118,8 @@ def over_serial(maker: ModbusMaker) -> tuple[str, Callable[[], None]]:
     def serve() -> None:
         waiting = b""
         while ended not in select.select([near, ended], [], [])[0]:
-            waiting += os.read(near, 300)
-            while len(waiting) >= 8:
-                size = 8 if waiting[1] != 16 else 9 + waiting[6]
-                if len(waiting) < size:
-                    break
-                request, waiting = waiting[:size], waiting[size:]
-                assert _crc(request[:-2]) == request[-2:], request.hex()
-                body = request[:1] + maker.answer(request[0], request[1:-2])
-                os.write(near, body + _crc(body))
+            answers, waiting = _rtu_answers(maker, waiting + os.read(near, 300))
+            os.write(near, answers)
 
     thread = threading.Thread(target=serve, daemon=True)
     thread.start()
@@ -125,6 +131,20 @@ def over_serial(maker: ModbusMaker) -> tuple[str, Callable[[], None]]:
             os.close(each)
 
     return os.ttyname(far), stop
+
+
+def _rtu_answers(maker: ModbusMaker, waiting: bytes) -> tuple[bytes, bytes]:
+    """The answers to the whole frames in what came, and what is left of it."""
+    answers = b""
+    while len(waiting) >= 8:
+        size = 8 if waiting[1] != 16 else 9 + waiting[6]
+        if len(waiting) < size:
+            break
+        request, waiting = waiting[:size], waiting[size:]
+        assert _crc(request[:-2]) == request[-2:], request.hex()
+        body = request[:1] + maker.answer(request[0], request[1:-2])
+        answers += body + _crc(body)
+    return answers, waiting
 
 
 def _crc(data: bytes) -> bytes:

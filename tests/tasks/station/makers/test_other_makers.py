@@ -96,10 +96,14 @@ def check(run: Acquired, sink: Any, environment: list[str]) -> None:
     assert np.diff(sink.stream("imu").t).min() > 0
 
 
-@pytest.mark.parametrize("line", ["tcp", "serial"])
+@pytest.mark.parametrize("line", ["tcp", "serial", "rtu through tcp"])
 def test_a_modbus_table_laid_out_otherwise_runs_a_procedure(brisk, kept, line):
     maker, fields = modbus_maker.ModbusMaker(), sample("modbus_polled")
-    server = modbus_maker.over_tcp(maker)
+    if line == "rtu through tcp":
+        server = modbus_maker.over_tcp_as_rtu(maker)
+        fields["table"]["framing"] = fields["chamber"]["framing"] = "rtu"
+    else:
+        server = modbus_maker.over_tcp(maker)
     url, hang_up = f"socket://127.0.0.1:{port_of(server)}", lambda: None
     if line == "serial":
         url, hang_up = modbus_maker.over_serial(maker)
