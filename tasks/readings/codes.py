@@ -1,0 +1,340 @@
+"""Codes that firmware joined wrongly, put right by what the numbers themselves show.
+
+Readings on a lattice through zero are the whole numbers that the unit sent. Each usual mistake
+makes neighbouring numbers jump by powers of two wherever the right ones pass an edge, and what puts
+it right makes them follow one another; of right numbers it makes jumps. So each is a test of signs
+over pairs of rows, whatever moved the unit, and however wide its noise. Three kinds:
+
+- a map of the number that can be turned round: a low part joined as a signed number, bytes in
+  another order, two's complement read as unsigned;
+- the number but for whole multiples of 2ᵐ: the low part joined by OR, which wipes out all above it,
+  and a number that wraps where it is full: the multiple follows from the rows beside or the motion;
+- a bit that sticks: every other block of 2ᵇ numbers never occurs (`tasks.readings.stuck_bits`).
+"""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.recording import ACCEL, GYRO, Recording, WrongCodes
+from tasks.motion.whole import Motion, whole_motion
+from tasks.readings.lattice import MIN_ON_CODE, OFF_CODE, Quantiser, quantiser_of
+from tasks.readings.resolved import resolved
+from tasks.readings.stuck_bits import put_back, stuck_bit
+
+CHANNELS: tuple[str, ...] = GYRO + ACCEL
+TRIADS = ((0, 1, 2), (3, 4, 5))
+SAMPLE_ROWS = 20_000  # that a lattice is looked for in
+PAIRS = 60_000  # of rows one after the other, that are compared
+GLANCE = 1_500  # pairs of them by which most faults are ruled out
+MUCH = 3.0  # times nearer, or farther: numbers of several clusters come somewhat nearer by chance
+MOST_PARTED = 0.4  # of the pairs that come nearer: fast motion makes some
+QUIET = 0.25  # of a size: a fourth of the pairs differ by less, or the fault is below the noise
+Z = 6.0  # by which pairs that come nearer outnumber those that part: p = 1e-9
+LOW_BITS = range(3, 21)
+BYTE_ORDERS = ((1, 0), (2, 1, 0), (1, 0, 3, 2), (2, 3, 0, 1), (3, 2, 1, 0))  # lowest byte first
+PERIODS = tuple(2.0**bits for bits in range(8, 33))
+ACCIDENT = 1e-3  # of the rows: they may hold anything
+MIN_CROSSINGS = 15  # into the rows whose high part is gone
+MIN_PAGES = 3  # of 2ᵐ numbers each, that are read beside them
+MIN_JUMPS = 2  # by a whole period
+QUICK = 1.0 / 16.0  # of a period: 99 of 100 rows move by less
+ALIKE = 0.9  # of the jumps by a period that are as small as changes beside them
+BESIDE = 3  # rows
+ROUNDS = 3  # of faults of one channel
+Right = Callable[[np.ndarray], np.ndarray]  # of numbers
+
+
+@dataclass(frozen=True)
+class Fault:
+    """How a channel's numbers are wrong. bug: of WrongCodes. size: numbers, a power of two.
+
+    sign: −1.0 where the file has the numbers inverted. right: turns the map round. free: tells the
+    rows whose number is known but for multiples of `size`; of the others it is right.
+    """
+
+    bug: str
+    size: float
+    sign: float = 1.0
+    right: Right | None = None
+    free: Callable[[np.ndarray], np.ndarray] | None = None
+
+
+def codes_put_right(recording: Recording) -> Recording:
+    """The recording with wrong codes put right, and which they were (`Recording.wrong_codes`).
+
+    The same recording where none is wrong, and where they were put right before.
+    """
+    if recording.wrong_codes:
+        return recording
+    readings = recording.imu.stack(CHANNELS)
+    lattices = {c: q for c, q in enumerate(map(_lattice, readings.T)) if q is not None}
+    if not lattices:
+        return recording
+    numbers = {c: np.rint(readings[:, c] / q.step) for c, q in lattices.items()}
+    course = Course(recording)
+    columns, wrong = dict(recording.imu.columns), list[WrongCodes]()
+    for c, found in _faults(numbers).items():
+        read, undecided = numbers[c], np.zeros(len(readings), bool)
+        right = read
+        for fault in found:
+            right, left = _put_right(right, fault, course)
+            undecided |= left
+        if (off := right - read).any():
+            step = lattices[c].step
+            columns[CHANNELS[c]] = columns[CHANNELS[c]] + np.nan_to_num(off) * step
+            wrong += _described(CHANNELS[c], found, off, undecided, step)
+    if not wrong:
+        return recording
+    imu = replace(recording.imu, columns=columns)
+    return replace(recording, imu=imu, wrong_codes=tuple(wrong))
+
+
+class Course:
+    """What a unit felt, as columns (n, 7) of a straight line, found when it is first asked for."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording, self._columns = recording, np.zeros((0, 0))
+
+    @property
+    def columns(self) -> np.ndarray:
+        """One, rate and force at each row; NaN where they are not known."""
+        if not len(self._columns):
+            self._columns = _regressors(whole_motion(self._recording))
+        return self._columns
+
+
+def _regressors(motion: Motion) -> np.ndarray:
+    rate = motion.rate
+    force = np.where(np.isfinite(motion.up).all(axis=1)[:, None], motion.force, np.nan)
+    if not np.isfinite(force).any():
+        force = np.zeros_like(rate)
+    return np.column_stack([np.ones(len(rate)), rate, force])
+
+
+def _lattice(readings: np.ndarray) -> Quantiser | None:
+    """The lattice of a channel (n,) if zero is on it."""
+    found = quantiser_of(readings[:: len(readings) // SAMPLE_ROWS + 1])
+    if found is None or not found.through_zero:
+        return None
+    known = readings[np.isfinite(readings)] / found.step
+    on_code = np.abs(known - np.rint(known)) < 2.0 * OFF_CODE
+    return found if on_code.mean() >= MIN_ON_CODE else None
+
+
+def _faults(numbers: dict[int, np.ndarray]) -> dict[int, list[Fault]]:
+    """The faults of each channel that has any, in the order in which they are undone.
+
+    One loop of the firmware joins the bytes of a triad: what is sure of one channel is held for the
+    others, too, unless they speak against it.
+    """
+    found: dict[int, list[Fault]] = {}
+    for triad in TRIADS:
+        own = [c for c in triad if c in numbers]
+        wiped = next((f for c in own if (f := _wiped(numbers[c]))), None)
+        for c in own:
+            found[c] = [wiped] if wiped else _turned(numbers[c])
+        sure = next((found[c][0] for c in own if found[c]), None)
+        for c in own:
+            if not found[c] and sure is not None and sure.bug == "signed-low":
+                better, worse, _ = _nearer(*_next_to(numbers[c]), sure)
+                found[c] = [sure] if worse <= better else []
+    unsigned = [f for faults in found.values() for f in faults if f.bug == "unsigned"]
+    for c, own in numbers.items():
+        if not found[c] and (fault := next(iter(unsigned), None)) and _fits(own, fault):
+            found[c] = [fault]
+        if not found[c] and (bit := stuck_bit(own)):
+            found[c] = [Fault("stuck-high" if bit > 0 else "stuck-low", float(abs(bit)))]
+    return {c: faults for c, faults in found.items() if faults}
+
+
+def _turned(numbers: np.ndarray) -> list[Fault]:
+    """Faults whose map can be turned round, and numbers that wrap, one after the other."""
+    found: list[Fault] = []
+    for _ in range(ROUNDS):
+        fault = _likeliest(numbers, {one.size for one in found}) or _wrapped(numbers)
+        if fault is None:
+            break
+        found.append(fault)
+        if fault.right is None:
+            break
+        numbers = fault.right(numbers)
+    return found
+
+
+def _maps() -> Iterator[Fault]:
+    for sign in (1.0, -1.0):
+        for bits in LOW_BITS:
+            size = 2.0**bits
+            yield Fault("signed-low", size, sign, _both(sign, _joined(size)))
+        for order in BYTE_ORDERS:
+            yield Fault("bytes", 256.0 ** len(order), sign, _both(sign, _ordered(order)))
+
+
+def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
+    """The map whose inverse brings more pairs of rows together than any, if clearly more.
+
+    tried: sizes that were put right. Noise as wide as the fault hides it: then nothing is said.
+    """
+    first, second = _next_to(numbers)
+    if not len(first):
+        return None
+    before, best, least = np.abs(second - first), None, float(np.inf)
+    some = slice(None, None, len(first) // GLANCE + 1)
+    largest, far = np.abs(first).max(), np.sort(before)
+    for fault in MAPS:
+        if fault.size in tried or len(far) - np.searchsorted(far, 0.5 * fault.size) < Z**2:
+            continue
+        if fault.bug == "bytes" and largest >= fault.size:
+            continue
+        better, worse, _ = _nearer(first[some], second[some], fault)
+        if worse - better > np.sqrt(better + worse):
+            continue
+        better, worse, after = _nearer(first, second, fault)
+        clear = better - worse > Z * np.sqrt(better + worse) and worse < MOST_PARTED * better
+        if not clear or np.quantile(after, 0.25) > QUIET * fault.size:
+            continue
+        apart = float(np.log1p(after).mean())
+        if apart < least:
+            best, least = fault, apart
+    return best if least < float(np.log1p(before).mean()) else None
+
+
+def _nearer(first: np.ndarray, second: np.ndarray, fault: Fault) -> tuple[int, int, np.ndarray]:
+    """How many pairs (m,) of numbers come much nearer by what puts a fault right, how many part,
+    and how far (m,) they are then apart.
+    """
+    assert fault.right is not None
+    before, after = np.abs(second - first), np.abs(fault.right(second) - fault.right(first))
+    return int((MUCH * after < before).sum()), int((after > MUCH * before).sum()), after
+
+
+def _next_to(numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers (m,) and those of the rows after them, both known."""
+    rows = np.flatnonzero(np.isfinite(numbers[1:]) & np.isfinite(numbers[:-1]))
+    rows = rows[:: len(rows) // PAIRS + 1]
+    return numbers[rows], numbers[rows + 1]
+
+
+def _both(sign: float, right: Right) -> Right:
+    return right if sign > 0 else lambda numbers: -right(-numbers)
+
+
+def _joined(size: float) -> Right:
+    """Of high·size + low, where a low of half the size and more was taken as negative."""
+    return lambda numbers: numbers + size * (np.mod(numbers, size) >= 0.5 * size)
+
+
+def _ordered(order: Sequence[int]) -> Right:
+    """Of bytes put in another order; order: the place that each byte, lowest first, is read from.
+
+    Each of these orders is its own inverse.
+    """
+    whole = 256.0 ** len(order)
+
+    def right(numbers: np.ndarray) -> np.ndarray:
+        unsigned = np.mod(np.where(np.isfinite(numbers), numbers, 0.0), whole).astype(np.int64)
+        bytes_ = [unsigned >> 8 * place & 0xFF for place in order]
+        joined = sum(byte << 8 * place for place, byte in enumerate(bytes_))
+        signed = np.where(joined >= whole / 2, joined - whole, joined)
+        return np.where(np.isfinite(numbers), signed, np.nan)
+
+    return right
+
+
+def _signed(period: float) -> Right:
+    return lambda numbers: numbers - period * (numbers >= 0.5 * period)
+
+
+MAPS = tuple(_maps())
+
+
+def _wiped(numbers: np.ndarray) -> Fault | None:
+    """A signed low part joined by OR: its sign wipes out the high part.
+
+    Such numbers all read −size/2 to −1, and no other number has such a low part.
+    """
+    known = numbers[np.isfinite(numbers)]
+    glance, largest = known[:: len(known) // GLANCE + 1], np.abs(known).max(initial=0.0)
+    for sign in (1.0, -1.0):
+        for bits in LOW_BITS:
+            size = 2.0**bits
+            if size > largest or _above(sign * glance, size, 0.5)[1].mean() > 10.0 * ACCIDENT:
+                continue
+            pile, outside = _above(sign * known, size, 0.5)
+            far = ~pile & (np.abs(known) >= size)
+            pages = np.unique(np.floor(sign * known[far] / size))
+            crossings = pile[1:] & far[:-1]
+            edge = crossings & _above(sign * known, size, 0.375)[1][:-1]
+            if outside.sum() <= ACCIDENT * pile.sum() and len(pages) >= MIN_PAGES and \
+                    crossings.sum() >= MIN_CROSSINGS and edge.sum() >= MIN_PAGES:  # fmt: skip
+                return Fault("signed-low-or", size, sign, free=_negative_low(sign, size))
+    return None
+
+
+def _above(numbers: np.ndarray, size: float, share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Which numbers read −size/2 to −1, and which others have a low part above a share of it."""
+    pile = (numbers < 0.0) & (numbers >= -0.5 * size)
+    return pile, ~pile & (np.mod(numbers, size) >= share * size)
+
+
+def _negative_low(sign: float, size: float) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda numbers: _above(sign * numbers, size, 0.5)[0]
+
+
+def _wrapped(numbers: np.ndarray) -> Fault | None:
+    """A number that begins again where it is full, or whose negative half is read above it."""
+    known = numbers[np.isfinite(numbers)]
+    if len(known) < 2:
+        return None
+    for sign in (1.0, -1.0):
+        least, most = float((sign * known).min()), float((sign * known).max())
+        unsigned = least >= 0.0
+        full = most + 1.0 if unsigned else 2.0 * max(most + 1.0, -least)
+        period = next((p for p in PERIODS if full <= p), np.inf)
+        if np.isfinite(period) and _jumps(known, period):
+            if unsigned:
+                return Fault("unsigned", period, sign, _both(sign, _signed(period)))
+            return Fault("wrap", period, free=np.isfinite)
+    return None
+
+
+def _jumps(known: np.ndarray, period: float) -> bool:
+    """Whether numbers jump by a whole period where they would else move as they do beside."""
+    change = np.diff(known)
+    within = change - period * np.round(change / period)
+    jump = np.abs(change) > 0.5 * period
+    if jump.sum() < MIN_JUMPS or np.quantile(np.abs(within), 0.99) > QUICK * period:
+        return False
+    rows = np.flatnonzero(jump)
+    beside = [k for k in range(-BESIDE, BESIDE + 1) if k]
+    places = np.clip(rows[:, None] + beside, 0, len(within) - 1)
+    usual = np.abs(within[places]).max(axis=1)
+    return bool((np.abs(within[rows]) <= 2.0 * usual + 4.0).mean() >= ALIKE)
+
+
+def _fits(numbers: np.ndarray, fault: Fault) -> bool:
+    """Whether numbers read as unsigned reach above the half of a period, and none beyond."""
+    own = fault.sign * numbers[np.isfinite(numbers)]
+    return bool(len(own) and own.min() >= 0 and 0.5 * fault.size <= own.max() < fault.size)
+
+
+def _put_right(
+    numbers: np.ndarray, fault: Fault, course: Course
+) -> tuple[np.ndarray, np.ndarray]:
+    """The right numbers (n,), and which of them could not be decided."""
+    if fault.right is not None:
+        return fault.right(numbers), np.zeros(len(numbers), bool)
+    if fault.free is not None:
+        return resolved(numbers, fault.free(numbers), fault.size, course.columns)
+    weight = fault.size if fault.bug == "stuck-high" else -fault.size
+    return put_back(numbers, weight, course.columns)
+
+
+def _described(
+    channel: str, faults: Sequence[Fault], off: np.ndarray, undecided: np.ndarray, step: float
+) -> Iterator[WrongCodes]:
+    share = float(np.mean(np.nan_to_num(off) != 0.0))
+    for fault in faults:
+        yield WrongCodes(channel, fault.bug, fault.size, fault.size * step, share, undecided)
