@@ -14,25 +14,28 @@ over pairs of rows, whatever moved the unit, and however wide its noise. Three k
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording, WrongCodes
-from tasks.motion.whole import Motion, whole_motion
 from tasks.readings.lattice import MIN_ON_CODE, OFF_CODE, Quantiser, quantiser_of
+from tasks.readings.line import Course, Line
 from tasks.readings.resolved import resolved
 from tasks.readings.stuck_bits import put_back, stuck_bit
 
 CHANNELS: tuple[str, ...] = GYRO + ACCEL
 TRIADS = ((0, 1, 2), (3, 4, 5))
 SAMPLE_ROWS = 20_000  # that a lattice is looked for in
-PAIRS = 60_000  # of rows one after the other, that are compared
-GLANCE = 1_500  # pairs of them by which most faults are ruled out
-MUCH = 3.0  # times nearer, or farther: numbers of several clusters come somewhat nearer by chance
-MOST_PARTED = 0.4  # of the pairs that come nearer: fast motion makes some
-QUIET = 0.25  # of a size: a fourth of the pairs differ by less, or the fault is below the noise
+TRIPLES = 40_000  # rows, each between two others, that are compared
+GLANCE = 1_500  # of them by which most faults are ruled out
+MUCH = 3.0  # times smoother, or rougher: numbers of several clusters become a little so by chance
+MOST_ROUGHER = 0.4  # of the rows that become smoother: fast motion makes some
+CLEARLY = 0.05  # of a mean logarithm: of two that do nearly as well the first, of usual sign
+QUIET = 0.25  # of a size: a fourth of the rows bend by less, or the fault is below the noise
 Z = 6.0  # by which pairs that come nearer outnumber those that part: p = 1e-9
 LOW_BITS = range(3, 21)
+BYTE = 256.0
 BYTE_ORDERS = ((1, 0), (2, 1, 0), (1, 0, 3, 2), (2, 3, 0, 1), (3, 2, 1, 0))  # lowest byte first
 PERIODS = tuple(2.0**bits for bits in range(8, 33))
 ACCIDENT = 1e-3  # of the rows: they may hold anything
@@ -79,38 +82,17 @@ def codes_put_right(recording: Recording) -> Recording:
         read, undecided = numbers[c], np.zeros(len(readings), bool)
         right = read
         for fault in found:
-            right, left = _put_right(right, fault, course)
+            right, left = _put_right(right, fault, partial(course.line, c, lattices[c].step))
             undecided |= left
-        if (off := right - read).any():
+        off = np.nan_to_num(right - read)
+        if off.any() or undecided.any():
             step = lattices[c].step
-            columns[CHANNELS[c]] = columns[CHANNELS[c]] + np.nan_to_num(off) * step
+            columns[CHANNELS[c]] = columns[CHANNELS[c]] + off * step
             wrong += _described(CHANNELS[c], found, off, undecided, step)
     if not wrong:
         return recording
     imu = replace(recording.imu, columns=columns)
     return replace(recording, imu=imu, wrong_codes=tuple(wrong))
-
-
-class Course:
-    """What a unit felt, as columns (n, 7) of a straight line, found when it is first asked for."""
-
-    def __init__(self, recording: Recording) -> None:
-        self._recording, self._columns = recording, np.zeros((0, 0))
-
-    @property
-    def columns(self) -> np.ndarray:
-        """One, rate and force at each row; NaN where they are not known."""
-        if not len(self._columns):
-            self._columns = _regressors(whole_motion(self._recording))
-        return self._columns
-
-
-def _regressors(motion: Motion) -> np.ndarray:
-    rate = motion.rate
-    force = np.where(np.isfinite(motion.up).all(axis=1)[:, None], motion.force, np.nan)
-    if not np.isfinite(force).any():
-        force = np.zeros_like(rate)
-    return np.column_stack([np.ones(len(rate)), rate, force])
 
 
 def _lattice(readings: np.ndarray) -> Quantiser | None:
@@ -126,7 +108,7 @@ def _lattice(readings: np.ndarray) -> Quantiser | None:
 def _faults(numbers: dict[int, np.ndarray]) -> dict[int, list[Fault]]:
     """The faults of each channel that has any, in the order in which they are undone.
 
-    One loop of the firmware joins the bytes of a triad: what is sure of one channel is held for the
+    One loop of the firmware joins the bytes of all channels: what is sure of one is held for the
     others, too, unless they speak against it.
     """
     found: dict[int, list[Fault]] = {}
@@ -134,19 +116,19 @@ def _faults(numbers: dict[int, np.ndarray]) -> dict[int, list[Fault]]:
         own = [c for c in triad if c in numbers]
         wiped = next((f for c in own if (f := _wiped(numbers[c]))), None)
         for c in own:
-            found[c] = [wiped] if wiped else _turned(numbers[c])
-        sure = next((found[c][0] for c in own if found[c]), None)
-        for c in own:
-            if not found[c] and sure is not None and sure.bug == "signed-low":
-                better, worse, _ = _nearer(*_next_to(numbers[c]), sure)
-                found[c] = [sure] if worse <= better else []
-    unsigned = [f for faults in found.values() for f in faults if f.bug == "unsigned"]
+            bit = None if wiped else stuck_bit(numbers[c])
+            found[c] = [wiped] if wiped else [_stuck(bit)] if bit else _turned(numbers[c])
+    sure = [
+        fault for c in found for fault in found[c][:1] if fault.bug in ("signed-low", "unsigned")
+    ]
     for c, own in numbers.items():
-        if not found[c] and (fault := next(iter(unsigned), None)) and _fits(own, fault):
-            found[c] = [fault]
-        if not found[c] and (bit := stuck_bit(own)):
-            found[c] = [Fault("stuck-high" if bit > 0 else "stuck-low", float(abs(bit)))]
+        if not found[c]:
+            found[c] = [fault for fault in sure[:1] if _does_no_harm(own, fault)]
     return {c: faults for c, faults in found.items() if faults}
+
+
+def _stuck(weight: int) -> Fault:
+    return Fault("stuck-high" if weight > 0 else "stuck-low", float(abs(weight)))
 
 
 def _turned(numbers: np.ndarray) -> list[Fault]:
@@ -169,52 +151,59 @@ def _maps() -> Iterator[Fault]:
             size = 2.0**bits
             yield Fault("signed-low", size, sign, _both(sign, _joined(size)))
         for order in BYTE_ORDERS:
-            yield Fault("bytes", 256.0 ** len(order), sign, _both(sign, _ordered(order)))
+            yield Fault("bytes", BYTE ** len(order), sign, _both(sign, _ordered(order)))
 
 
 def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
-    """The map whose inverse brings more pairs of rows together than any, if clearly more.
+    """The map whose inverse makes the numbers smoother than any other, if clearly smoother.
 
     tried: sizes that were put right. Noise as wide as the fault hides it: then nothing is said.
     """
-    first, second = _next_to(numbers)
-    if not len(first):
+    rows = _in_a_row(numbers)
+    if not rows.size:
         return None
-    before, best, least = np.abs(second - first), None, float(np.inf)
-    some = slice(None, None, len(first) // GLANCE + 1)
-    largest, far = np.abs(first).max(), np.sort(before)
+    before, best, least = _bend(rows), None, float(np.inf)
+    some = rows[:, :: rows.shape[1] // GLANCE + 1]
+    largest, far = np.abs(rows).max(), np.sort(before)
     for fault in MAPS:
-        if fault.size in tried or len(far) - np.searchsorted(far, 0.5 * fault.size) < Z**2:
+        edge = 0.5 * (fault.size if fault.bug == "signed-low" else BYTE)
+        if fault.size in tried or len(far) - np.searchsorted(far, edge) < Z**2:
             continue
         if fault.bug == "bytes" and largest >= fault.size:
             continue
-        better, worse, _ = _nearer(first[some], second[some], fault)
+        better, worse, _ = _smoother(some, fault)
         if worse - better > np.sqrt(better + worse):
             continue
-        better, worse, after = _nearer(first, second, fault)
-        clear = better - worse > Z * np.sqrt(better + worse) and worse < MOST_PARTED * better
+        better, worse, after = _smoother(rows, fault)
+        clear = better - worse > Z * np.sqrt(better + worse) and worse < MOST_ROUGHER * better
         if not clear or np.quantile(after, 0.25) > QUIET * fault.size:
             continue
-        apart = float(np.log1p(after).mean())
-        if apart < least:
-            best, least = fault, apart
+        rough = float(np.log1p(after).mean())
+        if rough < least - CLEARLY:
+            best, least = fault, rough
     return best if least < float(np.log1p(before).mean()) else None
 
 
-def _nearer(first: np.ndarray, second: np.ndarray, fault: Fault) -> tuple[int, int, np.ndarray]:
-    """How many pairs (m,) of numbers come much nearer by what puts a fault right, how many part,
-    and how far (m,) they are then apart.
+def _smoother(rows: np.ndarray, fault: Fault) -> tuple[int, int, np.ndarray]:
+    """How many of the numbers (3, m) bend much less by what puts a fault right, how many much more,
+    and by how much (m,) they then bend.
     """
     assert fault.right is not None
-    before, after = np.abs(second - first), np.abs(fault.right(second) - fault.right(first))
+    before, after = _bend(rows), _bend(fault.right(rows))
     return int((MUCH * after < before).sum()), int((after > MUCH * before).sum()), after
 
 
-def _next_to(numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers (m,) and those of the rows after them, both known."""
-    rows = np.flatnonzero(np.isfinite(numbers[1:]) & np.isfinite(numbers[:-1]))
-    rows = rows[:: len(rows) // PAIRS + 1]
-    return numbers[rows], numbers[rows + 1]
+def _bend(rows: np.ndarray) -> np.ndarray:
+    """By how much (m,) the second of three numbers (3, m) is off a straight line: a ramp is none."""
+    return np.asarray(np.abs(rows[0] - 2.0 * rows[1] + rows[2]))
+
+
+def _in_a_row(numbers: np.ndarray) -> np.ndarray:
+    """Numbers of three rows one after the other, (3, m), all known."""
+    known = np.isfinite(numbers)
+    rows = np.flatnonzero(known[2:] & known[1:-1] & known[:-2])
+    rows = rows[:: len(rows) // TRIPLES + 1]
+    return np.array([numbers[rows], numbers[rows + 1], numbers[rows + 2]])
 
 
 def _both(sign: float, right: Right) -> Right:
@@ -231,7 +220,7 @@ def _ordered(order: Sequence[int]) -> Right:
 
     Each of these orders is its own inverse.
     """
-    whole = 256.0 ** len(order)
+    whole = BYTE ** len(order)
 
     def right(numbers: np.ndarray) -> np.ndarray:
         unsigned = np.mod(np.where(np.isfinite(numbers), numbers, 0.0), whole).astype(np.int64)
@@ -314,27 +303,30 @@ def _jumps(known: np.ndarray, period: float) -> bool:
     return bool((np.abs(within[rows]) <= 2.0 * usual + 4.0).mean() >= ALIKE)
 
 
-def _fits(numbers: np.ndarray, fault: Fault) -> bool:
-    """Whether numbers read as unsigned reach above the half of a period, and none beyond."""
-    own = fault.sign * numbers[np.isfinite(numbers)]
-    return bool(len(own) and own.min() >= 0 and 0.5 * fault.size <= own.max() < fault.size)
+def _does_no_harm(numbers: np.ndarray, fault: Fault) -> bool:
+    """Whether a channel's numbers (n,) may have a fault that is sure of another channel."""
+    if fault.bug == "unsigned":
+        own = fault.sign * numbers[np.isfinite(numbers)]
+        return bool(len(own) and own.min() >= 0.0 and 0.5 * fault.size <= own.max() < fault.size)
+    better, worse, _ = _smoother(_in_a_row(numbers), fault)
+    return worse <= better
 
 
 def _put_right(
-    numbers: np.ndarray, fault: Fault, course: Course
+    numbers: np.ndarray, fault: Fault, line: Callable[[], Line]
 ) -> tuple[np.ndarray, np.ndarray]:
     """The right numbers (n,), and which of them could not be decided."""
     if fault.right is not None:
         return fault.right(numbers), np.zeros(len(numbers), bool)
     if fault.free is not None:
-        return resolved(numbers, fault.free(numbers), fault.size, course.columns)
+        return resolved(numbers, fault.free(numbers), fault.size, line())
     weight = fault.size if fault.bug == "stuck-high" else -fault.size
-    return put_back(numbers, weight, course.columns)
+    return put_back(numbers, weight, line())
 
 
 def _described(
     channel: str, faults: Sequence[Fault], off: np.ndarray, undecided: np.ndarray, step: float
 ) -> Iterator[WrongCodes]:
-    share = float(np.mean(np.nan_to_num(off) != 0.0))
+    share = float(np.mean(np.abs(off) > 0.5))
     for fault in faults:
         yield WrongCodes(channel, fault.bug, fault.size, fault.size * step, share, undecided)

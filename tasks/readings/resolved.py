@@ -4,42 +4,50 @@ by what the unit felt.
 
 import numpy as np
 
+from tasks.readings.line import Line
+from tasks.readings.robust import deviation
+
 ROUNDS = 4
-NEAR = 0.25  # of the size: numbers that a fit goes by, and by which they may be off it
+SCATTER = 0.5  # of the size: of a number about the line, for rows beside it err alike
+SURE = 0.125  # of the size: uncertainty of the line, beyond which it decides nothing
+NEAR = 0.4  # of the size: by which numbers may be off the line
+MOST_NOISE = 0.12  # of the size: standard deviation beyond which no single number is decided
 MEMORY = 0.5  # of the change from row to row
 
 
 def resolved(
-    numbers: np.ndarray, free: np.ndarray, size: float, columns: np.ndarray
+    numbers: np.ndarray, free: np.ndarray, size: float, line: Line
 ) -> tuple[np.ndarray, np.ndarray]:
     """The numbers (n,), and which of them are not decided.
 
-    free: (n,) bool, numbers that whole multiples of the size are missing from. columns: (n, k) a
-    straight line in which gives the numbers, NaN where it is not known. By the line where it is
-    known; elsewhere as the rows before and after go on, where both say the same.
+    free: (n,) bool, numbers that whole multiples of the size are missing from. line: that the
+    numbers follow. By the line where it is known and sure; elsewhere as the rows before and after
+    go on, where both say the same.
     """
     known = np.isfinite(numbers)
     free = free & known
-    if free[known].all():
-        onwards = backwards = _unwrapped(numbers, size)
+    every = bool(free[known].all())
+    if every:
+        onwards = _unwrapped(numbers, size)
+        if (felt := known & line.known).any():
+            off = np.median((line.columns[felt] @ line.ideal) - onwards[felt])
+            onwards = onwards + size * np.round(off / size)
+        backwards = onwards
     else:
         onwards = _followed(numbers, free, size)
         backwards = _followed(numbers[::-1], free[::-1], size)[::-1]
-    agreed = ~free | (onwards == backwards)
-    felt = np.isfinite(columns).all(axis=1) & known
-    values, used, off = onwards, felt & agreed, np.full(len(numbers), np.inf)
-    if not free[known].all() and np.linalg.matrix_rank(columns[felt & ~free]) == \
-            np.linalg.matrix_rank(columns[felt]):  # fmt: skip
-        used = felt & ~free
-    for _ in range(ROUNDS if used.any() else 0):
-        fitted = np.linalg.lstsq(columns[used], values[used], rcond=None)[0]
-        predicted = columns @ fitted
-        nearest = numbers + size * np.round((predicted - numbers) / size)
-        values = np.where(free & felt, nearest, values)
-        off = np.abs(values - predicted)
-        used = felt & (off < NEAR * size)
-    decided = np.where(felt, off < NEAR * size, agreed) | ~free
-    return values, known & ~decided
+    agreed = known & (~free | (onwards == backwards))
+    felt, by_line = known & line.known, np.zeros(len(numbers), bool)
+    values, used = np.where(agreed, onwards, numbers), felt & (agreed if every else ~free)
+    for _ in range(ROUNDS if felt.any() else 0):
+        predicted, u = line.through(values, used, SCATTER * size)
+        nearest = np.where(free, numbers + size * np.round((predicted - numbers) / size), numbers)
+        used = felt & (u < SURE * size) & (np.abs(nearest - predicted) < NEAR * size)
+        by_line = free & used
+        values = np.where(by_line, nearest, np.where(agreed, onwards, numbers))
+    undecided = known & free & ~by_line & ~agreed
+    noise = deviation(np.diff(values[used])) / np.sqrt(2.0) if used.any() else 0.0
+    return values, free if noise > MOST_NOISE * size else undecided
 
 
 def _unwrapped(numbers: np.ndarray, size: float) -> np.ndarray:

@@ -6,6 +6,8 @@ is wider than a code would have carried some there.
 
 import numpy as np
 
+from tasks.readings.line import Line
+
 BITS = tuple(range(2, 15))
 MIN_PERIODS = 3  # of 2ᵇ⁺¹ codes, with readings
 MIN_AT_END = 25  # readings within half of the noise of either end
@@ -32,20 +34,17 @@ def stuck_bit(numbers: np.ndarray) -> int | None:
     return None
 
 
-def put_back(
-    numbers: np.ndarray, weight: float, columns: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def put_back(numbers: np.ndarray, weight: float, line: Line) -> tuple[np.ndarray, np.ndarray]:
     """The right numbers (n,), and which of them are not decided.
 
-    weight: that the bit adds to some of them. columns: (n, k) a straight line in which gives the
-    right numbers, NaN where it is not known. Where noise is as wide as the bit, the expectation of
-    the two.
+    weight: that the bit adds to some of them. line: that the right numbers follow. Where noise is
+    as wide as the bit, the expectation of the two.
     """
-    felt = np.isfinite(columns).all(axis=1) & np.isfinite(numbers)
+    felt = line.known & np.isfinite(numbers)
     added = np.zeros(len(numbers))
     for _ in range(ROUNDS if felt.any() else 0):
-        fitted = np.linalg.lstsq(columns[felt], (numbers - added)[felt], rcond=None)[0]
-        off = numbers - columns @ fitted
+        predicted, _ = line.through(numbers - added, felt, abs(weight))
+        off = numbers - predicted
         variance = max(float(np.median((off - added)[felt] ** 2)) / MEDIAN_CHI2, 1e-12)
         odds = (off**2 - (off - weight) ** 2) / (2.0 * variance)
         added = np.where(felt, weight / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0))), 0.0)
