@@ -23,6 +23,7 @@ from tasks.readings.lattice import MIN_ON_CODE, OFF_CODE, Quantiser, quantiser_o
 from tasks.readings.line import Course, Line
 from tasks.readings.resolved import resolved
 from tasks.readings.stuck_bits import put_back, stuck_bit
+from tasks.words import Message, message
 
 CHANNELS: tuple[str, ...] = GYRO + ACCEL
 TRIADS = ((0, 1, 2), (3, 4, 5))
@@ -45,6 +46,7 @@ MIN_JUMPS = 2  # by a whole period
 QUICK = 1.0 / 16.0  # of a period: 99 of 100 rows move by less
 ALIKE = 0.9  # of the jumps by a period that are as small as changes beside them
 BESIDE = 3  # rows
+OF_ALL = ("signed-low", "unsigned")  # of which a channel need not show anything
 ROUNDS = 3  # of faults of one channel
 Right = Callable[[np.ndarray], np.ndarray]  # of numbers
 
@@ -194,7 +196,7 @@ def _smoother(rows: np.ndarray, fault: Fault) -> tuple[int, int, np.ndarray]:
 
 
 def _bend(rows: np.ndarray) -> np.ndarray:
-    """By how much (m,) the second of three numbers (3, m) is off a straight line: a ramp is none."""
+    """By how much (m,) the second of three numbers (3, m) is off a straight line."""
     return np.asarray(np.abs(rows[0] - 2.0 * rows[1] + rows[2]))
 
 
@@ -330,3 +332,8 @@ def _described(
     share = float(np.mean(np.abs(off) > 0.5))
     for fault in faults:
         yield WrongCodes(channel, fault.bug, fault.size, fault.size * step, share, undecided)
+
+
+def bug_in_words(wrong: WrongCodes) -> Message:
+    """What the firmware does to a channel's codes."""
+    return message(f"codes-{wrong.bug}", codes=f"{wrong.codes:.0f}")

@@ -14,12 +14,12 @@ from scipy.linalg import orth
 
 from schemas.recording import Recording
 from tasks.explain.channels import CHANNELS
+from tasks.explain.events.code_fault import code_fault, find_torn_codes
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.empty_rows import without_empty_rows
 from tasks.explain.events.event import Events
-from tasks.explain.events.faults import Fault, find_faults
+from tasks.explain.events.faults import Fault, find_settings
 from tasks.explain.events.lost_samples import LostSamples
-from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
@@ -33,6 +33,8 @@ from tasks.model.terms.timing import shifted_within
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.motion.samples import bridged, interpolated
 from tasks.motion.whole import Motion
+from tasks.readings.codes import codes_put_right
+from tasks.readings.lattice import quantiser_of
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
@@ -141,18 +143,34 @@ def without_faults(
     recorded: Recording, reference: ReferencePrediction | None = None
 ) -> tuple[tuple[Fault, ...], Recording, FullRate]:
     """Faults of the logger, and the recording without them, as it is and at the unit's rate."""
-    full = full_rate(recorded)
+    right = codes_put_right(recorded)
+    codes = code_fault(recorded, right)
+    right = _without_undecided(right)
+    full = full_rate(right)
+    if codes is None and (codes := find_torn_codes(full.readings, full.motion)) is not None:
+        right = _undone(right, codes)
+        full = full_rate(right)
     tracked = recorded.table is None and recorded.reference is not None
-    faults = find_faults(full.readings, full.motion, None if reference else tracked)
-    if not faults:
-        return (), recorded, full
-    readings = recorded.imu.stack(CHANNELS)
-    for fault in reversed(faults):
-        readings = fault.undone(readings)
-    own = {c: readings[:, k] for k, c in enumerate(CHANNELS) if c in recorded.imu.columns}
-    imu = replace(recorded.imu, columns={**recorded.imu.columns, **own})
-    right = replace(recorded, imu=imu)
-    return faults, right, full_rate(right)
+    settings = () if reference else find_settings(full.readings, full.motion, tracked)
+    for setting in reversed(settings):
+        right = _undone(right, setting)
+    faults = settings if codes is None else (*settings, codes)
+    return faults, right, full_rate(right) if settings else full
+
+
+def _undone(recording: Recording, fault: Fault) -> Recording:
+    readings = fault.undone(recording.imu.stack(CHANNELS))
+    own = {c: readings[:, k] for k, c in enumerate(CHANNELS) if c in recording.imu.columns}
+    imu = replace(recording.imu, columns={**recording.imu.columns, **own})
+    return replace(recording, imu=imu)
+
+
+def _without_undecided(recording: Recording) -> Recording:
+    """The recording with NaN where codes could not be put right."""
+    columns = dict(recording.imu.columns)
+    for one in recording.wrong_codes:
+        columns[one.channel] = np.where(one.undecided, np.nan, columns[one.channel])
+    return replace(recording, imu=replace(recording.imu, columns=columns))
 
 
 def _as_stamped(full: FullRate, earlier: Motion, delay: float) -> FullRate:

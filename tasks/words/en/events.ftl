@@ -5,6 +5,7 @@ events-plateau = the { $sensors } stay constant while the predicted readings con
 events-plateau-at = { $channel } at { $limit } ({ $count } predicted readings beyond)
 events-quantisation = the { $sensors } have a resolution of { $step }, { $ratio } times the noise
 events-code-fault = wrong output codes: { $channels }
+events-code-fault-title = wrong output codes in the { $channels }: { $bugs }
 events-code-fault-at = { $channel } is off by whole multiples of { $codes } codes ({ $jump }) in { $share } % of the readings, depending on the code
 events-repeats = rows without information of their own: { $kinds }
 events-repeats-held = the { $sensors } repeat the preceding row in { $count } rows ({ $share } %)

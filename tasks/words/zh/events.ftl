@@ -5,6 +5,7 @@ events-plateau = { $sensors }的读数停留不动，而预测值继续增大：
 events-plateau-at = { $channel }停在 { $limit }（{ $count } 个读数应超出）
 events-quantisation = { $sensors }的步距为 { $step }，是噪声的 { $ratio } 倍
 events-code-fault = 编码有误：{ $channels }
+events-code-fault-title = 编码有误：{ $bugs }（{ $channels }）
 events-code-fault-at = { $channel }有 { $share } % 的读数偏离 { $codes } 个编码（{ $jump }）的整数倍，是否偏离由编码决定
 events-repeats = 不含新信息的数据行：{ $kinds }
 events-repeats-held = { $sensors }有 { $count } 行（{ $share } %）保持上一行的值

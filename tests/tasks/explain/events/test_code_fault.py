@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from made_up import SIGMA, mean_readings, motion, noisy
-
 from tasks.explain.events.broken_codes import torn_codes
+
 from tasks.explain.events.code_fault import CodeFault, find_code_fault
 from tasks.words import texts
 

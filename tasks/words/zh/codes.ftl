@@ -1,0 +1,9 @@
+# 固件对输出编码的处理错误
+codes-signed-low = 低字节按有符号数相加
+codes-signed-low-or = 低字节按有符号数作或运算，高字节被抹去
+codes-bytes = 字节顺序颠倒
+codes-unsigned = 补码被读作无符号数
+codes-wrap = 满量程处回绕，周期为 { $codes } 个编码
+codes-stuck-high = 有一位恒为 1
+codes-stuck-low = 有一位恒为 0
+codes-torn = 高字节为上一行的值
