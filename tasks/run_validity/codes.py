@@ -11,8 +11,11 @@ from tasks.run_validity.remark import run_remark
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words.quantities import plain
 
-MOST_UNDECIDED = 0.01  # of a segment's readings of one channel: so few are left out, or weigh little
-EXPECTED = ("stuck-high", "stuck-low")  # what is put in their place is an expectation, not a reading
+MOST_UNDECIDED = 0.01  # of a segment's readings of one channel: so few weigh little
+EXPECTED = (
+    "stuck-high",
+    "stuck-low",
+)  # an expectation is put in their place
 
 
 def code_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:

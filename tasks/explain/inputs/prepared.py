@@ -16,7 +16,6 @@ from schemas.recording import Recording
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.code_fault import code_fault, find_torn_codes
 from tasks.explain.events.detect import events_in_readings
-from tasks.explain.events.empty_rows import without_empty_rows
 from tasks.explain.events.event import Events
 from tasks.explain.events.faults import Fault, find_settings
 from tasks.explain.events.lost_samples import LostSamples
@@ -35,6 +34,7 @@ from tasks.motion.samples import bridged, interpolated
 from tasks.motion.whole import Motion
 from tasks.readings.codes import codes_put_right
 from tasks.readings.lattice import quantiser_of
+from tasks.readings.rows import empty_remarks, rows_without_readings, without_readings_removed
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
@@ -117,13 +117,16 @@ def prepare(
     Raises Unusable where the recording tells no motion or is too short.
     """
     tell(progress, "motion")
-    recorded, on_empty = without_empty_rows(as_mean_rates(recording))
-    faults, right, full = without_faults(recorded, reference)
+    recorded = as_mean_rates(recording)
+    right = codes_put_right(recorded)
+    empty = rows_without_readings(right)
+    recorded, right = (without_readings_removed(one, empty) for one in (recorded, right))
+    faults, right, full = without_faults(recorded, right, reference)
     pose, on_turn = in_unit_axes(right, full.motion)
     if pose is not None:
         recorded, right = (replace(one, reference=pose) for one in (recorded, right))
         full = full_rate(right)
-    full = replace(full, remarks=(*on_empty, *full.remarks, *on_turn))
+    full = replace(full, remarks=(*empty_remarks(recorded.imu.t, empty), *full.remarks, *on_turn))
     tell(progress, "events")
     delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     rows, events = _with_delay(right, full, delay)
@@ -140,10 +143,12 @@ def prepare(
 
 
 def without_faults(
-    recorded: Recording, reference: ReferencePrediction | None = None
+    recorded: Recording, right: Recording, reference: ReferencePrediction | None = None
 ) -> tuple[tuple[Fault, ...], Recording, FullRate]:
-    """Faults of the logger, and the recording without them, as it is and at the unit's rate."""
-    right = codes_put_right(recorded)
+    """Faults of the logger, and the recording without them, as it is and at the unit's rate.
+
+    right: the recording with its codes put right.
+    """
     codes = code_fault(recorded, right)
     right = _without_undecided(right)
     full = full_rate(right)
