@@ -123,9 +123,9 @@ def _faults(numbers: dict[int, np.ndarray]) -> dict[int, list[Fault]]:
     sure = [
         fault for c in found for fault in found[c][:1] if fault.bug in ("signed-low", "unsigned")
     ]
-    for c, own in numbers.items():
+    for c, read in numbers.items():
         if not found[c]:
-            found[c] = [fault for fault in sure[:1] if _does_no_harm(own, fault)]
+            found[c] = [fault for fault in sure[:1] if _does_no_harm(read, fault)]
     return {c: faults for c, faults in found.items() if faults}
 
 

@@ -29,7 +29,7 @@ ROUNDING = 0.3  # step: standard deviation of rounding
 QUICKER = 10.0  # times any change from row to row beside
 SLOWEST = 0.15  # s from row to row: of slower loggers a whole move is a row
 NOT_FELT = 0.7  # of a jump: what the motion must leave unexplained of it
-MAX_TIMES = 8  # that are listed
+MAX_TIMES = 20  # that are listed
 
 
 def rows_without_readings(recording: Recording) -> np.ndarray:
@@ -95,8 +95,9 @@ def corrupted(readings: np.ndarray) -> np.ndarray:
     new = np.append(True, (np.diff(readings[rows], axis=0) != 0.0).any(axis=1))
     own, number = readings[rows][new], np.cumsum(new) - 1  # each value that is held once
     held = np.bincount(number)
-    apart = np.where((apart := np.abs(np.diff(own, axis=0))) > 0.0, apart, np.inf).min(axis=0)
-    step = np.where(np.isfinite(apart), apart, 0.0)
+    apart = np.abs(np.diff(own, axis=0))
+    step = np.where(apart > 0.0, apart, np.inf).min(axis=0)
+    step = np.where(np.isfinite(step), step, 0.0)
     odd = _odd(own, step)
     found = np.zeros(own.shape)
     for run in runs(odd):
@@ -120,7 +121,7 @@ def _odd(own: np.ndarray, step: np.ndarray) -> np.ndarray:
     for row in np.flatnonzero(odd).tolist():
         about = own[max(0, row - LONGEST) : row + LONGEST + 1]
         off = np.abs(own[row] - np.median(about, axis=0))
-        odd[row] = bool((off > 0.5 * bend[row])[bend[row] > ODD * usual].any())
+        odd[row] = bool(((off > 0.5 * bend[row]) & (bend[row] > ODD * usual)).any())
     return odd
 
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from schemas.recording import AXES, Axis, Recording, Segment
 from tasks.motion.table import mean_rate
-from tasks.segments.summarise import SegmentMean, median
+from tasks.readings.robust import TO_SIGMA, median
+from tasks.segments.summarise import SegmentMean
 
 STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
 OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate's
@@ -151,5 +152,5 @@ def _noise_of_thirds(blocks: np.ndarray) -> float:
 
     From what neighbours differ by: a drift through the segment is no noise.
     """
-    spread = 1.4826 * float(median(np.abs(np.diff(blocks)))) / np.sqrt(2.0)
+    spread = TO_SIGMA * float(median(np.abs(np.diff(blocks)))) / np.sqrt(2.0)
     return spread * float(np.sqrt(4.7 / len(blocks)))

@@ -13,7 +13,7 @@ from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.readings.codes import bug_in_words
 from tasks.readings.lattice import quantiser_of
-from tasks.words import clauses, message
+from tasks.words import Message, clauses, message
 
 P_VALUE = 1e-9  # of so many jumps to and fro with nothing between, at most
 
@@ -80,7 +80,7 @@ def _event(found: Sequence[WrongCodes], off: np.ndarray) -> CodeFault:
     )  # fmt: skip
 
 
-def _bugs(found: Sequence[WrongCodes]) -> Iterator[object]:
+def _bugs(found: Sequence[WrongCodes]) -> Iterator[Message]:
     seen = {(one.bug, one.codes): one for one in found}
     yield from map(bug_in_words, seen.values())
 

@@ -43,6 +43,34 @@ class Unit:
     decimals: int | None = None
 
 
+UNITS = (
+    Unit(),
+    Unit(rate=25.0, counts=(262.4, 16384.0), top=100.0, quick=40.0),
+    Unit(rate=200.0, counts=(32.8, 4096.0), noise=(0.1, 0.005)),
+    Unit(rate=50.0, counts=(16.4, 2048.0), noise=(0.08, 0.003)),
+    Unit(rate=250.0, counts=(131.0, 16384.0), quick=300.0),
+    Unit(counts=(65.5, 8192.0), top=400.0, quick=200.0),
+    Unit(rate=10.0, quick=40.0),
+    Unit(rate=13.0, counts=(262.4, 16384.0), top=100.0, quick=40.0, noise=(0.07, 0.004)),
+    Unit(bits=24, counts=(20000.0, 1.0e6), noise=(0.004, 5e-5)),
+    Unit(bits=24, rate=200.0, counts=(20000.0, 1.0e6), noise=(0.001, 2e-5)),
+    Unit(counts=(16.384, 2048.0), noise=(0.02, 0.0004)),
+    Unit(rate=250.0, counts=(120.0, 10000.0), noise=(0.3, 0.01)),
+)
+FULL = (  # units that turn faster than they can say
+    Unit(top=350.0),
+    Unit(rate=50.0, counts=(65.5, 8192.0), top=600.0, quick=200.0),
+    Unit(rate=200.0, counts=(131.0, 16384.0), top=300.0),
+    Unit(rate=25.0, counts=(131.0, 16384.0), top=300.0, quick=50.0),
+    Unit(bits=12, counts=(8.0, 512.0), top=300.0, noise=(0.2, 0.003)),
+    Unit(bits=12, counts=(8.0, 1024.0), top=300.0, noise=(0.1, 0.003)),
+    Unit(bits=14, rate=250.0, counts=(40.0, 4096.0), top=250.0, noise=(0.05, 0.003)),
+    Unit(bits=18, counts=(500.0, 50000.0), top=400.0),
+    Unit(bits=20, counts=(3000.0, 3e5), top=250.0, noise=(0.01, 0.0003)),
+    Unit(bits=24, counts=(30000.0, 1e6), top=350.0, noise=(0.005, 0.0001)),
+)
+
+
 class Table:
     """Angles of three axes row by row, deg; moves with trapezoids of rate; labels beside."""
 
