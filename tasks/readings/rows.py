@@ -103,7 +103,7 @@ def corrupted(readings: np.ndarray) -> np.ndarray:
     for run in runs(odd):
         if run.stop - run.start <= LONGEST and held[run].sum() <= HELD:
             found[run] = _off(own, odd, run, step)
-    if (found.any(axis=1)[number]).mean() <= MAX_SHARE:
+    if np.mean(np.any(found[number], axis=1)) <= MAX_SHARE:
         size[rows] = found[number]
     return size
 
@@ -115,7 +115,7 @@ def _odd(own: np.ndarray, step: np.ndarray) -> np.ndarray:
     bend = np.zeros(own.shape)
     bend[1:-1] = np.abs(own[1:-1] - 0.5 * (own[2:] + own[:-2]))
     usual = np.maximum([deviation(column) for column in bend.T], step)
-    odd = (bend > ODD * usual).any(axis=1)
+    odd = np.asarray((bend > ODD * usual).any(axis=1))
     if not odd.any():
         return odd
     for row in np.flatnonzero(odd).tolist():
