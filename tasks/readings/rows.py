@@ -11,7 +11,8 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.motion.samples import sample_interval
-from tasks.readings.codes import CHANNELS, TRIADS
+from tasks.readings.code_faults import TRIADS
+from tasks.readings.codes import CHANNELS
 from tasks.readings.line import Course
 from tasks.readings.robust import TO_SIGMA, deviation
 from tasks.words import Message, message
