@@ -195,12 +195,30 @@ def joined(parts: Sequence[Stream]) -> Stream:
 
 
 @dataclass(frozen=True)
+class WrongCodes:
+    """How the numbers of one channel had been joined wrongly before they were put right.
+
+    bug: signed-low, signed-low-or, bytes, unsigned, wrap, stuck-high or stuck-low. codes: by whole
+    multiples of which readings were off; jump: that in rad/s or m/s². share: of the readings that
+    were off. undecided: (n,) bool, readings that could not be put right.
+    """
+
+    channel: str
+    bug: str
+    codes: float
+    jump: float
+    share: float
+    undecided: "np.ndarray"
+
+
+@dataclass(frozen=True)
 class Recording:
     """A whole recording in memory. `digest`: SHA-256 of its content (storage.formats.content).
 
     rate_errors: by how much (relative) the table's rate in a segment, by its name, is less than
-    encoders and label say, as the certificate of the table has it; not in the file. put_right: what
-    was put right in the readings before anything was estimated; not in the file.
+    encoders and label say, as the certificate of the table has it. put_right: what was put right in
+    the readings before anything was estimated; wrong_codes: what of their codes. These three are
+    not in the file, which stays as it is.
     """
 
     manifest: Manifest
@@ -212,6 +230,7 @@ class Recording:
     extra: Mapping[str, Any] = field(default_factory=dict)
     rate_errors: Mapping[str, float] = field(default_factory=dict)
     put_right: "tuple[Remark, ...]" = ()
+    wrong_codes: tuple[WrongCodes, ...] = ()
 
     def streams(self) -> dict[str, Stream]:
         """The streams that are present, by name."""

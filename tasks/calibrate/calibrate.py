@@ -9,6 +9,7 @@ from schemas.calibration import Calibration, Covariance, EnvironmentSeen, Item, 
 from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
 from tasks.calibrate.information import information
+from tasks.readings.codes import codes_put_right
 from tasks.run_validity.judge import run_remarks
 from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
@@ -33,9 +34,11 @@ def calibrate(
     else the recording tells.
 
     evaluation: of the uncertainties; by default the law of propagation with the limits of the
-    recording's specification. own_latitude_deg: the laboratory's, if known. Raises Unusable for a
-    recording that the specification's method cannot use.
+    recording's specification. own_latitude_deg: the laboratory's, if known. Codes that firmware
+    joined wrongly are put right first. Raises Unusable for a recording that the specification's
+    method cannot use.
     """
+    recording = codes_put_right(recording)
     specification.check(recording)
     evidence = specification.gather(recording)
     made = without_information(

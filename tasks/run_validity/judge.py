@@ -7,6 +7,7 @@ from pydantic import TypeAdapter, ValidationError
 from schemas.calibration import Item
 from schemas.text import Remark, Statement
 from tasks.run_validity.clocks import clock_remarks, time_base_remarks
+from tasks.run_validity.codes import code_remarks
 from tasks.run_validity.encoders import encoder_remarks
 from tasks.run_validity.environment import (
     environment_remarks,
@@ -41,6 +42,7 @@ def run_remarks(
         *label_remarks(evidence, conditions),
         *encoder_remarks(evidence),
         *site_remarks(evidence),
+        *code_remarks(evidence),
         *outlier_remarks(evidence),
         *vibration_remarks(evidence),
         *scatter_remarks(evidence, items),

@@ -7,13 +7,13 @@ import numpy as np
 
 from schemas.recording import ANGLE, Recording
 from schemas.text import Remark
+from tasks.readings.robust import TO_SIGMA, median
 from tasks.run_validity.remark import run_remark
 from tasks.segments.summarise import (
     CHANNELS,
     LONGEST_BURST,
     SegmentMean,
     coarsely_quantised,
-    median,
 )
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words.quantities import plain
@@ -94,7 +94,7 @@ def _few_at_a_glance(recording: Recording, held: list[SegmentMean]) -> np.ndarra
     here = np.array(drawn)  # (segments, 6, count)
     away = np.abs(here - median(here)[..., None])
     step = np.array([segment.step for segment in held])
-    reach = np.maximum(GLANCE_OFF * 1.4826 * median(away), STEPS * step)
+    reach = np.maximum(GLANCE_OFF * TO_SIGMA * median(away), STEPS * step)
     weights = np.array([segment.rows for segment in held])
     off = weights @ (away > reach[..., None]).mean(axis=2)
     return np.asarray(off <= GLANCE_SHARE * weights.sum())
@@ -113,7 +113,7 @@ def _share_off(
 ) -> float:
     here = values[segment.place]
     away = np.abs(np.diff(here, 2) if accumulated else here - median(here))
-    reach = OFF * 1.4826 * float(median(away))
+    reach = OFF * TO_SIGMA * float(median(away))
     return float((away > max(reach, STEPS * float(segment.step[channel]))).mean())
 
 

@@ -13,8 +13,9 @@ import numpy as np
 from schemas.recording import AXES, Axis, Recording, Segment
 from tasks.motion.polled import STEADINESS, doubt_of_angles
 from tasks.motion.table import mean_rate
+from tasks.readings.robust import TO_SIGMA, median
 from tasks.segments.commanded_rate import rate_by_command
-from tasks.segments.summarise import SegmentMean, median
+from tasks.segments.summarise import SegmentMean
 
 OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate's
 OFF_LINE_LEAST = np.radians(2.0)  # rad/s: a gyro bias is no other rate
@@ -159,5 +160,5 @@ def _noise_of_thirds(blocks: np.ndarray) -> float:
 
     From what neighbours differ by: a drift through the segment is no noise.
     """
-    spread = 1.4826 * float(median(np.abs(np.diff(blocks)))) / np.sqrt(2.0)
+    spread = TO_SIGMA * float(median(np.abs(np.diff(blocks)))) / np.sqrt(2.0)
     return spread * float(np.sqrt(4.7 / len(blocks)))

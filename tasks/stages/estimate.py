@@ -16,6 +16,7 @@ from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
+from tasks.readings.codes import codes_put_right
 from tasks.specifications.register import specification_for
 from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
 from tasks.stages.stage import stage
@@ -65,7 +66,7 @@ def calibration_of(
     )
     if how.terms is None:
         return calibrated(recording)
-    return _with_terms(recording, how.terms, calibrated)
+    return _with_terms(codes_put_right(recording), how.terms, calibrated)
 
 
 def how_made(calibration: Calibration) -> Estimation:

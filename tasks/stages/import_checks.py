@@ -10,6 +10,7 @@ from storage.catalogue.lineage import stated_day
 from storage.formats import recordings
 from storage.formats.checks import absent
 from storage.verify import StoreFault
+from tasks.readings.codes import codes_put_right
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 
@@ -53,7 +54,7 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
 
 def _wrong_unit(recording: Recording) -> str | None:
     labels = tuple(s for s in recording.manifest.segments or () if s.kind in ("rate", "static"))
-    segments = summarise_all(recording, labels, "label")
+    segments = summarise_all(codes_put_right(recording), labels, "label")
     return wrong_rate_unit(segments) or wrong_accel_unit(segments)
 
 

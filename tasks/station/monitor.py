@@ -4,6 +4,7 @@ import numpy as np
 
 from schemas.recording import ANGLE, Segment, Stream, joined
 from schemas.unit_link import UnitLink
+from tasks.readings.robust import TO_SIGMA
 from tasks.station.anomalies import Anomaly
 
 RATE_TOLERANCE = 5e-4  # JJF 2003 table 1: rates are steady to 0.05 %
@@ -11,7 +12,6 @@ SPIKE_SIGMAS = 20.0
 SPIKE_COUNTS = 20.0
 ENOUGH = 20_000  # samples that tell a channel's own noise; all of a long segment would hold the
 # loop up that the table's watchdog listens to
-TO_SIGMA = 1.4826  # from the median absolute deviation, normal noise
 
 
 def check_unit(segment: Segment, imu: Stream, link: UnitLink) -> list[Anomaly]:

@@ -21,6 +21,7 @@ from tasks.model.term import Term
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import ACCEL_RATE_SENSITIVITY, ACCEL_TERMS
 from tasks.motion.whole import Motion, whole_motion
+from tasks.readings.robust import TO_SIGMA
 from tasks.segments.summarise import ACCEL_COLUMNS
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message
@@ -199,7 +200,7 @@ def _fit(cells: Cells, evidence: ClauseEvidence) -> Fit:
         fitted = fit(TERMS, cells.motion.taken(near), cells.readings[near], noise, start)
         misses = cells.readings - predict(TERMS, cells.motion, fitted.values)
         size = np.abs(misses / np.sqrt(white))[:, ACCEL_COLUMNS]
-        reach = OUTLYING * np.maximum(1.4826 * np.median(size, axis=0), 1.0)
+        reach = OUTLYING * np.maximum(TO_SIGMA * np.median(size, axis=0), 1.0)
         previous, near = near, ~(size > reach).any(axis=1)
         if (near == previous).all():
             break

@@ -13,6 +13,7 @@ from tasks.model.term import Column
 
 MANY = 12  # parameters of a finding, from which on the clauses are not asked for each of them
 NEGLIGIBLE = 1e-5  # of the square of what they all move
+RANGE_SETTING = "range_setting"
 ROUNDING = 1e-12  # of the largest variance
 
 
@@ -139,7 +140,16 @@ def _of_unknown_cause(finding: Finding) -> UncertainInput:
 
 
 def _as_a_whole(finding: Finding) -> Iterator[UncertainInput]:
-    """The contribution times the largest relative uncertainty of parameters of one unit."""
+    """The contribution times the largest relative uncertainty of parameters of one unit.
+
+    A factor changes what it multiplies, not what it adds: its relative uncertainty is that of the
+    whole reading y, of which (c − 1)/c·y is the contribution.
+    """
+    if finding.effect == RANGE_SETTING:
+        (factor,) = finding.parameters
+        share = factor.u / (factor.value * (factor.value - 1.0))
+        yield UncertainInput(finding, factor, whole=share * finding.contribution)
+        return
     by_unit: dict[str, list[FoundParameter]] = {}
     for p in finding.parameters:
         if p.u > 0.0:

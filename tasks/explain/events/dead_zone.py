@@ -18,11 +18,11 @@ from scipy.stats import chi2
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import GYROS
 from tasks.explain.events.event import CHANNELS, UNITS, Event, channel_names
-from tasks.explain.events.quantisation import Quantiser
 from tasks.model.fit import plain_prediction
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion
+from tasks.readings.lattice import Quantiser
 from tasks.words import message
 
 ZERO = 1e-9  # of the largest reading: what counts as set to zero

@@ -21,11 +21,9 @@ from tasks.explain.events.lines import find_lines
 from tasks.explain.events.lost_samples import aligned_prediction, find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
 from tasks.explain.events.quantisation import (
-    Quantiser,
     cut_off,
     find_quantisation,
     noise_estimates,
-    quantiser_of,
 )
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
@@ -33,6 +31,7 @@ from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.settling import find_settling
 from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
+from tasks.readings.lattice import Quantiser, quantiser_of
 from tasks.words import Message, message
 
 MIN_SPIKES = 3

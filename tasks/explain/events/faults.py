@@ -19,7 +19,7 @@ import numpy as np
 from schemas.discrepancy import FoundParameter
 from schemas.recording import AXES
 from tasks.explain.channels import CHANNELS, TRIADS
-from tasks.explain.events.code_fault import CodeFault, find_code_fault
+from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.event import TRIAD_NAMES, Event
 from tasks.motion.samples import in_blocks
 from tasks.motion.whole import Motion
@@ -234,18 +234,6 @@ Setting = RangeSetting | AxisMapping
 
 
 Fault = Setting | CodeFault
-
-
-def find_faults(readings: np.ndarray, motion: Motion, tracked: bool | None) -> tuple[Fault, ...]:
-    """Wrong settings and codes of readings (n, 6) rad/s, m/s², in the order in which they act.
-
-    tracked: whether the motion is that of a tracked body; None: settings are not looked for.
-    """
-    codes = find_code_fault(readings, motion)
-    if codes is not None:
-        readings = codes.undone(readings)
-    settings = () if tracked is None else find_settings(readings, motion, tracked)
-    return settings if codes is None else (*settings, codes)
 
 
 def find_settings(readings: np.ndarray, motion: Motion, tracked: bool) -> tuple[Setting, ...]:

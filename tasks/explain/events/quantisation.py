@@ -19,10 +19,9 @@ from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.noise import BLOCK
 from tasks.explain.events.residual import peak_offset
 from tasks.motion.samples import in_blocks
+from tasks.readings.lattice import OFF_CODE, Quantiser
 from tasks.words import Message, message
 
-OFF_CODE = 0.05  # of a step: how far a reading may lie off its code, for the rounding of a file
-MIN_ON_CODE = 0.98  # share of the values that must lie on the codes; a limit need not
 FINE = 0.6  # noise per step from which a step shifts no mean by more than 3e-4 of it
 NOISES = np.geomspace(0.04, 1.5, 40)  # σ in steps that are tried
 PHASES = np.linspace(-0.5, 0.5, 33)[:-1]  # where the mean may lie between two codes
@@ -38,14 +37,6 @@ MOSTLY = 0.5  # of the largest ideal reading, from which on readings are compare
 STEADY = 0.15  # steps: how far the predicted reading may move within a block
 MAX_BLOCKS = 400  # that are looked at
 SIGNIFICANT = 1e-4 / 6
-
-
-@dataclass(frozen=True)
-class Quantiser:
-    """Readings are offset + step·k with whole k; step: rad/s or m/s²."""
-
-    step: float
-    offset: float
 
 
 @dataclass(frozen=True)
@@ -96,31 +87,6 @@ class NoiseEstimate:
     quantiser: Quantiser
     ratio: float
     p_value: float
-
-
-def quantiser_of(readings: np.ndarray) -> Quantiser | None:
-    """The codes of one channel (n,), by the common divisor of the differences of its readings.
-
-    None for a dead channel and for readings without a step.
-    """
-    values = np.unique(readings[np.isfinite(readings)])
-    if len(values) < 3:
-        return None
-    apart = np.diff(values)
-    apart = apart[apart > 1e-9 * np.abs(values).max()]
-    if len(apart) < 2:
-        return None
-    step, origin = float(apart.min()), float(values[np.abs(values).argmin()])
-    for span in (30.0, 1e3, 1e5, np.inf):  # outwards, for a rough step miscounts what is far
-        near = values[np.abs(values - origin) <= span * step]
-        codes = np.round((near - origin) / step)
-        if codes.any():
-            slope, start = np.polyfit(codes, near, 1)
-            step, origin = float(slope), float(start)
-    off = np.abs(values - origin - step * np.round((values - origin) / step))
-    if not (off <= OFF_CODE * step).mean() >= MIN_ON_CODE:
-        return None
-    return Quantiser(step, origin - step * round(origin / step))
 
 
 def rounding_bias(mean: np.ndarray, quantiser: Quantiser, noise: float) -> np.ndarray:

@@ -14,10 +14,10 @@ from scipy.stats import poisson
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import EVERY, TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, Event
-from tasks.explain.events.quantisation import Quantiser
 from tasks.model.fit import plain_prediction
 from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
+from tasks.readings.lattice import Quantiser
 from tasks.words import message
 
 WINDOW = 16  # rows on either side that tell how much the readings change

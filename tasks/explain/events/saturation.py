@@ -18,9 +18,9 @@ from tasks.explain.channels import TRIADS
 from tasks.explain.events.event import CHANNELS, TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.noise import noise_by_rate
 from tasks.explain.events.plateau import Plateau, find_plateaus
-from tasks.explain.events.quantisation import Quantiser
 from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
+from tasks.readings.lattice import Quantiser
 from tasks.words import message
 
 EFFECTS = ("gyro_saturation", "accel_saturation")

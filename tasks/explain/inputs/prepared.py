@@ -15,12 +15,11 @@ from scipy.linalg import orth
 from schemas.recording import Recording
 from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
+from tasks.explain.events.code_fault import code_fault, find_torn_codes
 from tasks.explain.events.detect import events_in_readings
-from tasks.explain.events.empty_rows import without_empty_rows
 from tasks.explain.events.event import Events
-from tasks.explain.events.faults import Fault, find_faults
+from tasks.explain.events.faults import Fault, find_settings
 from tasks.explain.events.lost_samples import LostSamples, aligned_prediction
-from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
@@ -34,6 +33,9 @@ from tasks.model.terms.timing import shifted_within
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.motion.samples import SLOW, bridged, interpolated
 from tasks.motion.whole import Motion
+from tasks.readings.codes import codes_put_right
+from tasks.readings.lattice import quantiser_of
+from tasks.readings.rows import empty_remarks, rows_without_readings, without_readings_removed
 from tasks.readings.stamps import with_instants
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
@@ -119,8 +121,11 @@ def prepare(
     Raises Unusable where the recording tells no motion or is too short.
     """
     tell(progress, "motion")
-    recorded, on_empty = without_empty_rows(as_mean_rates(with_instants(recording)))
-    faults, right, full = without_faults(recorded, reference)
+    recorded = as_mean_rates(with_instants(recording))
+    right = codes_put_right(recorded)
+    empty = rows_without_readings(right)
+    recorded, right = (without_readings_removed(one, empty) for one in (recorded, right))
+    faults, right, full = without_faults(recorded, right, reference)
     late = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     on_time = full_rate(advanced(right, late)) if late else full
     pose, on_turn = in_unit_axes(right, on_time.motion)
@@ -128,6 +133,7 @@ def prepare(
         recorded, right = (replace(one, reference=pose) for one in (recorded, right))
         full = full_rate(right)
     put_right = (Statement(en=each.en, zh=each.zh) for each in right.put_right)
+    on_empty = empty_remarks(recorded.imu.t, empty)
     full = replace(full, remarks=(*put_right, *on_empty, *full.remarks, *on_turn))
     tell(progress, "events")
     delay = late if pose is None or not delay_sought else coarse_delay(_between_fresh(full))
@@ -145,21 +151,39 @@ def prepare(
 
 
 def without_faults(
-    recorded: Recording, reference: ReferencePrediction | None = None
+    recorded: Recording, right: Recording, reference: ReferencePrediction | None = None
 ) -> tuple[tuple[Fault, ...], Recording, FullRate]:
-    """Faults of the logger, and the recording without them, as it is and at the unit's rate."""
-    full = full_rate(recorded)
+    """Faults of the logger, and the recording without them, as it is and at the unit's rate.
+
+    right: the recording with its codes put right.
+    """
+    codes = code_fault(recorded, right)
+    right = _without_undecided(right)
+    full = full_rate(right)
+    if codes is None and (codes := find_torn_codes(full.readings, full.motion)) is not None:
+        right = _undone(right, codes)
+        full = full_rate(right)
     tracked = recorded.table is None and recorded.reference is not None
-    faults = find_faults(full.readings, full.motion, None if reference else tracked)
-    if not faults:
-        return (), recorded, full
-    readings = recorded.imu.stack(CHANNELS)
-    for fault in reversed(faults):
-        readings = fault.undone(readings)
-    own = {c: readings[:, k] for k, c in enumerate(CHANNELS) if c in recorded.imu.columns}
-    imu = replace(recorded.imu, columns={**recorded.imu.columns, **own})
-    right = replace(recorded, imu=imu)
-    return faults, right, full_rate(right)
+    settings = () if reference else find_settings(full.readings, full.motion, tracked)
+    for setting in reversed(settings):
+        right = _undone(right, setting)
+    faults = settings if codes is None else (*settings, codes)
+    return faults, right, full_rate(right) if settings else full
+
+
+def _undone(recording: Recording, fault: Fault) -> Recording:
+    readings = fault.undone(recording.imu.stack(CHANNELS))
+    own = {c: readings[:, k] for k, c in enumerate(CHANNELS) if c in recording.imu.columns}
+    imu = replace(recording.imu, columns={**recording.imu.columns, **own})
+    return replace(recording, imu=imu)
+
+
+def _without_undecided(recording: Recording) -> Recording:
+    """The recording with NaN where codes could not be put right."""
+    columns = dict(recording.imu.columns)
+    for one in recording.wrong_codes:
+        columns[one.channel] = np.where(one.undecided, np.nan, columns[one.channel])
+    return replace(recording, imu=replace(recording.imu, columns=columns))
 
 
 def _as_stamped(full: FullRate, earlier: Motion, delay: float) -> FullRate:

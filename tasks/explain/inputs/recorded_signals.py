@@ -7,6 +7,7 @@ from numpy.polynomial import chebyshev
 
 from schemas.recording import Recording, Segment
 from tasks.motion.samples import bridged
+from tasks.readings.robust import deviation
 
 MEAN_WIDTH = 5.0  # s: a unit's temperature does not change faster
 MIN_MEANS = 6
@@ -89,7 +90,7 @@ def _smoothed(t: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray
     at = inside / half - 1.0
     slope = np.asarray(chebyshev.chebval(at, chebyshev.chebder(coefficients)) / half)
     left = np.std(means - columns[:, :best] @ coefficients)
-    scatter = np.median(np.abs(np.diff(means, 2))) / 0.6745 / np.sqrt(6.0)
+    scatter = deviation(np.diff(means, 2)) / np.sqrt(6.0)
     if left > MAX_EXCESS * scatter:
         return signal, slope
     return np.asarray(chebyshev.chebval(at, coefficients) + slope * (t - t[0] - inside)), slope

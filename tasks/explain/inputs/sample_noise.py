@@ -7,12 +7,12 @@ import numpy as np
 from tasks.model.fit import plain_prediction
 from tasks.motion.samples import NORMAL_QUANTILES
 from tasks.motion.whole import Motion
+from tasks.readings.lattice import quantiser_of
 
 KEPT, MEAN_OF_KEPT = 0.98, 0.8734  # of the squares; their mean for standard normal ones
 MAX_READINGS = 50_000  # that the output's step is read off
 TIE = 1e-9
 MIN_ROWS, MAX_ROWS = 30, 4000  # of a segment
-WHOLE, MIN_WHOLE = 0.02, 0.9  # changes are whole steps within this, nine in ten of them
 DITHERED = 0.5  # of the readings differ from the one before: noise is larger than the step
 AT_REST = 1e-3  # rad/s
 STEADY = 0.02  # of the speed: a segment that scatters more is a ramp
@@ -86,15 +86,11 @@ def output_steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(6,) steps of the outputs, 0 if there are none, and whether the noise exceeds them."""
     steps, dithered = np.zeros(6), np.ones(6, bool)
     for channel, reading in enumerate(readings.T):
-        changes = np.abs(np.diff(reading[np.isfinite(reading)][:MAX_READINGS]))
-        moved = changes[changes > 0]
-        if not len(moved):
-            continue
-        least = float(np.quantile(moved, 0.01))
-        parts = moved / least
-        if np.mean(np.abs(parts - np.round(parts)) < WHOLE * np.maximum(1.0, parts)) > MIN_WHOLE:
-            steps[channel] = least
-            dithered[channel] = len(moved) > DITHERED * len(changes)
+        known = reading[np.isfinite(reading)][:MAX_READINGS]
+        quantiser = quantiser_of(known)
+        if quantiser is not None:
+            steps[channel] = quantiser.step
+            dithered[channel] = np.mean(np.diff(known) != 0.0) > DITHERED
     return steps, dithered
 
 

@@ -9,13 +9,13 @@ import numpy as np
 from schemas.recording import Segment
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
+from tasks.readings.robust import TO_SIGMA
 from tasks.segments.find import segments_of
 
 FINEST = 240  # cells over the run where no segment asks for more
 SLIVER = 0.25  # of a cell; nearer edges are taken as one
 BLOCKS = (1, 8, 64, None)  # rows averaged before they are judged; None: the whole cell
 ENOUGH = 8  # rows from which the fast noise and the swing of a cell are known
-TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, normal distribution
 STEP_TO_SIGMA = np.sqrt(np.pi) / 2.0  # mean size of a step from row to row, likewise
 
 Parts = Sequence[np.ndarray]  # the known rows of each cell

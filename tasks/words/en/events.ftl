@@ -5,6 +5,7 @@ events-plateau = the { $sensors } stay constant while the predicted readings con
 events-plateau-at = { $channel } at { $limit } ({ $count } predicted readings beyond)
 events-quantisation = the { $sensors } have a resolution of { $step }, { $ratio } times the noise
 events-code-fault = wrong output codes: { $channels }
+events-code-fault-title = wrong output codes in the { $channels }: { $bugs }
 events-code-fault-at = { $channel } is off by whole multiples of { $codes } codes ({ $jump }) in { $share } % of the readings, depending on the code
 events-repeats = rows without information of their own: { $kinds }
 events-repeats-held = the { $sensors } repeat the preceding row in { $count } rows ({ $share } %)
@@ -27,7 +28,7 @@ events-constant = the { $channels } read one value throughout and are not used: 
 events-empty-rows = { $count ->
     [one] One row holds
    *[other] { $count } rows hold
- } no readings (zero in every channel, or values that no unit reads); not used.
+ } no readings (zero, or values far from the rows on either side that no unit reads), at t = { $times } s; not used.
 events-settling-start = For { $seconds } s from the start, the { $channels } read values far from those that follow; these readings are not used.
 events-settling-end = For the last { $seconds } s, the { $channels } read values far from those before; these readings are not used.
 events-spikes = { $count } isolated readings in the { $channels } deviate from their neighbours by more than { $threshold } times the noise

@@ -8,8 +8,9 @@ from made_up import SIGMA, counted, mean_readings, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
-from tasks.explain.events.quantisation import Quantisation, Quantiser, quantiser_of, rounding_bias
+from tasks.explain.events.quantisation import Quantisation, rounding_bias
 from tasks.explain.events.saturation import clipping_loss
+from tasks.readings.lattice import Quantiser, quantiser_of
 from tasks.words import say, texts
 
 

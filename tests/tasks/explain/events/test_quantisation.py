@@ -6,7 +6,8 @@ from made_up import counted, mean_readings, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
-from tasks.explain.events.quantisation import NoiseEstimate, Quantiser, cut_off
+from tasks.explain.events.quantisation import NoiseEstimate, cut_off
+from tasks.readings.lattice import Quantiser
 from tasks.words import say
 
 

@@ -8,9 +8,9 @@ from made_up import counted, mean_readings, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
-from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.repeats import find_repeats
 from tasks.motion.whole import Motion
+from tasks.readings.lattice import quantiser_of
 from tasks.words import texts
 
 MADE = motion(minutes=2.0)

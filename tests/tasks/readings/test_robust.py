@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.segments.summarise import median
+from tasks.readings.robust import median
 
 
 @pytest.mark.parametrize("shape", [(1,), (2,), (5,), (2000,), (6, 416), (3, 7)])

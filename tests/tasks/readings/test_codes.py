@@ -1,0 +1,150 @@
+"""Codes that firmware joined wrongly are put right, and right ones are left alone."""
+
+from functools import partial
+
+import firmware
+import numpy as np
+import pytest
+from firmware import FULL, UNITS, Made, Unit, made
+
+from schemas.recording import ACCEL, GYRO
+from storage.formats.folder import read_folder
+from tasks.readings.codes import bug_in_words, codes_put_right
+from tasks.words import texts
+from tests.shared import shared_path
+
+CHANNELS = GYRO + ACCEL
+EVERY = tuple(range(6))
+KNOWN = ("table", "labels", "neither")
+
+
+def known(number: int) -> str:
+    return KNOWN[number % 3]
+
+
+def off(one: Made) -> tuple[np.ndarray, set[str], np.ndarray]:
+    """Share (6,) of the readings in segments that stay wrong, the bugs that were named, and the
+    share (6,) of those that are said to be undecided.
+    """
+    right = codes_put_right(one.recording)
+    wrong = np.abs(right.imu.stack(CHANNELS) - one.right) > 0.6 * one.step
+    undecided = np.zeros(6)
+    for each in right.wrong_codes:
+        undecided[CHANNELS.index(each.channel)] = each.undecided[one.held].mean()
+    return wrong[one.held].mean(axis=0), {each.bug for each in right.wrong_codes}, undecided
+
+
+@pytest.mark.parametrize("number", range(len(UNITS)))
+def test_right_codes_are_left_alone(number: int) -> None:
+    one = made(UNITS[number], 100 + number, None, known=known(number))
+    assert codes_put_right(one.recording) is one.recording
+
+
+@pytest.mark.parametrize("number", range(len(UNITS)))
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_signed_low_byte_is_put_right_exactly(number: int, alone: bool) -> None:
+    unit = UNITS[number]
+    channels = (number % 6,) if alone and number != 11 else EVERY
+    fault = partial(firmware.low_byte_signed, bits=unit.bits)
+    wrong, bugs, undecided = off(made(unit, number, fault, channels, known(number)))
+    assert wrong.max() == 0.0
+    assert bugs == {"signed-low"}
+    assert not undecided.any()
+
+
+@pytest.mark.parametrize("number", range(len(UNITS)))
+def test_bytes_that_were_exchanged_are_put_right_exactly(number: int) -> None:
+    unit = UNITS[number]
+    fault = partial(firmware.bytes_exchanged, bits=unit.bits)
+    wrong, bugs, _ = off(made(unit, number, fault, EVERY, known(number)))
+    assert wrong.max() == 0.0
+    assert bugs - {"wrap"} == {"bytes"}
+
+
+@pytest.mark.parametrize("number", range(len(UNITS)))
+def test_numbers_read_as_unsigned_are_put_right_exactly(number: int) -> None:
+    unit = UNITS[number]
+    fault = partial(firmware.read_as_unsigned, bits=unit.bits)
+    wrong, bugs, _ = off(made(unit, number, fault, EVERY, known(number)))
+    assert wrong.max() == 0.0
+    assert bugs == {"unsigned"}
+
+
+@pytest.mark.parametrize("number", range(len(FULL)))
+def test_numbers_that_wrap_at_full_scale_are_put_right_exactly(number: int) -> None:
+    unit = FULL[number]
+    fault = partial(firmware.wrapped, bits=unit.bits)
+    wrong, bugs, undecided = off(made(unit, number, fault, EVERY, known(number)))
+    assert wrong.max() == 0.0
+    assert bugs == {"wrap"}
+    assert not undecided.any()
+
+
+@pytest.mark.parametrize("number", range(len(UNITS)))
+@pytest.mark.parametrize("tells", ["table", "labels"])
+def test_what_or_wiped_out_is_put_right_or_said_to_be_undecided(number: int, tells: str) -> None:
+    unit = UNITS[number]
+    fault = partial(firmware.low_byte_or, bits=unit.bits)
+    wrong, bugs, undecided = off(made(unit, number, fault, EVERY, tells))
+    assert bugs == {"signed-low-or"}
+    assert (wrong <= undecided + 1e-3).all()
+    if number in (0, 4, 5, 10):  # noise well below a byte, and more than a page of readings
+        assert wrong.max() < 1e-3
+
+
+@pytest.mark.parametrize("bit", [5, 6, 7])
+@pytest.mark.parametrize("level", [0, 1])
+def test_a_stuck_bit_is_told_and_the_means_are_put_nearer(bit: int, level: int) -> None:
+    noisy = Unit(counts=(131.0, 8192.0), noise=(0.15, 0.004))
+    channel = (bit + level) % 6
+    one = made(noisy, bit, partial(firmware.stuck, bit=bit, level=level), (channel,), "labels")
+    right = codes_put_right(one.recording)
+    (found,) = right.wrong_codes
+    assert (found.bug, found.codes) == ("stuck-high" if level else "stuck-low", 1 << bit)
+    before, after = (
+        abs(np.mean((each.imu.stack(CHANNELS) - one.right)[one.held, channel]))
+        for each in (one.recording, right)
+    )
+    assert after < 0.6 * before
+
+
+def test_bits_lost_above_are_put_back_by_following_the_numbers() -> None:
+    unit = FULL[1]
+    wrong, bugs, _ = off(made(unit, 1, partial(firmware.wrapped, bits=13), EVERY, "neither"))
+    assert wrong.max() == 0.0
+    assert bugs == {"wrap"}
+
+
+def test_a_bias_that_jumps_to_and_fro_by_a_byte_is_no_fault_of_the_codes() -> None:
+    one = made(Unit(), 3, None)
+    columns = dict(one.recording.imu.columns)
+    flips = np.cumsum(np.random.default_rng(5).random(len(one.recording.imu)) < 0.1) % 2
+    columns["gyro_z"] = columns["gyro_z"] + 256 * one.step[2] * flips
+    imu = type(one.recording.imu)(one.recording.imu.t, columns)
+    jumping = type(one.recording)(one.recording.manifest, imu, one.recording.table)
+    assert codes_put_right(jumping) is jumping
+
+
+@pytest.mark.parametrize("folder", ["real", "rough", "plant"])
+def test_recordings_of_others_have_the_faults_that_are_known_of_them(folder: str) -> None:
+    for path in sorted(shared_path(f"data/{folder}").iterdir()):
+        recording = read_folder(path)
+        bugs = {(one.channel, one.bug, one.codes) for one in codes_put_right(recording).wrong_codes}
+        joined = path.name == "bmi160_board1"
+        assert bugs == ({(c, "signed-low", 256.0) for c in CHANNELS} if joined else set())
+
+
+@pytest.mark.parametrize(
+    ("name", "bug"),
+    [
+        ("low_byte_signed", "signed-low"), ("low_byte_signed_25hz", "signed-low"),
+        ("low_byte_signed_no_table", "signed-low"), ("low_byte_signed_or", "signed-low-or"),
+    ],
+)  # fmt: skip
+def test_cases_from_the_field_are_put_right_in_all_six_channels(name: str, bug: str) -> None:
+    right = codes_put_right(read_folder(shared_path(f"data/field/{name}")))
+    assert [(one.channel, one.bug) for one in right.wrong_codes] == [(c, bug) for c in CHANNELS]
+    assert {one.codes for one in right.wrong_codes} == {256.0}
+    assert max(one.undecided.mean() for one in right.wrong_codes) < 1e-4
+    assert all(texts(bug_in_words(one)) for one in right.wrong_codes)
+    assert codes_put_right(right) is right
