@@ -1,0 +1,48 @@
+## What a recording cannot be, each in one sentence. $option: that of mimucal import.
+
+plausibility-time = { $what ->
+        [labels] The times of the labels reach to { $value }, which is { $factor } times too long beside the recording
+       *[other] The time runs { $factor } times too long (rows are { $value } s apart)
+    }: { $unit ->
+        [ms] milliseconds
+        [us] microseconds
+       *[ns] nanoseconds
+    }? Import it with { $option }.
+plausibility-gravity-removed = The accelerometers read { $read } m/s² at rest: gravity was removed from them; record their readings before that is done.
+plausibility-force-unit = The accelerometers read { $read } m/s² at rest, { $ratio } times local gravity ({ $gravity } m/s²): they look like { $unit }; import them with { $option }.
+plausibility-rate-unit = The gyros read { $ratio } of the rates that the { $source ->
+        [table] encoders show
+       *[labels] labels state
+    }: they look like { $unit }; import them with { $option }.
+plausibility-table-unit = The encoders turn at 1 over { $ratio } of what both gyros and labels show: they look like { $unit }; import them with { $option }.
+plausibility-axes = The axes are not those of the labels or the table: { $reads } ({ $value }); import it with { $option }.
+plausibility-inverted = { $triad ->
+        [gyro] { $count ->
+            [one] gyro { $axes } is
+           *[other] gyros { $axes } are
+        } inverted
+        [accel] { $count ->
+            [one] accelerometer { $axes } is
+           *[other] accelerometers { $axes } are
+        } inverted
+       *[both] { $axes } of gyros and accelerometers { $count ->
+            [one] is
+           *[other] are
+        } inverted
+    }
+plausibility-exchanged = { $triad ->
+        [gyro] gyros { $axes } are exchanged
+        [accel] accelerometers { $axes } are exchanged
+       *[both] { $axes } are exchanged in gyros and accelerometers
+    }
+plausibility-turned = { $triad ->
+        [gyro] the gyros are turned as a whole
+        [accel] the accelerometers are turned as a whole
+       *[both] the unit is turned as a whole, gyros and accelerometers together
+    }, reading { $map }
+plausibility-mirrored = { $triad ->
+        [gyro] the axes of the gyros are exchanged and inverted
+        [accel] the axes of the accelerometers are exchanged and inverted
+       *[both] the axes of gyros and accelerometers alike are exchanged and inverted
+    }, reading { $map }
+plausibility-labels-shifted = All labels are { $seconds } s (± { $within } s) too { $late } in time; import the recording with { $option }.
