@@ -82,7 +82,10 @@ def shift_of_labels(recording: Recording, gain: float = 1.0) -> LabelShift | Non
         high += 1
     seconds, within = 0.5 * (shifts[low] + shifts[high]), 0.5 * (shifts[high] - shifts[low])
     elsewhere = np.concatenate([costs[: max(low - 20, 0)], costs[high + 20 :]])
-    if abs(seconds) < max(SMALLEST, within) or elsewhere.min(initial=1.0) < 2.0 * costs[best] + 0.01:
+    if (
+        abs(seconds) < max(SMALLEST, within)
+        or elsewhere.min(initial=1.0) < 2.0 * costs[best] + 0.01
+    ):
         return None
     return LabelShift(float(seconds), float(within))
 
@@ -122,7 +125,9 @@ def _blocks(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     imu = recording.imu
     interval = float(np.median(np.diff(imu.t)))
     rows = max(1, round(BLOCK / max(interval, 1e-9)))
-    means = in_blocks(np.column_stack([imu.t, imu.stack(GYRO), imu.stack(ACCEL)]), rows).mean(axis=1)
+    means = in_blocks(np.column_stack([imu.t, imu.stack(GYRO), imu.stack(ACCEL)]), rows).mean(
+        axis=1
+    )
     t, gyro, accel = means[:, 0], means[:, 1:4], means[:, 4:]
     at_rest = np.zeros(len(t), bool)
     for label in recording.manifest.segments or ():

@@ -22,9 +22,11 @@ from tasks.explain.events.code_fault import CodeFault, find_code_fault
 from tasks.explain.events.event import TRIAD_NAMES, Event
 from tasks.motion.whole import Motion
 from tasks.readings.axes import TriadMatrix, fitting, triad_matrix
+from tasks.readings.plausibility import REMOVED
 from tasks.words import message
 
 STANDARD_GRAVITY = 9.80665  # m/s²
+STILL = np.radians(0.5)  # rad/s: what turns slower rests
 WORKING = 0.05  # standard deviation of a working unit's scale factors about one
 NEAR = 0.08  # of a usual factor: as near as working units are
 OWN = 0.01  # of the factor: what scale factors of the unit's own may have in common
@@ -146,7 +148,45 @@ def _surprise(scale_factors: np.ndarray) -> np.ndarray:
 Setting = RangeSetting | AxisMapping
 
 
-Fault = Setting | CodeFault
+@dataclass(frozen=True, eq=False)
+class GravityRemoved(Event):
+    """force: (n, 3) m/s² of gravity's reaction, which was taken off the accelerometers' rows."""
+
+    force: np.ndarray
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        return self._with(predicted, -1.0)
+
+    def undone(self, readings: np.ndarray) -> np.ndarray:
+        """Readings (n, 6) with gravity, NaN of accelerometers where the attitude is not known."""
+        return self._with(readings, 1.0)
+
+    def _with(self, readings: np.ndarray, sign: float) -> np.ndarray:
+        changed = readings.copy()
+        changed[:, list(TRIADS[1])] += sign * self.force
+        return changed
+
+
+Fault = Setting | CodeFault | GravityRemoved
+
+
+def find_gravity_removed(readings: np.ndarray, motion: Motion) -> GravityRemoved | None:
+    """Accelerometers that read next to nothing at rest, where the attitude is known."""
+    force = motion.force
+    still = np.linalg.norm(np.nan_to_num(motion.rate, nan=np.inf), axis=1) < STILL
+    still &= np.isfinite(force).all(axis=1)
+    read = (
+        np.median(np.linalg.norm(readings[still][:, list(TRIADS[1])], axis=1))
+        if still.any()
+        else 0.0
+    )
+    if not 0.0 < read < REMOVED * motion.gravity:
+        return None
+    return GravityRemoved(
+        "gravity_removed", TRIADS[1],
+        (FoundParameter(name="at_rest", value=float(read), unit="m/s2", u=0.0),), 1e-12,
+        message("plausibility-gravity-removed", read=f"{read:.2g}"), force,
+    )  # fmt: skip
 
 
 def find_faults(readings: np.ndarray, motion: Motion, tracked: bool | None) -> tuple[Fault, ...]:
@@ -157,8 +197,11 @@ def find_faults(readings: np.ndarray, motion: Motion, tracked: bool | None) -> t
     codes = find_code_fault(readings, motion)
     if codes is not None:
         readings = codes.undone(readings)
+    removed = None if tracked is not False else find_gravity_removed(readings, motion)
+    if removed is not None:
+        readings = removed.undone(readings)
     settings = () if tracked is None else find_settings(readings, motion, tracked)
-    return settings if codes is None else (*settings, codes)
+    return (*settings, *(fault for fault in (removed, codes) if fault is not None))
 
 
 def find_settings(readings: np.ndarray, motion: Motion, tracked: bool) -> tuple[Setting, ...]:

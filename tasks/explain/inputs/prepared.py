@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import orth
 
+from schemas.base import Unusable
 from schemas.recording import Recording
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.detect import events_in_readings
@@ -33,6 +34,9 @@ from tasks.model.terms.timing import shifted_within
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.motion.samples import bridged, interpolated
 from tasks.motion.whole import Motion
+from tasks.readings.plausibility import implausible
+from tasks.segments.find import segments_of
+from tasks.words import say
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
@@ -116,12 +120,18 @@ def prepare(
     """
     tell(progress, "motion")
     recorded, on_empty = without_empty_rows(as_mean_rates(recording))
+    on_sight = implausible(recorded, segments_of(recorded))
+    if any(one.kind == "time_unit" for one in on_sight):
+        name = recording.manifest.recording_id
+        raise Unusable(f"recording {name}: {say(on_sight[0].sentence, 'en')}")
     faults, right, full = without_faults(recorded, reference)
     pose, on_turn = in_unit_axes(right, full.motion)
     if pose is not None:
         recorded, right = (replace(one, reference=pose) for one in (recorded, right))
         full = full_rate(right)
-    full = replace(full, remarks=(*on_empty, *full.remarks, *on_turn))
+    full = replace(
+        full, remarks=(*(one.sentence for one in on_sight), *on_empty, *full.remarks, *on_turn)
+    )
     tell(progress, "events")
     delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     rows, events = _with_delay(right, full, delay)
