@@ -18,6 +18,8 @@ from tasks.readings.axes import EXCITED, TriadMatrix, fitting, matrix_of
 from tasks.readings.label_shift import shift_of_labels
 from tasks.words import Message, message
 
+KINDS = ("time_unit", "gravity_removed", "force_unit", "rate_unit", "table_unit", "axes",
+         "labels_shifted")  # fmt: skip
 DEG = np.pi / 180.0
 NEAR = 0.08  # of a usual factor: as near as working units are
 GAINS = (0.2, 5.0)  # of a gyro: what is nearer is a range or a scale factor
@@ -314,7 +316,7 @@ def _axes(gyro: TriadMatrix | None, accel: TriadMatrix | None) -> Implausible | 
     if both:
         alike = [m for m in choices[0] or () if any(np.array_equal(m, n) for n in choices[1] or ())]
         both = bool(alike)
-        chosen = {k: alike[0] for k in wrong} if both else chosen
+        chosen = dict.fromkeys(wrong, alike[0]) if both else chosen
     entries, reads = list[str](), list[Message]()
     for k in wrong[:1] if both else wrong:
         name = "" if both else ("gyro_", "accel_")[k]

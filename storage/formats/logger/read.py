@@ -15,7 +15,17 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import (
-    ACCEL, ANGLE, AXES, FORMAT, GYRO, Manifest, Recording, Segment, Station, Stream, Unit,
+    ACCEL,
+    ANGLE,
+    AXES,
+    FORMAT,
+    GYRO,
+    Manifest,
+    Recording,
+    Segment,
+    Station,
+    Stream,
+    Unit,
 )  # fmt: skip
 from storage.formats.checks import MAX_TIME_S, check_stream, first
 from storage.formats.convert import STANDARD_GRAVITY, Changes

@@ -13,7 +13,10 @@ plausibility-force-unit = The accelerometers read { $read } m/s² at rest, { $ra
 plausibility-rate-unit = The gyros read { $ratio } of the rates that the { $source ->
         [table] encoders show
        *[labels] labels state
-    }: they look like { $unit }; import them with { $option }.
+    }: they look like { $unit }; import them with { $option }{ $source ->
+        [table] {""}
+       *[labels] , or write rate_deg_s in deg/s if the labels are wrong
+    }.
 plausibility-table-unit = The encoders turn at 1 over { $ratio } of what both gyros and labels show: they look like { $unit }; import them with { $option }.
 plausibility-axes = The axes are not those of the labels or the table: { $reads } ({ $value }); import it with { $option }.
 plausibility-inverted = { $triad ->
