@@ -122,17 +122,26 @@ def factor_of(name: str, unit: str, gravity: float) -> tuple[float, float]:
     return found.factor, found.offset
 
 
-def changed(recording: Recording, changes: Changes) -> Recording:
+def second_of(changes: Changes | None) -> float:
+    """s that one of a recording's t is."""
+    unit = changes.units.get("t") if changes else None
+    return factor_of("t", unit, STANDARD_GRAVITY)[0] if unit else 1.0
+
+
+def changed(recording: Recording, changes: Changes, *, is_timed: bool = False) -> Recording:
     """A copy of a recording with other units, axes and label times; its manifest says so.
 
     t is that of every stream; labels that would then lie beyond the recording are taken to be in
-    the same unit, unless `labels` names another.
+    the same unit, unless `labels` names another. is_timed: its times are in s already.
     """
     gravity = changes.gravity or recording.manifest.station.gravity_m_s2 or STANDARD_GRAVITY
     factors = {name: factor_of(name, unit, gravity) for name, unit in changes.units.items()}
     time = factors.get("t", (1.0, 0.0))[0]
     streams = {
-        name: Stream(stream.t * time, _columns(name, stream.columns, factors, changes.axes))
+        name: Stream(
+            stream.t * (1.0 if is_timed else time),
+            _columns(name, stream.columns, factors, changes.axes),
+        )
         for name, stream in recording.streams().items()
     }
     labels = recording.manifest.segments

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from schemas.base import Unusable
 from schemas.recording import Manifest, Recording
+from storage.formats.convert import Changes, changed, second_of
 from storage.formats.folder import read_folder
 from storage.formats.logger.read import is_log
 from storage.formats.manifest import MANIFEST, check_controls, manifest_of
@@ -24,12 +25,14 @@ def read(
     manifest: Path | None = None,
     salvage: bool = False,
     by_log_time: bool = False,
+    changes: Changes | None = None,
 ) -> Recording:
     """Reads a recording from a `mimu-recording/1` folder, an MCAP file or a ROS 2 bag.
 
     `manifest` is a manifest.json that goes before the one in an MCAP file; `salvage` takes
     what is whole of an MCAP file that is cut off; `by_log_time` stamps a bag's messages when they
-    were recorded. Raises Unusable for anything else.
+    were recorded; `changes` are of its units, axes and label times. Raises Unusable for anything
+    else.
     """
     bag = _bag(path)
     if bag:
@@ -39,7 +42,7 @@ def read(
             named, files=bag, manifest=given, salvage=salvage, by_log_time=by_log_time
         )
     elif manifest is None:
-        recording = read_folder(path)
+        recording = read_folder(path, second_of(changes))
     else:
         raise Unusable(
             f"{path} is a folder with its own {MANIFEST}; correct it there and leave out "
@@ -47,7 +50,7 @@ def read(
         )
     fields = recording.manifest.model_dump(mode="json")
     check_controls(fields, f"The manifest of {path}" if manifest is None else str(manifest))
-    return recording
+    return changed(recording, changes, is_timed=not bag) if changes else recording
 
 
 def fingerprint(path: Path) -> str:

@@ -5,6 +5,7 @@ its rate. Where a good part of the rows contradicts the labels as they stand, an
 contradicts them once they are all moved by the same time, that time is what they are shifted by.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,11 +70,15 @@ def shift_of_labels(recording: Recording, gain: float = 1.0) -> LabelShift | Non
     if as_stated < LEAST_COST:
         return None
     reach = min(REACH, 0.5 * float(t[-1] - t[0]))
-    shifts = np.arange(-reach, reach + STEP, STEP)
+    return _best(np.arange(-reach, reach + STEP, STEP), cost, as_stated)
+
+
+def _best(
+    shifts: np.ndarray, cost: Callable[[np.ndarray], np.ndarray], as_stated: float
+) -> LabelShift | None:
+    """The shift that leaves next to nothing against the labels, where it stands alone."""
     costs = cost(shifts)
     best = int(costs.argmin())
-    if costs[best] > min(LEFT, BETTER * as_stated):
-        return None
     good = costs <= costs[best] + 0.002
     low, high = best, best
     while low > 0 and good[low - 1]:
@@ -82,12 +87,12 @@ def shift_of_labels(recording: Recording, gain: float = 1.0) -> LabelShift | Non
         high += 1
     seconds, within = 0.5 * (shifts[low] + shifts[high]), 0.5 * (shifts[high] - shifts[low])
     elsewhere = np.concatenate([costs[: max(low - 20, 0)], costs[high + 20 :]])
-    if (
-        abs(seconds) < max(SMALLEST, within)
-        or elsewhere.min(initial=1.0) < 2.0 * costs[best] + 0.01
-    ):
-        return None
-    return LabelShift(float(seconds), float(within))
+    is_clear = (
+        costs[best] <= min(LEFT, BETTER * as_stated)
+        and abs(seconds) >= max(SMALLEST, within)
+        and elsewhere.min(initial=1.0) >= 2.0 * costs[best] + 0.01
+    )
+    return LabelShift(float(seconds), float(within)) if is_clear else None
 
 
 def _fit_at_both_ends(recording: Recording, labels: list[Segment], gain: float) -> bool:

@@ -8,6 +8,7 @@ who search. Labels that are shifted as a whole are found by the rows that contra
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -22,9 +23,12 @@ KINDS = ("time_unit", "gravity_removed", "force_unit", "rate_unit", "table_unit"
          "labels_shifted")  # fmt: skip
 DEG = np.pi / 180.0
 NEAR = 0.08  # of a usual factor: as near as working units are
+AS_FAR = 2.5  # times: axes that turn together, noise
+WAYS = (0.2, 20.0)  # times the angle between rests that a unit is turned from one to the other
 GAINS = (0.2, 5.0)  # of a gyro: what is nearer is a range or a scale factor
 FORCES = (0.5, 1.5)  # of gravity at rest: what is nearer is a scale factor or a bias
 REMOVED = 0.07  # of gravity at rest: biases alone
+SPARE = 2  # segments more than a matrix of rates needs: what they leave shows whether it fits
 FEW = 2  # segments that tell a unit
 SLOWEST = 0.25  # s between rows, from which the time may be in a smaller unit
 FASTEST = 2e4  # Hz
@@ -34,7 +38,8 @@ LONGEST_WAY = 100.0  # times the angle between two rests that a unit turns from 
 RATES = (
     (1.0, "rad/s"), (DEG, "deg/s"), (1e-3 * DEG, "mdps"), (1e-3, "mrad/s"), (DEG / 3600.0, "deg/h"),
     (DEG / 131.0, "131/dps"), (DEG / 65.5, "65.5/dps"), (DEG / 32.8, "32.8/dps"),
-    (DEG / 16.4, "16.4/dps"),
+    (DEG / 16.4, "16.4/dps"), (1.0 / DEG, "57.2958rad/s"), (16.4, "16.4rad/s"),
+    (32.8, "32.8rad/s"), (65.5, "65.5rad/s"), (131.0, "131rad/s"),
 )  # fmt: skip
 STEPS = (16384.0, 8192.0, 4096.0, 2048.0)  # counts per g of usual accelerometers
 
@@ -74,11 +79,13 @@ def implausible(
     which the readings were written, so that the right unit can be named.
     """
     used = [s for s in segments if s.kind in ("static", "rate", "rotation")]
-    if len(recording.imu) < 2 or not used:
+    if len(recording.imu) < 2:
         return ()
     means = segment_means(recording, used)
     if (wrong := _time(recording, used, means)) is not None:
         return (wrong,)
+    if not used:
+        return ()
     gyro = _matrix(means.gyro, means.rate, EXCITED[0], forces=False)
     still = means.static & np.isfinite(means.up).all(axis=1)
     direction, removed = _directions(means.accel), _forces(recording, means, scales[1])
@@ -86,11 +93,13 @@ def implausible(
         direction[still], means.up[still], 0.1, forces=True
     )  # fmt: skip
     tracked = attitude_stream(recording) is not None and recording.table is None
-    found = [removed, _rates(recording, used, gyro, scales[0])]
-    mapped = None if tracked else _axes(gyro, accel)
-    if mapped is None and recording.manifest.segments:
-        found.append(_shift(recording, gyro))
-    return tuple(one for one in (*found, mapped) if one is not None)
+    rates = _rates(recording, used, gyro, scales[0])
+    if gyro is None and not (means.rate[~means.static] != 0.0).any():
+        rates = _rates_by_ways(ways(recording, used, means), scales[0])
+    found = [removed, rates]
+    shifted = _shift(recording, gyro) if recording.manifest.segments else None
+    mapped = None if tracked or shifted is not None else _axes(gyro, accel)
+    return tuple(one for one in (*found, shifted, mapped) if one is not None)
 
 
 def segment_means(recording: Recording, segments: Sequence[Segment]) -> SegmentMeans:
@@ -100,13 +109,13 @@ def segment_means(recording: Recording, segments: Sequence[Segment]) -> SegmentM
     read = np.array([
         [values.mean() if len(values) else np.nan for values in imu.views(GYRO + ACCEL, place)]
         for place in rows
-    ])  # fmt: skip
+    ]).reshape(-1, 6)  # fmt: skip
     rates, ups = np.full((2, len(segments), 3), np.nan)
     for k, segment in enumerate(segments):
         by_table = mean_rate(recording, segment)
         rates[k] = _labelled_rate(segment) if by_table is None else by_table
         ups[k] = _up(recording, segment)
-    static = np.array([s.kind == "static" for s in segments])
+    static = np.array([s.kind == "static" for s in segments], bool)
     return SegmentMeans(read[:, :3], read[:, 3:], rates, ups, static)
 
 
@@ -149,7 +158,10 @@ def _matrix(
     both = np.isfinite(read).all(axis=1) & np.isfinite(felt).all(axis=1)
     if both.sum() < FEW:
         return None
-    return matrix_of(read[both], felt[both], excited, forces=forces)
+    found = matrix_of(read[both], felt[both], excited, forces=forces)
+    if found is not None and not forces and both.sum() < found.reads.shape[1] + SPARE:
+        return None
+    return found
 
 
 def _common(matrix: TriadMatrix) -> float | None:
@@ -172,7 +184,7 @@ def _time(
     """
     t = recording.imu.t
     ends = {"imu": t[-1]} | {n: s.t[-1] for n, s in recording.streams().items() if n == "table"}
-    ends["labels"] = max(s.t_end for s in segments)
+    ends |= {"labels": max(s.t_end for s in segments)} if segments else {}
     for other, end in ends.items():
         for factor, unit in TIMES:
             for long, short in ((other, "imu"), ("imu", other)):
@@ -184,7 +196,7 @@ def _time(
     for factor, unit in TIMES:
         if interval / factor > 1.0 / 4.0 or interval / factor < 1.0 / FASTEST:
             continue
-        if _by_encoders(recording, means, factor) or _by_ways(recording, segments, means, factor):
+        if _by_encoders(recording, factor) or _by_ways(recording, segments, means, factor):
             return _time_sentence("recording", interval, factor, f"--units t={unit}")
     return None
 
@@ -199,13 +211,17 @@ def _time_sentence(what: str, value: float, factor: float, option: str) -> Impla
     )  # fmt: skip
 
 
-def _by_encoders(recording: Recording, means: SegmentMeans, factor: float) -> bool:
-    """Whether gyros read what encoders turn by once their times are divided."""
-    if recording.table is None:
+def _by_encoders(recording: Recording, factor: float) -> bool:
+    """Whether gyros turn as far as encoders once their times are divided."""
+    imu, table = recording.imu, recording.table
+    gyro = imu.stack(GYRO)
+    if table is None or not np.isfinite(gyro).all():
         return False
-    matrix = _matrix(means.gyro, factor * means.rate, EXCITED[0], forces=False)
-    common = None if matrix is None else _common(matrix)
-    return common is not None and abs(np.log(common)) < 2.0 * NEAR
+    angles = [v for name, v in table.columns.items() if name.endswith("_angle")]
+    turned = sum(float(np.abs(np.diff(np.unwrap(angle))).sum()) for angle in angles)
+    speed = np.linalg.norm(gyro - np.median(gyro, axis=0), axis=1)
+    read = float(np.sum(0.5 * (speed[1:] + speed[:-1]) * np.diff(imu.t)))
+    return turned > np.pi and 1.0 / AS_FAR < read / turned / factor < AS_FAR
 
 
 def _by_ways(
@@ -214,22 +230,32 @@ def _by_ways(
     """Whether between all rests the gyros turn by far too much for what gravity turned by, and
     once the times are divided by enough.
     """
+    ratios = ways(recording, segments, means)
+    return len(ratios) > FEW and min(ratios) > LONGEST_WAY and min(ratios) / factor > 0.5
+
+
+def ways(recording: Recording, segments: Sequence[Segment], means: SegmentMeans) -> list[float]:
+    """From each rest to the next, how far the gyros turned over the angle that gravity turned by,
+    where it turned; no way is shorter than that angle.
+    """
     imu = recording.imu
-    rests = [k for k in np.argsort([s.t_start for s in segments]) if means.static[k]]
-    known = means.gyro[rests][np.isfinite(means.gyro[rests]).all(axis=1)]
-    if not len(known):
-        return False
-    rate = np.nan_to_num(imu.stack(GYRO) - np.median(known, axis=0))
+    order = np.argsort([s.t_start for s in segments])
+    usable = (
+        means.static & np.isfinite(means.gyro).all(axis=1) & np.isfinite(means.accel).all(axis=1)
+    )
+    rests = [int(k) for k in order if usable[k]]
+    if len(rests) <= FEW:
+        return []
+    rate = np.nan_to_num(imu.stack(GYRO) - np.median(means.gyro[rests], axis=0))
     speed = np.linalg.norm(rate, axis=1)
     way = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(imu.t))])
-    directions = _directions(means.accel)
-    ratios = []
-    for a, b in zip(rests[:-1], rests[1:], strict=True):
+    directions, ratios = _directions(means.accel), list[float]()
+    for a, b in pairwise(rests):
         angle = np.arccos(np.clip(directions[a] @ directions[b], -1.0, 1.0))
         if angle > TURNED:
             ends = (segments[a].t_end, segments[b].t_start)
             ratios.append(float(np.diff(np.interp(ends, imu.t, way))[0] / angle))
-    return len(ratios) > FEW and min(ratios) > LONGEST_WAY and min(ratios) / factor > 0.5
+    return ratios
 
 
 # ---- units
@@ -250,9 +276,9 @@ def _forces(recording: Recording, means: SegmentMeans, scale: float) -> Implausi
         return Implausible("gravity_removed", message("plausibility-gravity-removed", read=read))
     factor = scale * gravity / size  # m/s² that one as it was written is
     usual = [(1.0, "m/s2"), (STANDARD_GRAVITY, "g"), (1e-3 * STANDARD_GRAVITY, "mg"),
-             (1e-2, "cm/s2"), (0.3048, "ft/s2"),
+             (0.3048, "ft/s2"),
              *((STANDARD_GRAVITY / n, f"{n:.0f}/g") for n in STEPS)]  # fmt: skip
-    unit = _unit(factor, usual, "m/s2", 0.015 if abs(size - 990.0) < 25.0 else NEAR)
+    unit = _unit(factor, usual, "m/s2", NEAR)
     return Implausible(
         "force_unit",
         message("plausibility-force-unit", read=read, gravity=f"{gravity:.4f}",
@@ -282,13 +308,33 @@ def _rates(
     else:
         unit = _unit(scale / common, RATES, "rad/s", NEAR)
         option, kind = f"--units gyro={unit}", "rate_unit"
-    ratio = f"{common:.4g}" if common > 1 else f"1/{1.0 / common:.4g}"
     return Implausible(
         kind,
-        message(f"plausibility-{kind.replace('_', '-')}", ratio=ratio, source=source, unit=unit,
+        message(f"plausibility-{kind.replace('_', '-')}", ratio=_ratio(common), source=source, unit=unit,
                 option=option),
         option,
     )  # fmt: skip
+
+
+def _rates_by_ways(ratios: Sequence[float], scale: float) -> Implausible | None:
+    """A usual wrong unit of gyros that nothing but gravity says anything of."""
+    if len(ratios) <= FEW or WAYS[0] < min(ratios) < WAYS[1]:
+        return None
+    ratio = min(ratios)
+    unit = _unit(scale / ratio, RATES, "", NEAR)
+    if unit not in dict(map(reversed, RATES)):
+        return None
+    option = f"--units gyro={unit}"
+    shown = _ratio(ratio)
+    return Implausible(
+        "rate_unit",
+        message("plausibility-rate-unit", ratio=shown, source="gravity", unit=unit, option=option),
+        option,
+    )
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.4g}" if value > 1 else f"1/{1.0 / value:.4g}"
 
 
 def _label_ratio(recording: Recording, segments: Sequence[Segment]) -> float | None:

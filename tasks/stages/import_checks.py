@@ -9,7 +9,7 @@ from schemas.recording import ACCEL, ANGLE, GYRO, MEASURED, Manifest, Recording,
 from storage.catalogue.lineage import stated_day
 from storage.formats import recordings
 from storage.formats.checks import absent
-from storage.formats.convert import Changes, changed
+from storage.formats.convert import Changes
 from storage.verify import StoreFault
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.plausibility import implausible
@@ -32,9 +32,9 @@ def read(
 
     What is stored already is never judged again.
     """
-    recording = recordings.read(path, manifest=manifest, salvage=salvage, by_log_time=by_log_time)
-    if changes:
-        recording = changed(recording, changes)
+    recording = recordings.read(
+        path, manifest=manifest, salvage=salvage, by_log_time=by_log_time, changes=changes
+    )
     fault = (
         _unreadable_moment(recording.manifest)
         or _missing_triad(recording.manifest, recording.imu)

@@ -26,11 +26,19 @@ OTHER = {  # words of what is neither rate nor specific force
 }  # fmt: skip
 WITHOUT_GRAVITY = {"linear", "user", "free", "lin"}  # taken only where there is nothing else
 PENALTY = 10
-TIME_WORDS = {"time", "timestamp", "timestamps", "t", "ts", "elapsed", "millis", "micros", "clock",
-              "seconds", "secs", "datetime", "epoch", "utc", "uptime", "date", "stamp", "nanos"}  # fmt: skip
+TIME_WORDS = {
+    "time", "timestamp", "timestamps", "t", "ts", "elapsed", "millis", "micros", "clock", "seconds",
+    "secs", "datetime", "epoch", "utc", "uptime", "date", "stamp", "nanos",
+}  # fmt: skip
+TIME_FILLING = {
+    "accelerometer", "gyro", "accel", "imu", "sensor", "sample", "fine", "since", "reboot", "boot",
+    "startup", "system", "start", "unix", "abs", "absolute",
+}  # fmt: skip
 EXACT_TIME = {"t", "time", "timestamp", "elapsed", "x_value", "sampletimefine", "ms", "us", "ns"}
-NO_TIME = {"zone", "week", "relative", "delta", "dt", "age", "location", "gps", "heading", "offset",
-           "battery", "activity", "pedometer", "altimeter", "start", "integral"}  # fmt: skip
+NO_TIME = {
+    "zone", "week", "relative", "delta", "dt", "age", "location", "gps", "heading", "offset",
+    "battery", "activity", "pedometer", "altimeter", "integral",
+}  # fmt: skip
 WARM = {"temp", "temperature", "tmp"}
 BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
@@ -58,19 +66,24 @@ class Column:
 
 @dataclass(frozen=True)
 class Found:
-    """The columns by channel; question: what is not clear, with the way to say it; or nothing."""
+    """The columns by channel; question: what is not clear, with the way to say it; or nothing.
+
+    times: all that may be the time, the likeliest first.
+    """
 
     columns: Mapping[str, Column]
     question: str = ""
+    times: tuple[Column, ...] = ()
 
 
-def find_columns(sheet: Sheet, given: Mapping[str, str], *, ask: bool = True) -> Found:
+def find_columns(sheet: Sheet, given: Mapping[str, str]) -> Found:
     """The columns of a sheet; `given` are by name or, from 1, by number, and go before what is
     found. Faults of what is given stand in the sheet's faults.
     """
     columns = {channel: _given(sheet, channel, text) for channel, text in given.items()}
     known = {channel: column for channel, column in columns.items() if column is not None}
     unclear: list[str] = []
+    times = [known["t"]] if "t" in known else []
     if sheet.named:
         every = [c for k in range(len(sheet.names)) for c in _candidates(sheet, k)]
         for triad in (GYRO, ACCEL):
@@ -82,6 +95,7 @@ def find_columns(sheet: Sheet, given: Mapping[str, str], *, ask: bool = True) ->
             one = sorted((c for c in every if c.channel == channel), key=lambda c: c.penalty)
             if one and channel not in known:
                 known[channel] = one[0]
+                times += one if channel == "t" else []
     sheet.faults += [
         f"{triad[0][:-2]}: no column is found for {', '.join(missing)}"
         for triad in (GYRO, ACCEL)
@@ -89,12 +103,15 @@ def find_columns(sheet: Sheet, given: Mapping[str, str], *, ask: bool = True) ->
     ]
     if not set(known) & {*GYRO, *ACCEL, *ANGLE} and not unclear:
         unclear.append("no column is found that is a rate or a specific force")
-    if not unclear or not ask:
-        return Found(known)
+    if not unclear:
+        return Found(known, times=tuple(times))
     listed = ", ".join(f"{k}: {name or '-'}" for k, name in enumerate(sheet.names, start=1))
     missing = ",".join(f"{c}=…" for c in ("t", *GYRO, *ACCEL) if c not in known)
-    return Found(known, f"{'; '.join(unclear)}: which are they? Give --columns {missing} by name or "
-                        f"number (there are {listed})")  # fmt: skip
+    return Found(
+        known,
+        f"{'; '.join(unclear)}: which are they? Give --columns {missing} by name or number (there "
+        f"are {listed})",
+    )
 
 
 def _given(sheet: Sheet, channel: str, text: str) -> Column | None:
@@ -150,7 +167,7 @@ def _candidates(sheet: Sheet, place: int) -> list[Column]:
     made: list[Column] = []
     is_exact = bare.lower().replace(" ", "") in EXACT_TIME
     if (set(words) & TIME_WORDS or is_exact) and not set(words) & NO_TIME:
-        strange = len([w for w in words if w not in TIME_WORDS])
+        strange = len([w for w in words if w not in TIME_WORDS | TIME_FILLING])
         made.append(Column("t", place, name, unit, 0 if is_exact else 1 + strange, ""))
     if set(words) & WARM and quantity in (None, "warmth"):
         made.append(Column("temperature", place, name, unit, len(words) - 1, ""))

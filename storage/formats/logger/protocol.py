@@ -28,6 +28,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 SIGNED = re.compile(r"[+\-]?[xyz][+\-]?")
 DOWN = ("down", "下")
 LISTED = 3
+SLACK = 1.0  # s by which a line may begin beside the recording
 
 
 @dataclass
@@ -103,18 +104,22 @@ def _clock(
     )
     unit = sheet.units[places["start"]] or unit
     scales = [TIME[plain(unit)]] if unit and plain(unit) in TIME else [1.0, TIME.get(log.unit, 1.0)]
-    for scale in dict.fromkeys(scales):
-        for offset, said in ((origin, ""), (0.0, "counted from the first row of the log")):
-            inside = (scale * seconds >= (first if offset else 0.0) - 1.0) & (
-                scale * seconds - offset <= last - origin + 1.0
-            )
-            if inside.mean() > 0.5:
-                if said and origin:
-                    protocol.notes.append(f"times of the protocol are {said}")
-                if scale != 1.0:
-                    protocol.notes.append(f"times of the protocol are read as {unit or log.unit}")
-                return offset, scale
-    return (0.0 if first > seconds.max() else origin), scales[0]
+    tried = [
+        (factor, taken) for factor in dict.fromkeys(scales) for taken in (origin, origin - first)
+    ]
+    within = [
+        np.mean(np.abs(factor * seconds - taken + origin - 0.5 * (first + last))
+                < 0.5 * (last - first) + SLACK)
+        for factor, taken in tried
+    ]  # fmt: skip
+    if not any(within):
+        return (0.0 if first > seconds.max() else origin), scales[0]
+    factor, taken = tried[int(np.argmax(within))]
+    if taken != origin:
+        protocol.notes.append("its times are counted from the first row of the log")
+    if factor != 1.0:
+        protocol.notes.append(f"its times are read as {unit or log.unit}")
+    return taken, factor
 
 
 @dataclass

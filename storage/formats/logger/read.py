@@ -100,16 +100,13 @@ def read_log(
     place = station or Station(id="unknown")
     gravity = changes.gravity or place.gravity_m_s2 or STANDARD_GRAVITY
     notes, rows = [], []
-    times, how = _times(sheet, found.columns.get("t"), changes.units.get("t"), notes)
-    if times is None:
-        raise _unusable(sheet, [how])
-    if "t" in found.columns:
-        rows.append(Row("t", found.columns["t"].name, times.unit, how))
-    raw = {c: sheet.numbers(one.place) for c, one in found.columns.items() if c != "t"}
+    times, how, labels, clock = _timed(sheet, found.times, protocol_path, changes, notes)
+    if clock is not None:
+        rows.append(Row("t", clock.name, times.unit, how))
+        found = replace(found, columns={**found.columns, "t": clock})
     origin = _origin(times)
-    labels = protocol.Protocol()
+    raw = {c: sheet.numbers(one.place) for c, one in found.columns.items() if c != "t"}
     if protocol_path is not None:
-        labels = protocol.read(protocol_path, times, origin, changes.shift)
         sheet.faults += [f"{protocol_path.name}: {fault}" for fault in labels.faults]
         notes += [f"{protocol_path.name}: {note}" for note in labels.notes]
     t = times.seconds - origin
@@ -154,6 +151,44 @@ def read_log(
     check_controls(manifest.model_dump(mode="json"), str(path))
     recording = Recording(manifest, stream)
     return Understood(recording, tuple(rows), (*sheet.notes, *notes), gravity, mapping)
+
+
+def _timed(
+    sheet: Sheet, candidates: tuple[Column, ...], path: Path | None, changes: Changes,
+    notes: list[str],
+) -> tuple[Times, str, protocol.Protocol, Column | None]:  # fmt: skip
+    """The times of the rows, how they are known, the protocol's lines on them, and their column.
+
+    Of several columns of times the first on which lines of the protocol lie. Raises Unusable where
+    no time can be had.
+    """
+    tries = []
+    for column in candidates or (None,):
+        noted: list[str] = []
+        before = len(sheet.faults)
+        times, how = _times(sheet, column, changes.units.get("t"), noted)
+        own, sheet.faults[before:] = sheet.faults[before:], []
+        if times is None:
+            tries.append((None, how, protocol.Protocol(), column, noted, own))
+            continue
+        read = protocol.Protocol()
+        if path is not None and not own:
+            read = protocol.read(path, times, _origin(times), changes.shift)
+        tries.append((times, how, read, column, noted, own))
+        if not own and not read.faults:
+            break
+    else:
+        tries.sort(key=lambda one: (one[0] is None, len(one[5])))
+    times, how, read, column, noted, own = tries[-1] if not _is_bad(tries[-1]) else tries[0]
+    if times is None:
+        raise _unusable(sheet, [how])
+    notes += noted
+    sheet.faults += own
+    return times, how, read, column
+
+
+def _is_bad(one: tuple) -> bool:
+    return one[0] is None or bool(one[5]) or bool(one[2].faults)
 
 
 def _unusable(sheet: Sheet, more: list[str] | None = None) -> Unusable:

@@ -28,6 +28,7 @@ COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 MONITOR = " -> "  # between the serial monitor's clock and the line
 PAIR = re.compile(r"([A-Za-z_][\w.]*)\s*[:=]\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)")
 EMPTY = ("", "nan", "null", "na", "n/a", "none", "-")
+RUN = 4  # rows of numbers one after the other that begin the data
 LISTED = 3  # rows named of a kind of fault
 
 
@@ -210,7 +211,10 @@ def _begin(path: Path, head: list[str], given: str | None) -> tuple[int, str]:
         if not any(values):
             continue
         usual = int(np.median([n for n in values if n]))
-        first = next(k for k, n in enumerate(values) if n and n >= 0.7 * usual)
+        enough = [n > 0 and n >= 0.7 * usual for n in values]
+        first = next(
+            (k for k in range(len(enough)) if all(enough[k : k + RUN])), enough.index(True)
+        )
         if separator == "," and best[0] and usual > best[0] and _decimal_comma(head[first:]):
             continue
         if usual > best[0]:
@@ -250,7 +254,7 @@ def _header(before: list[str], separator: str, count: int) -> tuple[list[str], l
     place, units = fit[-1], [""] * count
     if place and place - 1 in fit and _are_units(rows[place]):
         units, place = _bare(rows[place], count), place - 1
-    names = _bare(rows[place], count)
+    names = ["time" if CLOCK.fullmatch(name) else name for name in _bare(rows[place], count)]
     return names, units, "\n".join(before[:place])
 
 

@@ -10,12 +10,13 @@ plausibility-time = { $what ->
     }? Import it with { $option }.
 plausibility-gravity-removed = The accelerometers read { $read } m/s² at rest: gravity was removed from them; record their readings before that is done.
 plausibility-force-unit = The accelerometers read { $read } m/s² at rest, { $ratio } times local gravity ({ $gravity } m/s²): they look like { $unit }; import them with { $option }.
-plausibility-rate-unit = The gyros read { $ratio } of the rates that the { $source ->
-        [table] encoders show
-       *[labels] labels state
+plausibility-rate-unit = The gyros read { $ratio } of the { $source ->
+        [table] rates that the encoders show
+        [gravity] angles by which gravity turns between the rests
+       *[labels] rates that the labels state
     }: they look like { $unit }; import them with { $option }{ $source ->
-        [table] {""}
-       *[labels] , or write rate_deg_s in deg/s if the labels are wrong
+        [labels] , or write rate_deg_s in deg/s if the labels are wrong
+       *[other] {""}
     }.
 plausibility-table-unit = The encoders turn at 1 over { $ratio } of what both gyros and labels show: they look like { $unit }; import them with { $option }.
 plausibility-axes = The axes are not those of the labels or the table: { $reads } ({ $value }); import it with { $option }.

@@ -12,10 +12,11 @@ plausibility-gravity-removed = 静止时加速度计读数为 { $read } m/s²：
 plausibility-force-unit = 静止时加速度计读数为 { $read } m/s²，为当地重力加速度（{ $gravity } m/s²）的 { $ratio } 倍：其单位似为 { $unit }；请以 { $option } 导入。
 plausibility-rate-unit = 陀螺读数为{ $source ->
         [table] 编码器所示角速率
+        [gravity] 各静止段间重力所示转角
        *[labels] 标注角速率
     }的 { $ratio } 倍：其单位似为 { $unit }；请以 { $option } 导入{ $source ->
-        [table] {""}
-       *[labels] ；若标注有误，则将 rate_deg_s 改为 °/s
+        [labels] ；若标注有误，则将 rate_deg_s 改为 °/s
+       *[other] {""}
     }。
 plausibility-table-unit = 陀螺与标注均为编码器所示角速率的 { $ratio } 倍：编码器单位似为 { $unit }；请以 { $option } 导入。
 plausibility-axes = 各轴与标注或转台不符：{ $reads }（{ $value }）；请以 { $option } 导入。
