@@ -6,14 +6,14 @@ from typing import Annotated, Literal
 import typer
 
 COLUMNS = (
-    "Which column is which channel, NAME=COLUMN by its name or its number from 1; NAME: t, gyro_x, "
-    "gyro_y, gyro_z, accel_x, accel_y, accel_z, temperature, angle_x, angle_y, angle_z. Needed only "
-    "where names and units in the header leave a doubt."
+    "Which column is which channel, NAME=COLUMN by its name or its number from 1; NAME: t, "
+    "gyro_x, gyro_y, gyro_z, accel_x, accel_y, accel_z, temperature, angle_x, angle_y, angle_z. "
+    "Needed only where names and units in the header leave a doubt."
 )
 UNITS = (
     "Units, where the header does not say them or is wrong: gyro (rad/s, deg/s, mdps, deg/h, rpm, "
-    "counts as 131/dps), accel (m/s2, g, mg, ft/s2, counts as 16384/g), t (s, ms, us, ns, or a rate "
-    "as 100Hz), temperature (degC, K), angle and table (rad, deg), labels (s, ms)."
+    "counts as 131/dps), accel (m/s2, g, mg, ft/s2, counts as 16384/g), t (s, ms, us, ns, or a "
+    "rate as 100Hz), temperature (degC, K), angle and table (rad, deg), labels (s, ms)."
 )
 AXES = (
     "Axes exchanged or inverted, NEW=OLD: x=-y,y=x for both triads, gyro_z=-gyro_z for one; or all "

@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -137,7 +138,7 @@ def changed(recording: Recording, changes: Changes, *, is_timed: bool = False) -
     gravity = changes.gravity or recording.manifest.station.gravity_m_s2 or STANDARD_GRAVITY
     factors = {name: factor_of(name, unit, gravity) for name, unit in changes.units.items()}
     time = factors.get("t", (1.0, 0.0))[0]
-    streams = {
+    streams: dict[str, Any] = {
         name: Stream(
             stream.t * (1.0 if is_timed else time),
             _columns(name, stream.columns, factors, changes.axes),
@@ -156,7 +157,7 @@ def changed(recording: Recording, changes: Changes, *, is_timed: bool = False) -
     manifest = recording.manifest.model_copy(
         update={"segments": moved, "station": station, **extra}
     )
-    return replace(recording, manifest=manifest, digest="", **streams)
+    return Recording(manifest, **streams, extra=recording.extra)
 
 
 def _moved(label: Segment, factor: float, shift: float) -> Segment:

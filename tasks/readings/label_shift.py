@@ -15,13 +15,14 @@ from tasks.motion.samples import in_blocks
 from tasks.motion.whole import unit_vector
 
 BLOCK = 0.05  # s of a mean
-EDGE = 1.0  # s, or a tenth of a label: what is looked at first
+EDGE = 0.25  # s, or a tenth of a label: what is looked at first
 MOVING = np.radians(2.0)  # rad/s from rest, by which noise of a block and drift are no motion
 UPRIGHT = 0.8  # cosine between what is read at rest and the axis up
 NEARLY = 0.2  # of a rate, by which a gyro may read another
 REACH = 120.0  # s
 STEP = 0.05  # s
-LEAST_COST, LEFT = 0.01, 0.02  # share of rows against the labels: as they stand, and moved
+LEAST_COST, LEFT = 0.004, 0.02  # share of rows against the labels: as they stand, and moved
+NOTHING = 0.001  # share of rows by which costs are alike
 BETTER = 0.15  # of the rows against them that a shift may leave
 SMALLEST = 0.25  # s: streams may be offset from each other by a little
 FEWEST = 3  # labels
@@ -79,7 +80,7 @@ def _best(
     """The shift that leaves next to nothing against the labels, where it stands alone."""
     costs = cost(shifts)
     best = int(costs.argmin())
-    good = costs <= costs[best] + 0.002
+    good = costs <= costs[best] + NOTHING
     low, high = best, best
     while low > 0 and good[low - 1]:
         low -= 1

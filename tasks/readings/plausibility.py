@@ -24,7 +24,8 @@ KINDS = ("time_unit", "gravity_removed", "force_unit", "rate_unit", "table_unit"
 DEG = np.pi / 180.0
 NEAR = 0.08  # of a usual factor: as near as working units are
 AS_FAR = 2.5  # times: axes that turn together, noise
-WAYS = (0.2, 20.0)  # times the angle between rests that a unit is turned from one to the other
+LEAST_WAYS = 20.0  # times the angle between rests that no unit is turned from one to the other
+DIRECT = 4.0  # times the most direct way: a way as people turn units
 GAINS = (0.2, 5.0)  # of a gyro: what is nearer is a range or a scale factor
 FORCES = (0.5, 1.5)  # of gravity at rest: what is nearer is a scale factor or a bias
 REMOVED = 0.07  # of gravity at rest: biases alone
@@ -304,25 +305,28 @@ def _rates(
     source = "labels" if recording.table is None else "table"
     if recording.table is not None and labels is not None and abs(np.log(labels * common)) < NEAR:
         unit = _unit(common, ((DEG, "deg"), (1e-3, "mrad"), (1e-3 * DEG, "mdeg")), "rad", NEAR)
-        option, kind = f"--units table={unit}", "table_unit"
+        option, kind, ratio = f"--units table={unit}", "table_unit", _ratio(1.0 / common)
     else:
         unit = _unit(scale / common, RATES, "rad/s", NEAR)
-        option, kind = f"--units gyro={unit}", "rate_unit"
+        option, kind, ratio = f"--units gyro={unit}", "rate_unit", _ratio(common)
     return Implausible(
         kind,
-        message(f"plausibility-{kind.replace('_', '-')}", ratio=_ratio(common), source=source, unit=unit,
-                option=option),
+        message(
+            f"plausibility-{kind.replace('_', '-')}", ratio=ratio, source=source, unit=unit,
+            option=option,
+        ),
         option,
     )  # fmt: skip
 
 
 def _rates_by_ways(ratios: Sequence[float], scale: float) -> Implausible | None:
     """A usual wrong unit of gyros that nothing but gravity says anything of."""
-    if len(ratios) <= FEW or WAYS[0] < min(ratios) < WAYS[1]:
+    ratio = min(ratios, default=0.0)
+    direct = [one for one in ratios if one < DIRECT * ratio]
+    if ratio < LEAST_WAYS or len(direct) <= FEW:
         return None
-    ratio = min(ratios)
     unit = _unit(scale / ratio, RATES, "", NEAR)
-    if unit not in dict(map(reversed, RATES)):
+    if not any(unit == name for _, name in RATES):
         return None
     option = f"--units gyro={unit}"
     shown = _ratio(ratio)

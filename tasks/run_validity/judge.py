@@ -36,8 +36,8 @@ def run_remarks(
 ) -> tuple[Remark, ...]:
     """All remarks on a run, family by family.
 
-    items: by whose uncertainties a drift is judged. Where the recording cannot be what it says, that
-    comes first, and its consequences are not listed.
+    items: by whose uncertainties a drift is judged. Where the recording cannot be what it says,
+    that comes first, and its consequences are not listed.
     """
     wrong = tuple(plausibility_remarks(evidence))
     return (

@@ -106,10 +106,10 @@ def find_columns(sheet: Sheet, given: Mapping[str, str]) -> Found:
     if not unclear:
         return Found(known, times=tuple(times))
     listed = ", ".join(f"{k}: {name or '-'}" for k, name in enumerate(sheet.names, start=1))
-    missing = ",".join(f"{c}=…" for c in ("t", *GYRO, *ACCEL) if c not in known)
+    wanted = ",".join(f"{c}=…" for c in ("t", *GYRO, *ACCEL) if c not in known)
     return Found(
         known,
-        f"{'; '.join(unclear)}: which are they? Give --columns {missing} by name or number (there "
+        f"{'; '.join(unclear)}: which are they? Give --columns {wanted} by name or number (there "
         f"are {listed})",
     )
 

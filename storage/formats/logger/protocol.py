@@ -53,7 +53,7 @@ def read(path: Path, log: Times, origin: float, shift: float) -> Protocol:
         return protocol
     offset, scale = _clock(sheet, places, log, origin, protocol)
     lines = [_Line(sheet, places, k, scale, offset) for k in range(len(sheet.frame))]
-    segments = []
+    segments: list[Segment] = []
     for k, line in enumerate(lines):
         later = lines[k + 1] if k + 1 < len(lines) else None
         segment = line.segment(shift, later, {s.name for s in segments}, protocol.faults)

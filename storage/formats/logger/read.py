@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,6 +37,9 @@ from storage.formats.logger.sheet import Sheet, read_sheet
 from storage.formats.logger.units import DEG, EXAMPLES, QUANTITIES, Scale, plain, scale
 from storage.formats.manifest import check_controls
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 KINDS = (".csv", ".tsv", ".txt", ".log", ".dat", ".lvm", ".xlsx", ".xlsm", ".parquet", ".pq")
 RATE_IN_TEXT = re.compile(
     r"(?:sampl\w*|update|output|data)[ _]*rate\D{0,20}?(\d+\.?\d*)\s*hz|\bodr\D{0,10}(\d+\.?\d*)",
@@ -48,6 +52,9 @@ OF_FORCE = (  # usual sizes of gravity in a unit, and the unit
 OF_RATE = ("deg/s", "rad/s", "mdps", "131/dps", "65.5/dps", "32.8/dps", "16.4/dps")
 NEAR = 0.12  # of a usual size
 LATE_START_S = 1000.0  # a clock that begins later is counted from its first row
+
+
+_Try = tuple[Times | None, str, protocol.Protocol, Column | None, list[str], list[str]]
 
 
 @dataclass(frozen=True)
@@ -99,7 +106,7 @@ def read_log(
         raise _unusable(sheet, [found.question])
     place = station or Station(id="unknown")
     gravity = changes.gravity or place.gravity_m_s2 or STANDARD_GRAVITY
-    notes, rows = [], []
+    notes, rows = list[str](), list[Row]()
     times, how, labels, clock = _timed(sheet, found.times, protocol_path, changes, notes)
     if clock is not None:
         rows.append(Row("t", clock.name, times.unit, how))
@@ -110,7 +117,7 @@ def read_log(
         sheet.faults += [f"{protocol_path.name}: {fault}" for fault in labels.faults]
         notes += [f"{protocol_path.name}: {note}" for note in labels.notes]
     t = times.seconds - origin
-    scales = {}
+    scales = dict[str, Scale]()
     for triad, name in ((GYRO, "gyro"), (ACCEL, "accel"), (ANGLE, "angle"), (("temperature",), "")):
         own = {c: found.columns[c] for c in triad if c in raw}
         if not own:
@@ -162,7 +169,7 @@ def _timed(
     Of several columns of times the first on which lines of the protocol lie. Raises Unusable where
     no time can be had.
     """
-    tries = []
+    tries = list[_Try]()
     for column in candidates or (None,):
         noted: list[str] = []
         before = len(sheet.faults)
@@ -187,7 +194,7 @@ def _timed(
     return times, how, read, column
 
 
-def _is_bad(one: tuple) -> bool:
+def _is_bad(one: _Try) -> bool:
     return one[0] is None or bool(one[5]) or bool(one[2].faults)
 
 
@@ -260,7 +267,7 @@ def quantity_is_odd(times: Times) -> bool:
     return not clocks.RATES[0] <= 1.0 / max(step, 1e-12) <= clocks.RATES[1]
 
 
-def _day_column(sheet: Sheet, column: Column) -> object:
+def _day_column(sheet: Sheet, column: Column) -> "pd.Series | str":
     """The days of a column of dates beside a column of times of day, or nothing."""
     for place, name in enumerate(sheet.names):
         if name.strip().lower() == "date" and place != column.place:

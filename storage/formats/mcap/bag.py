@@ -21,8 +21,9 @@ STAMP = ("sec", "nanosec")
 class Topic:
     """All messages of one topic.
 
-    stamps: (n,) int64 ns, strictly rising; logged: (n,) int64 ns, when they were recorded; numbers: field -> (count, n), of a covariance only
-    the first number, which says whether there is a measurement.
+    stamps: (n,) int64 ns, strictly rising; logged: (n,) int64 ns, when they were recorded;
+    numbers: field -> (count, n), of a covariance only the first number, which says whether there is
+    a measurement.
     """
 
     kind: str

@@ -1,4 +1,4 @@
-"""The files of a bag: one MCAP file, the parts of a split bag, SQLite storage, zstd around either."""
+"""The files of a bag: one MCAP file, parts of a split bag, SQLite storage, zstd around either."""
 
 import sqlite3
 from collections.abc import Callable, Iterator

@@ -52,7 +52,8 @@ def read_mcap(
     A manifest that is given goes before the one in the file; where there is neither, one is
     made of what is known, which is nearly nothing. Epoch stamps are counted from the earliest.
     files: those of a bag that a folder holds. by_log_time: messages are stamped when they were
-    recorded, and not by their headers. `extra["left_out"]` names topics of a foreign bag that could not be placed.
+    recorded, and not by their headers. `extra["left_out"]` names topics of a foreign bag that could
+    not be placed.
     Raises Unusable for what is no such file, for a fault in its data and, without `salvage`,
     for a file that is cut off or damaged; with it, what is whole is read.
     """

@@ -18,7 +18,7 @@ plausibility-rate-unit = The gyros read { $ratio } of the { $source ->
         [labels] , or write rate_deg_s in deg/s if the labels are wrong
        *[other] {""}
     }.
-plausibility-table-unit = The encoders turn at 1 over { $ratio } of what both gyros and labels show: they look like { $unit }; import them with { $option }.
+plausibility-table-unit = The encoders turn { $ratio } times as fast as gyros and labels show: they look like { $unit }; import them with { $option }.
 plausibility-axes = The axes are not those of the labels or the table: { $reads } ({ $value }); import it with { $option }.
 plausibility-inverted = { $triad ->
         [gyro] { $count ->

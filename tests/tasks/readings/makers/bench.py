@@ -92,7 +92,7 @@ def bench(
                     "up": up, "rate_deg_s": sign * rate, "item": "scale_factor",
                     "t_start": start + 1.0 + margin, "t_end": start + 1.0 + dwell - margin,
                 })  # fmt: skip
-                knots[-1] = np.array([sign * rate * (dwell + 1.0), b, c]) + [knots[-2][0], 0, 0]
+                knots[-1] = np.array([knots[-2][0] + sign * rate * (dwell + 1.0), b, c])
                 move(knots[-1], 1.0)
     move(knots[-1], 2.0)
     t = np.arange(0.0, times[-1], 1.0 / hertz)

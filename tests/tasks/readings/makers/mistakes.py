@@ -23,7 +23,7 @@ def accel_times(made: Bench, factor: float) -> None:
 
 
 def gravity_removed(made: Bench) -> None:
-    a, b, c = made.angle.T
+    _a, b, c = made.angle.T
     up = np.column_stack([np.sin(b) * np.sin(c), np.sin(b) * np.cos(c), np.cos(b)])
     made.accel = made.accel - G * up
 

@@ -1,7 +1,6 @@
 """Files as ten loggers write them, by public descriptions of their layouts, from one bench's run.
 
-Each writer takes a bench and a folder and returns the log, the protocol and the options that a
-person would give; it shares no code with what reads them.
+Each writer takes a bench and a folder and returns the log and the protocol; it shares no code with what reads them.
 """
 
 import csv
@@ -13,11 +12,11 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from tests.tasks.readings.makers.bench import Bench
+from tests.tasks.readings.makers.bench import Bench, G
 
 R2D = 180.0 / np.pi
-G0 = 9.80665
-Given = tuple[Path, Path, list[str]]
+G0 = G  # one g of these loggers is local gravity
+Given = tuple[Path, Path]
 
 
 def protocol(made: Bench, path: Path, time: Callable[[float], str] = "{:.3f}".format) -> Path:
@@ -33,7 +32,9 @@ def protocol(made: Bench, path: Path, time: Callable[[float], str] = "{:.3f}".fo
     return path
 
 
-def _write(path: Path, head: list[str], rows: list[str], newline: str = "\n", bom: str = "") -> Path:
+def _write(
+    path: Path, head: list[str], rows: list[str], newline: str = "\n", bom: str = ""
+) -> Path:
     path.write_bytes((bom + newline.join([*head, *rows]) + newline).encode())
     return path
 
@@ -55,7 +56,7 @@ def xsens_mt(made: Bench, folder: Path) -> Given:
         ))
     ]  # fmt: skip
     log = _write(folder / "MT_0300.txt", head, rows)
-    return log, protocol(made, folder / "protocol.csv"), []
+    return log, protocol(made, folder / "protocol.csv")
 
 
 def phyphox(made: Bench, folder: Path) -> Given:
@@ -65,7 +66,7 @@ def phyphox(made: Bench, folder: Path) -> Given:
     values = np.column_stack([made.t, made.gyro, made.accel])
     rows = [row.replace(".", ",") for row in _numbers(values, "%.9E", ";")]
     log = _write(folder / "Raw Data.csv", head, rows, "\r\n", "\ufeff")
-    return log, protocol(made, folder / "protocol.csv"), []
+    return log, protocol(made, folder / "protocol.csv")
 
 
 def sensor_log(made: Bench, folder: Path) -> Given:
@@ -87,7 +88,7 @@ def sensor_log(made: Bench, folder: Path) -> Given:
         ]))  # fmt: skip
     log = _write(folder / "2026-03-02_09_15.csv", [",".join(names)], rows)
     said = protocol(made, folder / "protocol.csv", lambda s: f"{s + 81234.5:.3f}")
-    return log, said, ["--gravity", str(G0)]
+    return log, said
 
 
 def vectornav(made: Bench, folder: Path) -> Given:
@@ -100,8 +101,7 @@ def vectornav(made: Bench, folder: Path) -> Given:
         for t, text in zip(made.t, _numbers(values, "%.7f", ","), strict=True)
     ]
     log = _write(folder / "vn200.csv", [names], rows)
-    return log, protocol(made, folder / "protocol.csv", lambda s: f"{s + 52:.3f}"), [
-        "--units", "gyro=rad/s"]  # fmt: skip
+    return log, protocol(made, folder / "protocol.csv", lambda s: f"{s + 52:.3f}")
 
 
 def bosch(made: Bench, folder: Path) -> Given:
@@ -114,7 +114,7 @@ def bosch(made: Bench, folder: Path) -> Given:
         for t, text in zip(made.t, _numbers(values, "%.4f", ";"), strict=True)
     ]
     log = _write(folder / "bmi270.csv", head, rows, "\r\n")
-    return log, protocol(made, folder / "protocol.csv"), []
+    return log, protocol(made, folder / "protocol.csv")
 
 
 def arduino(made: Bench, folder: Path) -> Given:
@@ -128,10 +128,11 @@ def arduino(made: Bench, folder: Path) -> Given:
     rows[-1] = rows[-1][:25]
     head = ["23:57:59.900 -> ax,ay,az,gx,gy,gz"]
     log = _write(folder / "putty.log", ["MPU6050 connected", *head], rows)
+
     def time(s: float) -> str:
         return (began + timedelta(seconds=s)).strftime("%H:%M:%S.%f")[:-3]
 
-    return log, protocol(made, folder / "protocol.csv", time), []
+    return log, protocol(made, folder / "protocol.csv", time)
 
 
 def ulog(made: Bench, folder: Path) -> Given:
@@ -145,7 +146,7 @@ def ulog(made: Bench, folder: Path) -> Given:
         for t, w, a in zip(made.t, made.gyro, made.accel, strict=True)
     ]  # fmt: skip
     log = _write(folder / "log_sensor_combined_0.csv", [",".join(names)], rows)
-    return log, protocol(made, folder / "protocol.csv", lambda s: f"{s + 7.654321:.3f}"), []
+    return log, protocol(made, folder / "protocol.csv", lambda s: f"{s + 7.654321:.3f}")
 
 
 def movella_dot(made: Bench, folder: Path) -> Given:
@@ -159,7 +160,7 @@ def movella_dot(made: Bench, folder: Path) -> Given:
         for k, (t, text) in enumerate(zip(made.t, _numbers(values, "%.6f", ","), strict=True))
     ]
     log = _write(folder / "dot_1.csv", head, rows)
-    return log, protocol(made, folder / "protocol.csv"), []
+    return log, protocol(made, folder / "protocol.csv")
 
 
 def ni_daq(made: Bench, folder: Path) -> Given:
@@ -170,7 +171,7 @@ def ni_daq(made: Bench, folder: Path) -> Given:
     values = np.column_stack([made.t, made.gyro * R2D, made.accel / G0])
     rows = [row.replace(".", ",") for row in _numbers(values, "%.6f", "\t")]
     log = _write(folder / "daq.lvm", head, rows, "\r\n")
-    return log, protocol(made, folder / "protocol.csv"), ["--gravity", str(G0)]
+    return log, protocol(made, folder / "protocol.csv")
 
 
 def workbook(made: Bench, folder: Path) -> Given:
@@ -180,7 +181,7 @@ def workbook(made: Bench, folder: Path) -> Given:
              ["s", "deg/s", "deg/s", "deg/s", "m/s²", "m/s²", "m/s²", "°C"]]  # fmt: skip
     values = np.column_stack([made.t, made.gyro * R2D, made.accel, 0 * made.t + 24.5])
     log = _xlsx(folder / "bench.xlsx", [*table, *values.round(7).tolist()])
-    lines = [["Protocol of the bench"]] * 0 + [
+    lines: list[list] = [
         ["what", "start (s)", "duration (s)", "position", "turn", "axis", "rate (deg/s)"]
     ]
     for one in made.labels:
@@ -190,7 +191,7 @@ def workbook(made: Bench, folder: Path) -> Given:
             one["name"], round(one["t_start"], 3), round(one["t_end"] - one["t_start"], 3), up,
             one.get("turn_deg", ""), one.get("axis", ""), one.get("rate_deg_s", ""),
         ])  # fmt: skip
-    return log, _xlsx(folder / "protocol.xlsx", lines), []
+    return log, _xlsx(folder / "protocol.xlsx", lines)
 
 
 def _xlsx(path: Path, table: list[list]) -> Path:
