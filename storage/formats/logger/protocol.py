@@ -40,10 +40,12 @@ class Protocol:
     faults: list[str] = field(default_factory=list)
 
 
-def read(path: Path, log: Times, origin: float, shift: float) -> Protocol:
+def read(
+    path: Path, log: Times, origin: float, shift: float, *, is_timed: bool = True
+) -> Protocol:
     """The segments of a protocol, in s since `origin` on the log's clock, `shift` s later.
 
-    log: the times of the log's rows, s on its own clock.
+    log: the times of the log's rows, s on its own clock. is_timed: whether these are right.
     """
     protocol = Protocol()
     sheet = read_protocol(path)
@@ -61,7 +63,7 @@ def read(path: Path, log: Times, origin: float, shift: float) -> Protocol:
             segments.append(segment)
     last = float(np.nanmax(log.seconds)) - origin
     outside = [s.name for s in segments if s.t_end > last + 1e-6 or s.t_start < -1e-6]
-    if segments and len(outside) == len(segments):
+    if segments and len(outside) == len(segments) and is_timed:
         protocol.faults.append(
             f"none of its {len(segments)} lines lies within the recording, which lasts {last:.6g} "
             f"s (the first starts at {segments[0].t_start:.6g} s); give --shift"
@@ -135,9 +137,12 @@ class _Line:
     @staticmethod
     def times(sheet: Sheet, place: int) -> Times:
         """Numbers as they are; other times by the clock that they are of."""
+        import pandas as pd
+
         text = sheet.text(place)
-        if sheet.is_numeric(place) or text.str.replace(",", ".").str.fullmatch(r"[-+.\deE]*").all():
-            return Times(sheet.numbers(place), "number")
+        numbers = pd.to_numeric(text.str.replace(",", "."), errors="coerce").to_numpy(float)
+        if np.isfinite(numbers).sum() > 0.5 * (text != "").sum():
+            return Times(numbers, "number")
         return clocks.of_text(text)
 
     def degrees(self, name: str, faults: list[str]) -> float | None:

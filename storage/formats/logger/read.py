@@ -179,8 +179,8 @@ def _timed(
             tries.append((None, how, protocol.Protocol(), column, noted, own))
             continue
         read = protocol.Protocol()
-        if path is not None and not own:
-            read = protocol.read(path, times, _origin(times), changes.shift)
+        if path is not None:
+            read = protocol.read(path, times, _origin(times), changes.shift, is_timed=not own)
         tries.append((times, how, read, column, noted, own))
         if not own and not read.faults:
             break
