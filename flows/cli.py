@@ -19,7 +19,6 @@ from flows import (
     equipment_commands,
     explain_commands,
     history_commands,
-    import_commands,
     operating_commands,
     options,
     order_commands,
@@ -27,6 +26,7 @@ from flows import (
     store_commands,
     user_commands,
 )
+from flows.imports import commands as import_commands
 from flows.logs import set_up
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable

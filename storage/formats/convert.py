@@ -101,7 +101,7 @@ class Changes:
     def __bool__(self) -> bool:
         return bool(self.units or self.axes or self.shift or self.gravity)
 
-    def said(self) -> dict[str, object]:
+    def as_fields(self) -> dict[str, object]:
         """As it stands in the manifest."""
         made: dict[str, object] = {"units": dict(self.units)} if self.units else {}
         if self.axes:
@@ -153,7 +153,7 @@ def changed(recording: Recording, changes: Changes, *, is_timed: bool = False) -
     station = recording.manifest.station
     if changes.gravity:
         station = station.model_copy(update={"gravity_m_s2": changes.gravity})
-    extra = {"imported": {**changes.said(), "source_digest": recording.digest}}
+    extra = {"imported": {**changes.as_fields(), "source_digest": recording.digest}}
     manifest = recording.manifest.model_copy(
         update={"segments": moved, "station": station, **extra}
     )

@@ -9,7 +9,7 @@ from schemas.calibration import Calibration, Covariance, EnvironmentSeen, Item, 
 from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
 from tasks.calibrate.information import information
-from tasks.readings.plausibility import KINDS
+from tasks.readings.implausible import KINDS
 from tasks.run_validity.judge import run_remarks
 from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS

@@ -12,7 +12,7 @@ from storage.formats import recordings
 from storage.formats.convert import Changes
 from storage.home import Home
 from tasks.conformity import check_capabilities
-from tasks.stages.import_log import understand
+from tasks.stages.imports.log import understand
 
 GUIDE = Path("deploy/guide")
 PARTY = {"name": "L", "name_zh": "实", "address": "a", "address_zh": "址"}

@@ -68,11 +68,11 @@ def of_numbers(values: np.ndarray, unit: str, name: str = "") -> Times | None:
     elif epochs and RATES[0] < 1.0 / (np.median(steps) * epochs[0][0]) < RATES[1]:
         (factor, found), kind = epochs[0], "epoch"
     else:
-        told = [u for u in ("millis", "micros", "nanos") if u in name.lower()]
+        named = [u for u in ("millis", "micros", "nanos") if u in name.lower()]
         usual = float(np.median(steps))
         fits = [(u, f) for u, f in UNITS if RATES[0] <= 1.0 / (usual * f) <= RATES[1]]
-        if told:
-            factor, found = TIME[told[0]], told[0]
+        if named:
+            factor, found = TIME[named[0]], named[0]
         elif len(fits) == 1:
             found, factor = fits[0]
         else:

@@ -26,7 +26,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "name": ("name", "label", "what", "segment"),
 }
 SIGNED = re.compile(r"[+\-]?[xyz][+\-]?")
-DOWN = ("down", "下")
+DOWN = "down"
 LISTED = 3
 SLACK = 1.0  # s by which a line may begin beside the recording
 
@@ -40,9 +40,7 @@ class Protocol:
     faults: list[str] = field(default_factory=list)
 
 
-def read(
-    path: Path, log: Times, origin: float, shift: float, *, is_timed: bool = True
-) -> Protocol:
+def read(path: Path, log: Times, origin: float, shift: float, *, is_timed: bool = True) -> Protocol:
     """The segments of a protocol, in s since `origin` on the log's clock, `shift` s later.
 
     log: the times of the log's rows, s on its own clock. is_timed: whether these are right.
@@ -227,8 +225,8 @@ class _Line:
         text = self.text(name).lower().replace("−", "-").replace(" ", "")
         if not text:
             return None
-        falls = any(word in text for word in DOWN)
-        bare = re.sub(r"up|down|axis|[上下朝天轴]", "", text)
+        falls = DOWN in text
+        bare = re.sub(r"up|down|axis", "", text)
         if not SIGNED.fullmatch(bare):
             faults.append(f"line {self.where}: {name} is {text!r}; write +x, -x, +y, -y, +z or -z")
             return None

@@ -1,8 +1,6 @@
 """A logger's table as columns: preamble, header, units and separators found, whatever wrote it."""
 
-import csv
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from io import StringIO
 from pathlib import Path
@@ -11,6 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from schemas.base import Unusable
+from storage.formats.logger.lines import (
+    CLOCK,
+    NUMBER,
+    SPACES,
+    decoded,
+    fields_of,
+    is_value,
+    joined,
+    plain_line,
+)
 from storage.formats.logger.units import quantity_of
 from storage.formats.logger.xlsx import read_cells
 
@@ -19,13 +27,8 @@ if TYPE_CHECKING:
 
 HEAD = 200  # lines in which preamble and header end
 COMMENTS = ("#", "%", "//", "!")
-SPACES = r"\s+"
 SEPARATORS = ("\t", ";", ",", "|", SPACES)
-NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?|nan|inf|-inf", re.IGNORECASE)
-CLOCK = re.compile(r"(\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[T ]?)?(\d{1,2}:)?\d{1,2}:\d{2}\S*Z?")
-DAY = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}")
 COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
-MONITOR = " -> "  # between the serial monitor's clock and the line
 PAIR = re.compile(r"([A-Za-z_][\w.]*)\s*[:=]\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)")
 EMPTY = ("", "nan", "null", "na", "n/a", "none", "-")
 RUN = 4  # rows of numbers one after the other that begin the data
@@ -91,8 +94,8 @@ def read_sheet(path: Path) -> Sheet:
         if path.suffix.lower() in (".parquet", ".pq"):
             return _of_frame(path, pd.read_parquet(path))
         if path.suffix.lower() in (".xlsx", ".xlsm"):
-            return _of_lines(path, [_joined(cells) for cells in read_cells(path)], "\t")
-        return _of_lines(path, _decoded(path).splitlines())
+            return _of_lines(path, [joined(cells) for cells in read_cells(path)], "\t")
+        return _of_lines(path, decoded(path).splitlines())
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise Unusable(f"{path} cannot be read as a table ({reason}); export it again.") from error
@@ -106,7 +109,7 @@ def read_protocol(path: Path) -> Sheet:
         return read_sheet(path)
     try:
         is_book = path.suffix.lower() in (".xlsx", ".xlsm")
-        lines = [_joined(c) for c in read_cells(path)] if is_book else _decoded(path).splitlines()
+        lines = [joined(c) for c in read_cells(path)] if is_book else decoded(path).splitlines()
     except OSError as error:
         raise Unusable(f"{path} cannot be read ({error.strerror}).") from error
     kept = [(n, line) for n, line in enumerate(lines, start=1) if line.strip()]
@@ -115,14 +118,10 @@ def read_protocol(path: Path) -> Sheet:
         raise Unusable(f"{path} holds no line below its header; write one for each position.")
     header = kept[0][1]
     separator = next((sign for sign in SEPARATORS[:4] if sign in header), SPACES)
-    names = [name.strip('" ') for name in _fields(header, separator)]
-    rows = [_bare(_fields(line, separator), len(names)) for _, line in kept[1:]]
+    names = [name.strip('" ') for name in fields_of(header, separator)]
+    rows = [_bare(fields_of(line, separator), len(names)) for _, line in kept[1:]]
     frame = pd.DataFrame(rows, columns=range(len(names)), dtype=str)
     return Sheet(path, names, [""] * len(names), frame, np.array([n for n, _ in kept[1:]]))
-
-
-def _joined(cells: Sequence[str]) -> str:
-    return "\t".join(cell.replace("\t", " ").replace("\n", " ") for cell in cells)
 
 
 def _of_frame(path: Path, frame: "pd.DataFrame") -> Sheet:
@@ -132,27 +131,13 @@ def _of_frame(path: Path, frame: "pd.DataFrame") -> Sheet:
     return Sheet(path, names, [""] * len(names), frame, np.arange(1, len(frame) + 1))
 
 
-def _decoded(path: Path) -> str:
-    content = path.read_bytes()
-    if not content:
-        raise Unusable(f"{path} is empty; export it again.")
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return content.decode("utf-16")
-    if b"\0" in content[:4096]:
-        raise Unusable(f"{path} is not text; give csv, tsv, xlsx or parquet.")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")
-
-
 def _of_lines(path: Path, lines: list[str], separator: str | None = None) -> Sheet:
     kept = [
         (number, line.rstrip("\r\n"))
         for number, line in enumerate(lines, start=1)
         if line.strip() and not line.lower().startswith("sep=")
     ]
-    kept = [(number, _plain_line(line)) for number, line in kept]
+    kept = [(number, plain_line(line)) for number, line in kept]
     start, separator = _begin(path, [line for _, line in kept[:HEAD]], separator)
     data = [(n, line) for n, line in kept[start:] if not line.lstrip().startswith(COMMENTS)]
     count = _usual_count([line for _, line in data[:HEAD]], separator)
@@ -178,32 +163,12 @@ def _empty() -> "pd.DataFrame":
     return pd.DataFrame()
 
 
-def _plain_line(line: str) -> str:
-    """A line of a serial monitor has its clock as a first field."""
-    clock, arrow, rest = line.partition(MONITOR)
-    if not arrow:
-        return line
-    return clock + next((sign for sign in "\t;," if sign in rest), " ") + rest
-
-
-def _fields(line: str, separator: str) -> list[str]:
-    if separator == SPACES:
-        return line.split()
-    if '"' in line:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
-    return [cell.strip() for cell in line.split(separator)]
-
-
-def _is_value(text: str) -> bool:
-    return bool(NUMBER.fullmatch(text) or CLOCK.fullmatch(text) or DAY.fullmatch(text))
-
-
 def _begin(path: Path, head: list[str], given: str | None) -> tuple[int, str]:
     """The first line of data and the separator: most numbers in a row, again and again."""
     best = (0, 0, "")
     for separator in SEPARATORS if given is None else (given,):
-        rows = [_fields(line, separator) for line in head]
-        counts = [sum(map(_is_value, row)) if len(row) > 1 else 0 for row in rows]
+        rows = [fields_of(line, separator) for line in head]
+        counts = [sum(map(is_value, row)) if len(row) > 1 else 0 for row in rows]
         values = [
             n if n >= 2 and n >= 0.5 * sum(map(bool, row)) else 0
             for n, row in zip(counts, rows, strict=True)
@@ -233,19 +198,19 @@ def _begin(path: Path, head: list[str], given: str | None) -> tuple[int, str]:
 def _decimal_comma(lines: list[str]) -> bool:
     """Whether the fields between semicolons, tabs or spaces are numbers with a comma."""
     for separator in ("\t", ";", SPACES):
-        fields = [cell for line in lines[:20] for cell in _fields(line, separator)]
-        if len(fields) > len(lines[:20]) and all(map(_is_value, filter(None, fields))):
+        fields = [cell for line in lines[:20] for cell in fields_of(line, separator)]
+        if len(fields) > len(lines[:20]) and all(map(is_value, filter(None, fields))):
             return True
     return False
 
 
 def _usual_count(lines: list[str], separator: str) -> int:
-    return int(np.median([len(_fields(line, separator)) for line in lines]))
+    return int(np.median([len(fields_of(line, separator)) for line in lines]))
 
 
 def _header(before: list[str], separator: str, count: int) -> tuple[list[str], list[str], str]:
     """Names, units and preamble by the lines before the data; no names where no line has them."""
-    rows = [[f.strip('" ') for f in _fields(_uncommented(line), separator)] for line in before]
+    rows = [[f.strip('" ') for f in fields_of(_uncommented(line), separator)] for line in before]
     if separator == SPACES and rows and len(rows[-1]) != count:  # names with spaces in them
         rows = [re.split(r"\t|;|,|\s{2,}", _uncommented(line).strip()) for line in before]
     fit = [k for k, row in enumerate(rows) if _fits(row, count)]
@@ -300,7 +265,7 @@ def _even(sheet: Sheet, data: list[tuple[int, str]], separator: str, count: int)
 def _frame(lines: list[str], separator: str, count: int) -> "pd.DataFrame":
     import pandas as pd
 
-    cells = [cell for line in lines[:HEAD] for cell in _fields(line, separator)]
+    cells = [cell for line in lines[:HEAD] for cell in fields_of(line, separator)]
     commas = sum(bool(COMMA.fullmatch(cell)) for cell in cells)
     decimal = "," if commas and not any("." in c for c in cells if NUMBER.fullmatch(c)) else "."
     return pd.read_csv(

@@ -14,6 +14,7 @@ from storage.formats.mcap.chunk_reader import Batch, Contents
 from storage.formats.mcap.definitions import FIELDS
 from storage.formats.mcap.files import scan_file
 
+UNSET = 3  # messages that share one stamp: it was never set
 STAMP = ("sec", "nanosec")
 
 
@@ -110,7 +111,7 @@ class Bag:
         stamps = np.concatenate([part.stamps for part in parts])
         if self._by_log_time:
             stamps = logged
-        elif len(stamps) > 1 and (stamps == stamps[0]).all():
+        elif len(stamps) >= UNSET and (stamps == stamps[0]).all():
             raise Unusable(
                 f"{where}: the stamps in the headers of its {len(stamps)} messages were never set "
                 f"(all {stamps[0] / NANO:g} s); import it with --stamps log to take the times at "

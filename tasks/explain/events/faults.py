@@ -22,7 +22,7 @@ from tasks.explain.events.code_fault import CodeFault, find_code_fault
 from tasks.explain.events.event import TRIAD_NAMES, Event
 from tasks.motion.whole import Motion
 from tasks.readings.axes import TriadMatrix, fitting, triad_matrix
-from tasks.readings.plausibility import REMOVED
+from tasks.readings.wrong_units import REMOVED
 from tasks.words import message
 
 STANDARD_GRAVITY = 9.80665  # m/s²

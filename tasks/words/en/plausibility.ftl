@@ -18,21 +18,12 @@ plausibility-rate-unit = The gyros read { $ratio } of the { $source ->
         [labels] , or write rate_deg_s in deg/s if the labels are wrong
        *[other] {""}
     }.
-plausibility-table-unit = The encoders turn { $ratio } times as fast as gyros and labels show: they look like { $unit }; import them with { $option }.
+plausibility-table-unit = The encoders turn { $ratio } times as far as the gyros: they look like degrees; import them with { $option }.
 plausibility-axes = The axes are not those of the labels or the table: { $reads } ({ $value }); import it with { $option }.
 plausibility-inverted = { $triad ->
-        [gyro] { $count ->
-            [one] gyro { $axes } is
-           *[other] gyros { $axes } are
-        } inverted
-        [accel] { $count ->
-            [one] accelerometer { $axes } is
-           *[other] accelerometers { $axes } are
-        } inverted
-       *[both] { $axes } of gyros and accelerometers { $count ->
-            [one] is
-           *[other] are
-        } inverted
+        [gyro] gyro { $axes } inverted
+        [accel] accelerometer { $axes } inverted
+       *[both] { $axes } of gyros and accelerometers inverted
     }
 plausibility-exchanged = { $triad ->
         [gyro] gyros { $axes } are exchanged

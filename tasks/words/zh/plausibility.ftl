@@ -18,7 +18,7 @@ plausibility-rate-unit = 陀螺读数为{ $source ->
         [labels] ；若标注有误，则将 rate_deg_s 改为 °/s
        *[other] {""}
     }。
-plausibility-table-unit = 编码器所示角速率为陀螺与标注的 { $ratio } 倍：编码器单位似为 { $unit }；请以 { $option } 导入。
+plausibility-table-unit = 编码器转过的角度为陀螺所示的 { $ratio } 倍：其单位似为度；请以 { $option } 导入。
 plausibility-axes = 各轴与标注或转台不符：{ $reads }（{ $value }）；请以 { $option } 导入。
 plausibility-inverted = { $triad ->
         [gyro] 陀螺 { $axes } 轴方向相反

@@ -10,7 +10,8 @@ from schemas.recording import Recording
 from storage.formats import recordings
 from storage.formats.convert import Changes, axis_map, changed, pairs
 from tasks.motion.angle_rates import as_mean_rates
-from tasks.readings.plausibility import KINDS, Implausible, implausible
+from tasks.readings.implausible import KINDS, Implausible
+from tasks.readings.plausibility import implausible
 from tasks.segments.find import segments_of
 from tasks.words import say
 from tests.shared import shared_path
@@ -29,7 +30,9 @@ MISTAKES: dict[str, tuple[Mistake, str]] = {
     "rates converted twice": (
         partial(mistakes.gyro_times, factor=np.pi / 180), "--units gyro=57.2958rad/s",
     ),
-    "rates divided twice": (partial(mistakes.gyro_times, factor=1 / 65.5), "--units gyro=65.5rad/s"),
+    "rates divided twice": (
+        partial(mistakes.gyro_times, factor=1 / 65.5), "--units gyro=65.5rad/s",
+    ),
     "raw rates": (partial(mistakes.gyro_times, factor=131 * 180 / np.pi), "--units gyro=131/dps"),
     "forces in g": (partial(mistakes.accel_times, factor=1 / G0), "--units accel=g"),
     "forces in mg": (partial(mistakes.accel_times, factor=1e3 / G0), "--units accel=mg"),
@@ -107,10 +110,11 @@ def test_labels_shifted_as_a_whole_are_put_right_by_what_is_said(seconds: float)
 
 
 def test_a_table_in_degrees_is_not_taken_for_the_gyros() -> None:
-    made = varied(5)
-    made.angle *= 180.0 / np.pi
-    (one,) = found(recorded(made, table=True))
-    assert one.option in ("--units table=deg", "")
+    for labels in (True, False):
+        made = varied(4)
+        made.angle *= 180.0 / np.pi
+        (one,) = found(recorded(made, table=True, labels=labels))
+        assert one.option == "--units table=deg"
 
 
 def test_what_is_said_is_what_import_takes() -> None:
@@ -134,7 +138,7 @@ def test_what_is_said_is_what_import_takes() -> None:
     ],
 )
 def test_recordings_from_the_field_are_named(name: str, kinds: list[str]) -> None:
-    assert [one.kind for one in found(recordings.read(shared_path(name)))] == kinds
+    assert [one.kind for one in found(recordings.read(shared_path(f"data/{name}")))] == kinds
 
 
 def test_all_other_shared_recordings_are_let_be() -> None:

@@ -17,8 +17,8 @@ SMALL = {"dwell": 4.0, "rates": (40.0,), "turns": (0.0,)}
 Writer = Callable[[Bench, Path], tuple[Path, Path]]
 
 
-def understood(log: Path, said: Path | None, **changes: object) -> Understood:
-    return read_log(log, said, {}, Changes(gravity=G, **changes))  # type: ignore[arg-type]
+def understood(log: Path, lines: Path | None, **changes: object) -> Understood:
+    return read_log(log, lines, {}, Changes(gravity=G, **changes))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("write", LOGGERS, ids=lambda one: one.__name__)
@@ -55,18 +55,18 @@ def test_what_is_not_written_anywhere_is_asked_in_one_question(tmp_path: Path) -
 
 
 def test_all_faults_of_a_bad_file_are_told_at_once(tmp_path: Path) -> None:
-    log, said = bosch(bench(7, **SMALL), tmp_path)
+    log, stated = bosch(bench(7, **SMALL), tmp_path)
     lines = log.read_text().splitlines()
     lines[50] = lines[50].replace(";", ";ovf", 1)
     lines[60] += ";7"
     lines[71], lines[70] = lines[70], lines[71]
     log.write_text("\n".join(lines))
-    protocol_lines = said.read_text().splitlines()
-    protocol_lines[2] = protocol_lines[2].replace("-x", "up?")
-    protocol_lines[3] = "ten,20,+y,,,"
-    said.write_text("\n".join(protocol_lines))
+    rows = stated.read_text().splitlines()
+    rows[2] = rows[2].replace("-x", "up?")
+    rows[3] = "ten,20,+y,,,"
+    stated.write_text("\n".join(rows))
     with pytest.raises(Unusable) as refused:
-        understood(log, said)
+        understood(log, stated)
     sentence = str(refused.value)
     for part in ("ovf", "usual 8 fields", "line 61", "runs backwards", "line 3: up is", "line 4"):
         assert part in sentence
@@ -89,16 +89,16 @@ def test_a_protocol_counts_on_any_clock(clock: str, tmp_path: Path) -> None:
     log = tmp_path / "log.csv"
     began = 4000.0
     values = np.column_stack([made.t + began, made.gyro, made.accel])
-    np.savetxt(log, values, delimiter=",", comments="", fmt="%.9f",
-               header="time (s),gx (rad/s),gy (rad/s),gz (rad/s),ax (m/s2),ay (m/s2),az (m/s2)")  # fmt: skip
+    names = "time (s),gx (rad/s),gy (rad/s),gz (rad/s),ax (m/s2),ay (m/s2),az (m/s2)"
+    np.savetxt(log, values, delimiter=",", comments="", fmt="%.9f", header=names)
     forms = {
         "start": lambda s: f"{s + began:.3f}",
         "first_row": lambda s: f"{s:.3f}",
         "ms": lambda s: f"{1e3 * s:.0f}",
     }
-    said = protocol(made, tmp_path / "protocol.csv", forms[clock])
+    lines = protocol(made, tmp_path / "protocol.csv", forms[clock])
     if clock == "ms":
-        said.write_text(said.read_text().replace("start,end", "start (ms),end (ms)"))
-    labels = understood(log, said).recording.manifest.segments or ()
+        lines.write_text(lines.read_text().replace("start,end", "start (ms),end (ms)"))
+    labels = understood(log, lines).recording.manifest.segments or ()
     starts = [label.t_start for label in labels]
     np.testing.assert_allclose(starts, [one["t_start"] for one in made.labels], atol=2e-3)

@@ -1,6 +1,7 @@
 """Files as ten loggers write them, by public descriptions of their layouts, from one bench's run.
 
-Each writer takes a bench and a folder and returns the log and the protocol; it shares no code with what reads them.
+Each writer takes a bench and a folder and returns the log and the protocol; it shares no code with
+what reads them.
 """
 
 import csv
@@ -61,8 +62,12 @@ def xsens_mt(made: Bench, folder: Path) -> Given:
 
 def phyphox(made: Bench, folder: Path) -> Given:
     """phyphox: quoted names with units, semicolons and decimal commas in some locales."""
-    head = ['"Time (s)";"Gyroscope x (rad/s)";"Gyroscope y (rad/s)";"Gyroscope z (rad/s)";'
-            '"Acceleration x (m/s^2)";"Acceleration y (m/s^2)";"Acceleration z (m/s^2)"']  # fmt: skip
+    names = [
+        "Time (s)",
+        *(f"Gyroscope {axis} (rad/s)" for axis in "xyz"),
+        *(f"Acceleration {axis} (m/s^2)" for axis in "xyz"),
+    ]
+    head = [";".join(f'"{name}"' for name in names)]
     values = np.column_stack([made.t, made.gyro, made.accel])
     rows = [row.replace(".", ",") for row in _numbers(values, "%.9E", ";")]
     log = _write(folder / "Raw Data.csv", head, rows, "\r\n", "\ufeff")
@@ -87,8 +92,8 @@ def sensor_log(made: Bench, folder: Path) -> Given:
             *(f"{v:.7f}" for v in w + 0.001), "12.5",
         ]))  # fmt: skip
     log = _write(folder / "2026-03-02_09_15.csv", [",".join(names)], rows)
-    said = protocol(made, folder / "protocol.csv", lambda s: f"{s + 81234.5:.3f}")
-    return log, said
+    stated = protocol(made, folder / "protocol.csv", lambda s: f"{s + 81234.5:.3f}")
+    return log, stated
 
 
 def vectornav(made: Bench, folder: Path) -> Given:
@@ -167,7 +172,8 @@ def ni_daq(made: Bench, folder: Path) -> Given:
     """LabVIEW: a header with its end marks, tabs, decimal comma, names with units in words."""
     head = ["LabVIEW Measurement\t", "Writer_Version\t2", "Separator\tTab", "Decimal_Separator\t,",
             "***End_of_Header***\t", "\t", "Channels\t6", "Samples\t1\t1\t1\t1\t1\t1",
-            "***End_of_Header***\t", "X_Value\tgx [dps]\tgy [dps]\tgz [dps]\tax [g]\tay [g]\taz [g]"]  # fmt: skip
+            "***End_of_Header***\t",
+            "X_Value\tgx [dps]\tgy [dps]\tgz [dps]\tax [g]\tay [g]\taz [g]"]  # fmt: skip
     values = np.column_stack([made.t, made.gyro * R2D, made.accel / G0])
     rows = [row.replace(".", ",") for row in _numbers(values, "%.6f", "\t")]
     log = _write(folder / "daq.lvm", head, rows, "\r\n")

@@ -4,7 +4,7 @@ from typing import Any
 
 from flows.printing import print_rows
 from schemas.recording import Segment
-from tasks.stages.import_log import LogShown, shown_of
+from tasks.stages.imports.log import LogShown, shown_of
 from tasks.words import say
 
 

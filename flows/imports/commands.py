@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flows import import_options, options
+from flows import options
+from flows.imports import options as import_options
 
 if TYPE_CHECKING:
     from storage.formats.convert import Changes
     from storage.home import Home
-    from tasks.stages.import_log import LogShown
     from tasks.stages.import_recording import Imported
+    from tasks.stages.imports.log import LogShown
 
 app = typer.Typer()
 
@@ -91,7 +92,7 @@ def _like(changes: "Changes", like: str | None, home: "Home") -> "Changes":
     """The changes of a recording, like those of an earlier run."""
     if like is None:
         return changes
-    from tasks.stages.import_log import changes_like, mapping_like
+    from tasks.stages.imports.log import changes_like, mapping_like
 
     return changes_like(mapping_like(like, home), changes)
 
@@ -101,9 +102,9 @@ def _import_log(
     like: str | None, *, yes: bool, as_json: bool,
 ) -> list[dict[str, Any]]:  # fmt: skip
     """Shows what was understood of a logger's table, and keeps it; nothing where it is not kept."""
-    from flows.print_import import print_understood, understood_document
+    from flows.imports.understood import print_understood, understood_document
     from flows.progress import working
-    from tasks.stages.import_log import keep_log, mapping_like, understand
+    from tasks.stages.imports.log import keep_log, mapping_like, understand
 
     with working(f"reading {path.name}"):
         shown = understand(

@@ -15,7 +15,8 @@ from storage.formats.convert import STANDARD_GRAVITY, Changes, axis_map
 from storage.formats.logger.read import Understood, read_log
 from storage.home import Home
 from storage.whole_files import writing_in_home
-from tasks.readings.plausibility import Implausible, implausible
+from tasks.readings.implausible import Implausible
+from tasks.readings.plausibility import implausible
 from tasks.readings.turns import steady_turns
 from tasks.run_validity.site import normal_gravity
 from tasks.segments.find import find_segments
@@ -86,8 +87,8 @@ def understand(
     station: Station | None = like.get("station")
     unit: Unit | None = like.get("unit")
     notes = []
-    gravity, said = _gravity(changes, station, home)
-    notes.append(said)
+    gravity, source = _gravity(changes, station, home)
+    notes.append(source)
     place = (station or Station(id="unknown")).model_copy(update={"gravity_m_s2": gravity})
     understood = read_log(path, protocol, columns, changes, station=place, unit=unit)
     if protocol is None:
