@@ -17,7 +17,7 @@ NOMINAL = 0.03  # of a rate, by which the gyro may read another than was set
 def steady_turns(recording: Recording, rests: tuple[Segment, ...]) -> tuple[Segment, ...]:
     """Turns at a held rate about one axis, in the order of time.
 
-    The rate is the number of two digits nearest to what the gyro reads: a proposal, for the gyro is
+    The rate is the roundest number near to what the gyro reads: a proposal, for the gyro is
     not its own reference. rests: where it rests.
     """
     imu = recording.imu
@@ -42,8 +42,8 @@ def steady_turns(recording: Recording, rests: tuple[Segment, ...]) -> tuple[Segm
         if end - start < SHORTEST or abs(mean[axis]) < ALIGNED * np.linalg.norm(mean):
             continue
         read = float(np.degrees(mean[axis]))
-        nominal = float(f"{read:.2g}")
-        nominal = nominal if abs(read - nominal) < NOMINAL * abs(read) else round(read, 3)
+        rounded = (float(f"{read:.1g}"), float(f"{read:.2g}"), round(read, 3))
+        nominal = next(one for one in rounded if abs(read - one) < NOMINAL * abs(read))
         name = f"turn_{len(turns) + 1:03d}"
         turns.append(Segment(name=name, kind="rate", axis=AXES[axis], rate_deg_s=nominal,
                              t_start=start, t_end=end))  # fmt: skip
