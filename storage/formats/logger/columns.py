@@ -44,8 +44,9 @@ BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 LAST_AXIS = re.compile(r"(.+?)([xyz])")
 UNIT_ENDS = (  # of names such as wx_rad_s
-    "rad_s", "deg_s", "rads", "dps", "mdps", "degs", "m_s2", "ms2", "mps2", "mg", "g", "rad", "deg",
-    "s", "ms", "us", "ns", "usec", "msec", "sec", "lsb", "c", "degc",
+    "rad_per_s", "deg_per_s", "m_per_s2", "rad_s", "deg_s", "rads", "dps", "mdps", "degs", "m_s2",
+    "ms2", "mps2", "mg", "g", "rad", "deg", "s", "ms", "us", "ns", "usec", "msec", "sec", "lsb",
+    "c", "degc",
 )  # fmt: skip
 
 
@@ -162,16 +163,17 @@ def _candidates(sheet: Sheet, place: int) -> list[Column]:
     bare, unit = _named_unit(sheet, place)
     name, words = sheet.names[place], _words(bare)
     quantity = quantity_of(unit)
-    if not words:
-        return []
     made: list[Column] = []
     is_exact = bare.lower().replace(" ", "") in EXACT_TIME
-    if (set(words) & TIME_WORDS or is_exact) and not set(words) & NO_TIME:
+    is_time = bool(set(words) & TIME_WORDS) or is_exact or quantity == "time"
+    if is_time and not set(words) & NO_TIME and quantity in (None, "time"):
         strange = len([w for w in words if w not in TIME_WORDS | TIME_FILLING])
+        strange += PENALTY * (not set(words) & TIME_WORDS)  # by its unit alone
         made.append(Column("t", place, name, unit, 0 if is_exact else 1 + strange, ""))
-    if set(words) & WARM and quantity in (None, "warmth"):
+    is_warm = bool(set(words) & WARM) or (quantity == "warmth" and not words)
+    if is_warm and quantity in (None, "warmth"):
         made.append(Column("temperature", place, name, unit, len(words) - 1, ""))
-    axis, rest = _axis(words)
+    axis, rest = _axis(_from_zero(words, sheet.names, name))
     if axis is None or set(rest) & OTHER:
         return made
     kind = _kind(rest, quantity)
@@ -184,13 +186,22 @@ def _candidates(sheet: Sheet, place: int) -> list[Column]:
     return made
 
 
+def _from_zero(words: list[str], names: Sequence[str], name: str) -> list[str]:
+    """The words of a name with its number from 0 where those of its kind are 1, 2 and 3."""
+    kind = re.sub(r"[123](?=\D*$)", "{}", name)
+    is_numbered = kind != name and all(kind.format(k) in names for k in (1, 2, 3))
+    if not is_numbered or kind.format(0) in names or not words[-1].isdecimal():
+        return words
+    return [*words[:-1], str(int(words[-1]) - 1)]
+
+
 def _axis(words: list[str]) -> tuple[str | None, list[str]]:
     """The axis that a name tells, and its other words."""
     numbers = {"0": "x", "1": "y", "2": "z"}
     for k in reversed(range(len(words))):
         if words[k] in AXES:
             return words[k], words[:k] + words[k + 1 :]
-    last = words[-1]
+    last = words[-1] if words else ""
     if last in numbers and len(words) > 1:
         return numbers[last], words[:-1]
     found = LAST_AXIS.fullmatch(last)

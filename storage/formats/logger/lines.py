@@ -3,10 +3,12 @@
 import csv
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from schemas.base import Unusable
 
+ENCODINGS = ("utf-8-sig", "gb18030")  # then that of Western Windows
 SPACES = r"\s+"
 NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?|nan|inf|-inf", re.IGNORECASE)
 CLOCK = re.compile(r"(\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[T ]?)?(\d{1,2}:)?\d{1,2}:\d{2}\S*Z?")
@@ -26,10 +28,10 @@ def decoded(path: Path) -> str:
         return content.decode("utf-16")
     if b"\0" in content[:4096]:
         raise Unusable(f"{path} is not text; give csv, tsv, xlsx or parquet.")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")
+    for encoding in ENCODINGS:
+        with suppress(UnicodeDecodeError):
+            return content.decode(encoding)
+    return content.decode("cp1252", errors="replace")
 
 
 def plain_line(line: str) -> str:

@@ -68,7 +68,7 @@ def plain(text: str) -> str:
     for word, unit in WORDS:
         if text not in TIME:
             text = text.replace(word, unit)
-    return text
+    return re.sub("/+", "/", text)
 
 
 def scale(quantity: str, text: str, gravity: float) -> Scale | None:
