@@ -24,7 +24,7 @@ STEP = 0.05  # s
 LEAST_COST, LEFT = 0.004, 0.02  # share of rows against the labels: as they stand, and moved
 NOTHING = 0.001  # share of rows by which costs are alike
 BETTER = 0.15  # of the rows against them that a shift may leave
-SMALLEST = 0.25  # s: streams may be offset from each other by a little
+SMALLEST = 0.35  # s: streams may be offset from each other by a little
 FEWEST = 3  # labels
 
 

@@ -58,7 +58,7 @@ def implausible(
     )  # fmt: skip
     tracked = attitude_stream(recording) is not None and recording.table is None
     between_rests = partial(ways, recording, used, means)
-    if (wrong := wrong_table(recording, means, between_rests)) is not None:
+    if not _is_usual(gyro) and (wrong := wrong_table(recording, means, between_rests)) is not None:
         return (wrong,)
     rates = wrong_rates(recording, gyro, scales[0])
     if gyro is None and not (means.rate[~means.static] != 0.0).any():
@@ -69,10 +69,15 @@ def implausible(
     return tuple(one for one in (*found, shifted, mapped) if one is not None)
 
 
+def _is_usual(gyro: TriadMatrix | None) -> bool:
+    """Whether gyros read what the encoders or labels show, but for a range or a scale factor."""
+    common = None if gyro is None else common_factor(gyro)
+    return common is not None and GAINS[0] < common < GAINS[1]
+
+
 def _shift(recording: Recording, gyro: TriadMatrix | None) -> Implausible | None:
     common = None if gyro is None else common_factor(gyro)
-    usual = common is None or GAINS[0] < common < GAINS[1]
-    found = shift_of_labels(recording, 1.0 if usual or common is None else common)
+    found = shift_of_labels(recording, 1.0 if common is None or _is_usual(gyro) else common)
     if found is None:
         return None
     late = found.seconds < 0

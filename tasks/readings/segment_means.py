@@ -37,19 +37,18 @@ def segment_means(recording: Recording, segments: Sequence[Segment]) -> SegmentM
         [values.mean() if len(values) else np.nan for values in imu.views(GYRO + ACCEL, place)]
         for place in rows
     ]).reshape(-1, 6)  # fmt: skip
-    rates, ups = np.full((2, len(segments), 3), np.nan)
-    for k, segment in enumerate(segments):
-        by_table = mean_rate(recording, segment)
-        rates[k] = _labelled_rate(segment) if by_table is None else by_table
-        ups[k] = _up(recording, segment)
     static = np.array([s.kind == "static" for s in segments], bool)
+    rates = np.zeros((len(segments), 3))
+    for k in np.flatnonzero(~static).tolist():
+        by_table = mean_rate(recording, segments[k])
+        rates[k] = _labelled_rate(segments[k]) if by_table is None else by_table
+    ups = np.full((len(segments), 3), np.nan)
+    ups[static] = _ups(recording, [s for s in segments if s.kind == "static"])
     return SegmentMeans(read[:, :3], read[:, 3:], rates, ups, static)
 
 
 def _labelled_rate(segment: Segment) -> np.ndarray:
     """(3,) rad/s; NaN where the label does not tell it."""
-    if segment.kind == "static":
-        return np.zeros(3)
     degrees = segment.rate_deg_s
     if segment.kind == "rotation":
         degrees = (segment.angle_deg or 0.0) / max(segment.t_end - segment.t_start, 1e-9)
@@ -58,19 +57,18 @@ def _labelled_rate(segment: Segment) -> np.ndarray:
     return np.eye(3)[AXES.index(segment.axis)] * degrees * DEG
 
 
-def _up(recording: Recording, segment: Segment) -> np.ndarray:
-    """(3,) by the encoders at the middle of a rest, else by its label."""
+def _ups(recording: Recording, rests: Sequence[Segment]) -> np.ndarray:
+    """(k, 3) by the encoders at the middle of each rest, else by its label."""
     axes, table = recording.manifest.station.table_axes, recording.table
-    if segment.kind != "static":
-        return np.full(3, np.nan)
     if not axes or table is None:
-        return unit_vector(segment.up)
-    middle = 0.5 * (segment.t_start + segment.t_end)
-    if not table.t[0] <= middle <= table.t[-1]:
-        return np.full(3, np.nan)
-    angle = [np.interp(middle, table.t, table.columns[f"{axis.name}_angle"]) for axis in axes]
-    up = table_vectors(recording.manifest.station, np.array([angle]))[0][0]
-    return np.asarray(up @ mount_of(recording.manifest, segment))
+        return np.array([unit_vector(rest.up) for rest in rests]).reshape(-1, 3)
+    middle = np.array([0.5 * (rest.t_start + rest.t_end) for rest in rests])
+    angles = [np.interp(middle, table.t, table.columns[f"{axis.name}_angle"]) for axis in axes]
+    up = table_vectors(recording.manifest.station, np.array(angles).T)[0]
+    up[(middle < table.t[0]) | (middle > table.t[-1])] = np.nan
+    return np.array([
+        one @ mount_of(recording.manifest, rest) for one, rest in zip(up, rests, strict=True)
+    ]).reshape(-1, 3)  # fmt: skip
 
 
 def directions_of(accel: np.ndarray) -> np.ndarray:
