@@ -25,6 +25,7 @@ LEAST_COST, LEFT = 0.004, 0.02  # share of rows against the labels: as they stan
 NOTHING = 0.001  # share of rows by which costs are alike
 BETTER = 0.15  # of the rows against them that a shift may leave
 SMALLEST = 0.35  # s: streams may be offset from each other by a little
+ROWS = 2.0  # intervals of the unit's rows that a shift is at least
 FEWEST = 3  # labels
 
 
@@ -71,13 +72,19 @@ def shift_of_labels(recording: Recording, gain: float = 1.0) -> LabelShift | Non
     if as_stated < LEAST_COST:
         return None
     reach = min(REACH, 0.5 * float(t[-1] - t[0]))
-    return _best(np.arange(-reach, reach + STEP, STEP), cost, as_stated)
+    least = max(SMALLEST, ROWS * float(np.median(np.diff(recording.imu.t))))
+    return _best(np.arange(-reach, reach + STEP, STEP), cost, as_stated, least)
 
 
 def _best(
-    shifts: np.ndarray, cost: Callable[[np.ndarray], np.ndarray], as_stated: float
+    shifts: np.ndarray,
+    cost: Callable[[np.ndarray], np.ndarray],
+    as_stated: float,
+    least: float,
 ) -> LabelShift | None:
-    """The shift that leaves next to nothing against the labels, where it stands alone."""
+    """The shift of at least `least` s that leaves next to nothing against the labels, where it
+    stands alone.
+    """
     costs = cost(shifts)
     best = int(costs.argmin())
     good = costs <= costs[best] + NOTHING
@@ -90,7 +97,7 @@ def _best(
     elsewhere = np.concatenate([costs[: max(low - 20, 0)], costs[high + 20 :]])
     is_clear = (
         costs[best] <= min(LEFT, BETTER * as_stated)
-        and abs(seconds) >= max(SMALLEST, within)
+        and abs(seconds) >= max(least, within)
         and elsewhere.min(initial=1.0) >= 2.0 * costs[best] + 0.01
     )
     return LabelShift(float(seconds), float(within)) if is_clear else None

@@ -13,6 +13,7 @@ from tasks.words import message
 SLOWEST = 0.25  # s between rows, from which the time may be in a smaller unit
 FASTEST = 2e4  # Hz
 TIMES = ((1e3, "ms"), (1e6, "us"), (1e9, "ns"))
+MOST = 0.9  # of the labels
 TURNED = np.radians(30.0)  # between rests: a move
 LONGEST_WAY = 100.0  # times the angle between two rests that a unit turns from one to the other
 AS_FAR = 2.5  # times: axes that turn together, noise
@@ -25,13 +26,11 @@ def wrong_time(
     labels and streams of which one lasts a thousand times as long.
     """
     t = recording.imu.t
-    ends = {"imu": t[-1]} | {n: s.t[-1] for n, s in recording.streams().items() if n == "table"}
-    ends |= {"labels": max(s.t_end for s in segments)} if segments else {}
-    for other, end in ends.items():
+    beyond = [segment.t_end for segment in segments if segment.t_start > t[-1]]
+    if beyond and len(beyond) > MOST * len(segments):
         for factor, unit in TIMES:
-            for long, short in ((other, "imu"), ("imu", other)):
-                if abs(ends[long] / ends[short] / factor - 1.0) < 0.5 and long == "labels":
-                    return _time_sentence("labels", end, factor, f"--units labels={unit}")
+            if abs(np.log(max(beyond) / t[-1] / factor)) < np.log(2.0):
+                return _time_sentence("labels", max(beyond), factor, f"--units labels={unit}")
     interval = float(np.median(np.diff(t)))
     if interval < SLOWEST:
         return None
