@@ -5,6 +5,7 @@ import errno
 import gc
 import os
 import sys
+from typing import Annotated
 
 import typer
 from pydantic import ValidationError
@@ -25,6 +26,7 @@ from flows import (
     store_commands,
     user_commands,
 )
+from flows.imports import commands as import_commands
 from flows.logs import set_up
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
@@ -38,7 +40,6 @@ INVALID = 3  # a run that was acquired and kept, but is invalid
 
 app = typer.Typer(
     name="mimucal",
-    help="Calibrate inertial units on turntables: from the station to the certificate.",
     pretty_exceptions_enable=False,
     add_completion=False,
     rich_markup_mode=None,
@@ -46,6 +47,7 @@ app = typer.Typer(
 app.add_typer(certificate_commands.app)
 app.add_typer(explain_commands.app)
 app.add_typer(correction_commands.app)
+app.add_typer(import_commands.app)
 app.add_typer(store_commands.app)
 app.add_typer(history_commands.app)
 app.add_typer(operating_commands.app)
@@ -130,6 +132,20 @@ def _say_and_leave(sentence: str, code: int) -> None:
         plain = f"{plain[: LONGEST - ENDS]} … {plain[-ENDS:]}"
     print(plain, file=sys.stderr)
     raise SystemExit(code)
+
+
+@app.callback(invoke_without_command=True)
+def about(
+    version: Annotated[
+        bool, typer.Option("--version", help="Name, version and digest of the code.")
+    ] = False,
+) -> None:
+    """Calibrate inertial units on turntables: from the station to the certificate."""
+    if version:
+        from tasks.version import code_version
+
+        print(f"mimucal {code_version()}")
+        raise typer.Exit
 
 
 @app.command(epilog="Example: mimucal demo --procedure jjf1536")

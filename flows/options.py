@@ -126,10 +126,6 @@ EquipmentFile = Annotated[
     Path, typer.Argument(metavar="FILE", help="Measurement standards (mimu-equipment/1).")
 ]
 
-Paths = Annotated[
-    list[Path],
-    typer.Argument(metavar="PATH...", help="mimu-recording/1 folders, MCAP files, ROS 2 bags."),
-]
 Manifest = Annotated[Path | None, _option("FILE", "manifest.json for an MCAP file that has none.")]
 Salvage = Annotated[
     bool, typer.Option("--salvage", help="Recover the intact part of a truncated MCAP file.")

@@ -1,51 +1,10 @@
-"""The commands of the store: import, list, show, verify, doctor, prune, remind, validate."""
-
-import sys
+"""The commands of the store: list, show, verify, doctor, prune, remind, validate."""
 
 import typer
 
 from flows import options
 
 app = typer.Typer()
-
-
-@app.command(name="import", epilog="Example: mimucal import recording.mcap")
-def import_(
-    paths: options.Paths,
-    manifest: options.Manifest = None,
-    salvage: options.Salvage = False,
-    as_json: options.Json = False,
-) -> None:
-    """Import recordings into the store.
-
-    Identical content imported twice is one run.
-    """
-    from flows.printing import print_json
-    from flows.progress import working
-    from storage.home import home
-    from tasks.stages.import_recording import import_recording
-
-    entries = []
-    try:
-        for path in paths:
-            with working(f"importing {path.name}"):
-                done = import_recording(path, home(), manifest=manifest, salvage=salvage)
-            entries.append(
-                {
-                    "run": done.run.id,
-                    "recording_id": done.run.recording_id,
-                    "new": done.is_new,
-                    "left_out": list(done.left_out),
-                }
-            )
-            if done.left_out:
-                left_out = ", ".join(done.left_out)
-                print(f"{path}: left out, no stream takes them: {left_out}", file=sys.stderr)
-            if not as_json:
-                print(done.run.id if done.is_new else f"{done.run.id} (already there)")
-    finally:  # what was imported before one that is refused is listed, too
-        if as_json and (entries or not sys.exc_info()[0]):
-            print_json({"format": "mimu-import/1", "runs": entries})
 
 
 @app.command(epilog="Example: mimucal runs --json")

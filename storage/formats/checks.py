@@ -90,8 +90,9 @@ def _check_time(where: str, t: np.ndarray) -> None:
         )
     if (row := first(np.abs(t) > MAX_TIME_S)) is not None:
         raise Unusable(
-            f"{where}: column t, row {row + 1}: {float(t[row])!r} s is more than 26 days; "
-            "let the time start near zero."
+            f"{where}: column t, row {row + 1}: {float(t[row])!r} s is more than 26 days: let "
+            "the time start near zero, or, if it is not in seconds, import with --units t=ms, t=us "
+            "or t=ns."
         )
     if (before := first(np.diff(t) <= 0)) is not None:
         row = before + 1

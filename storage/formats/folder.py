@@ -16,9 +16,10 @@ from storage.whole_files import text_bytes
 MAX_LENGTH = 80  # characters of a name in a sentence
 
 
-def read_folder(folder: Path) -> Recording:
-    """Reads a `mimu-recording/1` folder (contracts/recording.md), with its digest.
+def read_folder(folder: Path, second: float = 1.0) -> Recording:
+    """Reads a `mimu-recording/1` folder (deploy/guide/recordings.md), with its digest.
 
+    second: s that one of its t is, where they were written in another unit.
     Times are rounded to whole nanoseconds and columns that the format does not know are left
     out. Raises Unusable, naming file, column, row (the first row of data is 1), value and the
     way out, for everything that the format does not allow.
@@ -26,7 +27,7 @@ def read_folder(folder: Path) -> Recording:
     manifest = _manifest(folder)
     streams: dict[str, Stream] = {}
     for name in manifest.streams:
-        streams[name] = _stream(_path(folder, manifest, name), name, manifest)
+        streams[name] = _stream(_path(folder, manifest, name), name, manifest, second)
     recording = as_raw(together(manifest, streams))
     return replace(recording, digest=fingerprint(recording))
 
@@ -80,13 +81,13 @@ def _short(file: str) -> str:
     return repr(file if len(file) <= MAX_LENGTH else f"{file[:MAX_LENGTH]}…")
 
 
-def _stream(path: Path, name: str, manifest: Manifest) -> Stream:
+def _stream(path: Path, name: str, manifest: Manifest, second: float) -> Stream:
     table = read_table(path)
     wanted = [column for column in known_columns(name, manifest) if column in table]
     if "t" not in table:
         raise Unusable(f"{path}: column t is missing; add the time of each row in seconds.")
     check_columns(str(path), name, manifest, set(wanted))
-    t = table.numbers("t")
+    t = table.numbers("t") if second == 1.0 else table.numbers("t") * second
     stream = Stream(t, {column: table.numbers(column) for column in wanted})
     check_stream(str(path), name, stream)
     _check_rounded(path, t)

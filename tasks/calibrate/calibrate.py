@@ -10,6 +10,7 @@ from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.readings.codes import codes_put_right
+from tasks.readings.implausible import KINDS
 from tasks.run_validity.judge import run_remarks
 from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
@@ -70,6 +71,8 @@ def without_information(
         *(stand_remarks(evidence) if evaluation.equipment.axes else ()),
         *laboratory_remarks(evidence.recording, own_latitude_deg),
     )
+    wrong = tuple(one for one in checked if one.code in KINDS)
+    checked = tuple(one for one in checked if one.code not in KINDS)
     missing = {key: result.unavailable[key] for key in items if key in result.unavailable}
     return Calibration(
         recording_id=evidence.recording.manifest.recording_id,
@@ -87,7 +90,7 @@ def without_information(
         covariance=_covariance(result, evidence, items),
         unavailable={key: say(why, "en") for key, why in missing.items()},
         unavailable_zh={key: say(why, "zh") for key, why in missing.items()},
-        remarks=(*result.remarks, *evaluation.remarks, *checked),
+        remarks=(*wrong, *result.remarks, *evaluation.remarks, *checked),
         segments=tuple(_used(evidence, i) for i in range(len(evidence.segments))),
         environment=EnvironmentSeen(
             temperature_degc=_extent(evidence.recording.environment, "temperature"),

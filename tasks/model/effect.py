@@ -127,6 +127,11 @@ _EVENTS = (
         confused_with=("range_setting",),
     ),
     Effect(
+        "gravity_removed", LOGGER, "event", "y′ = a − g·up, as the driver estimates up",
+        "linear acceleration of drivers of digital inertial sensors",
+        confused_with=("range_setting",),
+    ),
+    Effect(
         "dead_zone", LOGGER, "event", "y′ = 0 for |y| < d; or at rest y′ = y − mean of y",
         "IEEE Std 1431, dead band; IEEE Std 528", confused_with=("coarse_quantisation",),
     ),

@@ -6,6 +6,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from schemas.calibration import Item
 from schemas.text import Remark, Statement
+from tasks.readings.plausibility import implausible
 from tasks.run_validity.clocks import clock_remarks, time_base_remarks
 from tasks.run_validity.codes import code_remarks
 from tasks.run_validity.encoders import encoder_remarks
@@ -36,20 +37,13 @@ def run_remarks(
 ) -> tuple[Remark, ...]:
     """All remarks on a run, family by family.
 
-    items: by whose uncertainties a drift is judged.
+    items: by whose uncertainties a drift is judged. Where the recording cannot be what it says,
+    that comes first, and its consequences are not listed.
     """
+    wrong = tuple(plausibility_remarks(evidence))
     return (
-        *label_remarks(evidence, conditions),
-        *encoder_remarks(evidence),
-        *site_remarks(evidence),
-        *code_remarks(evidence),
-        *outlier_remarks(evidence),
-        *vibration_remarks(evidence),
-        *scatter_remarks(evidence, items),
-        *lost_data_remarks(evidence),
-        *clock_remarks(evidence),
-        *time_base_remarks(evidence),
-        *point_remarks(evidence, conditions),
+        *wrong,
+        *(() if wrong else _of_readings(evidence, conditions, items)),
         *environment_remarks(evidence, conditions),
         *unit_temperature_remarks(evidence),
         *supply_remarks(evidence),
@@ -57,6 +51,29 @@ def run_remarks(
         *station_remarks(evidence),
         *field_remarks(evidence.recording.manifest),
     )
+
+
+def _of_readings(
+    evidence: ClauseEvidence, conditions: Conditions, items: Mapping[str, Item]
+) -> Iterator[Remark]:
+    """What labels, encoders and readings show of each other."""
+    yield from label_remarks(evidence, conditions)
+    yield from encoder_remarks(evidence)
+    yield from site_remarks(evidence)
+    yield from code_remarks(evidence)
+    yield from outlier_remarks(evidence)
+    yield from vibration_remarks(evidence)
+    yield from scatter_remarks(evidence, items)
+    yield from lost_data_remarks(evidence)
+    yield from clock_remarks(evidence)
+    yield from time_base_remarks(evidence)
+    yield from point_remarks(evidence, conditions)
+
+
+def plausibility_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """What the recording cannot be: wrong units, axes and clocks make the run invalid."""
+    for one in implausible(evidence.recording, evidence.labels):
+        yield remark(one.kind, one.sentence, blocks_pass=True, run="invalid")
 
 
 def station_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:

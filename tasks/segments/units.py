@@ -28,7 +28,7 @@ def wrong_rate_unit(
             return (
                 f"rate_deg_s of {len(off)} segments is in the wrong unit: {name} says "
                 f"{label_rate:g} deg/s and the {columns} read {read:.4g} deg/s, a factor of 57.3; "
-                f"write rate_deg_s in deg/s and the {columns} in {unit}"
+                f"write rate_deg_s in deg/s and the {columns} in {unit}, or import with --units"
             )
     return None
 
@@ -46,5 +46,5 @@ def wrong_accel_unit(segments: tuple[SegmentMean, ...]) -> str | None:
     first, size = in_g[0]
     return (
         f"the accelerometer columns read {size:.4g} in {first.name}, labelled {first.up} up: they "
-        "look like g; write m/s²"
+        "look like g; write m/s², or import with --units accel=g"
     )

@@ -9,18 +9,34 @@ from schemas.recording import ACCEL, ANGLE, GYRO, MEASURED, Manifest, Recording,
 from storage.catalogue.lineage import stated_day
 from storage.formats import recordings
 from storage.formats.checks import absent
+from storage.formats.convert import Changes
 from storage.verify import StoreFault
+from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.codes import codes_put_right
+from tasks.readings.plausibility import implausible
+from tasks.readings.stamps import with_instants
+from tasks.segments.find import segments_of
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
+from tasks.words import say
 
 
-def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> Recording:
-    """Reads a recording to be imported; raises Unusable for one of no use.
+def read(
+    path: Path,
+    *,
+    manifest: Path | None = None,
+    salvage: bool = False,
+    changes: Changes | None = None,
+    by_log_time: bool = False,
+) -> Recording:
+    """Reads a recording to be imported, with other units, axes and label times where `changes` says
+    so; raises Unusable for one of no use.
 
     What is stored already is never judged again.
     """
-    recording = recordings.read(path, manifest=manifest, salvage=salvage)
+    recording = recordings.read(
+        path, manifest=manifest, salvage=salvage, by_log_time=by_log_time, changes=changes
+    )
     fault = (
         _unreadable_moment(recording.manifest)
         or _missing_triad(recording.manifest, recording.imu)
@@ -29,6 +45,12 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     if fault is not None:
         raise Unusable(f"{path}: {fault}")
     return recording
+
+
+def doubts_of(recording: Recording) -> tuple[str, ...]:
+    """Sentences on what a recording cannot be."""
+    rates = as_mean_rates(codes_put_right(with_instants(recording)))
+    return tuple(say(one.sentence, "en") for one in implausible(rates, segments_of(rates)))
 
 
 def faults_of(path: Path) -> list[StoreFault]:

@@ -5,13 +5,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from mcap.records import Metadata
 
 from schemas.base import Unusable
 from storage.formats.content import NANO
 from storage.formats.mcap.cdr import MalformedError, Texts, decode
-from storage.formats.mcap.chunk_reader import Batch, Contents, scan
+from storage.formats.mcap.chunk_reader import Batch, Contents
 from storage.formats.mcap.definitions import FIELDS
+from storage.formats.mcap.files import scan_file
 
+UNSET = 3  # messages that share one stamp: it was never set
 STAMP = ("sec", "nanosec")
 
 
@@ -19,12 +22,14 @@ STAMP = ("sec", "nanosec")
 class Topic:
     """All messages of one topic.
 
-    stamps: (n,) int64 ns, strictly rising; numbers: field -> (count, n), of a covariance only
-    the first number, which says whether there is a measurement.
+    stamps: (n,) int64 ns, strictly rising; logged: (n,) int64 ns, when they were recorded;
+    numbers: field -> (count, n), of a covariance only the first number, which says whether there is
+    a measurement.
     """
 
     kind: str
     stamps: np.ndarray
+    logged: np.ndarray
     numbers: Mapping[str, np.ndarray]
     texts: Texts
 
@@ -40,15 +45,21 @@ class _Decoded:
 
 
 class Bag:
-    """The topics of a file, by name, each put together when it is asked for."""
+    """The topics of a bag's files, by name, each put together when it is asked for.
 
-    def __init__(self, path: Path) -> None:
+    path: names the bag in sentences. by_log_time: messages are stamped when they were recorded.
+    """
+
+    def __init__(
+        self, path: Path, files: tuple[Path, ...] | None = None, *, by_log_time: bool = False
+    ) -> None:
         self.path = path
+        self._by_log_time = by_log_time
         self._parts: dict[str, list[Topic]] = {}
         self._faults: dict[str, str] = {}
         self._lost = ""
         try:
-            self.contents = scan(path, _decoded, self._keep)
+            self._each = [scan_file(file, _decoded, self._keep) for file in files or (path,)]
         except (ValueError, OSError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise Unusable(
@@ -58,11 +69,16 @@ class Bag:
     @property
     def damage(self) -> str:
         """Why the file is not whole, or nothing."""
-        return self.contents.damage or self._lost
+        return next((each.damage for each in self._each if each.damage), self._lost)
+
+    @property
+    def metadata(self) -> list[Metadata]:
+        """The metadata records of all files."""
+        return [record for each in self._each for record in each.metadata]
 
     def names(self) -> set[str]:
         """Every topic that the file describes, with messages or without."""
-        return {channel.topic for channel in self.contents.channels.values()}
+        return {channel.topic for each in self._each for channel in each.channels.values()}
 
     def of_kind(self, kind: str) -> list[str]:
         """The names of the topics with messages of a type."""
@@ -73,8 +89,11 @@ class Bag:
 
     def described(self) -> str:
         """The topics in the file with their types, for a sentence."""
-        channels = self.contents.channels.values()
-        topics = {f"{c.topic} ({_kind(self.contents, c.schema_id)})" for c in channels}
+        topics = {
+            f"{channel.topic} ({_kind(each, channel.schema_id)})"
+            for each in self._each
+            for channel in each.channels.values()
+        }
         return ", ".join(sorted(topics)) or "no topic"
 
     def topic(self, name: str) -> Topic:
@@ -88,15 +107,25 @@ class Bag:
                 f"{where}: the messages do not all carry the same fields and joints; "
                 "split them into topics that do."
             )
+        logged = np.concatenate([part.logged for part in parts])
         stamps = np.concatenate([part.stamps for part in parts])
+        if self._by_log_time:
+            stamps = logged
+        elif len(stamps) >= UNSET and (stamps == stamps[0]).all():
+            raise Unusable(
+                f"{where}: the stamps in the headers of its {len(stamps)} messages were never set "
+                f"(all {stamps[0] / NANO:g} s); import it with --stamps log to take the times at "
+                f"which they were recorded, over {np.ptp(logged) / NANO:.3f} s."
+            )
         numbers = {
             n: np.concatenate([part.numbers[n] for part in parts], axis=1) for n in parts[0].numbers
         }
         if (np.diff(stamps) <= 0).any():
             order = np.argsort(stamps, kind="stable")
             stamps, numbers = stamps[order], {n: v[:, order] for n, v in numbers.items()}
-            _check_single(where, stamps)
-        return Topic(parts[0].kind, stamps, numbers, parts[0].texts)
+            logged = logged[order]
+            _check_single(where, stamps, logged)
+        return Topic(parts[0].kind, stamps, logged, numbers, parts[0].texts)
 
     def _keep(self, decoded: _Decoded) -> None:
         self._lost = self._lost or decoded.lost
@@ -128,7 +157,9 @@ def _part(kind: str, log_times: np.ndarray, view: np.ndarray, texts: Texts) -> T
     stamps = log_times
     if STAMP[0] in names:
         stamps = view["sec"][:, 0].astype(np.int64) * NANO + view["nanosec"][:, 0]
-    return Topic(kind, stamps, {n: _kept(n, view[n]) for n in names if n not in STAMP}, texts)
+    return Topic(
+        kind, stamps, log_times, {n: _kept(n, view[n]) for n in names if n not in STAMP}, texts
+    )
 
 
 def _kind(contents: Contents, schema_id: int) -> str:
@@ -145,11 +176,16 @@ def _kept(name: str, values: np.ndarray) -> np.ndarray:
     return values.T.astype(np.float64, order="C")
 
 
-def _check_single(where: str, stamps: np.ndarray) -> None:
+def _check_single(where: str, stamps: np.ndarray, logged: np.ndarray) -> None:
     twice = np.flatnonzero(np.diff(stamps) == 0)
     if twice.size:
         seconds, rest = divmod(int(stamps[twice[0]]), NANO)
         raise Unusable(
             f"{where}: {twice.size + 1} or more messages share a stamp, the first at "
-            f"{seconds}.{rest:09d} s; remove the repeated ones."
+            f"{seconds}.{rest:09d} s; remove the repeated ones{_or_logged(logged)}."
         )
+
+
+def _or_logged(logged: np.ndarray) -> str:
+    """Another way out where the times of recording all differ."""
+    return ", or import it with --stamps log" if (np.diff(np.sort(logged)) > 0).all() else ""

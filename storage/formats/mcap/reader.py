@@ -39,19 +39,28 @@ class CutOff(Unusable):
     why = ""
 
 
-def read_mcap(path: Path, *, manifest: Manifest | None = None, salvage: bool = False) -> Recording:
+def read_mcap(
+    path: Path,
+    *,
+    files: tuple[Path, ...] | None = None,
+    manifest: Manifest | None = None,
+    salvage: bool = False,
+    by_log_time: bool = False,
+) -> Recording:
     """Reads a raw recording, or a ROS 2 bag with exactly one sensor_msgs/msg/Imu topic.
 
     A manifest that is given goes before the one in the file; where there is neither, one is
     made of what is known, which is nearly nothing. Epoch stamps are counted from the earliest.
-    `extra["left_out"]` names topics of a foreign bag that could not be placed.
+    files: those of a bag that a folder holds. by_log_time: messages are stamped when they were
+    recorded, and not by their headers. `extra["left_out"]` names topics of a foreign bag that could
+    not be placed.
     Raises Unusable for what is no such file, for a fault in its data and, without `salvage`,
     for a file that is cut off or damaged; with it, what is whole is read.
     """
-    file = Bag(path)
+    file = Bag(path, files, by_log_time=by_log_time)
     imu = file.topic(_imu_topic(file))
     # what this program wrote beside the messages; nothing in a foreign bag
-    own = [record.metadata for record in file.contents.metadata if record.name == FORMAT]
+    own = [record.metadata for record in file.metadata if record.name == FORMAT]
     if file.damage and not salvage:
         since = imu.stamps - _origin(own, [imu.stamps])
         why = (

@@ -12,7 +12,6 @@ another number, and that one of the few that settings make, is a setting.
 """
 
 from dataclasses import dataclass
-from itertools import permutations, product
 
 import numpy as np
 
@@ -21,23 +20,13 @@ from schemas.recording import AXES
 from tasks.explain.channels import CHANNELS, TRIADS
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.event import TRIAD_NAMES, Event
-from tasks.motion.samples import in_blocks
 from tasks.motion.whole import Motion
+from tasks.readings.axes import TriadMatrix, fitting, triad_matrix
+from tasks.readings.wrong_units import REMOVED
 from tasks.words import message
 
-WINDOW = 0.25  # s of a mean
-EXCITED = (0.05, 0.5)  # rad/s, m/s²: standard deviation of an input that shows how it is read
-SLOW = 0.5  # rad/s below which an accelerometer off the axis feels next to nothing of a turn
-MIN_WINDOWS = 20
-MAX_LEFT = 0.25  # of what is read: root of the share of its power that the matrix leaves
-ALIGNED = np.radians(20.0)  # from the axis it should be on: a working unit, roughly fixed
-ASTRAY = np.radians(60.0)  # from there: another axis, or the other way round
-MATRICES = tuple(
-    np.eye(3)[list(order)] * np.array(signs)[:, None]
-    for order in permutations(range(3))
-    for signs in product((1.0, -1.0), repeat=3)
-)
 STANDARD_GRAVITY = 9.80665  # m/s²
+STILL = np.radians(0.5)  # rad/s: what turns slower rests
 WORKING = 0.05  # standard deviation of a working unit's scale factors about one
 NEAR = 0.08  # of a usual factor: as near as working units are
 OWN = 0.01  # of the factor: what scale factors of the unit's own may have in common
@@ -53,59 +42,6 @@ USUAL = (
     BOTH | {"degrees": (180.0 / np.pi,), "radians": (np.pi / 180.0,)},
     BOTH | {"gravities": (1.0 / STANDARD_GRAVITY,), "metric": (STANDARD_GRAVITY,)},
 )
-
-
-@dataclass(frozen=True)
-class TriadMatrix:
-    """directions: (3, r) orthonormal inputs that vary; reads: (3, r) what is read of each."""
-
-    directions: np.ndarray
-    reads: np.ndarray
-
-
-def triad_matrix(readings: np.ndarray, motion: Motion, triad: int) -> TriadMatrix | None:
-    """The matrix of a triad, 0 or 1, from readings (n, 6) rad/s, m/s²; None if it does not fit.
-
-    A single attitude shows the response of the accelerometers to gravity except for their bias.
-    """
-    means = _means(readings[:, list(TRIADS[triad])], motion, triad)
-    if means is None:
-        return None
-    read, felt = means
-    centre, middle = read.mean(axis=0), felt.mean(axis=0)
-    sizes, axes = np.linalg.eigh(np.cov((felt - middle).T))
-    directions = axes[:, sizes > EXCITED[triad] ** 2]
-    if not directions.size:
-        if triad == 0:
-            return None
-        size = float(np.linalg.norm(middle))
-        return TriadMatrix(middle[:, None] / size, centre[:, None] / size)
-    along = (felt - middle) @ directions
-    reads = np.linalg.lstsq(along, read - centre, rcond=None)[0].T
-    left = read - centre - along @ reads.T
-    if np.sum(left**2) > MAX_LEFT**2 * np.sum((read - centre) ** 2):
-        return None
-    return TriadMatrix(directions, reads)
-
-
-def _means(
-    readings: np.ndarray, motion: Motion, triad: int
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """Readings and inputs (m, 3) over whole windows in which both are known."""
-    rows = max(1, round(WINDOW / max(motion.interval, 1e-9)))
-    inputs = (motion.rate, motion.force)[triad]
-    both = np.hstack([readings, inputs])
-    if triad == 1:  # while it turns fast, only where nothing else was recorded
-        slow = np.linalg.norm(motion.rate, axis=1) < SLOW
-        still = np.where(slow[:, None], both, np.nan)
-        if np.isfinite(in_blocks(still, rows)).all(axis=(1, 2)).sum() >= MIN_WINDOWS:
-            both = still
-    blocks = in_blocks(both, rows)
-    blocks = blocks[np.isfinite(blocks).all(axis=(1, 2))]
-    if len(blocks) < MIN_WINDOWS:
-        return None
-    means = blocks.mean(axis=1)
-    return means[:, :3], means[:, 3:]
 
 
 @dataclass(frozen=True)
@@ -129,14 +65,6 @@ class AxisMapping(Event):
         return changed
 
 
-def fitting(found: TriadMatrix) -> list[np.ndarray]:
-    """The signed permutations with which a triad reads along its axes, fewest changes first."""
-    if _astray(found, np.eye(3)) < ASTRAY:
-        return [np.eye(3)]
-    good = [matrix for matrix in MATRICES if _astray(found, matrix) < ALIGNED]
-    return sorted(good, key=_changes)
-
-
 def axis_mapping(triad: int, matrix: np.ndarray, with_mount: bool) -> AxisMapping:
     """The event of a signed permutation; with_mount: a wrongly stated mount would look the same."""
     rows = [row for row in range(3) if matrix[row, row] != 1.0]
@@ -155,19 +83,6 @@ def axis_mapping(triad: int, matrix: np.ndarray, with_mount: bool) -> AxisMappin
         message("events-axis-mapping", sensors=TRIAD_NAMES[triad], axes=tuple(texts)),
         triad, matrix, indistinguishable=("reference_frame",) if with_mount else (),
     )  # fmt: skip
-
-
-def _astray(found: TriadMatrix, matrix: np.ndarray) -> float:
-    """The largest angle between the response to an input and that of a permutation."""
-    expected = matrix @ found.directions
-    size = np.linalg.norm(found.reads, axis=0)
-    cosine = np.sum(expected * found.reads, axis=0) / np.where(size > 0, size, 1.0)
-    return float(np.arccos(np.clip(cosine, -1.0, 1.0)).max())
-
-
-def _changes(matrix: np.ndarray) -> tuple[int, int]:
-    """How many axes are not read as they should be, and how many of them are inverted."""
-    return int(3 - np.sum(np.diag(matrix) == 1.0)), int(np.sum(matrix < 0))
 
 
 @dataclass(frozen=True)
@@ -233,7 +148,45 @@ def _surprise(scale_factors: np.ndarray) -> np.ndarray:
 Setting = RangeSetting | AxisMapping
 
 
-Fault = Setting | CodeFault
+@dataclass(frozen=True, eq=False)
+class GravityRemoved(Event):
+    """force: (n, 3) m/s² of gravity's reaction, which was taken off the accelerometers' rows."""
+
+    force: np.ndarray
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        return self._with(predicted, -1.0)
+
+    def undone(self, readings: np.ndarray) -> np.ndarray:
+        """Readings (n, 6) with gravity, NaN of accelerometers where the attitude is not known."""
+        return self._with(readings, 1.0)
+
+    def _with(self, readings: np.ndarray, sign: float) -> np.ndarray:
+        changed = readings.copy()
+        changed[:, list(TRIADS[1])] += sign * self.force
+        return changed
+
+
+Fault = Setting | CodeFault | GravityRemoved
+
+
+def find_gravity_removed(readings: np.ndarray, motion: Motion) -> GravityRemoved | None:
+    """Accelerometers that read next to nothing at rest, where the attitude is known."""
+    force = motion.force
+    still = np.linalg.norm(np.nan_to_num(motion.rate, nan=np.inf), axis=1) < STILL
+    still &= np.isfinite(force).all(axis=1)
+    read = (
+        np.median(np.linalg.norm(readings[still][:, list(TRIADS[1])], axis=1))
+        if still.any()
+        else 0.0
+    )
+    if not 0.0 < read < REMOVED * motion.gravity:
+        return None
+    return GravityRemoved(
+        "gravity_removed", TRIADS[1],
+        (FoundParameter(name="at_rest", value=float(read), unit="m/s2", u=0.0),), 1e-12,
+        message("plausibility-gravity-removed", read=f"{read:.2g}"), force,
+    )  # fmt: skip
 
 
 def find_settings(readings: np.ndarray, motion: Motion, tracked: bool) -> tuple[Setting, ...]:

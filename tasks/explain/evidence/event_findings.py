@@ -15,7 +15,7 @@ from schemas.discrepancy import Verdict
 from tasks.explain.channels import CHANNELS, EVERY
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.event import Event, Events
-from tasks.explain.events.faults import Fault
+from tasks.explain.events.faults import AxisMapping, Fault, RangeSetting
 from tasks.explain.events.saturation import EFFECTS as LIMITS
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.shares import WEAK, without_form_errors
@@ -211,7 +211,7 @@ def _matrix(faults: Sequence[Fault], t: np.ndarray) -> np.ndarray:
     """(6, 6) effect of the settings on the readings of each channel."""
     read = np.eye(len(CHANNELS))  # a row for each channel that reads one
     for fault in faults:
-        if not isinstance(fault, CodeFault):
+        if isinstance(fault, AxisMapping | RangeSetting):
             read = fault.applied(t, read)
     return read.T
 

@@ -1,7 +1,8 @@
 """Leaves out labels that gravity, encoders or gyros contradict, as a calibration does.
 
-Where most labels of a kind are contradicted it is not the labels that are wrong: axes exchanged,
-a range set wrong. Then they are used, and what is wrong is looked for.
+Where most labels of a kind are contradicted, or all of one axis, it is not the labels that are
+wrong: axes exchanged or inverted, a range set wrong. Then they are used, and what is wrong is
+looked for.
 """
 
 from dataclasses import replace
@@ -32,11 +33,14 @@ def with_usable_labels(recording: Recording) -> tuple[Recording, tuple[Sayable, 
     means = tuple(one for one in summaries if one.rows >= MIN_ROWS)
     points = turning_points(recording, means)
     by_gravity = _if_few({
-        mean.segment.name: up_of(mean.mean[ACCEL_COLUMNS]) != mean.segment.up
+        (mean.segment.up[1], mean.segment.name): up_of(mean.mean[ACCEL_COLUMNS]) != mean.segment.up
         for mean in means
         if mean.segment.kind == "static" and mean.segment.up is not None and mean.has_accel
     })  # fmt: skip
-    by_rate = _if_few({means[k].segment.name: _another_rate(point) for k, point in points.items()})
+    by_rate = _if_few({
+        (means[k].segment.axis or "", means[k].segment.name): _another_rate(point)
+        for k, point in points.items()
+    })  # fmt: skip
     if not by_gravity and not by_rate:
         return recording, ()
     kept = tuple(label for label in labels if label.name not in {*by_gravity, *by_rate})
@@ -86,7 +90,13 @@ def _another_rate(point: TurningPoint) -> bool:
     return abs(point.shown - point.label) > max(OFF_LINE * abs(point.label), OFF_LINE_LEAST)
 
 
-def _if_few(contradicted: dict[str, bool]) -> tuple[str, ...]:
-    """The names of contradicted labels; none where they are most of those that were checked."""
-    names = tuple(name for name, wrong in contradicted.items() if wrong)
-    return names if len(names) <= MOST * len(contradicted) else ()
+def _if_few(contradicted: dict[tuple[str, str], bool]) -> tuple[str, ...]:
+    """The names of contradicted labels, by axis and name; none where they are most of those that
+    were checked, and none of an axis of which several were checked and all are contradicted.
+    """
+    by_axis: dict[str, list[bool]] = {}
+    for (axis, _), wrong in contradicted.items():
+        by_axis.setdefault(axis, []).append(wrong)
+    whole = {axis for axis, wrong in by_axis.items() if len(wrong) > 1 and all(wrong)}
+    names = tuple(n for (axis, n), wrong in contradicted.items() if wrong and axis not in whole)
+    return names if sum(contradicted.values()) <= MOST * len(contradicted) else ()

@@ -12,13 +12,14 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import orth
 
+from schemas.base import Unusable
 from schemas.recording import Recording
 from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.code_fault import code_fault, find_torn_codes
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
-from tasks.explain.events.faults import Fault, find_settings
+from tasks.explain.events.faults import Fault, find_gravity_removed, find_settings
 from tasks.explain.events.lost_samples import LostSamples, aligned_prediction
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.inputs.blocks import Blocks, block_means
@@ -35,8 +36,11 @@ from tasks.motion.samples import SLOW, bridged, interpolated
 from tasks.motion.whole import Motion
 from tasks.readings.codes import codes_put_right
 from tasks.readings.lattice import quantiser_of
+from tasks.readings.plausibility import implausible
 from tasks.readings.rows import empty_remarks, rows_without_readings, without_readings_removed
 from tasks.readings.stamps import with_instants
+from tasks.segments.find import segments_of
+from tasks.words import Sayable, say
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
@@ -125,6 +129,10 @@ def prepare(
     right = codes_put_right(recorded)
     empty = rows_without_readings(right)
     recorded, right = (without_readings_removed(one, empty) for one in (recorded, right))
+    on_sight = implausible(right, segments_of(right))
+    if any(one.kind == "time_unit" for one in on_sight):
+        name = recording.manifest.recording_id
+        raise Unusable(f"recording {name}: {say(on_sight[0].sentence, 'en')}")
     faults, right, full = without_faults(recorded, right, reference)
     late = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     on_time = full_rate(advanced(right, late)) if late else full
@@ -132,9 +140,12 @@ def prepare(
     if pose is not None:
         recorded, right = (replace(one, reference=pose) for one in (recorded, right))
         full = full_rate(right)
-    put_right = (Statement(en=each.en, zh=each.zh) for each in right.put_right)
-    on_empty = empty_remarks(recorded.imu.t, empty)
-    full = replace(full, remarks=(*put_right, *on_empty, *full.remarks, *on_turn))
+    on_reading: tuple[Sayable, ...] = (
+        *(Statement(en=each.en, zh=each.zh) for each in right.put_right),
+        *(one.sentence for one in on_sight),
+        *empty_remarks(recorded.imu.t, empty),
+    )
+    full = replace(full, remarks=(*on_reading, *full.remarks, *on_turn))
     tell(progress, "events")
     delay = late if pose is None or not delay_sought else coarse_delay(_between_fresh(full))
     rows, events = _with_delay(right, full, delay)
@@ -164,10 +175,14 @@ def without_faults(
         right = _undone(right, codes)
         full = full_rate(right)
     tracked = recorded.table is None and recorded.reference is not None
+    removed = None if reference or tracked else find_gravity_removed(full.readings, full.motion)
+    if removed is not None:
+        right = _undone(right, removed)
+        full = full_rate(right)
     settings = () if reference else find_settings(full.readings, full.motion, tracked)
     for setting in reversed(settings):
         right = _undone(right, setting)
-    faults = settings if codes is None else (*settings, codes)
+    faults = (*settings, *(fault for fault in (removed, codes) if fault is not None))
     return faults, right, full_rate(right) if settings else full
 
 

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from made_up import counted, mean_readings, motion, noisy
 
-from tasks.explain.events.faults import AxisMapping, RangeSetting, Setting, find_settings
+from tasks.explain.events.faults import (
+    AxisMapping,
+    GravityRemoved,
+    RangeSetting,
+    Setting,
+    find_faults,
+    find_settings,
+)
 from tasks.words import texts
 
 SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -107,3 +114,14 @@ def test_axes_and_range_are_undone_together() -> None:
     for setting in reversed(found):
         readings = setting.undone(readings)
     np.testing.assert_allclose(readings, right, rtol=1e-6, atol=1e-12)
+
+
+def test_gravity_that_a_driver_took_off_is_put_back() -> None:
+    right = noisy(mean_readings(MADE), 8)
+    removed = right.copy()
+    removed[:, 3:] -= MADE.force
+    (found,) = find_faults(removed, MADE, False)
+    assert isinstance(found, GravityRemoved)
+    np.testing.assert_allclose(found.undone(removed), right, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.applied(MADE.t, right), removed, rtol=1e-9, atol=1e-9)
+    assert find_faults(right, MADE, False) == ()

@@ -111,3 +111,13 @@ def test_where_an_encoder_tells_the_motion_nothing_is_left_out() -> None:
     disturbed, remarks = disturbed_rows(replace(recording, table=table))
     assert not disturbed.any()
     assert remarks == ()
+
+
+def test_an_axis_whose_labels_are_all_contradicted_is_used_and_what_is_wrong_is_named() -> None:
+    inverted = run(("+x", "-x", "+y", "-y", "-z", "+z"))
+    kept, remarks = with_usable_labels(inverted)
+    assert kept is inverted
+    assert remarks == ()
+    prepared = prepare(inverted)
+    assert [fault.effect for fault in prepared.faults] == ["axis_mapping"]
+    assert "accelerometer z inverted" in say(prepared.full.remarks[0], "en")

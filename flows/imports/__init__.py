@@ -1,0 +1,1 @@
+"""Recordings and loggers' tables taken into the store."""

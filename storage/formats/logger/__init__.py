@@ -1,0 +1,1 @@
+"""Tables as loggers write them: csv, tsv, xlsx, parquet; with a protocol of what was done when."""

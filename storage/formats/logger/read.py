@@ -1,0 +1,178 @@
+"""A logger's table and its protocol as a recording, with what was understood of them.
+
+Whatever is wrong with the file is said at once. What is not written anywhere is asked for, unless
+the numbers leave no doubt: gravity tells the unit of the accelerometers, the rates of the protocol
+that of the gyros, the interval of the rows that of the time.
+"""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.recording import (
+    ACCEL,
+    ANGLE,
+    FORMAT,
+    GYRO,
+    Manifest,
+    Recording,
+    Station,
+    Stream,
+    Unit,
+)  # fmt: skip
+from storage.formats.checks import check_stream, first
+from storage.formats.convert import STANDARD_GRAVITY, Changes
+from storage.formats.logger import clocks
+from storage.formats.logger.columns import find_columns
+from storage.formats.logger.scales import scale_of
+from storage.formats.logger.sheet import Sheet, read_sheet
+from storage.formats.logger.timing import timed
+from storage.formats.logger.units import Scale, plain
+from storage.formats.manifest import check_controls
+
+if TYPE_CHECKING:
+    pass
+
+KINDS = (".csv", ".tsv", ".txt", ".log", ".dat", ".lvm", ".xlsx", ".xlsm", ".parquet", ".pq")
+
+
+@dataclass(frozen=True)
+class ChannelRead:
+    """How one channel was read: its column, its unit, and how the unit is known."""
+
+    channel: str
+    column: str
+    unit: str
+    how: str
+
+
+@dataclass(frozen=True)
+class Understood:
+    """A recording made of a logger's table, and what was understood of it.
+
+    rows: of each channel. notes: what was taken for granted or left out. gravity: m/s² of one g
+    and of the place. mapping: what --like repeats.
+    """
+
+    recording: Recording
+    rows: tuple[ChannelRead, ...]
+    notes: tuple[str, ...]
+    gravity: float
+    mapping: Mapping[str, object]
+
+
+def is_log(path: Path) -> bool:
+    """Whether a path is a table of a logger by its name."""
+    return path.suffix.lower() in KINDS and not path.is_dir()
+
+
+def read_log(
+    path: Path,
+    protocol_path: Path | None,
+    columns: Mapping[str, str],
+    changes: Changes,
+    *,
+    station: Station | None = None,
+    unit: Unit | None = None,
+) -> Understood:
+    """Reads a logger's table; raises Unusable with all that is wrong or unclear in one sentence.
+
+    station, unit: of an earlier run that this one is like.
+    """
+    sheet = read_sheet(path)
+    found = find_columns(sheet, columns)
+    if found.question:
+        raise _unusable(sheet, [found.question])
+    place = station or Station(id="unknown")
+    gravity = changes.gravity or place.gravity_m_s2 or STANDARD_GRAVITY
+    notes, rows = list[str](), list[ChannelRead]()
+    timing = timed(sheet, found.times, protocol_path, changes.units.get("t"), changes.shift)
+    if timing.times is None:
+        raise _unusable(sheet, [timing.how])
+    notes += timing.notes
+    sheet.faults += timing.faults
+    used = dict(found.columns)
+    if timing.column is not None:
+        rows.append(ChannelRead("t", timing.column.name, timing.times.unit, timing.how))
+        used["t"] = timing.column
+    labels = timing.protocol
+    raw = {c: sheet.numbers(one.place) for c, one in used.items() if c != "t"}
+    if protocol_path is not None:
+        sheet.faults += [f"{protocol_path.name}: {fault}" for fault in labels.faults]
+        notes += [f"{protocol_path.name}: {note}" for note in labels.notes]
+    t = timing.times.seconds - timing.origin
+    scales = dict[str, Scale]()
+    for triad, name in ((GYRO, "gyro"), (ACCEL, "accel"), (ANGLE, "angle"), (("temperature",), "")):
+        own = {c: used[c] for c in triad if c in raw}
+        if not own:
+            continue
+        one, how = scale_of(
+            name or "temperature", own, changes.units, gravity,
+            {c: raw[c] for c in own}, t, labels.segments,
+        )  # fmt: skip
+        if one is None:
+            sheet.faults.append(how)
+            continue
+        scales |= dict.fromkeys(own, one)
+        rows += [ChannelRead(c, column.name, one.text, how) for c, column in own.items()]
+    if "temperature" in raw and not np.isfinite(raw["temperature"]).all():
+        notes.append("temperature is empty in some rows: left out")
+        del raw["temperature"]
+    if sheet.faults:
+        raise _unusable(sheet)
+    values = {c: v * scales[c].factor + scales[c].offset for c, v in raw.items()}
+    if changes.axes is not None:
+        values = changes.axes.applied(values)
+    stream = _stream(sheet, t, values)
+    mapping = {
+        "columns": {c: one.name for c, one in used.items()},
+        "units": {n: scales[c].text for n, c in _one_of_each(scales).items()}
+        | ({"t": timing.times.unit} if plain(timing.times.unit) in clocks.TIME else {}),
+        **({"axes": changes.axes.text} if changes.axes else {}),
+    }
+    source = hashlib.sha256(path.read_bytes()).hexdigest()
+    manifest = Manifest.model_validate({
+        "format": FORMAT, "recording_id": path.stem,
+        "unit": (unit or Unit(manufacturer="-", model="-", serial="-")).model_dump(),
+        "station": {**place.model_dump(), "gravity_m_s2": gravity},
+        "segments": [s.model_dump(exclude_none=True) for s in labels.segments] or None,
+        "imported": {
+            "source": path.name, "source_sha256": source, **changes.as_fields(), **mapping,
+        },
+        **({"acquired_at": _moment(timing.origin)} if timing.times.kind == "epoch" else {}),
+    })  # fmt: skip
+    check_controls(manifest.model_dump(mode="json"), str(path))
+    recording = Recording(manifest, stream)
+    return Understood(recording, tuple(rows), (*sheet.notes, *notes), gravity, mapping)
+
+
+def _unusable(sheet: Sheet, more: list[str] | None = None) -> Unusable:
+    faults = [*dict.fromkeys(sheet.faults), *(more or [])]
+    return Unusable(f"{sheet.path}: {'; '.join(faults)}.")
+
+
+def _one_of_each(scales: Mapping[str, Scale]) -> dict[str, str]:
+    return {channel.split("_")[0]: channel for channel in scales}
+
+
+def _moment(origin: float) -> str:
+    return str(np.datetime64(round(origin * 1e3), "ms")) + "Z"
+
+
+def _stream(sheet: Sheet, t: np.ndarray, values: Mapping[str, np.ndarray]) -> Stream:
+    """The unit's stream; a triad that was not recorded is null, as the format has it."""
+    made = dict(values)
+    for triad in (GYRO, ACCEL):
+        if ANGLE[0] not in made or set(triad) & set(made):
+            made |= {c: np.full(len(t), np.nan) for c in triad if c not in made}
+    stream = Stream(np.rint(t * 1e9) / 1e9, made)
+    if (row := first(np.diff(stream.t) <= 0)) is not None:
+        raise _unusable(sheet, [f"line {sheet.lines[row + 1]} is less than a nanosecond after the "
+                                "one before"])  # fmt: skip
+    check_stream(str(sheet.path), "imu", stream)
+    return stream

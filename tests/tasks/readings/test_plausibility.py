@@ -1,0 +1,153 @@
+"""What a recording cannot be is told in one sentence that names it, and a clean one is let be."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+import pytest
+
+from schemas.recording import Recording
+from storage.formats import recordings
+from storage.formats.convert import Changes, axis_map, changed, pairs
+from tasks.motion.angle_rates import as_mean_rates
+from tasks.readings.implausible import KINDS, Implausible
+from tasks.readings.plausibility import implausible
+from tasks.segments.find import segments_of
+from tasks.words import say
+from tests.shared import shared_path
+from tests.tasks.readings.makers import mistakes
+from tests.tasks.readings.makers.bench import Bench, bench
+from tests.tasks.readings.makers.recorded import recorded
+
+HERTZ = (100.0, 25.0, 200.0, 10.0)
+KNOWN = {"both": (True, True), "labels": (False, True), "table": (True, False)}
+ONE = np.diag([1.0, 1.0, -1.0])
+SWAPPED = np.eye(3)[[1, 0, 2]]
+G0 = 9.80665
+Mistake = Callable[[Bench], None]
+MISTAKES: dict[str, tuple[Mistake, str]] = {
+    "rates in °/s": (partial(mistakes.gyro_times, factor=180 / np.pi), "--units gyro=deg/s"),
+    "rates converted twice": (
+        partial(mistakes.gyro_times, factor=np.pi / 180), "--units gyro=57.2958rad/s",
+    ),
+    "rates divided twice": (
+        partial(mistakes.gyro_times, factor=1 / 65.5), "--units gyro=65.5rad/s",
+    ),
+    "raw rates": (partial(mistakes.gyro_times, factor=131 * 180 / np.pi), "--units gyro=131/dps"),
+    "forces in g": (partial(mistakes.accel_times, factor=1 / G0), "--units accel=g"),
+    "forces in mg": (partial(mistakes.accel_times, factor=1e3 / G0), "--units accel=mg"),
+    "raw forces": (partial(mistakes.accel_times, factor=8192 / G0), "--units accel=8192/g"),
+    "no gravity": (mistakes.gravity_removed, ""),
+    "time in ms": (partial(mistakes.time_times, factor=1e3), "--units t=ms"),
+    "gyro z inverted": (partial(mistakes.gyro_mapped, matrix=ONE), "--axes gyro_z=-gyro_z"),
+    "accelerometers inverted": (
+        partial(mistakes.accel_mapped, matrix=-np.eye(3)),
+        "--axes accel_x=-accel_x,accel_y=-accel_y,accel_z=-accel_z",
+    ),
+    "axes exchanged": (partial(mistakes.both_mapped, matrix=SWAPPED), "--axes x=y,y=x"),
+}  # fmt: skip
+
+
+def varied(seed: int) -> Bench:
+    return bench(
+        seed, hertz=HERTZ[seed % 4], dwell=(5.0, 8.0)[seed % 2], lever=0.05 * (seed % 2),
+        rates=((50.0, 150.0), (30.0,))[seed % 2], turns=((0.0,), (0.0, 180.0))[seed % 2],
+        margin=(0.0, 0.4)[seed % 2], poor=1.0 + seed % 3,
+    )  # fmt: skip
+
+
+def found(recording: Recording) -> tuple[Implausible, ...]:
+    return implausible(recording, segments_of(recording))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_clean_recording_is_let_be(seed: int) -> None:
+    for table, labels in (*KNOWN.values(), (False, False)):
+        assert found(recorded(varied(seed), table=table, labels=labels)) == ()
+
+
+@pytest.mark.parametrize("known", KNOWN)
+@pytest.mark.parametrize("name", MISTAKES)
+def test_one_sentence_names_the_mistake_and_the_way_to_import_it_right(
+    name: str, known: str
+) -> None:
+    make, option = MISTAKES[name]
+    for seed in (3, 6):
+        made = varied(seed)
+        make(made)
+        table, labels = KNOWN[known]
+        (one,) = found(recorded(made, table=table, labels=labels))
+        assert one.option == option
+        assert one.kind in KINDS
+        for language in ("en", "zh"):
+            assert option in say(one.sentence, language)
+
+
+@pytest.mark.parametrize("number", range(len(mistakes.PROPER)))
+def test_a_unit_turned_as_a_whole_is_imported_right_by_what_is_said(number: int) -> None:
+    made = varied(number)
+    right = made.gyro.copy()
+    mistakes.both_mapped(made, mistakes.PROPER[number])
+    turned = recorded(made, table=number % 2 == 0)
+    (one,) = found(turned)
+    changes = Changes(axes=axis_map(one.option.removeprefix("--axes ")))
+    again = changed(turned, changes)
+    np.testing.assert_allclose(again.imu.stack(("gyro_x", "gyro_y", "gyro_z")), right)
+    assert found(again) == ()
+
+
+@pytest.mark.parametrize("seconds", [0.5, -0.5, 10.0, -7.3, 31.0])
+def test_labels_shifted_as_a_whole_are_put_right_by_what_is_said(seconds: float) -> None:
+    for seed, table in ((2, False), (4, True)):
+        made = varied(seed)
+        mistakes.labels_late(made, seconds)
+        late = recorded(made, table=table)
+        (one,) = found(late)
+        assert one.kind == "labels_shifted"
+        shift = float(one.option.removeprefix("--shift "))
+        assert shift == pytest.approx(-seconds, abs=0.2)
+        assert found(changed(late, Changes(shift=shift))) == ()
+
+
+def test_a_table_in_degrees_is_not_taken_for_the_gyros() -> None:
+    for labels in (True, False):
+        made = varied(4)
+        made.angle *= 180.0 / np.pi
+        (one,) = found(recorded(made, table=True, labels=labels))
+        assert one.option == "--units table=deg"
+
+
+def test_what_is_said_is_what_import_takes() -> None:
+    made = varied(7)
+    mistakes.gyro_times(made, 65.5 * 180 / np.pi)
+    raw = recorded(made)
+    (one,) = found(raw)
+    units = pairs("--units", one.option.removeprefix("--units "), ("gyro",))
+    assert found(changed(raw, Changes(units=units))) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "kinds"),
+    [
+        ("field/gravity_removed", ["gravity_removed"]),
+        ("field/gyro_z_inverted_labels_only", ["axes"]),
+        ("field/time_in_ms", ["time_unit"]),
+        ("rough/sunsided_turns", ["axes"]),
+        # its labels +x, -x, +y, -y are those of a unit turned by 180° about z
+        ("real/vn200_57630_six_position", ["axes"]),
+    ],
+)
+def test_recordings_from_the_field_are_named(name: str, kinds: list[str]) -> None:
+    assert [one.kind for one in found(recordings.read(shared_path(f"data/{name}")))] == kinds
+
+
+def test_all_other_shared_recordings_are_let_be() -> None:
+    named = ("gravity_removed", "gyro_z_inverted_labels_only", "time_in_ms", "sunsided_turns",
+             "vn200_57630_six_position")  # fmt: skip
+    every = [
+        p.parent for p in sorted(shared_path("README.md").parent.glob("data/*/*/manifest.json"))
+    ]
+    assert len(every) > 30
+    for folder in every:
+        if folder.name not in named:
+            assert found(as_mean_rates(recordings.read(folder))) == (), folder.name
