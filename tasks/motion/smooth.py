@@ -92,9 +92,10 @@ class SmoothCourse:
         """
         from scipy.ndimage import minimum_filter  # late: see encoder_rate
 
-        known = np.ones(self.thinned.shape, bool)
-        if self.interval < SLOW or len(known) < 2 * FEWEST:
-            return np.ones((len(at), known.shape[1]), bool)
+        count, axes = self.thinned.shape
+        known = np.ones((count, axes), bool)
+        if self.interval < SLOW or count < 2 * FEWEST:
+            return np.ones((len(at), axes), bool)
         missed = np.abs(np.diff(self.thinned, 4, axis=0)) / (30.0 * self.interval)
         noise = QUIET_DIFFERENCES * np.median(missed, axis=0) / NORMAL_QUANTILES[0.5]
         known[2:-2] = missed < np.maximum(UNRESOLVED, noise)
