@@ -28,7 +28,7 @@ Piece = TypeVar("Piece")
 def bag_files(folder: Path) -> tuple[Path, ...]:
     """The files of a rosbag2 folder in the order of its metadata; none where it has no metadata.
 
-    Raises Unusable for metadata that names no file that is there.
+    Raises Unusable for metadata that names no file that is there, or that leaves open which.
     """
     described = folder / METADATA
     if not described.exists():
@@ -39,9 +39,13 @@ def bag_files(folder: Path) -> tuple[Path, ...]:
         known = yaml.safe_load(described.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
         names = [str(name) for name in known["relative_file_paths"]]
     except (OSError, ValueError, KeyError, TypeError, yaml.YAMLError) as error:
+        alone = [file for file in folder.iterdir() if file.name.lower().endswith(SUFFIXES)]
+        if len(alone) == 1:
+            return tuple(alone)
         raise Unusable(
-            f"{described} names no relative_file_paths ({type(error).__name__}); run `ros2 bag "
-            f"reindex {folder}`."
+            f"{folder} holds {len(alone)} MCAP files or databases, and {METADATA} does not say in "
+            f"which order ({type(error).__name__}); run `ros2 bag reindex {folder}`, or give one "
+            "of them."
         ) from error
     files = tuple(folder / Path(name).name for name in names)
     missing = [file.name for file in files if not file.is_file()]
