@@ -255,7 +255,8 @@ def _bucket(url: str) -> Bucket:
     parts = urlsplit(place)
     asked = dict(parse_qsl(parts.query))
     root = f"{parts.netloc}{parts.path.rstrip('/')}"
-    if parts.scheme != "s3" or not parts.netloc or not asked.keys() <= OPTIONS.keys():
+    is_s3 = parts.scheme == "s3" and parts.netloc and asked.keys() <= OPTIONS.keys()
+    if not is_s3 or (key is None) != (secret is None):
         raise Unusable(f"MIMUCAL_STORE is {shown(url)}, which cannot be used; {WAY_OUT}.")
     # Recordings are checked against their own digest: the client's check sums would only repeat it.
     os.environ.setdefault("AWS_RESPONSE_CHECKSUM_VALIDATION", "when_required")

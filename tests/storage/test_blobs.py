@@ -53,6 +53,22 @@ def test_a_recording_in_a_bucket_comes_back_with_nothing_in_the_home_but_the_cat
         assert checked == 2
 
 
+def test_keys_in_the_url_open_the_bucket_and_stand_in_no_name(
+    fresh: Home, small: Build, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("AWS_EC2_METADATA_DISABLED", "true")
+    with serving(Store()) as url:
+        monkeypatch.setenv("MIMUCAL_STORE", url.replace("s3://", "s3://KEY:se/c+r@e#t@"))
+        run, _ = runs.add(small(), fresh)
+        assert runs.load(run, fresh).digest == run.digest
+        assert "e#t" not in blobs.blobs_of(fresh).where("raw")
+    monkeypatch.setenv("MIMUCAL_STORE", "s3://KEY@bucket/prefix")
+    with pytest.raises(Unusable, match="cannot be used"):
+        blobs.blobs_of(fresh)
+
+
 def test_columns_that_went_missing_in_a_bucket_are_made_again_from_raw(
     fresh: Home, small: Build, use
 ) -> None:

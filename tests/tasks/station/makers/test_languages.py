@@ -45,10 +45,8 @@ languages = pytest.mark.parametrize("language", MAKERS)
 
 
 def station(language: str, make: Make | None = None, **line: Any) -> EmulatedStation:
-    table, baudrate = sample(language)["table"], BAUDRATES[language]
-    return EmulatedStation(
-        virtual_station(3, ahrs=False), table, make or MAKERS[language], Line(baudrate, **line)
-    )
+    config, behind = virtual_station(3, ahrs=False), Line(BAUDRATES[language], **line)
+    return EmulatedStation(config, sample(language)["table"], make or MAKERS[language], behind)
 
 
 def within_U(emulated: EmulatedStation, recording: Any) -> None:  # noqa: N802 (the symbol)
