@@ -8,7 +8,7 @@ from rich.text import Text
 
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
-from schemas.validity import RunVerdict, Validity
+from schemas.text import RunVerdict, Validity
 from tasks.specifications.items import item_title
 from tasks.words import say
 from tasks.words.quantities import unit_text

@@ -15,7 +15,7 @@ from tasks.stages.import_recording import run_of
 from tasks.stages.validity import validity_of
 
 if TYPE_CHECKING:
-    from schemas.validity import Validity
+    from schemas.text import Validity
     from storage.catalogue.run_index import Run
     from tasks.stages.acquire import AcquiredRuns
     from tasks.station.acquisition import Acquired

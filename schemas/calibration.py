@@ -7,9 +7,8 @@ from pydantic import Field, computed_field, model_validator
 from schemas.base import Finite, Frozen
 from schemas.discrepancy import FoundParameter
 from schemas.recording import Axis, Kind, Up
-from schemas.text import Remark
+from schemas.text import RUN_VERDICTS, Remark, Validity
 from schemas.uncertainty import Budget
-from schemas.validity import RUN_VERDICTS, Validity
 
 Method = Literal["jjf2003", "joint", "jjf1536"]
 OF_STANDARD: dict[str, Method] = {"JJF 2003-2022": "jjf2003", "JJF 1536-2015": "jjf1536"}

@@ -238,7 +238,7 @@ class TextDevice(Described):
     commands: Mapping[str, tuple[str, ...]] = {}
 
     @model_validator(mode="after")
-    def _is_told_of_an_error_in_one_way(self) -> Self:
+    def _reports_errors_in_one_way(self) -> Self:
         if self.errors is not None and self.acknowledge is not None:
             raise ValueError("acknowledge and errors: give the one that the device has")
         return self

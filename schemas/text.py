@@ -1,7 +1,12 @@
-"""Text for people in both languages, as `tasks.words` fills it: `Statement(**texts(message))`."""
+"""Text for people in both languages, as `tasks.words` fills it: `Statement(**texts(message))`;
+and the validity of a run, which remarks decide before the verdict on the unit."""
+
+from typing import Literal, get_args
 
 from schemas.base import Frozen
-from schemas.validity import RunVerdict
+
+RunVerdict = Literal["valid", "remarks", "invalid"]
+RUN_VERDICTS: tuple[RunVerdict, ...] = get_args(RunVerdict)  # the worst last
 
 
 class Statement(Frozen):
@@ -24,3 +29,15 @@ class Remark(Frozen):
     segments: tuple[str, ...] = ()
     blocks_pass: bool = False
     run: RunVerdict = "valid"
+
+
+class Validity(Frozen):
+    """Whether a run can be relied on, and every reason why not.
+
+    remarks: something is unknown, or not as the specification requires; the values stand, but no
+    unit passes. invalid: no value of the run supports a verdict on the unit.
+    """
+
+    verdict: RunVerdict = "valid"
+    reasons: tuple[str, ...] = ()
+    reasons_zh: tuple[str, ...] = ()

@@ -30,7 +30,7 @@ from schemas.pages.runs import (
     RunsQuestion,
     RunsShown,
 )
-from schemas.validity import RunVerdict
+from schemas.text import RunVerdict
 from storage.catalogue.run_states import run_list
 from storage.home import Home
 from tasks.words import Sayable, message

@@ -10,9 +10,8 @@ from schemas.decision import LimitDecision, Verdict
 from schemas.pages.runs import RunLine
 from schemas.recording import Axis, Kind, Up
 from schemas.run_log import LogEntry
-from schemas.text import Remark, Statement
+from schemas.text import Remark, RunVerdict, Statement
 from schemas.uncertainty import Budget
-from schemas.validity import RunVerdict
 
 
 class SignalsQuestion(Frozen):

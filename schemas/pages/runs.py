@@ -8,7 +8,7 @@ from pydantic import Field
 from schemas.base import Finite, Frozen
 from schemas.certificate import State
 from schemas.decision import Verdict
-from schemas.validity import RunVerdict
+from schemas.text import RunVerdict
 
 AT_ONCE = 100
 MOST_AT_ONCE = 1000

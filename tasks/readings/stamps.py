@@ -62,14 +62,16 @@ def with_instants(recording: Recording) -> Recording:
     if packets is None or _denied(imu.t, packets.t, np.array(list(imu.columns.values()))):
         return recording
     late, every = imu.t - packets.t, packets.size * packets.interval
-    said = message(
+    sentence = message(
         "stamps-packets", size=f"{packets.size:.3g}", every=f"{1e3 * every:.3g}",
         rate=f"{1.0 / packets.interval:.4g}", most=f"{1e3 * float(np.ptp(late)):.2g}",
         u=f"{1e3 * packets.u:.1g}", missing=int(packets.missing[:, 1].sum()),
     )  # fmt: skip
     right = replace(imu, t=packets.t)
     return replace(
-        recording, imu=right, put_right=(*recording.put_right, remark("stamps_in_packets", said))
+        recording,
+        imu=right,
+        put_right=(*recording.put_right, remark("stamps_in_packets", sentence)),
     )
 
 

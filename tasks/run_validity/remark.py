@@ -1,7 +1,6 @@
 """The remark of a check."""
 
-from schemas.text import Remark
-from schemas.validity import RunVerdict
+from schemas.text import Remark, RunVerdict
 from tasks.words import Argument, message, remark
 
 

@@ -130,12 +130,12 @@ def _of_rates(
         yield from _source(limit, "run", effects, followed=True)
     left = held / np.maximum(turned, MIN_RIPPLE_ANGLE)  # of a ripple, over the angle turned
     yield from _source(equipment.ripple, "point", of_points(left))
-    told = np.array(
+    commanded = np.array(
         [rate_by_command(evidence.recording, label) is not None for label in evidence.labels], bool
     )
-    timed = math.sqrt(2.0) * (held & ~told) / seconds
+    timed = math.sqrt(2.0) * (held & ~commanded) / seconds
     yield from _source(equipment.encoder_time, "point", of_points(timed))
-    by_command = -((held & told)[:, None] * response.rate)[None]
+    by_command = -((held & commanded)[:, None] * response.rate)[None]
     yield from _source(equipment.commanded_rate, "run", by_command, followed=True)
     for limit in equipment.angles:
         share = by_angle / np.where(by_angle, turned, 1.0)

@@ -2,7 +2,7 @@
 
 from schemas.base import Unusable
 from schemas.calibration import OF_NO_STANDARD, OF_STANDARD
-from schemas.validity import Validity
+from schemas.text import Validity
 from storage import settings
 from storage.catalogue import results, runs
 from storage.catalogue.run_index import Run

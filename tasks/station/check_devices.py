@@ -86,11 +86,11 @@ class _Trials:
         """What the work gives; None where it does not work."""
         try:
             given = await work
-            said = statement(found(given))
+            sentence = statement(found(given))
         except Unusable as fault:
             self.made.append(Trial(device, tried, False, Statement(en=str(fault), zh=str(fault))))
             return None
-        self.made.append(Trial(device, tried, True, said))
+        self.made.append(Trial(device, tried, True, sentence))
         return given
 
 

@@ -7,8 +7,7 @@ from importlib.resources import files
 from threading import Lock
 from typing import Any
 
-from schemas.text import Remark, Statement
-from schemas.validity import RunVerdict
+from schemas.text import Remark, RunVerdict, Statement
 from tasks.words.message import Argument, Message, Sayable
 
 COMMON = "common.ftl"  # every language has it

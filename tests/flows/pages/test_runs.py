@@ -13,7 +13,7 @@ from flows.pages.states import result_state, validity_state, verdict_state
 from schemas.base import Unusable
 from schemas.certificate import State
 from schemas.pages.runs import Condition, ResultState, RunLine, RunsQuestion
-from schemas.validity import RunVerdict
+from schemas.text import RunVerdict
 from storage.catalogue import results
 from storage.catalogue.run_states import run_list
 from storage.catalogue.runs import add

@@ -72,9 +72,9 @@ def test_what_was_put_right_is_said_and_done_once() -> None:
     recording = recorded("sent", course, sent(at, 0.025, 1, rng), read(course, at, Unit(), rng))
     right = with_instants(recording)
     assert np.ptp(right.imu.t - at) < 1e-3
-    (said,) = right.put_right
-    assert "packets" in said.en
-    assert "100 Hz" in said.en
+    (remark,) = right.put_right
+    assert "packets" in remark.en
+    assert "100 Hz" in remark.en
     assert with_instants(right) is right
 
 

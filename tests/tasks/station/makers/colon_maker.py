@@ -40,18 +40,18 @@ class ColonMaker:
         """The answer to a line; nothing where it has none."""
         text = line.decode("ascii", "replace").strip()
         if "?" in text:
-            return self._said(";".join(self._asked(text)))
+            return self._written(";".join(self._asked(text)))
         if self._now() - self._taken_s < self._needs_s - 1e-6:
             self._wrong(text, EXECUTION_ERROR)
         else:
             self._taken_s = self._now()
             try:
-                self._told(text)
+                self._commanded(text)
             except (ValueError, KeyError, IndexError):
                 self._wrong(text, COMMAND_ERROR)
-        return self._said("") if self._header else b""
+        return self._written("") if self._header else b""
 
-    def _said(self, text: str) -> bytes:
+    def _written(self, text: str) -> bytes:
         return f"{self._header}{text}\r\n".encode()
 
     def _wrong(self, text: str, error: int) -> None:
@@ -81,7 +81,7 @@ class ColonMaker:
                     self._wrong(text, COMMAND_ERROR)
         return answers
 
-    def _told(self, text: str) -> None:
+    def _commanded(self, text: str) -> None:
         head, _, rest = text.partition(" ")
         words, values = [_whole(word) for word in head.strip(":").split(":")], rest.split(",")
         match words:

@@ -30,10 +30,10 @@ class LettersMaker:
     def hear(self, line: bytes) -> bytes:
         """The answer to a line, its prompt with it."""
         text = line.decode("ascii", "replace").strip()
-        said = self._answer(text)
-        if said.startswith("?"):
+        answer = self._answer(text)
+        if answer.startswith("?"):
             self.refused.append(text)
-        return f"{said}{self.prompt}".encode()
+        return f"{answer}{self.prompt}".encode()
 
     def _answer(self, text: str) -> str:
         match text.split():
@@ -47,7 +47,9 @@ class LettersMaker:
             return f"?{NO_NUMBER:02d}"
         if command == "SIN":
             return self._swung(axis, numbers)
-        return self._asked(command, axis) if "?" in command else self._told(command, axis, value)
+        return (
+            self._asked(command, axis) if "?" in command else self._commanded(command, axis, value)
+        )
 
     def _swung(self, axis: int, numbers: list[str]) -> str:
         if not self.is_on[axis] or not numbers:
@@ -67,7 +69,7 @@ class LettersMaker:
                 return f"{self.is_homed[axis] << 1 | self.is_on[axis]:02X}"
         return f"?{UNKNOWN:02d}"
 
-    def _told(self, command: str, axis: int, value: float | None) -> str:
+    def _commanded(self, command: str, axis: int, value: float | None) -> str:
         if command == "STO":
             self._axes.halt(axis)
             return ""

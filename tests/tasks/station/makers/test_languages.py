@@ -132,10 +132,10 @@ COLONS = [":int:close 2", ":mode:pos", ":lim:acc pos", ":lim:rate pos", ":dem:po
 @pytest.mark.parametrize("line", COLONS)
 def test_a_silent_command_that_was_not_taken_is_one_sentence_and_a_table_at_rest(short, kept, line):
     class Refuses(ColonMaker):
-        def _told(self, text: str) -> None:
+        def _commanded(self, text: str) -> None:
             if text.startswith(line):
                 raise ValueError(text)
-            super()._told(text)
+            super()._commanded(text)
 
     emulated = station("scpi_table", lambda axes, now: Refuses(axes, now, NEEDS_S))
     with pytest.raises(Unusable, match=r"“\*esr\?” with “32” instead of “0”") as stopped:

@@ -5,8 +5,9 @@ import pytest
 
 from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.channels import CHANNELS
+from tasks.explain.inputs.coarse_delay import MIN_DELAY, coarse_delay
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.inputs.prepared import MIN_DELAY, advanced, coarse_delay
+from tasks.explain.inputs.prepared import advanced
 from tasks.motion.whole import Motion
 
 T = np.arange(0.0, 60.0, 0.01)
