@@ -96,7 +96,7 @@ class SmoothCourse:
 
         known = np.ones(self.thinned.shape, bool)
         if self.interval < SLOW or len(known) < 2 * FEWEST:
-            return np.ones((len(at), known.shape[1]), bool)
+            return np.ones((len(at), len(known.T)), bool)
         missed = np.abs(np.diff(self.thinned, 4, axis=0)) / (30.0 * self.interval)
         noise = QUIET_DIFFERENCES * np.quantile(missed, 0.1, axis=0) / NORMAL_QUANTILES[0.1]
         known[2:-2] = missed < np.maximum(UNRESOLVED, noise)
