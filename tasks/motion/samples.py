@@ -9,7 +9,11 @@ from schemas.recording import Stream
 
 FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
 LOST = 2.5  # intervals: a longer step is a gap, a shorter one may be stamps that scatter
-NORMAL_QUANTILES = {0.5: 0.6745, 0.9: 1.645}  # of the absolute value of a standard normal variable
+NORMAL_QUANTILES = {
+    0.1: 0.1257,
+    0.5: 0.6745,
+    0.9: 1.645,
+}  # of the absolute value of a standard normal variable
 SAMPLE = 20_000  # differences that a quantile is taken of
 SLOW = 0.15  # s between samples: corners of a ramp are no longer a small part of the motion
 TURN = 2.0 * np.pi + 0.1  # rad: encoders that start anew each turn stay within, but for noise

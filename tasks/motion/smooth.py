@@ -35,6 +35,8 @@ BETWEEN = 2  # samples on each side of a time that its value is drawn through
 ORDER = 6  # of the differences that the encoder's noise is read off
 QUIET_DIFFERENCES = 5.0  # standard deviations that noise makes of differences
 UNRESOLVED = 3e-4  # rad/s by which a rate may be wrong that slow samples make
+ROUNDED = 1e-9  # rad/s, rad/s²: less is arithmetic
+ON_GRID = 1e-3  # of the interval
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
 
 
@@ -97,12 +99,12 @@ class SmoothCourse:
         if self.interval < SLOW or count < 2 * FEWEST:
             return np.ones((len(at), axes), bool)
         missed = np.abs(np.diff(self.thinned, 4, axis=0)) / (30.0 * self.interval)
-        noise = QUIET_DIFFERENCES * np.median(missed, axis=0) / NORMAL_QUANTILES[0.5]
+        noise = QUIET_DIFFERENCES * np.quantile(missed, 0.1, axis=0) / NORMAL_QUANTILES[0.1]
         known[2:-2] = missed < np.maximum(UNRESOLVED, noise)
         known = minimum_filter(known, size=(3, 1))
         between = minimum_filter(known, size=(3, 1))  # what a cubic is drawn through
         place = (at - self.even[0]) / self.interval
-        on_grid = (np.abs(place - np.round(place)) < UNEVEN)[:, None]
+        on_grid = (np.abs(place - np.round(place)) < ON_GRID)[:, None]
         nearest = np.clip(np.round(place).astype(int), 0, len(known) - 1)
         drawn = interpolated(at, self.even, between.astype(float)) == 1.0
         return np.asarray(np.where(on_grid, known[nearest], drawn))
@@ -135,6 +137,9 @@ class SmoothCourse:
                 (self.half, self.acceleration, self._slopes[1]),
             )
         )
+        if self.interval >= SLOW:  # rests alone may be left, whose rounding a fit would scale up
+            rates = np.where(np.abs(rates) < ROUNDED, 0.0, rates)
+            accelerations = np.where(np.abs(accelerations) < ROUNDED, 0.0, accelerations)
         return self.angles_at(at), rates, accelerations
 
 

@@ -28,6 +28,7 @@ CHANGE_POINT_COST = 40.0  # chi-squared that a further loss must gain: less than
 MIN_GAIN = 75.0  # chi-squared that losses must gain against a constant and a running delay
 CHANGE_IN_ROWS = 300.0  # chi-squared, of rows: a small error of the model adds up over hundreds
 LIKELY = 25.0  # chi-squared: what the model misses at rest makes a few
+SHARP, SURE = 10, 4.0  # rows that are likely, and chi-squared: where it moves, that is enough
 CLOSE = 0.2  # sample intervals: half of the windows lie nearer to the staircase
 FEW = 3  # windows: a level of fewer may be those in which samples were lost
 WHOLE = 0.25  # sample intervals that a step may be off a whole number
@@ -231,6 +232,8 @@ def placed(cost: np.ndarray) -> Iterator[tuple[int, int, int]]:
         beside = cost[path[place - 1], here] - cost[path[place], here]
         course = np.concatenate([[0.0], np.cumsum(beside)])
         likely = before + np.flatnonzero(course <= course.min() + LIKELY)
+        if len(likely) <= SHARP:
+            likely = before + np.flatnonzero(course <= course.min() + SURE)
         yield int(likely[0]), int(likely[-1]), int(path[place] - path[place - 1])
 
 

@@ -67,6 +67,7 @@ def events_in_readings(readings: np.ndarray, motion: Motion, start: float = 0.0)
     jitter = find_jitter(readings, motion, predicted, held)
     lost = find_lost_samples(readings, motion, masked, start)
     if lost is not None:
+        masked = masked | (lost.sampled_at(t) > t[-1])[:, None]  # what moved them is not known
         predicted, _ = aligned_prediction(lost.sampled_at(t), readings, motion, masked)
     times = (event for event in (jitter, repeats, lost) if event is not None)
     events: tuple[Event, ...] = (*times, *limits)

@@ -93,6 +93,7 @@ def aligned_prediction(
         return np.concatenate([then.reshape(values.shape), values])
 
     unread = np.full(readings.shape, np.nan)
+    masked = masked | (instants > motion.t[-1])[:, None]
     fitted = plain_prediction(
         np.concatenate([readings, unread]), motion.mapped(both), np.concatenate([masked, masked])
     )

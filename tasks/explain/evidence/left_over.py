@@ -141,6 +141,8 @@ def rest_noise(full: FullRate, residual: np.ndarray) -> np.ndarray:
         else:
             usual = [_white(readings), full.rest_variance[channel]]
         variance[channel] = max(float(np.nanmin(usual)), full.steps[channel] ** 2 / 12.0)
+        if rows == MIN_ROWS:  # of a slow logger: so few windows of so few rows know it worse
+            variance[channel] = max(variance[channel], full.rest_variance[channel])
     return variance
 
 
