@@ -130,7 +130,7 @@ def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
             continue
         better, worse, after = _smoother(rows, fault)
         clear = better - worse > Z * np.sqrt(better + worse) and worse < MOST_ROUGHER * better
-        if not clear or not _as_usual(before, after, fault.size):
+        if not clear or not _as_usual(before, after, edge):
             continue
         rough = float(np.log1p(after).mean())
         if rough < least - CLEARLY:
@@ -138,13 +138,13 @@ def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
     return best if least < float(np.log1p(before).mean()) else None
 
 
-def _as_usual(before: np.ndarray, after: np.ndarray, size: float) -> bool:
+def _as_usual(before: np.ndarray, after: np.ndarray, edge: float) -> bool:
     """Whether rows that jumped bend (m,) as all others do when they are put right, and less than
-    the fault: another fault would leave a part of each jump.
+    the fault: another fault would leave a part of each jump. edge: half of the fault's size.
     """
-    jumped = (before > 0.5 * size) & (MUCH * after < before)
-    usual = float(np.median(before[~jumped])) if not jumped.all() else 0.0
-    quiet = np.quantile(after, 0.25) <= QUIET * size
+    jumped = (before > edge) & (MUCH * after < before)
+    usual = float(np.median(after[~jumped])) if not jumped.all() else float(np.median(after))
+    quiet = np.quantile(after, 0.25) <= 2.0 * QUIET * edge
     return bool(quiet and np.median(after[jumped]) <= AS_USUAL * usual + ROUNDING)
 
 
