@@ -123,14 +123,14 @@ def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
         edge = 0.5 * (fault.size if fault.bug == "signed-low" else BYTE)
         if fault.size in tried or len(far) - np.searchsorted(far, edge) < Z**2:
             continue
-        if fault.bug == "bytes" and largest >= fault.size:
-            continue
+        if fault.bug == "bytes" and not fault.size / (2.0 * BYTE) <= largest < fault.size:
+            continue  # another word
         better, worse, _ = _smoother(some, fault)
         if worse - better > np.sqrt(better + worse):
             continue
         better, worse, after = _smoother(rows, fault)
         clear = better - worse > Z * np.sqrt(better + worse) and worse < MOST_ROUGHER * better
-        if not clear or not _as_usual(before, after, edge):
+        if not clear or (fault.bug == "signed-low" and not _as_usual(before, after, edge)):
             continue
         rough = float(np.log1p(after).mean())
         if rough < least - CLEARLY:
@@ -265,7 +265,7 @@ def _jumps(known: np.ndarray, period: float) -> bool:
     beside = [k for k in range(-BESIDE, BESIDE + 1) if k]
     places = np.clip(rows[:, None] + beside, 0, len(within) - 1)
     usual = calm[places].max(axis=1)
-    return bool((np.abs(within[rows]) <= 2.0 * usual + 4.0).mean() >= ALIKE)
+    return bool((np.abs(within[rows]) <= 4.0 * usual + 4.0).mean() >= ALIKE)
 
 
 def _does_no_harm(numbers: np.ndarray, fault: Fault) -> bool:
