@@ -26,6 +26,7 @@ MUCH = 3.0  # times smoother, or rougher: numbers of several clusters become a l
 MOST_ROUGHER = 0.4  # of the rows that become smoother: fast motion makes some
 CLEARLY = 0.05  # of a mean logarithm: of two that do nearly as well the first, of usual sign
 QUIET = 0.25  # of a size: a fourth of the rows bend by less, or the fault is below the noise
+AS_USUAL, ROUNDING = 6.0, 3.0  # times what rows bend by, and numbers beside
 Z = 6.0  # by which pairs that come nearer outnumber those that part: p = 1e-9
 LOW_BITS = range(3, 21)
 BYTE = 256.0
@@ -122,19 +123,29 @@ def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
         edge = 0.5 * (fault.size if fault.bug == "signed-low" else BYTE)
         if fault.size in tried or len(far) - np.searchsorted(far, edge) < Z**2:
             continue
-        if fault.bug == "bytes" and largest >= fault.size:
-            continue
+        if fault.bug == "bytes" and not fault.size / (2.0 * BYTE) <= largest < fault.size:
+            continue  # another word
         better, worse, _ = _smoother(some, fault)
         if worse - better > np.sqrt(better + worse):
             continue
         better, worse, after = _smoother(rows, fault)
         clear = better - worse > Z * np.sqrt(better + worse) and worse < MOST_ROUGHER * better
-        if not clear or np.quantile(after, 0.25) > QUIET * fault.size:
+        if not clear or (fault.bug == "signed-low" and not _as_usual(before, after, edge)):
             continue
         rough = float(np.log1p(after).mean())
         if rough < least - CLEARLY:
             best, least = fault, rough
     return best if least < float(np.log1p(before).mean()) else None
+
+
+def _as_usual(before: np.ndarray, after: np.ndarray, edge: float) -> bool:
+    """Whether rows that jumped bend (m,) as all others do when they are put right, and less than
+    the fault: another fault would leave a part of each jump. edge: half of the fault's size.
+    """
+    jumped = (before > edge) & (MUCH * after < before)
+    usual = float(np.median(after[~jumped])) if not jumped.all() else float(np.median(after))
+    quiet = np.quantile(after, 0.25) <= 2.0 * QUIET * edge
+    return bool(quiet and np.median(after[jumped]) <= AS_USUAL * usual + ROUNDING)
 
 
 def _smoother(rows: np.ndarray, fault: Fault) -> tuple[int, int, np.ndarray]:
@@ -250,10 +261,11 @@ def _jumps(known: np.ndarray, period: float) -> bool:
     if jump.sum() < MIN_JUMPS or np.quantile(np.abs(within), 0.99) > QUICK * period:
         return False
     rows = np.flatnonzero(jump)
+    calm = np.where(jump, 0.0, np.abs(within))
     beside = [k for k in range(-BESIDE, BESIDE + 1) if k]
     places = np.clip(rows[:, None] + beside, 0, len(within) - 1)
-    usual = np.abs(within[places]).max(axis=1)
-    return bool((np.abs(within[rows]) <= 2.0 * usual + 4.0).mean() >= ALIKE)
+    usual = calm[places].max(axis=1)
+    return bool((np.abs(within[rows]) <= 4.0 * usual + 4.0).mean() >= ALIKE)
 
 
 def _does_no_harm(numbers: np.ndarray, fault: Fault) -> bool:

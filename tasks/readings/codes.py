@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording, WrongCodes
 from tasks.readings.code_faults import Fault, faults_of
-from tasks.readings.lattice import MIN_ON_CODE, OFF_CODE, Quantiser, quantiser_of
+from tasks.readings.lattice import code_lattices
 from tasks.readings.line import Course, Line
 from tasks.readings.resolved import resolved
 from tasks.readings.stuck_bits import put_back
@@ -26,7 +26,7 @@ def codes_put_right(recording: Recording) -> Recording:
     if recording.wrong_codes:
         return recording
     readings = recording.imu.stack(CHANNELS)
-    lattices = {c: q for c, q in enumerate(map(_lattice, readings.T)) if q is not None}
+    lattices = code_lattices(readings[:: len(readings) // SAMPLE_ROWS + 1])
     if not lattices:
         return recording
     numbers = {c: np.rint(readings[:, c] / q.step) for c, q in lattices.items()}
@@ -47,16 +47,6 @@ def codes_put_right(recording: Recording) -> Recording:
         return recording
     imu = replace(recording.imu, columns=columns)
     return replace(recording, imu=imu, wrong_codes=tuple(wrong))
-
-
-def _lattice(readings: np.ndarray) -> Quantiser | None:
-    """The lattice of a channel (n,) if zero is on it."""
-    found = quantiser_of(readings[:: len(readings) // SAMPLE_ROWS + 1])
-    if found is None or not found.through_zero:
-        return None
-    known = readings[np.isfinite(readings)] / found.step
-    on_code = np.abs(known - np.rint(known)) < 2.0 * OFF_CODE
-    return found if on_code.mean() >= MIN_ON_CODE else None
 
 
 def _put_right(

@@ -7,8 +7,21 @@ import numpy as np
 OFF_CODE = 0.05  # of a step: how far a reading may lie off its code, for the rounding of a file
 MIN_ON_CODE = 0.98  # share of the values that must lie on the codes; a limit need not
 MOST_OFF = 0.1  # of those near by: no lattice
-NEAREST = 30  # differences of which the divisor is sought: of words of 24 bits few are next
+NEAREST = 60  # differences, the lesser half, of which the divisor is sought
 MIN_PART = 1e-3  # of the least difference: less is no step
+DENSE = 12  # different readings, among which no code is missing
+OUTWARDS = (
+    40.0,
+    150.0,
+    600.0,
+    2500.0,
+    1e4,
+    1e5,
+    np.inf,
+)  # codes, so that a rough step counts right
+DECIMAL = 1e-6  # of a power of ten: the step of a file in rad/s or m/s², and of no unit
+ALIKE = 0.3  # of a step: how far rounded readings may lie off the codes of another channel
+ROUNDED = 0.6  # decimals by which a rounded reading may be off its code
 
 
 @dataclass(frozen=True)
@@ -41,7 +54,67 @@ def quantiser_of(readings: np.ndarray) -> Quantiser | None:
     if len(apart) < 2:
         return None
     found = _through(values, float(apart.min()))
-    return found or _through(values, _common_divisor(np.sort(apart)[:NEAREST].tolist()))
+    return found or _through(
+        values,
+        _common_divisor(
+            np.quantile(apart, np.linspace(0.0, 0.5, NEAREST), method="nearest").tolist()
+        ),
+    )
+
+
+def code_lattices(readings: np.ndarray) -> dict[int, Quantiser]:
+    """The lattice of the numbers that a unit sent, by channel of its readings (n, 6), where zero is
+    on it. Channels of a triad have one step unless they show another.
+    """
+    found = {c: q for c, q in enumerate(map(code_lattice, readings.T)) if q is not None}
+    for c in set(range(readings.shape[1])) - found.keys():
+        for other in (each for each in list(found) if each // 3 == c // 3):
+            numbers = readings[np.isfinite(readings[:, c]), c] / found[other].step
+            if len(numbers) and np.mean(np.abs(numbers - np.rint(numbers)) < ALIKE) > MIN_ON_CODE:
+                found[c] = found[other]
+                break
+    return found
+
+
+def code_lattice(readings: np.ndarray) -> Quantiser | None:
+    """The lattice of one channel's numbers, by its readings (n,).
+
+    A file that rounds to decimals has a lattice of its own; the numbers beneath show by the
+    decimals that never occur where readings are dense, unless these are coarser.
+    """
+    found = quantiser_of(readings)
+    if found is None:
+        return None
+    values, counts = np.unique(found.codes(readings[np.isfinite(readings)]), return_counts=True)
+    digits = float(np.log10(found.step))
+    decimals = abs(digits - round(digits)) < DECIMAL
+    if len(values) > DENSE:
+        within = np.convolve(counts, np.ones(DENSE), mode="valid")
+        first = int(within.argmax())
+        gaps = np.diff(values[first : first + DENSE])
+        if gaps.max() > 1.0 and np.ptp(gaps) <= 1.0:
+            found = _beneath(values, first, float(gaps.mean()), found)
+            decimals = False
+    return found if found is not None and found.through_zero and not decimals else None
+
+
+def _beneath(values: np.ndarray, first: int, wide: float, fine: Quantiser) -> Quantiser | None:
+    """The lattice that whole decimals (n,) were rounded from, by dense ones from `first` on.
+
+    wide: decimals that its codes are apart, roughly.
+    """
+    origin = values[first]
+    for span in (DENSE, *OUTWARDS):
+        near = values[np.abs(values - origin) <= span * wide]
+        numbers = np.round((near - origin) / wide)
+        slope, start = np.polyfit(numbers, near, 1)
+        if (np.abs(near - start - slope * numbers) > ROUNDED).mean() > 1.0 - MIN_ON_CODE:
+            return None
+        wide, origin = float(slope), float(start)
+    offset = origin - wide * round(origin / wide)
+    if abs(offset) > ROUNDED:
+        return None
+    return Quantiser(wide * fine.step, 0.0)
 
 
 def _common_divisor(apart: list[float]) -> float:
