@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from schemas.recording import Recording, Segment
+from schemas.recording import SI_PER_UNIT, Recording, Segment
 from tasks.motion.whole import attitude_stream
 from tasks.readings.axes import EXCITED, TriadMatrix
 from tasks.readings.implausible import Implausible
@@ -34,14 +34,12 @@ from tasks.readings.wrong_units import (
 from tasks.words import message
 
 
-def implausible(
-    recording: Recording, segments: Sequence[Segment], scales: tuple[float, float] = (1.0, 1.0)
-) -> tuple[Implausible, ...]:
+def implausible(recording: Recording, segments: Sequence[Segment]) -> tuple[Implausible, ...]:
     """What the recording cannot be, each in one sentence; nothing for a plausible one.
 
-    segments: its labels, or what was found. scales: rad/s and m/s² that one of the units is in
-    which the readings were written, so that the right unit can be named.
+    segments: its labels, or what was found.
     """
+    scales = _units_of_source(recording)
     used = [s for s in segments if s.kind in ("static", "rate", "rotation")]
     if len(recording.imu) < 2:
         return ()
@@ -67,6 +65,17 @@ def implausible(
     shifted = _shift(recording, gyro) if recording.manifest.segments else None
     mapped = None if tracked or shifted is not None else wrong_axes(gyro, accel)
     return tuple(one for one in (*found, shifted, mapped) if one is not None)
+
+
+def _units_of_source(recording: Recording) -> tuple[float, float]:
+    """rad/s and m/s² that one is of the units that the readings were imported from."""
+    imported = (recording.manifest.model_extra or {}).get("imported")
+    factors = imported.get(SI_PER_UNIT) if isinstance(imported, dict) else None
+    if not isinstance(factors, dict):
+        return 1.0, 1.0
+    gyro, accel = (factors.get(triad, 1.0) for triad in ("gyro", "accel"))
+    is_known = all(isinstance(one, int | float) and one > 0.0 for one in (gyro, accel))
+    return (float(gyro), float(accel)) if is_known else (1.0, 1.0)
 
 
 def _is_usual(gyro: TriadMatrix | None) -> bool:

@@ -97,6 +97,7 @@ def find_columns(sheet: Sheet, given: Mapping[str, str]) -> Found:
             if one and channel not in known:
                 known[channel] = one[0]
                 times += one if channel == "t" else []
+        times += () if times else _clocks(sheet, {one.place for one in known.values()})
     sheet.faults += [
         f"{triad[0][:-2]}: no column is found for {', '.join(missing)}"
         for triad in (GYRO, ACCEL)
@@ -113,6 +114,16 @@ def find_columns(sheet: Sheet, given: Mapping[str, str]) -> Found:
         f"{'; '.join(unclear)}: which are they? Give --columns {wanted} by name or number (there "
         f"are {listed})",
     )
+
+
+def _clocks(sheet: Sheet, taken: set[int]) -> list[Column]:
+    """Columns that are a time by their form, in whatever language their names are."""
+    return [
+        Column("t", place, name, "", PENALTY, "")
+        for place, name in enumerate(sheet.names)
+        if place not in taken and not sheet.is_numeric(place)
+        and sheet.text(place).str.contains(":").mean() > 0.5
+    ]  # fmt: skip
 
 
 def _given(sheet: Sheet, channel: str, text: str) -> Column | None:

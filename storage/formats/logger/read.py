@@ -19,6 +19,7 @@ from schemas.recording import (
     ANGLE,
     FORMAT,
     GYRO,
+    SI_PER_UNIT,
     Manifest,
     Recording,
     Station,
@@ -32,12 +33,20 @@ from storage.formats.logger.columns import find_columns
 from storage.formats.logger.scales import scale_of
 from storage.formats.logger.sheet import Sheet, read_sheet
 from storage.formats.logger.timing import timed
-from storage.formats.logger.units import Scale, plain
+from storage.formats.logger.units import Scale, is_in_g, plain
 from storage.formats.manifest import check_controls
 
 if TYPE_CHECKING:
     pass
 
+STANDARD_G = (
+    f"g is the standard {STANDARD_GRAVITY} m/s², for the local one was not given: biases in m/s² "
+    "may be wrong by 0.3 % of themselves; give --gravity"
+)
+NO_GRAVITY = (
+    "local gravity was not given: scale factors of accelerometers, which are ratios to it, are not "
+    "determined; give --gravity"
+)
 KINDS = (".csv", ".tsv", ".txt", ".log", ".dat", ".lvm", ".xlsx", ".xlsm", ".parquet", ".pq")
 
 
@@ -89,7 +98,8 @@ def read_log(
     if found.question:
         raise _unusable(sheet, [found.question])
     place = station or Station(id="unknown")
-    gravity = changes.gravity or place.gravity_m_s2 or STANDARD_GRAVITY
+    stated = changes.gravity or place.gravity_m_s2
+    gravity = stated or STANDARD_GRAVITY
     notes, rows = list[str](), list[ChannelRead]()
     timing = timed(sheet, found.times, protocol_path, changes.units.get("t"), changes.shift)
     if timing.times is None:
@@ -139,16 +149,29 @@ def read_log(
     manifest = Manifest.model_validate({
         "format": FORMAT, "recording_id": path.stem,
         "unit": (unit or Unit(manufacturer="-", model="-", serial="-")).model_dump(),
-        "station": {**place.model_dump(), "gravity_m_s2": gravity},
+        "station": {**place.model_dump(), "gravity_m_s2": _local_gravity(stated, scales, notes)},
         "segments": [s.model_dump(exclude_none=True) for s in labels.segments] or None,
         "imported": {
             "source": path.name, "source_sha256": source, **changes.as_fields(), **mapping,
+            SI_PER_UNIT: {n: scales[c].factor for n, c in _one_of_each(scales).items()},
         },
         **({"acquired_at": _moment(timing.origin)} if timing.times.kind == "epoch" else {}),
     })  # fmt: skip
     check_controls(manifest.model_dump(mode="json"), str(path))
     recording = Recording(manifest, stream)
     return Understood(recording, tuple(rows), (*sheet.notes, *notes), gravity, mapping)
+
+
+def _local_gravity(
+    stated: float | None, scales: Mapping[str, Scale], notes: list[str]
+) -> float | None:
+    """As stated; of readings in g the standard one, for scale factors, which are ratios to gravity,
+    do not depend on what one g is; else not known."""
+    if stated is not None:
+        return stated
+    in_g = ACCEL[0] in scales and is_in_g(scales[ACCEL[0]].text)
+    notes.append(STANDARD_G if in_g else NO_GRAVITY)
+    return STANDARD_GRAVITY if in_g else None
 
 
 def _unusable(sheet: Sheet, more: list[str] | None = None) -> Unusable:

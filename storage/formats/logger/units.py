@@ -90,6 +90,12 @@ def scale(quantity: str, text: str, gravity: float) -> Scale | None:
     return None if factor is None else Scale(text, factor)
 
 
+def is_in_g(text: str) -> bool:
+    """Whether a specific force in this unit depends on what one g is."""
+    one, two = (scale("force", text, gravity) for gravity in (1.0, 2.0))
+    return one != two
+
+
 def quantity_of(text: str) -> str | None:
     """The quantity that a unit alone tells, if it does: `g` and `s` do, a stray word does not."""
     for quantity in ("rate", "force", "time", "angle", "warmth"):

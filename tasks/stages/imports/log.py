@@ -11,7 +11,7 @@ from schemas.base import Unusable
 from schemas.recording import ACCEL, AXES, GYRO, UPS, Recording, Segment, Station, Unit
 from storage import settings
 from storage.catalogue import run_index, runs
-from storage.formats.convert import STANDARD_GRAVITY, Changes, axis_map
+from storage.formats.convert import Changes, axis_map
 from storage.formats.logger.read import Understood, read_log
 from storage.home import Home
 from storage.whole_files import writing_in_home
@@ -86,9 +86,8 @@ def understand(
     columns = {**like.get("columns", {}), **columns}
     station: Station | None = like.get("station")
     unit: Unit | None = like.get("unit")
-    notes = []
     gravity, source = _gravity(changes, station, home)
-    notes.append(source)
+    notes = [*source]
     place = (station or Station(id="unknown")).model_copy(update={"gravity_m_s2": gravity})
     understood = read_log(path, protocol, columns, changes, station=place, unit=unit)
     if protocol is None:
@@ -96,7 +95,7 @@ def understand(
         notes.append("no protocol: rests and turns were found; rates are proposals")
     recording = understood.recording
     labels = recording.manifest.segments or ()
-    doubts = implausible(recording, labels, _scales(understood)) if labels else ()
+    doubts = implausible(recording, labels) if labels else ()
     notes += _missing_positions(recording)
     return LogShown(
         understood, protocol is None, doubts, (*understood.notes, *notes),
@@ -120,20 +119,20 @@ def keep_log(shown: LogShown, home: Home, *, confirmed: bool) -> Imported:
     return Imported(run, is_new)
 
 
-def _gravity(changes: Changes, station: Station | None, home: Home) -> tuple[float, str]:
-    """Local gravity, m/s², and where it comes from."""
+def _gravity(
+    changes: Changes, station: Station | None, home: Home
+) -> tuple[float | None, tuple[str, ...]]:
+    """Local gravity, m/s², and where it comes from; None where nobody states it."""
     if changes.gravity:
-        return changes.gravity, f"g is {changes.gravity:g} m/s², as given"
+        return changes.gravity, (f"g is {changes.gravity:g} m/s², as given",)
     if station is not None and station.gravity_m_s2:
-        return station.gravity_m_s2, f"g is {station.gravity_m_s2:g} m/s², as in the run it is like"
+        known = station.gravity_m_s2
+        return known, (f"g is {known:g} m/s², as in the run it is like",)
     laboratory = settings.laboratory(home)
     if laboratory is not None and laboratory.latitude_deg is not None:
         gravity = round(normal_gravity(laboratory.latitude_deg), 5)
-        return gravity, f"g is {gravity:g} m/s², normal gravity at the laboratory's latitude"
-    return STANDARD_GRAVITY, (
-        f"g is the standard {STANDARD_GRAVITY} m/s², for the local one was not given: it may be "
-        "wrong by 0.3 %; give --gravity"
-    )
+        return gravity, (f"g is {gravity:g} m/s², normal gravity at the laboratory's latitude",)
+    return None, ()
 
 
 def _with_segments(understood: Understood) -> Understood:
@@ -143,16 +142,6 @@ def _with_segments(understood: Understood) -> Understood:
     found = sorted((*rests, *steady_turns(recording, rests)), key=lambda s: s.t_start)
     manifest = recording.manifest.model_copy(update={"segments": tuple(found) or None})
     return replace(understood, recording=replace(recording, manifest=manifest))
-
-
-def _scales(understood: Understood) -> tuple[float, float]:
-    """rad/s and m/s² that one as it was written is."""
-    from storage.formats.logger.units import scale
-
-    units = {row.channel: row.unit for row in understood.rows}
-    both = (("rate", GYRO[0]), ("force", ACCEL[0]))
-    found = [scale(q, units[c], understood.gravity) if c in units else None for q, c in both]
-    return tuple(1.0 if one is None else one.factor for one in found)  # type: ignore[return-value]
 
 
 def _missing_positions(recording: Recording) -> list[str]:

@@ -146,3 +146,18 @@ def test_version_names_program_release_and_digest(mimucal) -> None:
     done = mimucal("--version")
     assert done.code == 0
     assert done.out.startswith("mimucal 0.1.0+")
+
+
+def test_the_right_unit_is_that_of_the_file_however_often_it_is_said(
+    mimucal, tmp_path: Path
+) -> None:
+    """What is kept is in rad/s already: a way out for the file must not be one for that."""
+    made = bench(31, **RUN)
+    mistakes.gyro_times(made, factor=np.pi / 180)
+    log, lines = bosch(made, tmp_path)
+    (entry,) = mimucal(
+        "import", log, "--protocol", lines, *GRAVITY, "--units", "accel=mg", "--yes", "--json"
+    ).json["runs"]
+    first = mimucal("show", entry["run"], "--json").json["validity"]["reasons"][0]
+    assert [first] == entry["understood"]["doubts"]
+    assert "--units gyro=rad/s," in first

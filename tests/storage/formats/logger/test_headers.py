@@ -93,3 +93,35 @@ def test_rows_without_a_time_need_their_rate(tmp_path: Path) -> None:
         read(tmp_path / "log.csv", "ax,ay,az,gx,gy,gz", columns, gyro="dps")
     given = read(tmp_path / "log.csv", "ax,ay,az,gx,gy,gz", columns, gyro="dps", t="100Hz")
     np.testing.assert_allclose(given.recording.imu.t, T)
+
+
+GERMAN = """Gerät 7
+Datum/Zeit;Gyr X [°/s];Gyr Y [°/s];Gyr Z [°/s];Acc X [{0}];Acc Y [{0}];Acc Z [{0}]
+04.03.2026 08:15:00,000;0,1;-0,2;0,3;0,01;0,02;{1}
+04.03.2026 08:15:00,010;0,1;-0,2;0,3;0,01;0,02;{1}
+04.03.2026 08:15:00,020;0,1;-0,2;0,3;0,01;0,02;{1}
+"""
+
+
+def test_a_time_is_known_by_its_form_whatever_its_column_is_called(tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text(GERMAN.format("g", "1,00"), encoding="utf-8")
+    understood = read_log(log, None, {}, Changes())
+    assert understood.recording.imu.t == pytest.approx([0.0, 0.01, 0.02])
+    assert (understood.recording.manifest.model_extra or {})["acquired_at"].startswith(
+        "2026-03-04T"
+    )
+
+
+@pytest.mark.parametrize(
+    ("unit", "read", "known", "note"),
+    [("g", "1,00", 9.80665, "biases in m/s² may"), ("m/s²", "9,81", None, "are not determined")],
+)
+def test_local_gravity_is_assumed_only_where_a_ratio_to_it_does_not_depend_on_it(
+    tmp_path: Path, unit: str, read: str, known: float | None, note: str
+) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text(GERMAN.format(unit, read), encoding="utf-8")
+    understood = read_log(log, None, {}, Changes())
+    assert understood.recording.manifest.station.gravity_m_s2 == known
+    assert any(note in each for each in understood.notes)
