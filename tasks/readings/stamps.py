@@ -15,7 +15,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from schemas.recording import Recording
-from tasks.motion.samples import NORMAL_QUANTILES, sample_interval
+from tasks.motion.samples import NORMAL_QUANTILES
 from tasks.words import message, remark
 
 TOGETHER = 0.35  # of the sampling interval: rows nearer to each other came in one packet
@@ -210,23 +210,3 @@ def _roughness(at: np.ndarray, readings: np.ndarray) -> np.ndarray:
     line = readings[:, :-2] + share * (readings[:, 2:] - readings[:, :-2])
     off = (readings[:, 1:-1] - line) ** 2 / (1.0 + share**2 + (1.0 - share) ** 2)
     return np.asarray(np.nansum(off, axis=1))
-
-
-def never_set(t: np.ndarray) -> bool:
-    """Whether stamps (n,) s were never set: more than one, and all the same."""
-    return len(t) > 1 and bool((t == t[0]).all())
-
-
-def running_on(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Stamps (n,) s of a clock that runs on where it was set back, and the rows (k,) from which on
-    it was.
-
-    The first row afterwards came one interval after the one before, as far as can be known.
-    """
-    back = np.flatnonzero(np.diff(t) < 0.0) + 1
-    if not len(back):
-        return t, back
-    moved = np.zeros(len(t))
-    interval = sample_interval(np.delete(t, back)) if len(t) > len(back) + 2 else 0.0
-    moved[back] = t[back - 1] + interval - t[back]
-    return t + np.cumsum(moved), back

@@ -21,6 +21,8 @@ def wrong_axes(gyro: TriadMatrix | None, accel: TriadMatrix | None) -> Implausib
         alike = [m for m in choices[0] or () if any(np.array_equal(m, n) for n in choices[1] or ())]
         both = bool(alike)
         chosen = dict.fromkeys(wrong, alike[0]) if both else chosen
+    # Of a turn that one triad shows and the other says nothing of, the unit as it lay is the cause.
+    both = both or (len(known) == 1 and np.linalg.det(chosen[wrong[0]]) > 0.0)
     entries, reads = list[str](), list[Message]()
     for k in wrong[:1] if both else wrong:
         name = "" if both else ("gyro_", "accel_")[k]

@@ -17,6 +17,7 @@ EPOCHS = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"), (1e8, 1.0,
 LATEST = 4e9  # s since 1970, in 2096
 RATES = (4.0, 2e4)  # Hz: how often inertial units are read
 COUNTERS = (2.0**16, 2.0**24, 2.0**32)
+SET_BACK = 1e-3  # of the rows after which a clock may be set back; more, and rows are not in order
 UNITS = (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
 
 
@@ -100,3 +101,20 @@ def apart(seconds: np.ndarray) -> tuple[np.ndarray, int]:
     steps = np.append(np.diff(stamps), np.median(np.diff(stamps)) * sizes[-1] / np.median(sizes))
     within = np.arange(len(seconds)) - np.repeat(first, sizes)
     return np.repeat(stamps, sizes) + within * np.repeat(steps / sizes, sizes), shared
+
+
+def running_on(seconds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Stamps (n,) s of a clock that runs on where it was set back, and the rows (k,) from which on
+    it was: the first of them came one interval after the row before, as far as can be known.
+
+    Stamps stay as they are, and no row is named, where the next row is back in its place, or where
+    so many are: then rows are not in their order.
+    """
+    steps = np.diff(seconds)
+    back = np.flatnonzero(steps < 0.0) + 1
+    stays = seconds[np.minimum(back + 1, len(seconds) - 1)] < seconds[back - 1]
+    if not len(back) or not stays.all() or len(back) > max(1.0, SET_BACK * len(seconds)):
+        return seconds, back[:0]
+    moved = np.zeros(len(seconds))
+    moved[back] = np.median(steps[steps > 0.0]) - steps[back - 1]
+    return seconds + np.cumsum(moved), back

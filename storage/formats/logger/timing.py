@@ -152,6 +152,14 @@ def _checked(sheet: Sheet, column: Column, times: Times, notes: list[str]) -> Ti
             f"{sheet.lines[wrong[0]]}); correct or remove them"
         )
         return replace(times, seconds=np.arange(len(seconds)) * 0.01)
+    running, set_back = clocks.running_on(seconds)
+    if len(set_back):
+        seconds = running
+        notes.append(
+            f"the clock was set back {len(set_back)} times (line {sheet.lines[set_back[0]]}): rows "
+            "are taken to go on one interval after the row before; times in a protocol after that "
+            "are on the clock as it ran on"
+        )
     spread, shared = clocks.apart(seconds)
     back = np.flatnonzero(np.diff(spread) <= 0)
     if len(back):

@@ -7,7 +7,7 @@ import pytest
 from logged import Unit, procedure, read, recorded, swinging
 from logged import in_packets as sent
 
-from tasks.readings.stamps import in_packets, never_set, running_on, with_instants
+from tasks.readings.stamps import in_packets, with_instants
 
 # Hz, s between the host's questions, samples that the unit collects
 PACKETS = [
@@ -84,30 +84,6 @@ def test_bursts_that_were_sampled_as_they_are_stamped_stay() -> None:
     recording = recorded("bursts", course, at, read(course, at, Unit(), rng))
     assert in_packets(at) is not None
     assert with_instants(recording) is recording
-
-
-def test_stamps_of_one_value_were_never_set() -> None:
-    assert never_set(np.zeros(10))
-    assert never_set(np.full(10, 1.7e9))
-    assert not never_set(np.arange(10.0))
-    assert not never_set(np.zeros(1))
-
-
-@pytest.mark.parametrize("back", [0.5, 1.0, 3600.0])
-@pytest.mark.parametrize("rate", [10.0, 100.0, 1000.0])
-def test_a_clock_that_was_set_back_runs_on(back: float, rate: float) -> None:
-    taken = np.arange(3000) / rate
-    stamps = taken - back * (taken > 1.0) - 0.3 * back * (taken > 2.0)
-    running, rows = running_on(stamps)
-    assert running == pytest.approx(taken, abs=1e-9)
-    assert rows.tolist() == np.flatnonzero(np.diff(stamps) < 0.0).__add__(1).tolist()
-
-
-def test_a_clock_that_runs_is_left_alone() -> None:
-    t = np.arange(100) / 50.0
-    running, rows = running_on(t)
-    assert running is t
-    assert not len(rows)
 
 
 def test_equal_stamps_of_a_packet_are_one_arrival() -> None:

@@ -62,9 +62,11 @@ def test_ln100_books_earth_rotation_as_g_sensitivity_until_it_is_removed(real) -
 
 def test_vn200_57630_labels_that_gravity_contradicts_are_not_believed(real) -> None:
     calibration = result(real("vn200_57630_six_position"))
-    named = {r.segments[0] for r in calibration.remarks if r.code == "position_contradicted"}
-    assert named == {"static_+x", "static_-x", "static_+y", "static_-y"}
-    assert all(r.blocks_pass for r in calibration.remarks if r.code == "position_contradicted")
+    (axes,) = (r for r in calibration.remarks if r.code == "axes")
+    assert "x: −x, y: −y" in axes.en
+    assert "--axes x=-x,y=-y" in axes.en
+    assert axes.run == "invalid"
+    assert axes.blocks_pass
     assert calibration.items["accel_scale_factor"].value == pytest.approx(
         {"x": 1.0, "y": 1.0, "z": 1.0}, abs=0.002
     )
