@@ -11,7 +11,7 @@ standard's scale factors absorb a wrong range, so that no residual shows it; but
 another number, and that one of the few that settings make, is a setting.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from tasks.words import message
 
 STANDARD_GRAVITY = 9.80665  # m/s²
 STILL = np.radians(0.5)  # rad/s: what turns slower rests
+TIED = 0.01  # of what is read along the axes: inputs along the axis of a turn do not show it
 WORKING = 0.05  # standard deviation of a working unit's scale factors about one
 NEAR = 0.08  # of a usual factor: as near as working units are
 OWN = 0.01  # of the factor: what scale factors of the unit's own may have in common
@@ -209,10 +210,19 @@ def _mappings(matrices: dict[int, TriadMatrix], tracked: bool) -> list[AxisMappi
     common = [
         matrix
         for matrix in choices[wrong[0]]
-        if np.linalg.det(matrix) > 0
-        and all(any(np.array_equal(matrix, one) for one in good) for good in choices.values())
+        if np.linalg.det(matrix) > 0 and all(_reads_as(one, matrix) for one in matrices.values())
     ]
     # What a turned mount, or tracked body, would do to all that is known.
-    if common and len(wrong) == len(matrices):
+    if common:
         return [] if tracked else [axis_mapping(triad, common[0], True) for triad in wrong]
     return [axis_mapping(triad, choices[triad][0], False) for triad in wrong]
+
+
+def _reads_as(found: TriadMatrix, turned: np.ndarray) -> bool:
+    """Whether a triad reads as one that is turned, at least as well as one that is not: a single
+    attitude leaves both open where the turn is about its vertical.
+    """
+    along = [float(np.sum((one @ found.directions) * found.reads)) for one in (turned, np.eye(3))]
+    good = fitting(replace(found, reads=turned.T @ found.reads))
+    is_along = any(np.array_equal(one, np.eye(3)) for one in good)
+    return is_along and along[0] > (1.0 - TIED) * along[1]

@@ -11,7 +11,7 @@ from tasks.explain.events.faults import (
     GravityRemoved,
     RangeSetting,
     Setting,
-    find_faults,
+    find_gravity_removed,
     find_settings,
 )
 from tasks.words import texts
@@ -105,6 +105,17 @@ def test_both_triads_turned_alike_may_be_the_mount_and_of_a_tracked_body_is_its_
     assert settings(readings, tracked=True) == ()
 
 
+def test_a_turn_that_gravity_does_not_show_is_that_of_a_tracked_body_too() -> None:
+    """Level all the time: turned about its vertical the accelerometers read as they did."""
+    level = replace(MADE, up=np.tile([0.0, 0.0, 1.0], (len(MADE.t), 1)))
+    readings = noisy(mean_readings(level), 7)
+    readings[:, :3] = readings[:, :3] @ QUARTER.T
+    assert find_settings(readings, level, True) == ()
+    (found,) = find_settings(readings, level, False)
+    assert found.triad == 0
+    assert found.indistinguishable == ("reference_frame",)
+
+
 def test_axes_and_range_are_undone_together() -> None:
     right = counted(noisy(mean_readings(MADE), 8))
     readings = right.copy()
@@ -120,8 +131,9 @@ def test_gravity_that_a_driver_took_off_is_put_back() -> None:
     right = noisy(mean_readings(MADE), 8)
     removed = right.copy()
     removed[:, 3:] -= MADE.force
-    (found,) = find_faults(removed, MADE, False)
+    found = find_gravity_removed(removed, MADE)
     assert isinstance(found, GravityRemoved)
     np.testing.assert_allclose(found.undone(removed), right, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found.applied(MADE.t, right), removed, rtol=1e-9, atol=1e-9)
-    assert find_faults(right, MADE, False) == ()
+    assert find_gravity_removed(right, MADE) is None
+    assert settings(found.undone(removed)) == ()
