@@ -5,13 +5,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+import numpy as np
+
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO
 from storage.formats.logger.sheet import Sheet
 from storage.formats.logger.units import plain, quantity_of
 
 CHANNELS = ("t", *GYRO, *ACCEL, "temperature", *ANGLE)
-GYRO_WORDS = {"gyro", "gyr", "gyros", "gyroscope", "omega", "w", "angvel", "angrate"}
-ACCEL_WORDS = {"accel", "acc", "accels", "acceleration", "accelerometer", "a", "f"}
+GYRO_WORDS = {"gyro", "gyr", "gy", "gyros", "gyroscope", "omega", "w", "angvel", "angrate"}
+ACCEL_WORDS = {"accel", "acc", "ac", "accels", "acceleration", "accelerometer", "a", "f"}
 RATE_WORDS = ({"angular", "ang", "rotation", "turn"}, {"rate", "velocity", "vel", "speed"})
 FILLING = {  # words that tell nothing more
     "imu", "sensor", "data", "raw", "of", "axis", "value", "reading", "specific", "force", "field",
@@ -39,6 +41,8 @@ NO_TIME = {
     "zone", "week", "relative", "delta", "dt", "age", "location", "gps", "heading", "offset",
     "battery", "activity", "pedometer", "altimeter", "integral",
 }  # fmt: skip
+SENSOR_WORDS = {"id", "sensor", "device", "node", "address", "imu", "source"}
+MANY, LEAST = 8, 0.05  # sensors in a file, and the least share of its rows that one has
 WARM = {"temp", "temperature", "tmp"}
 BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
@@ -88,18 +92,21 @@ def find_columns(sheet: Sheet, given: Mapping[str, str]) -> Found:
     if sheet.named:
         every = [c for k in range(len(sheet.names)) for c in _candidates(sheet, k)]
         for triad in (GYRO, ACCEL):
-            if not set(triad) & set(known):
-                chosen, several = _triad(every, triad)
-                known |= chosen
-                unclear += several
+            free = [c for c in every if c.place not in {one.place for one in known.values()}]
+            missing = [channel for channel in triad if channel not in known]
+            chosen, several = _triad(free, triad)
+            known |= {channel: chosen[channel] for channel in missing if channel in chosen}
+            unclear += several if len(missing) == len(triad) else []
         for channel in ("t", "temperature"):
             one = sorted((c for c in every if c.channel == channel), key=lambda c: c.penalty)
             if one and channel not in known:
                 known[channel] = one[0]
                 times += one if channel == "t" else []
         times += () if times else _clocks(sheet, {one.place for one in known.values()})
+    twice = [name for name in dict.fromkeys(sheet.names) if name and sheet.names.count(name) > 1]
+    why = f" ({', '.join(twice)} stands twice in the header)" if twice else ""
     sheet.faults += [
-        f"{triad[0][:-2]}: no column is found for {', '.join(missing)}"
+        f"{triad[0][:-2]}: no column is found for {', '.join(missing)}{why}; name it by --columns"
         for triad in (GYRO, ACCEL)
         if (missing := [c for c in triad if c not in known]) and len(missing) < len(triad)
     ]
@@ -124,6 +131,21 @@ def _clocks(sheet: Sheet, taken: set[int]) -> list[Column]:
         if place not in taken and not sheet.is_numeric(place)
         and sheet.text(place).str.contains(":").mean() > 0.5
     ]  # fmt: skip
+
+
+def several_sensors(sheet: Sheet, taken: set[int]) -> list[str]:
+    """A sentence where a column that is not read tells rows of several sensors apart."""
+    found = []
+    for place, name in enumerate(sheet.names):
+        if place in taken or not set(_words(name)) & SENSOR_WORDS:
+            continue
+        values, counts = np.unique(sheet.text(place).to_numpy(str), return_counts=True)
+        if 1 < len(values) <= MANY and counts.min() > LEAST * len(sheet.frame):
+            found.append(
+                f"column {name} tells {len(values)} sensors apart ({', '.join(values[:MANY])}): "
+                "give a file with the rows of one"
+            )
+    return found
 
 
 def _given(sheet: Sheet, channel: str, text: str) -> Column | None:

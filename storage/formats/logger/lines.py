@@ -52,3 +52,12 @@ def fields_of(line: str, separator: str) -> list[str]:
 
 def is_value(text: str) -> bool:
     return bool(NUMBER.fullmatch(text) or CLOCK.fullmatch(text) or DAY.fullmatch(text))
+
+
+def decimal_comma(lines: list[str]) -> bool:
+    """Whether the fields between semicolons, tabs or spaces are numbers with a comma."""
+    for separator in ("\t", ";", SPACES):
+        fields = [cell for line in lines[:20] for cell in fields_of(line, separator)]
+        if len(fields) > len(lines[:20]) and all(map(is_value, filter(None, fields))):
+            return True
+    return False

@@ -139,7 +139,7 @@ class _Line:
 
         text = sheet.text(place)
         numbers = pd.to_numeric(text.str.replace(",", "."), errors="coerce").to_numpy(float)
-        if np.isfinite(numbers).sum() > 0.5 * (text != "").sum():
+        if np.isfinite(numbers).any():
             return Times(numbers, "number")
         return clocks.of_text(text)
 
@@ -182,14 +182,20 @@ class _Line:
         start, end, lasts = self.time("start"), self.time("end"), self.time("duration")
         if start is None:
             if any(self.text(name) for name in self.places):
-                faults.append(f"line {self.where}: start is missing or no time")
+                faults.append(f"line {self.where}: start is {self.text('start')!r}, no time")
             return None
         if end is None and lasts is None:
-            faults.append(f"line {self.where}: neither end nor duration")
+            faults.append(f"line {self.where}: {self._no_end()}")
             return None
-        end = start + (lasts or 0.0) if end is None else end
+        lasts = end - start if lasts is None and end is not None else lasts or 0.0
+        if end is not None and abs(start + lasts - end) > SLACK:
+            faults.append(
+                f"line {self.where}: end and duration contradict each other; leave one of them out"
+            )
+            return None
+        end = start + lasts if end is None else end
         if not end > start:
-            faults.append(f"line {self.where}: it ends at {end:g} s, before it starts")
+            faults.append(f"line {self.where}: it starts at {start:g} s and ends at {end:g} s")
             return None
         begun = len(faults)
         up = self._signed("up", faults)
@@ -199,6 +205,8 @@ class _Line:
         rate, angle = self.degrees("rate_deg_s", faults), self.degrees("angle_deg", faults)
         if (rate or angle) and axis is None:
             faults.append(f"line {self.where}: a rate or an angle needs the axis that it is about")
+        if rate and angle:
+            faults.append(f"line {self.where}: a rate is held or an angle turned; leave one out")
         if len(faults) > begun:
             return None
         kind = "rate" if rate else "rotation" if angle else "static"
@@ -219,6 +227,11 @@ class _Line:
             "angle_deg": angle if kind == "rotation" else None,
             "t_start": start - self.offset + shift, "t_end": end - self.offset + shift,
         })  # fmt: skip
+
+    def _no_end(self) -> str:
+        given = [(name, self.text(name)) for name in ("end", "duration") if self.text(name)]
+        texts = [f"{name} is {text!r}, no time" for name, text in given]
+        return " and ".join(texts) or "neither end nor duration"
 
     def _signed(self, name: str, faults: list[str]) -> str | None:
         """An axis with its sign: +x, x+, X up, -z, z down."""

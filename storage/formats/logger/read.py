@@ -29,7 +29,7 @@ from schemas.recording import (
 from storage.formats.checks import check_stream, first
 from storage.formats.convert import STANDARD_GRAVITY, Changes
 from storage.formats.logger import clocks
-from storage.formats.logger.columns import find_columns
+from storage.formats.logger.columns import find_columns, several_sensors
 from storage.formats.logger.scales import scale_of
 from storage.formats.logger.sheet import Sheet, read_sheet
 from storage.formats.logger.timing import timed
@@ -112,6 +112,8 @@ def read_log(
         used["t"] = timing.column
     labels = timing.protocol
     raw = {c: sheet.numbers(one.place) for c, one in used.items() if c != "t"}
+    raw = _whole_triads(raw)
+    sheet.faults += several_sensors(sheet, {one.place for one in used.values()})
     if protocol_path is not None:
         sheet.faults += [f"{protocol_path.name}: {fault}" for fault in labels.faults]
         notes += [f"{protocol_path.name}: {note}" for note in labels.notes]
@@ -130,7 +132,7 @@ def read_log(
             continue
         scales |= dict.fromkeys(own, one)
         rows += [ChannelRead(c, column.name, one.text, how) for c, column in own.items()]
-    if "temperature" in raw and not np.isfinite(raw["temperature"]).all():
+    if not np.isfinite(raw.get("temperature", 0.0)).all():
         notes.append("temperature is empty in some rows: left out")
         del raw["temperature"]
     if sheet.faults:
@@ -160,6 +162,17 @@ def read_log(
     check_controls(manifest.model_dump(mode="json"), str(path))
     recording = Recording(manifest, stream)
     return Understood(recording, tuple(rows), (*sheet.notes, *notes), gravity, mapping)
+
+
+def _whole_triads(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The values; a row that lacks one of a triad's three has none of them."""
+    made = dict(values)
+    triads: tuple[tuple[str, ...], ...] = (GYRO, ACCEL, ANGLE)
+    for triad in triads:
+        if set(triad) <= set(made):
+            lost = np.isnan([made[c] for c in triad]).any(axis=0)
+            made |= {c: np.where(lost, np.nan, made[c]) for c in triad}
+    return made
 
 
 def _local_gravity(

@@ -13,6 +13,7 @@ from storage.formats.logger.lines import (
     CLOCK,
     NUMBER,
     SPACES,
+    decimal_comma,
     decoded,
     fields_of,
     is_value,
@@ -30,9 +31,10 @@ COMMENTS = ("#", "%", "//", "!")
 SEPARATORS = ("\t", ";", ",", "|", SPACES)
 COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 PAIR = re.compile(r"([A-Za-z_][\w.]*)\s*[:=]\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)")
-EMPTY = ("", "nan", "null", "na", "n/a", "none", "-")
+EMPTY = ("", "nan", "null", "na", "n/a", "none", "-")  # of a column that holds nothing
 RUN = 4  # rows of numbers one after the other that begin the data
 LISTED = 3  # rows named of a kind of fault
+FEW = 0.01  # of the rows: as many cells without a number are left out, more are a fault
 
 
 @dataclass
@@ -56,34 +58,45 @@ class Sheet:
 
     def text(self, column: int) -> "pd.Series":
         """A column as text, empty where there is nothing."""
-        return self.frame.iloc[:, column].fillna("").astype(str).str.strip()
+        return self.frame.iloc[:, column].astype(object).fillna("").astype(str).str.strip()
 
     def is_numeric(self, column: int) -> bool:
         """Whether all of a column was read as numbers."""
         return bool(self.frame.dtypes.iloc[column].kind in "iuf")
 
     def numbers(self, column: int) -> np.ndarray:
-        """A column (n,) as float64, NaN where it is empty; text in it becomes a fault."""
+        """A column (n,) as float64, NaN where it holds no number: of few rows a note, of more a
+        fault, unless it is empty as a whole.
+        """
         import pandas as pd
 
         series = self.frame.iloc[:, column]
         if self.is_numeric(column):
-            return np.asarray(series.to_numpy(float))
+            values = np.asarray(series.to_numpy(float))
+            return self._without_gaps(column, values)
         text = self.text(column)
         if text.str.fullmatch(COMMA.pattern + r"|[-+]?\d+|").all():
             text = text.str.replace(",", ".", regex=False)
         values = pd.to_numeric(text, errors="coerce").to_numpy(float)
-        wrong = np.isnan(values) & ~text.str.lower().isin(EMPTY).to_numpy()
-        if wrong.any():
-            shown = ", ".join(
-                f"line {self.lines[row]}: {text.iloc[row][:30]!r}"
-                for row in np.flatnonzero(wrong)[:LISTED]
-            )
-            self.faults.append(
-                f"column {self.names[column]}: {int(wrong.sum())} of {len(wrong)} values are no "
-                f"numbers ({shown}); correct or remove these rows"
-            )
-        return np.asarray(values)
+        return self._without_gaps(column, values)
+
+    def _without_gaps(self, column: int, values: np.ndarray) -> np.ndarray:
+        wrong = ~np.isfinite(values)
+        if not wrong.any():
+            return values
+        text = self.text(column)
+        if wrong.all() and text.str.lower().isin(EMPTY).all():
+            return values
+        shown = ", ".join(
+            f"line {self.lines[row]}: {text.iloc[row][:30]!r}"
+            for row in np.flatnonzero(wrong)[:LISTED]
+        )
+        what = f"column {self.names[column]}: {int(wrong.sum())} of {len(wrong)} values are no "
+        if wrong.mean() > FEW:
+            self.faults.append(f"{what}numbers ({shown}); correct or remove these rows")
+        else:
+            self.notes.append(f"{what}numbers ({shown}); left out")
+        return np.where(wrong, np.nan, values)
 
 
 def read_sheet(path: Path) -> Sheet:
@@ -132,16 +145,17 @@ def _of_frame(path: Path, frame: "pd.DataFrame") -> Sheet:
 
 
 def _of_lines(path: Path, lines: list[str], separator: str | None = None) -> Sheet:
-    kept = [
-        (number, line.rstrip("\r\n"))
-        for number, line in enumerate(lines, start=1)
-        if line.strip() and not line.lower().startswith("sep=")
-    ]
-    kept = [(number, plain_line(line)) for number, line in kept]
+    written = [(number, line.rstrip("\r\n")) for number, line in enumerate(lines, start=1)]
+    written = [(n, line) for n, line in written if line.strip() and line[:4].lower() != "sep="]
+    kept = [(n, plain_line(line)) for n, line in written]
     start, separator = _begin(path, [line for _, line in kept[:HEAD]], separator)
     data = [(n, line) for n, line in kept[start:] if not line.lstrip().startswith(COMMENTS)]
     count = _usual_count([line for _, line in data[:HEAD]], separator)
-    names, units, preamble = _header([line for _, line in kept[:start]], separator, count)
+    before = [line for _, line in kept[:start]]
+    _check_commas(path, before, separator, count)
+    again = [n for n, line in data if line in before]
+    data = [(n, line) for n, line in data if line not in before]
+    names, units, preamble = _header(before, separator, count)
     pairs = PAIR.findall(kept[start][1].replace("\t", " "))
     if not names and len(pairs) >= LISTED:  # ax:0.1, ay:0.2: each row names its values
         names = [name for name, _ in pairs]
@@ -149,9 +163,11 @@ def _of_lines(path: Path, lines: list[str], separator: str | None = None) -> She
         separator, count, units = ";", len(names), [""] * len(names)
     sheet = Sheet(path, names or [str(k + 1) for k in range(count)], units, _empty(), np.empty(0))
     sheet.preamble, sheet.named = preamble, bool(names)
+    if again:
+        sheet.notes.append(f"the header stands again in line {again[0]}: left out")
     data = _even(sheet, data, separator, count)
-    if not data:
-        raise Unusable(f"{path} has no row of data; export it again.")
+    if len(data) < 2:
+        raise Unusable(f"{path} has {len(data) or 'no'} row of data; export it again.")
     sheet.frame = _frame([line for _, line in data], separator, count)
     sheet.lines = np.array([number for number, _ in data])
     return sheet
@@ -180,7 +196,7 @@ def _begin(path: Path, head: list[str], given: str | None) -> tuple[int, str]:
         first = next(
             (k for k in range(len(enough)) if all(enough[k : k + RUN])), enough.index(True)
         )
-        if separator == "," and best[0] and usual > best[0] and _decimal_comma(head[first:]):
+        if separator == "," and best[0] and usual > best[0] and decimal_comma(head[first:]):
             continue
         if usual > best[0]:
             best = (usual, first, separator)
@@ -195,13 +211,14 @@ def _begin(path: Path, head: list[str], given: str | None) -> tuple[int, str]:
     return best[1], best[2]
 
 
-def _decimal_comma(lines: list[str]) -> bool:
-    """Whether the fields between semicolons, tabs or spaces are numbers with a comma."""
-    for separator in ("\t", ";", SPACES):
-        fields = [cell for line in lines[:20] for cell in fields_of(line, separator)]
-        if len(fields) > len(lines[:20]) and all(map(is_value, filter(None, fields))):
-            return True
-    return False
+def _check_commas(path: Path, before: list[str], separator: str, count: int) -> None:
+    """Raises Unusable where every number stands in two fields, with the comma between them."""
+    named = len(fields_of(before[-1], separator)) if before else 0
+    if separator == "," and named > 1 and count in (2 * named - 1, 2 * named):
+        raise Unusable(
+            f"{path}: rows have {count} fields below a header of {named}: commas in numbers and "
+            "between them; export it with semicolons or tabs between, or with decimal points."
+        )
 
 
 def _usual_count(lines: list[str], separator: str) -> int:

@@ -108,7 +108,8 @@ def _times(
             day = _day_column(sheet, column)
             return _checked(sheet, column, clocks.of_text(day + text), notes), "by its form"
     values = sheet.numbers(column.place)
-    given = unit or (column.unit if plain(column.unit) in clocks.TIME else "")
+    stated_unit = next((u for u in (column.unit, column.name) if plain(u) in clocks.TIME), "")
+    given = unit or stated_unit
     times = clocks.of_numbers(values, given, column.name)
     how = "--units" if unit else "header" if given else "by the interval of the rows"
     if times is None and stated:
@@ -124,13 +125,20 @@ def _times(
             "t=ms, t=us, t=ns, or a rate as t=100Hz"
         )
     if column.unit and unit is None and given and _is_odd(times):
-        notes.append(f"rows are {np.nanmedian(np.diff(times.seconds)):.4g} s apart as {given}")
+        notes.append(f"stamps are {_step(times):.4g} s apart as {given}")
     return _checked(sheet, column, times, notes), how
+
+
+def _step(times: Times) -> float:
+    """The usual step between stamps that differ, s; 0 where none do."""
+    steps = np.diff(times.seconds)
+    steps = steps[steps > 0.0]
+    return float(np.median(steps)) if len(steps) else 0.0
 
 
 def _is_odd(times: Times) -> bool:
     """Whether rows come less often or more often than inertial units are read."""
-    step = float(np.nanmedian(np.diff(times.seconds)))
+    step = _step(times)
     return not clocks.RATES[0] <= 1.0 / max(step, 1e-12) <= clocks.RATES[1]
 
 
@@ -150,6 +158,12 @@ def _checked(sheet: Sheet, column: Column, times: Times, notes: list[str]) -> Ti
         sheet.faults.append(
             f"column {column.name}: {len(wrong)} rows have no time that can be read (line "
             f"{sheet.lines[wrong[0]]}); correct or remove them"
+        )
+        return replace(times, seconds=np.arange(len(seconds)) * 0.01)
+    if len(seconds) > 1 and np.ptp(seconds) == 0.0:
+        sheet.faults.append(
+            f"column {column.name}: every row has the same time; give the rate of the rows, as "
+            "--units t=100Hz"
         )
         return replace(times, seconds=np.arange(len(seconds)) * 0.01)
     running, set_back = clocks.running_on(seconds)
