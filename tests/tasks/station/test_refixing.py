@@ -31,7 +31,7 @@ def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_
     made = run_of(tmp_path, procedure, (StationFault("fixture_stays"),))
     result = calibrate(JJF1536, made.recording, run="r", code_version="test")
     blocking = {(r.code, *r.segments) for r in result.remarks if r.blocks_pass}
-    assert {("position_contradicted", "rest_x"), ("position_contradicted", "rest2_x")} <= blocking
+    assert ("axes",) in blocking  # one sentence for all that lies otherwise than its labels say
     assert sum(code == "rate_not_read" for code, *_ in blocking) == 10
     assert result.items["ahrs_scale_factor"].value["x"] is None
 
