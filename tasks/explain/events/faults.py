@@ -20,12 +20,11 @@ from schemas.recording import AXES
 from tasks.explain.channels import CHANNELS, TRIADS
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.event import TRIAD_NAMES, Event
-from tasks.motion.whole import Motion
+from tasks.motion.whole import STANDARD_GRAVITY, Motion
 from tasks.readings.axes import TriadMatrix, fitting, triad_matrix
 from tasks.readings.wrong_units import REMOVED
 from tasks.words import message
 
-STANDARD_GRAVITY = 9.80665  # m/s²
 STILL = np.radians(0.5)  # rad/s: what turns slower rests
 TIED = 0.01  # of what is read along the axes: inputs along the axis of a turn do not show it
 WORKING = 0.05  # standard deviation of a working unit's scale factors about one
