@@ -42,6 +42,7 @@ def _relayed(descriptor: int) -> Iterator[None]:
         os.dup2(reader, descriptor)  # closes our pipe, whose end the relay then sees
         relay.join(REST_S)
         if not relay.is_alive():
+            os.dup2(reader, descriptor)  # by now the relay may have found the reader gone
             os.close(source)
             os.close(reader)
 

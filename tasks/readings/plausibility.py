@@ -20,6 +20,7 @@ from tasks.readings.segment_means import (
     common_factor,
     directions_of,
     matrix_by_segments,
+    matrix_of_directions,
     segment_means,
 )
 from tasks.readings.wrong_axes import wrong_axes
@@ -51,9 +52,8 @@ def implausible(recording: Recording, segments: Sequence[Segment]) -> tuple[Impl
     gyro = matrix_by_segments(means.gyro, means.rate, EXCITED[0], forces=False)
     still = means.static & np.isfinite(means.up).all(axis=1)
     direction, removed = directions_of(means.accel), wrong_forces(recording, means, scales[1])
-    accel = None if removed and removed.kind == "gravity_removed" else matrix_by_segments(
-        direction[still], means.up[still], 0.1, forces=True
-    )  # fmt: skip
+    is_removed = removed is not None and removed.kind == "gravity_removed"
+    accel = None if is_removed else matrix_of_directions(direction[still], means.up[still])
     tracked = attitude_stream(recording) is not None and recording.table is None
     between_rests = partial(ways, recording, used, means)
     if not _is_usual(gyro) and (wrong := wrong_table(recording, means, between_rests)) is not None:

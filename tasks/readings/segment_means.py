@@ -14,6 +14,8 @@ NEAR = 0.08  # of a usual factor: as near as working units are
 DEG = np.pi / 180.0
 SPARE = 2  # segments more than a matrix of rates needs: what they leave shows whether it fits
 FEW = 2  # segments that tell a unit
+VARIED = 0.1  # standard deviation of a component of up that shows how it is read
+WHOLE = 0.5  # of a direction: labels that gravity contradicts are read as less, for they cancel
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,17 @@ def matrix_by_segments(
         return None
     found = matrix_of(read[both], felt[both], excited, forces=forces)
     if found is not None and not forces and both.sum() < found.reads.shape[1] + SPARE:
+        return None
+    return found
+
+
+def matrix_of_directions(read: np.ndarray, up: np.ndarray) -> TriadMatrix | None:
+    """The matrix by unit vectors (k, 3) that are read and are up.
+
+    None where a direction is not read as one: some of the labels are wrong, and not all axes.
+    """
+    found = matrix_by_segments(read, up, VARIED, forces=True)
+    if found is None or np.linalg.norm(found.reads, axis=0).min() < WHOLE:
         return None
     return found
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import linprog
 
 from schemas.recording import AXES
 from schemas.text import Remark
@@ -154,14 +153,19 @@ def _unlike_others(rests: list[SegmentMean]) -> np.ndarray:
     gyro = np.array([rest.mean[GYRO_COLUMNS] for rest in rests]).reshape(-1, 3)
     accel = np.array([rest.mean[ACCEL_COLUMNS] for rest in rests]).reshape(-1, 3)
     columns = np.column_stack([np.ones(len(rests)), accel])
+    unlike = gyro - (np.nanmedian(gyro, axis=0) if np.isfinite(gyro).any() else 0.0)
+    if not (np.abs(unlike) > TURNING).any():
+        return unlike
     can_tell = len(rests) >= MIN_RESTS and np.isfinite(columns).all() and np.isfinite(gyro).all()
     if not can_tell or np.linalg.cond(columns) > MAX_CONDITION:
-        return gyro - (np.nanmedian(gyro, axis=0) if np.isfinite(gyro).any() else 0.0)
+        return unlike
     return np.column_stack([each - columns @ _least_absolute(columns, each) for each in gyro.T])
 
 
 def _least_absolute(columns: np.ndarray, values: np.ndarray) -> np.ndarray:
     """(k,) coefficients with the least sum of |values − columns @ coefficients|."""
+    from scipy.optimize import linprog  # 0.2 s, and few recordings have rests that differ
+
     rows, k = columns.shape
     bound = np.eye(rows)
     found = linprog(

@@ -26,7 +26,7 @@ LARGEST_SHARE = 0.005  # of a channel's samples that may be off
 # The first look: rows of all segments together, with a nearer reach and a smaller share.
 GLANCE_ROWS, GLANCE_OFF, GLANCE_SHARE = 10_000, 3.5, 0.002
 FEWEST = 3  # samples off: one or two of a short run lie there by chance
-STEPS = 2.0  # of the output: nearer is rounding
+HALF = 0.5  # of an output step, by which rounding may lower a median deviation
 ROUNDING = 1e-6  # of a step, by which the mean of one value may be off it
 
 
@@ -94,7 +94,7 @@ def _few_at_a_glance(recording: Recording, held: list[SegmentMean]) -> np.ndarra
     here = np.array(drawn)  # (segments, 6, count)
     away = np.abs(here - median(here)[..., None])
     step = np.array([segment.step for segment in held])
-    reach = np.maximum(GLANCE_OFF * TO_SIGMA * median(away), STEPS * step)
+    reach = GLANCE_OFF * TO_SIGMA * (median(away) + HALF * step)
     weights = np.array([segment.rows for segment in held])
     off = weights @ (away > reach[..., None]).mean(axis=2)
     return np.asarray(off <= GLANCE_SHARE * weights.sum())
@@ -113,8 +113,8 @@ def _share_off(
 ) -> float:
     here = values[segment.place]
     away = np.abs(np.diff(here, 2) if accumulated else here - median(here))
-    reach = OFF * TO_SIGMA * float(median(away))
-    return float((away > max(reach, STEPS * float(segment.step[channel]))).mean())
+    reach = OFF * TO_SIGMA * (float(median(away)) + HALF * float(segment.step[channel]))
+    return float((away > reach).mean())
 
 
 def _corrupted(segment: SegmentMean, channels: Channels) -> Iterator[Remark]:

@@ -1,5 +1,6 @@
 """Recordings refused on import because no item could be estimated from them."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +15,14 @@ from storage.verify import StoreFault
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.codes import codes_put_right
 from tasks.readings.plausibility import implausible
+from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
-from tasks.segments.find import segments_of
+from tasks.segments.find import segments_of, up_of
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 from tasks.words import say
+
+LISTED = 5  # positions named in one sentence
 
 
 def read(
@@ -50,7 +54,49 @@ def read(
 def doubts_of(recording: Recording) -> tuple[str, ...]:
     """Sentences on what a recording cannot be."""
     rates = as_mean_rates(codes_put_right(with_instants(recording)))
-    return tuple(say(one.sentence, "en") for one in implausible(rates, segments_of(rates)))
+    found = implausible(rates, segments_of(rates))
+    doubts = tuple(say(one.sentence, "en") for one in found) or contradicted_positions(rates)
+    return (*doubts, *overlapping_labels(rates))
+
+
+def overlapping_labels(recording: Recording) -> tuple[str, ...]:
+    """A sentence that names the labels which share more than one row with the one before."""
+    labels = sorted(
+        (s for s in recording.manifest.segments or () if s.kind in MEASURED),
+        key=lambda label: label.t_start,
+    )
+    shared = [
+        f"{first.name} and {second.name} ({first.t_end - second.t_start:.2f} s)"
+        for first, second in pairwise(labels)
+        if _rows_shared(recording.imu, first, second) > 1
+    ]
+    if not shared:
+        return ()
+    more = f" and {len(shared) - LISTED} more pairs" if len(shared) > LISTED else ""
+    return (f"Labels overlap: {', '.join(shared[:LISTED])}{more}; correct their times.",)
+
+
+def _rows_shared(imu: Stream, first: Segment, second: Segment) -> int:
+    rows = imu.rows(max(first.t_start, second.t_start), min(first.t_end, second.t_end))
+    return max(rows.stop - rows.start, 0)
+
+
+def contradicted_positions(recording: Recording) -> tuple[str, ...]:
+    """A sentence that names the labelled positions in which gravity shows another axis up."""
+    rests = [s for s in recording.manifest.segments or () if s.kind == "static" and s.up]
+    shown = [up_of(read) for read in segment_means(recording, rests).accel]
+    wrong = [
+        f"{rest.name} (labelled {rest.up} up; gravity shows {up or 'none'})"
+        for rest, up in zip(rests, shown, strict=True)
+        if up != rest.up
+    ]
+    if not wrong:
+        return ()
+    more = f" and {len(wrong) - LISTED} more" if len(wrong) > LISTED else ""
+    return (
+        f"Gravity contradicts {len(wrong)} of {len(rests)} labelled positions: "
+        f"{', '.join(wrong[:LISTED])}{more}; correct their labels, or how the unit lay.",
+    )
 
 
 def faults_of(path: Path) -> list[StoreFault]:

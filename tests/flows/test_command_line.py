@@ -469,10 +469,7 @@ def test_calibrating_by_the_standard_starts_without_what_other_recordings_need(
 ) -> None:
     run = mimucal("import", shared / "real/vn200_imu0_rate_table").out.split()[0]
     _, heavy = loaded("calibrate", run, "--json")
-    # scipy.optimize, which brings scipy.fft: what rests without encoders agree on.
-    assert heavy == {
-        "numpy", "pyarrow", "sqlalchemy", "fluent", "scipy.optimize", "scipy.fft"
-    }  # fmt: skip
+    assert heavy == {"numpy", "pyarrow", "sqlalchemy", "fluent"}
 
 
 def test_a_certificate_is_drafted_without_prefect_where_no_server_is_named(mimucal, shared) -> None:

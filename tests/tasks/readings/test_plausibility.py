@@ -12,7 +12,10 @@ from storage.formats.convert import Changes, axis_map, changed, pairs
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.implausible import KINDS, Implausible
 from tasks.readings.plausibility import implausible
+from tasks.readings.segment_means import matrix_of_directions
+from tasks.readings.wrong_axes import wrong_axes
 from tasks.segments.find import segments_of
+from tasks.stages.import_checks import contradicted_positions
 from tasks.words import say
 from tests.shared import shared_path
 from tests.tasks.readings.makers import mistakes
@@ -115,6 +118,31 @@ def test_a_table_in_degrees_is_not_taken_for_the_gyros() -> None:
         made.angle *= 180.0 / np.pi
         (one,) = found(recorded(made, table=True, labels=labels))
         assert one.option == "--units table=deg"
+
+
+@pytest.mark.parametrize(
+    ("seed", "table", "kept"),
+    [*((seed, False, 2) for seed in range(1, 12, 2)), (8, False, 6), (8, True, 6)],
+)
+def test_a_position_that_is_labelled_wrongly_is_named_and_no_axis_with_it(
+    seed: int, table: bool, kept: int
+) -> None:
+    made = varied(seed)
+    rests = [label for label in made.labels if label["kind"] == "static"]
+    wrong = next(rest for rest in rests if rest["up"] == "+x")
+    others = [rest for rest in rests if rest["up"] == "+x" and rest is not wrong]
+    made.labels = [wrong, *(others if kept == 2 else [one for one in rests if one is not wrong])]
+    wrong["up"] = "+z"
+    recording = recorded(made, table=table)
+    assert found(recording) == ()
+    (sentence,) = contradicted_positions(recording)
+    assert f"{wrong['name']} (labelled +z up; gravity shows +x)" in sentence
+
+
+def test_two_rests_that_read_alike_show_no_axis() -> None:
+    """Level to a milliradian, along the diagonal that a turn as a whole would turn (x − z) to."""
+    read = np.array([[1.0, 1e-3, 1e-3], [1.0, -1e-3, -1e-3]])
+    assert wrong_axes(None, matrix_of_directions(read, np.eye(3)[[0, 2]])) is None
 
 
 def test_what_is_said_is_what_import_takes() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import GYRO, Manifest, Recording, Stream
 from schemas.text import Remark
 from storage.catalogue import runs
 from storage.home import Home
@@ -29,6 +29,11 @@ def relabelled(recording: Recording, name: str, **changes: Any) -> Recording:
     )
     manifest = recording.manifest.model_copy(update={"segments": segments})
     return replace(recording, manifest=manifest)
+
+
+def moment(recording: Recording, name: str) -> tuple[float, float]:
+    (segment,) = [s for s in recording.manifest.segments or () if s.name == name]
+    return segment.t_start, segment.t_end
 
 
 def edited(recording: Recording, name: str, edit: Callable[[dict, slice], None]) -> Recording:
@@ -137,6 +142,18 @@ def test_a_stuck_channel_is_named_with_its_value_and_length(plant) -> None:
     (remark,) = remarks(recording, "stuck")
     assert remark.segments == ("rest_x",)
     assert "gyro_z was stuck at 0.25 for 600 rows" in remark.en
+
+
+@pytest.mark.parametrize("codes", [0.6, 0.75, 1.0, 1.5, 2.1, 2.2, 3.7])
+def test_noise_of_so_many_codes_is_no_outlier(plant, codes: float) -> None:
+    recording = plant("plant_clean")
+    still = recording.imu.rows(*moment(recording, "position_+x_000"))
+    columns = dict(recording.imu.columns)
+    for name in GYRO:
+        step = columns[name][still].std() / codes
+        columns[name] = step * np.round(columns[name] / step)
+    rounded = replace(recording, imu=Stream(recording.imu.t, columns))
+    assert remarks(rounded, "samples_off") == []
 
 
 def test_lost_samples_are_counted_with_the_longest_gap(plant) -> None:
