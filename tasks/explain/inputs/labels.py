@@ -26,6 +26,18 @@ from tasks.words import Message, Sayable, message
 MOST = 0.5  # of the labels that can be checked: more contradictions are not theirs
 
 
+def moved_labels(recording: Recording, seconds: float) -> Recording:
+    """The recording with all labels so much later, s."""
+    moved = tuple(
+        label.model_copy(
+            update={"t_start": label.t_start + seconds, "t_end": label.t_end + seconds}
+        )
+        for label in recording.manifest.segments or ()
+    )
+    manifest = recording.manifest.model_copy(update={"segments": moved})
+    return replace(recording, manifest=manifest)
+
+
 def with_usable_labels(recording: Recording) -> tuple[Recording, tuple[Sayable, ...]]:
     """The recording without contradicted labels, and remarks that name them."""
     labels = recording.manifest.segments or ()

@@ -17,7 +17,7 @@ from tasks.explain.events.repeats import find_repeats
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.coarse_delay import coarse_delay
 from tasks.explain.inputs.full_rate import FullRate, full_rate
-from tasks.explain.inputs.labels import disturbed_rows
+from tasks.explain.inputs.labels import disturbed_rows, moved_labels
 from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.inputs.tracked_body import in_unit_axes
@@ -28,6 +28,7 @@ from tasks.motion.angle_rates import as_mean_rates
 from tasks.motion.samples import SLOW, bridged
 from tasks.motion.whole import Motion
 from tasks.readings.codes import codes_put_right
+from tasks.readings.label_shift import shift_of_labels
 from tasks.readings.lattice import quantiser_of
 from tasks.readings.plausibility import implausible
 from tasks.readings.rows import empty_remarks, rows_without_readings, without_readings_removed
@@ -119,6 +120,10 @@ def prepare(
     if any(one.kind == "time_unit" for one in on_sight):
         name = recording.manifest.recording_id
         raise Unusable(f"recording {name}: {say(on_sight[0].sentence, 'en')}")
+    if any(one.kind == "labels_shifted" for one in on_sight):
+        shift = shift_of_labels(right)
+        if shift is not None:
+            recorded, right = (moved_labels(one, shift.seconds) for one in (recorded, right))
     faults, right, full = without_faults(recorded, right, reference)
     late = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     on_time = full_rate(advanced(right, late)) if late else full
