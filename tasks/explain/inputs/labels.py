@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import Recording
+from tasks.readings.label_shift import LabelShift
 from tasks.segments.find import up_of
 from tasks.segments.rates import OFF_LINE, OFF_LINE_LEAST, TurningPoint, turning_points
 from tasks.segments.summarise import (
@@ -26,14 +27,16 @@ from tasks.words import Message, Sayable, message
 MOST = 0.5  # of the labels that can be checked: more contradictions are not theirs
 
 
-def moved_labels(recording: Recording, seconds: float) -> Recording:
-    """The recording with all labels so much later, s."""
+def moved_labels(recording: Recording, shift: LabelShift) -> Recording:
+    """The recording with all labels shifted, and shortened at both ends by what is unsure of it."""
     moved = tuple(
-        label.model_copy(
-            update={"t_start": label.t_start + seconds, "t_end": label.t_end + seconds}
-        )
+        label.model_copy(update={
+            "t_start": label.t_start + shift.seconds + shift.within,
+            "t_end": label.t_end + shift.seconds - shift.within,
+        })
         for label in recording.manifest.segments or ()
-    )
+        if label.t_end - label.t_start > 2.0 * shift.within
+    )  # fmt: skip
     manifest = recording.manifest.model_copy(update={"segments": moved})
     return replace(recording, manifest=manifest)
 

@@ -123,7 +123,7 @@ def prepare(
     if any(one.kind == "labels_shifted" for one in on_sight):
         shift = shift_of_labels(right)
         if shift is not None:
-            recorded, right = (moved_labels(one, shift.seconds) for one in (recorded, right))
+            recorded, right = (moved_labels(one, shift) for one in (recorded, right))
     faults, right, full = without_faults(recorded, right, reference)
     late = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     on_time = full_rate(advanced(right, late)) if late else full

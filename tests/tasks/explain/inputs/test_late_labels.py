@@ -16,5 +16,7 @@ def test_labels_shifted_as_a_whole_are_put_right_and_told(seconds: float) -> Non
     mistakes.labels_late(made, seconds)
     found = prepare(recorded(made))
     starts = [label.t_start for label in found.recording.manifest.segments or ()]
-    np.testing.assert_allclose(starts, on_time, atol=0.2)
+    np.testing.assert_allclose(
+        starts, on_time, atol=0.2
+    )  # and a few hundredths of a second shorter
     assert any("labels-shifted" in str(remark) for remark in found.full.remarks)
