@@ -64,7 +64,7 @@ def worker(address: str, folder: Path) -> tuple[str, ...]:
 def test_a_killed_worker_and_a_restarted_scheduler_cost_no_result(
     started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "ANSWER_S", 2.0)
+    monkeypatch.setattr(cluster, "ANSWER_S", 60.0)
     first = started(*scheduler(address))
     victim = started(*worker(address, tmp_path / "one"))
     started(*worker(address, tmp_path / "two"))
@@ -151,7 +151,7 @@ def test_a_worker_with_another_version_is_a_sentence(
 
 
 def test_no_worker_is_a_sentence(started, address: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "ANSWER_S", 2.0)
+    monkeypatch.setattr(cluster, "ANSWER_S", 60.0)
     monkeypatch.setattr(cluster, "PATIENCE_S", 1.0)
     started(*scheduler(address))
     with pytest.raises(Unusable, match=r"has no worker; start some with `dask worker tcp://"):
