@@ -117,3 +117,14 @@ class OrdersQuestion(Frozen):
 
     station: str | None = None
     state: ProductionState | None = None
+
+
+class QualityFile(Frozen):
+    """`quality.toml` of the home: what the laboratory says of its production.
+
+    golden: serial numbers of units that are measured again and again to check the stations. They
+    are no production: they count in no yield and no capability.
+    """
+
+    format: Literal["mimu-quality/1"] = "mimu-quality/1"
+    golden: tuple[str, ...] = ()

@@ -9,6 +9,14 @@ from dash.development.base_component import Component
 
 from flows.pages import budget, signals
 from flows.pages.local_time import day_of
+from flows.pages.models.run import (
+    BudgetQuestion,
+    ElementShown,
+    LimitShown,
+    RunQuestion,
+    RunShown,
+    SegmentShown,
+)
 from flows.pages.page import Page, View, parameters, view_of_request
 from flows.pages.parts import facts, link, table
 from flows.pages.run_data import data
@@ -20,14 +28,6 @@ from flows.pages.states import (
     result_state,
     validity_state,
     verdict_state,
-)
-from schemas.pages.run import (
-    BudgetQuestion,
-    ElementShown,
-    LimitShown,
-    RunQuestion,
-    RunShown,
-    SegmentShown,
 )
 from schemas.text import Remark, Statement
 from storage.home import Home

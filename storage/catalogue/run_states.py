@@ -8,21 +8,79 @@ or none to a run.
 
 from collections.abc import Collection, Sequence
 from datetime import date, datetime, time, timedelta
-from typing import Any
+from typing import Any, Literal
 
 import sqlalchemy as sql
 from sqlalchemy.sql import visitors
 
-from schemas.base import Unusable
-from schemas.pages.runs import Condition, RunLine
+from schemas.base import Finite, Frozen, Unusable
+from schemas.certificate import State
+from schemas.decision import Verdict
+from schemas.text import RunVerdict
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_results, complete_runs
 from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
 
+ResultState = Literal["whole", "partial", "missing", "failed"]
+Comparison = Literal[
+    "contains", "not_contains", "begins", "ends", "equals", "not_equals", "blank", "not_blank",
+    "less", "less_or_equal", "greater", "greater_or_equal", "between", "among",
+]  # fmt: skip
+
 RUN, UNIT, PAPER = tables.runs.c, tables.units.c, tables.certificates.c
 MADE = tables.outcomes.c
 DAY = timedelta(days=1)
+
+
+class Condition(Frozen):
+    """What a column must meet. `to`: the end of `between`; values: those of `among`.
+
+    any_of, all_of: other conditions on the column, of which one or all must be met in its place.
+    """
+
+    column: str
+    kind: Comparison = "equals"
+    value: date | Finite | str | None = None
+    to: date | Finite | None = None
+    values: tuple[str | None, ...] = ()
+    any_of: tuple["Condition", ...] = ()
+    all_of: tuple["Condition", ...] = ()
+
+
+class RunLine(Frozen):
+    """A run with the state of its steps; null: that step was not taken.
+
+    unit: the unit's number in the catalogue. result, method, made_at: the result made last;
+    validity: its verdict on the run; missing: how many elements it could not determine. fault: why
+    the last re-processing failed. result_state: partial where elements are missing, failed where
+    there is a fault. certificate (a draft's key before its issue), state, verdict,
+    due: of the certificate kept last.
+    """
+
+    id: str
+    recording_id: str
+    unit: int
+    manufacturer: str
+    model: str
+    serial: str
+    station: str | None
+    procedure: str | None
+    standard: str
+    recorded_on: date | None
+    taken_in_at: datetime
+    seconds: float
+    result: str | None
+    method: str | None
+    made_at: datetime | None
+    validity: RunVerdict | None
+    missing: int | None
+    fault: str | None
+    result_state: ResultState
+    certificate: str | None
+    state: State | None
+    verdict: Verdict | None
+    due: date | None
 
 
 def _last(table: sql.Table, column: str, moment: str, **having: str) -> sql.ScalarSelect[Any]:

@@ -9,9 +9,9 @@ from dash.development.base_component import Component
 
 from flows.pages.line.stop_button import release_button, stop_button, what_became_of
 from flows.pages.local_time import hour_of, second_of
+from flows.pages.models.line import AlarmShown, Queued, StationNow
 from flows.pages.page import View
 from flows.pages.states import Kind
-from schemas.pages.line import AlarmShown, Queued, StationNow
 from schemas.run_log import RunStatus
 from tasks.words import Sayable, message
 

@@ -10,8 +10,7 @@ from flows.pages.line import alarms
 from flows.pages.line.flow_runs import flow_runs
 from flows.pages.line.stops import stops_of
 from flows.pages.local_time import today
-from schemas.base import Unusable
-from schemas.pages.line import (
+from flows.pages.models.line import (
     AlarmShown,
     LineNow,
     LineQuestion,
@@ -20,14 +19,14 @@ from schemas.pages.line import (
     StationNow,
     StationState,
 )
-from schemas.pages.runs import Condition
+from schemas.base import Unusable
 from schemas.production import OPEN, ProductionOrder
 from schemas.run_log import RunStatus, State
 from schemas.station import StationFile
 from storage import settings
 from storage.catalogue import database, orders, tables
 from storage.catalogue.connection import Busy
-from storage.catalogue.run_states import run_list
+from storage.catalogue.run_states import Condition, run_list
 from storage.home import Home
 from storage.station_lock import statuses
 from storage.station_stop import lockout_of

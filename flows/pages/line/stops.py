@@ -6,10 +6,10 @@ from functools import cache
 from pathlib import Path
 from threading import Lock
 
+from flows.pages.models.line import Released, StopShown
 from flows.pages.orders import check_may
 from schemas.access import Visitor
 from schemas.base import Unusable
-from schemas.pages.line import Released, StopShown
 from storage.home import Home
 from storage.station_stop import release
 

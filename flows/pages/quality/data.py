@@ -8,10 +8,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from flows.pages.quality.element import between, of_element
-from flows.pages.specification_order import place
-from schemas.base import Unusable
-from schemas.pages.quality import (
+from flows.pages.models.quality import (
     Choices,
     Counted,
     Failing,
@@ -21,6 +18,9 @@ from schemas.pages.quality import (
     QualityShown,
     Yield,
 )
+from flows.pages.quality.element import between, of_element
+from flows.pages.specification_order import place
+from schemas.base import Unusable
 from storage import settings
 from storage.catalogue import line_history
 from storage.catalogue.certificates import AS_LEFT

@@ -3,9 +3,7 @@
 from collections.abc import Sequence
 from datetime import timedelta
 
-from flows.pages.page import View
-from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
-from schemas.pages.quality import (
+from flows.pages.models.quality import (
     ChartShown,
     Failing,
     GoldenPoint,
@@ -14,6 +12,8 @@ from schemas.pages.quality import (
     QualityShown,
     StationShown,
 )
+from flows.pages.page import View
+from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
 from tasks.words import message
 from tasks.words.quantities import unit_text
 

@@ -7,15 +7,15 @@ from typing import get_args
 
 import pytest
 
+from flows.pages.models.runs import RunsQuestion
 from flows.pages.page import View
 from flows.pages.runs import conditions_from, conditions_of, data, filter_model, row
 from flows.pages.states import result_state, validity_state, verdict_state
 from schemas.base import Unusable
 from schemas.certificate import State
-from schemas.pages.runs import Condition, ResultState, RunLine, RunsQuestion
 from schemas.text import RunVerdict
 from storage.catalogue import results
-from storage.catalogue.run_states import run_list
+from storage.catalogue.run_states import Condition, ResultState, RunLine, run_list
 from storage.catalogue.runs import add
 from storage.home import Home
 from tests.drafts import calibration_of, draft, recording_of
