@@ -168,13 +168,13 @@ class Dispensable(Frozen):
 
     A recording goes with its run; columns alone can be made again from the raw recording. A draft
     is a file of a certificate's draft that was broken off: no run is known of it, and
-    `taken_in_at` is when it was written.
+    `imported_at` is when it was written.
     """
 
     what: Literal["recording", "columns", "draft"]
     run: str | None = None
     recording_id: str | None = None
-    taken_in_at: datetime
+    imported_at: datetime
     where: str
     size: int
 
@@ -189,7 +189,7 @@ class Refused(Frozen):
 
 
 class Pruned(Frozen):
-    """What was taken in before a day and can be spared (format `mimu-prune/1`).
+    """What was imported before a day and can be spared (format `mimu-prune/1`).
 
     deleted: whether `found` was deleted, or would be; refused: what was not.
     """

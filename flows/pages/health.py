@@ -194,7 +194,7 @@ class LineMetrics:
         failed = GaugeMetricFamily("mimucal_reminders_failed", "Not sent; the last try failed.")
         failed.add_metric([], counts.reminders_failed)
         yield failed
-        last = GaugeMetricFamily("mimucal_last_run_age_seconds", "Since a run was taken in.")
+        last = GaugeMetricFamily("mimucal_last_run_age_seconds", "Since a run was imported.")
         if counts.last_run_at is not None:
             last.add_metric([], _age(counts.last_run_at))
         yield last

@@ -79,7 +79,7 @@ def _facts(shown: RunShown, view: View) -> Component:
             (message("pages-column-id"), run.id),
             (message("pages-line-unit"), link(unit, "/unit", id=str(run.unit))),
             (message("pages-column-station"), run.station),
-            (message("pages-column-recorded-on"), str(run.recorded_on or day_of(run.taken_in_at))),
+            (message("pages-column-recorded-on"), str(run.recorded_on or day_of(run.imported_at))),
             (message("pages-column-validity"), badge(validity_state(run.validity), view)),
             (message("pages-column-result-state"), badge(result_state(run), view)),
             (message("pages-column-verdict"), badge(verdict_state(run), view)),

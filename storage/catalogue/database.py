@@ -23,7 +23,8 @@ from storage.catalogue.tables import results, units
 from storage.home import RESTORING, Home
 from storage.whole_files import make_folder
 
-HEAD = "0013"  # the newest revision in storage/catalogue/migrations/versions
+FIRST = "0013"  # the oldest revision in storage/catalogue/migrations/versions
+HEAD = "0014"  # the newest
 BUSY_S = 60  # how long a writer waits for another one
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
 
@@ -217,6 +218,7 @@ def check_revision(made: sql.Engine, revision: str | None) -> None:
             f"The catalogue {where} has revision {revision}, which this program (revision {HEAD}) "
             "does not know; update mimucal."
         )
+    check_known(revision, where)
     if revision != HEAD and is_read_only:
         raise Unusable(
             f"{where} has revision {revision}, this program needs {HEAD}, and it cannot be "
@@ -226,6 +228,15 @@ def check_revision(made: sql.Engine, revision: str | None) -> None:
         raise Unusable(
             f"The catalogue {where} has revision {revision}, this program needs {HEAD}: run "
             "`mimucal upgrade`, or go on with the version of mimucal that made it."
+        )
+
+
+def check_known(revision: str | None, where: str) -> None:
+    """Raises Unusable for a revision of before FIRST."""
+    if revision is not None and revision < FIRST:
+        raise Unusable(
+            f"{where} has revision {revision}, of a development version before release 0.2.0: "
+            f"upgrade it to {FIRST} by the last of these, of 28 November 2026, first."
         )
 
 

@@ -196,9 +196,9 @@ def stored_since(order: ProductionOrder, home: Home) -> tuple[str, ...]:
         asked = (
             sql.select(run.id)
             .join_from(tables.runs, tables.units)
-            .where(run.station == order.station, run.taken_in_at >= order.began_at)
+            .where(run.station == order.station, run.imported_at >= order.began_at)
             .where(sql.tuple_(unit.manufacturer, unit.model, unit.serial) == sql.tuple_(*named))
-            .order_by(run.taken_in_at.desc())
+            .order_by(run.imported_at.desc())
         )
         found += [row.id for row in database.rows(home, asked.limit(1))]
     return tuple(found) if len(found) == len(order.units) else ()

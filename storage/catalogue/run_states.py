@@ -68,7 +68,7 @@ class RunLine(Frozen):
     procedure: str | None
     standard: str
     recorded_on: date | None
-    taken_in_at: datetime
+    imported_at: datetime
     seconds: float
     result: str | None
     method: str | None
@@ -96,7 +96,7 @@ LAST_CERTIFICATE = _last(tables.certificates, "number", "kept_at")
 FAULT = _last(tables.reprocessed, "fault", "done_at")
 COLUMNS: dict[str, sql.ColumnElement[Any]] = {
     **{name: RUN[name] for name in ("id", "recording_id", "station", "procedure", "standard")},
-    **{name: RUN[name] for name in ("recorded_on", "taken_in_at", "seconds")},
+    **{name: RUN[name] for name in ("recorded_on", "imported_at", "seconds")},
     "unit": UNIT.id,
     **{name: UNIT[name] for name in ("manufacturer", "model", "serial")},
     **{name: MADE[name] for name in ("result", "method", "made_at", "missing")},
@@ -128,7 +128,7 @@ def run_list(
 ) -> tuple[int, list[RunLine]]:
     """How many runs meet all conditions, and `count` of them after the first `start`.
 
-    order: columns and whether each is descending; then the run that was taken in last comes first.
+    order: columns and whether each is descending; then the run that was imported last comes first.
     Raises Unusable for a column that the list does not have.
     """
     total, found = _run_list(tuple(conditions), tuple(order), start, count, home)
@@ -150,7 +150,7 @@ def _run_list(
     of = sql.select(sql.func.count()).select_from(_joined(named)).where(met)
     counted = database.rows(home, of)
     sorting = [_column(name).desc() if down else _column(name) for name, down in order]
-    newest = (*sorting, RUN.taken_in_at.desc(), RUN.id)
+    newest = (*sorting, RUN.imported_at.desc(), RUN.id)
     chosen = sql.select(RUN.id).select_from(_joined(named)).where(met).order_by(*newest)
     rows = (
         sql.select(*(column.label(name) for name, column in COLUMNS.items()))

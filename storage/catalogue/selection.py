@@ -66,10 +66,10 @@ def _conditions(selection: Selection) -> list[sql.ColumnElement[bool]]:
         found.append(sql.or_(runs.procedure == named, runs.standard == named))
     if selection.since is not None:
         begins = datetime.combine(selection.since, time(), UTC)
-        found.append(_recorded(runs.recorded_on >= selection.since, runs.taken_in_at >= begins))
+        found.append(_recorded(runs.recorded_on >= selection.since, runs.imported_at >= begins))
     if selection.until is not None:
         ends = datetime.combine(selection.until + timedelta(days=1), time(), UTC)
-        found.append(_recorded(runs.recorded_on <= selection.until, runs.taken_in_at < ends))
+        found.append(_recorded(runs.recorded_on <= selection.until, runs.imported_at < ends))
     if selection.equipment is not None:
         found.append(_used(selection.equipment))
     if selection.code_version is not None:

@@ -86,10 +86,10 @@ def runs_of(unit: int, home: Home) -> Rows:
         tables.certificates, PAPER.number == LAST_CERTIFICATE
     )
     asked = sql.select(
-        RUN.id, RUN.recorded_on, RUN.taken_in_at, RUN.station, MADE.verdict, PAPER.purpose
-    ).select_from(joined).where(RUN.unit == unit).order_by(RUN.taken_in_at, RUN.id)  # fmt: skip
+        RUN.id, RUN.recorded_on, RUN.imported_at, RUN.station, MADE.verdict, PAPER.purpose
+    ).select_from(joined).where(RUN.unit == unit).order_by(RUN.imported_at, RUN.id)  # fmt: skip
     rows = [
-        (row.id, row.recorded_on or row.taken_in_at.date(), *row[3:])
+        (row.id, row.recorded_on or row.imported_at.date(), *row[3:])
         for row in database.rows(home, asked)
     ]
     return sorted(rows, key=_day)

@@ -151,7 +151,7 @@ def _selected(run: Run, order: ReviewOrder) -> bool:
     asked = (
         (order.model, run.model), (order.serial, run.serial), (order.station, run.station),
     )  # fmt: skip
-    day = run.recorded_on or run.taken_in_at.date()
+    day = run.recorded_on or run.imported_at.date()
     within = (order.since is None or day >= order.since) and (
         order.until is None or day <= order.until
     )

@@ -113,7 +113,7 @@ def _queued(order: ProductionOrder) -> Queued:
 
 def output(day: date, home: Home) -> Output:
     """What a local day made."""
-    made = Condition(column="taken_in_at", kind="equals", value=day)
+    made = Condition(column="imported_at", kind="equals", value=day)
     total, runs = run_list([made], [], 0, MOST_IN_A_DAY, home)
     validity, verdicts = Counter(r.validity for r in runs), Counter(r.verdict for r in runs)
     paper = tables.certificates.c

@@ -23,7 +23,7 @@ class RunsQuestion(Frozen):
 
     start: int = Field(default=0, ge=0, le=2**31)
     count: int = Field(default=AT_ONCE, ge=0, le=MOST_AT_ONCE)
-    sort: str = Field(default="taken_in_at", max_length=40)
+    sort: str = Field(default="imported_at", max_length=40)
     descending: bool = True
     since: date | None = None
     until: date | None = None

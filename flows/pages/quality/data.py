@@ -32,7 +32,7 @@ from tasks.words import message, statement
 
 Runs = pd.DataFrame
 Limit = tuple[str | None, str]  # item and element
-COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "taken_in_at", "validity",
+COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "imported_at", "validity",
            "missing", "verdict", "purpose")  # fmt: skip
 
 
@@ -85,7 +85,7 @@ def runs_of(home: Home) -> Runs:
     """
     table = pd.DataFrame.from_records(line_history.ended(home), columns=list(COLUMNS))
     day = pd.to_datetime(table["recorded_on"])
-    taken = pd.to_datetime(table["taken_in_at"], utc=True).dt.tz_localize(None).dt.normalize()
+    taken = pd.to_datetime(table["imported_at"], utc=True).dt.tz_localize(None).dt.normalize()
     table["day"] = day.fillna(taken)
     table["order"] = np.arange(len(table))
     table = table.sort_values(["day", "order"], kind="stable").reset_index(drop=True)

@@ -44,7 +44,7 @@ def shown(home: Home) -> QualityShown:
 
 def visits(home: Home, model: str) -> tuple[list[str], set[str]]:
     """First runs that count, and those of them that passed, by their ids."""
-    runs = dataframes.runs(home).sort_values("taken_in_at")
+    runs = dataframes.runs(home).sort_values("imported_at")
     papers = dataframes.certificates(home).set_index("run")["verdict"].to_dict()
     valid = dataframes.results(home)
     whole = {run: group["value"].notna().all() for run, group in valid.groupby("run")}
