@@ -24,7 +24,7 @@ def hashed(password: str) -> str:
     return HASHER.hash(password)
 
 
-NOBODY = hashed("")  # an unknown name takes as long as a known one
+DUMMY_HASH = hashed("")  # an unknown name takes as long as a known one
 
 
 class Gate:
@@ -44,7 +44,7 @@ class Gate:
     def check(self, user: User | None, password: str, name: str, address: str) -> bool:
         """Whether a password is the user's; a try that fails is counted."""
         try:
-            right = HASHER.verify(user.password if user else NOBODY, password) and user is not None
+            right = HASHER.verify(user.password if user else DUMMY_HASH, password) and user is not None
         except (Argon2Error, InvalidHashError):
             right = False
         if not right:

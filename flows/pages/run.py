@@ -34,7 +34,7 @@ from storage.home import Home
 from tasks.words import message
 from tasks.words.quantities import power_of_ten, unit_text
 
-OF_FEW = 3  # segments; a remark that names more of them stands once, above the table
+MAX_INLINE_SEGMENTS = 3  # segments; a remark that names more of them stands once, above the table
 TABS = ("items", "segments", "signals", "certificate", "log", "lineage")
 
 
@@ -143,7 +143,7 @@ def _segments(shown: RunShown, view: View) -> Component:
     names = ("name", "kind", "since", "until", "rate", "rows", "checks")
     headings = [message(f"pages-segments-column.{name}") for name in names]
     every = {remark.code: remark for each in shown.segments for remark in each.remarks}
-    of_many = [each for each in every.values() if len(each.segments) > OF_FEW]
+    of_many = [each for each in every.values() if len(each.segments) > MAX_INLINE_SEGMENTS]
     rows = [_segment(each, view) for each in shown.segments]
     return dmc.Stack([*_reasons(of_many, view), table(headings, rows, view)])
 
@@ -157,7 +157,7 @@ def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
     checks = [
         dmc.Text(getattr(remark, view.language), size="sm")
         for remark in segment.remarks
-        if len(remark.segments) <= OF_FEW
+        if len(remark.segments) <= MAX_INLINE_SEGMENTS
     ]
     return (
         segment.name,

@@ -13,7 +13,7 @@ from tasks.certificate.documents import faces_of
 from tasks.stages.published import Published, published
 
 DRAFT = "draft"  # the number of what has no key yet
-NOBODY = "not named"  # who drafted, where nobody says
+UNNAMED_DRAFTER = "not named"  # who drafted, where nobody says
 
 
 def keep_draft(
@@ -39,7 +39,7 @@ def keep_draft(
         draft = certificate.model_copy(update={"number": key})
         files = keep_certificate.add(connection, home, draft, faces_of(draft, None, evidence))
         step, replaces = draft.step("draft"), draft.replaces
-        person = step.person if step else NOBODY
+        person = step.person if step else UNNAMED_DRAFTER
         for entry in earlier:
             trail.add(connection, person, "withdraw", entry.number, at=now, reason=f"draft {key}")
         trail.add(

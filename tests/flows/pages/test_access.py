@@ -168,7 +168,7 @@ def test_a_name_that_nobody_has_is_shut_like_any_other_and_not_kept(
 def test_many_addresses_do_not_try_one_account_forever_nor_one_address_all_accounts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(passwords, "NOBODY", "none")  # takes no time, on purpose
+    monkeypatch.setattr(passwords, "DUMMY_HASH", "none")  # takes no time, on purpose
     gate = passwords.Gate()
     user = User(name="W", role="viewer", password="none", added_at="2026-11-27T00:00:00Z")
     for number in range(20):
