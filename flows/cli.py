@@ -100,7 +100,7 @@ def main() -> None:
 
 
 def _fault_of(fault: TyperException) -> str:
-    """What is wrong with the arguments, with the value that was given."""
+    """The fault in the arguments, with the value that was given."""
     text = fault.format_message().replace("Value error, ", "").rstrip(".")
     if not isinstance(fault.__cause__, ValidationError):
         return text

@@ -133,8 +133,8 @@ def remind(order: RemindOrder) -> list[DueUnit]:
 def submit(order: SubmitOrder) -> None:
     """Give every order that waits to Prefect, where it has none or lost it.
 
-    It loses one whose process begins while the server is started anew, and one whose worker dies
-    before the process begins. Raises BrokenOff where one cannot be given.
+    It loses an order whose process starts while the server restarts, or whose worker dies before
+    the process starts. Raises BrokenOff where one cannot be given.
     """
     if fault := order_queue.submit(run_orders.home_of(order)):
         raise BrokenOff(fault)

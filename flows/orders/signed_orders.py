@@ -27,8 +27,8 @@ from storage.catalogue.users import users
 from storage.home import Home, home
 from storage.order_key import ORDER_KEY, is_signed, signed
 
-AGE = timedelta(days=7)  # a station may be down over a long holiday's weekend, and not for longer
-AHEAD = timedelta(minutes=5)  # so far the clocks of two computers may differ
+AGE = timedelta(days=7)  # a station may be down over a long weekend
+AHEAD = timedelta(minutes=5)  # largest difference between the clocks of two computers
 FLOWS: Mapping[str, Action] = {  # that act in a person's name, and what the role must allow
     "acquire": "acquire", "produce": "acquire", "certify": "certify", "amend": "certify",
     "check": "check", "issue": "issue", "withdraw": "withdraw",
@@ -41,7 +41,7 @@ Order = TypeVar("Order", bound=OrderModel)
 def sign(flow: str, order: Order) -> Order:
     """The order with a signature for its flow, if it names a person; else as it is.
 
-    Call it only for somebody who is who they say: who is logged in, or sits at this computer.
+    Call it only for an authenticated person: one who is logged in, or works at this computer.
     Raises Unusable where this account may not read the key of the home.
     """
     person = _person(flow, order)

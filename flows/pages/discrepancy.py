@@ -105,7 +105,7 @@ def _asked(name: str, value: str, view: View) -> str:
 
 
 def _state(verdict: Verdict) -> StepState:
-    """A mismatch is never good, explained or not: a name is a reason to act."""
+    """A mismatch is never good, explained or not: a named cause is a reason to act."""
     words = message(f"pages-mismatch-verdict.{verdict.replace('_', '-')}")
     return StepState(words, "good" if verdict == "no_mismatch" else "bad")
 

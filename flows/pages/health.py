@@ -33,7 +33,7 @@ from storage.station_lock import statuses
 from tasks.version import code_version
 
 LEAST_FREE = 2**30  # bytes: five runs of an hour
-ANSWER_S = 5.0  # by then each part has answered
+ANSWER_S = 5.0  # time allowed for each part to answer
 FORWARDED = ("Forwarded", "X-Forwarded-For", "X-Forwarded-Host", "Via")  # by a proxy
 
 Look = Callable[[Home], str | None]

@@ -62,7 +62,7 @@ def _numbers(values: Any) -> tuple[float | None, ...]:
 
 @lru_cache(maxsize=KEPT)
 def _recording(run: Run, home: Home) -> Recording:
-    """Raw recordings never change, so that one in memory is as good as the file."""
+    """Raw recordings never change, so a cached one equals the file."""
     return runs.load(run, home)
 
 

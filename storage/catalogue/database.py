@@ -1,7 +1,7 @@
 """The catalogue of units, runs, results and certificates (SQLite or PostgreSQL).
 
-Results and certificates are only added. Whoever writes and first reads does so in `changing`,
-which lets one writer at a time at what it locks.
+Results and certificates are only added. A transaction that reads before it writes uses `changing`,
+which admits one writer at a time to what it locks.
 """
 
 import os
@@ -26,7 +26,7 @@ from storage.whole_files import make_folder
 FIRST = "0013"  # the oldest revision in storage/catalogue/migrations/versions
 HEAD = "0014"  # the newest
 BUSY_S = 60  # how long a writer waits for another one
-MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
+MIGRATION_LOCK = 0x6D696D75  # an arbitrary number, the same in every mimucal
 
 Model = TypeVar("Model", bound=Frozen)
 
@@ -102,7 +102,7 @@ def _check_whole(home: Home) -> None:
 
 
 def _is_lost(file: Path, home: Home) -> bool:
-    """Whether a catalogue is empty although the home holds recordings; a new one fills at once."""
+    """Whether a catalogue is empty although there are recordings; a new one is filled at once."""
     for pause in (0.0, 0.5):
         time.sleep(pause)
         if file.stat().st_size:
@@ -193,9 +193,8 @@ def _make_folder(home: Home) -> None:
 
 
 def _make_file(file: Path) -> None:
-    """A catalogue holds hashes of passwords: a new one is not for everybody, nor are its logs.
-
-    Whatever refuses here refuses SQLite, too, which says it better.
+    """A catalogue contains password hashes: a new one is not world-readable, nor are its logs.
+    SQLite would fail on the same errors, with a better message.
     """
     with suppress(OSError):
         rights = 0o600 | 0o060 & file.parent.stat().st_mode

@@ -85,7 +85,7 @@ def _row(finding: ReportedFinding) -> dict[str, Any]:
 
 
 def _moved(finding: ReportedFinding) -> tuple[Moved, ...]:
-    """What it moves, most of all first."""
+    """The elements that it changes, the largest change first."""
     moved = [
         Moved(item=each.item, element=each.element, in_U=each.in_U)
         for each in finding.consequences

@@ -1,4 +1,4 @@
-"""How much of what the catalogue holds: for what watches the line, in a few short questions."""
+"""Counts of what the catalogue holds, for monitoring, by a few short queries."""
 
 from dataclasses import dataclass
 from datetime import datetime

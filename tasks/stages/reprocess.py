@@ -162,8 +162,14 @@ def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Rep
 
 
 def _most_first(change: Change) -> tuple[bool, float, str, str, str]:
-    """What was or is not determined comes before every step, however large."""
-    return not appeared_or_disappeared(change), -(change.in_U or 0.0), change.run, change.item, change.element
+    """Values that appeared or disappeared come before all changes, however large."""
+    return (
+        not appeared_or_disappeared(change),
+        -(change.in_U or 0.0),
+        change.run,
+        change.item,
+        change.element,
+    )
 
 
 def _write(report: Reprocessing, folder: Path) -> None:

@@ -17,7 +17,7 @@ from tasks.words import Sayable, known, message, statement
 
 SHOWN = 20
 FAILED: tuple[ProductionState, ...] = ("failed",)
-RECENT = timedelta(days=7)  # for so long an order that failed, and a run that stopped, are shown
+RECENT = timedelta(days=7)  # how long a failed order or a stopped run is shown
 
 
 def newest(found: Iterable[AlarmShown]) -> tuple[AlarmShown, ...]:

@@ -33,8 +33,8 @@ from storage.station_stop import lockout_of
 from storage.stations import folder_of, station_files
 
 MOST_IN_A_DAY = 10_000
-# A run that measures writes its status every second; a slow network or a busy computer may keep
-# that back for some seconds, and a minute is too long to believe that a table turns as it should.
+# A run writes its status every second; a slow network or a busy computer may delay that by some
+# seconds, and after a minute the table can no longer be assumed to turn as intended.
 SILENT = timedelta(seconds=30)
 WRITING: tuple[State, ...] = ("warming_up", "measuring", "repeating")
 

@@ -16,7 +16,7 @@ NOW = ("PENDING", "RUNNING", "PAUSED", "CANCELLING")
 LATE = "Late"  # Prefect's name of a scheduled run whose time has passed
 PRODUCE = "produce"  # its runs are the orders of the catalogue
 MOST = 200  # that the server gives at once
-FRESH_S = 2.0  # for all who look at the page
+FRESH_S = 2.0  # shared by all visitors of the page
 NAMED = ("run", "certificate", "serial", "model", "station", "recording", "since", "client")
 
 
