@@ -10,7 +10,7 @@ import pwd
 import secrets
 import socket
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
@@ -36,6 +36,7 @@ FLOWS: Mapping[str, Action] = {  # that act in a person's name, and what the rol
 SUBJECTS = ("certificate", "run", "station")  # the field that says what an order is about
 
 Order = TypeVar("Order", bound=OrderModel)
+Answer = TypeVar("Answer")
 
 
 def sign(flow: str, order: Order) -> Order:
@@ -55,11 +56,14 @@ def sign(flow: str, order: Order) -> Order:
     return order.model_copy(update={"signature": signature})
 
 
-def carry_out_signed(flow: str, order: OrderModel) -> Any:
-    """Carries out an order of somebody who is logged in, in this process, as the flow would."""
-    order = sign(flow, order)
-    with accepted(flow, order):
-        return getattr(run_orders, flow)(order)
+def carry_out_signed(work: Callable[[Order], Answer], order: Order) -> Answer:
+    """Carries out an order of somebody who is logged in, in this process, as the flow would.
+
+    work: a function of `run_orders`.
+    """
+    order = sign(work.__name__, order)
+    with accepted(work.__name__, order):
+        return work(order)
 
 
 @contextmanager

@@ -162,7 +162,7 @@ def _apart_from_rivals(
 
 
 def _without_warm_up_effect(experiment: "Experiment", question: "OpenQuestion") -> "Experiment":
-    """Where the chamber changes all effects but that of warm-up, its rival is that nothing shows."""
+    """Where the chamber changes all effects but warm-up, the rival of warm-up is no effect."""
     from tasks.experiment.choose import NOTHING
 
     name = _warm_up_effect(question)
