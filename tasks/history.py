@@ -164,7 +164,7 @@ def _row(axes: Any, y: float, changes: Sequence[Change]) -> None:
     """The marks of an item, spread about y so that equal steps lie beside each other."""
     heights = [y + SPREAD * (GOLDEN * k % 1.0 - 0.5) for k in range(len(changes))]
     x = [min(max(c.in_U or LEAST, LEAST), MOST) for c in changes]
-    for one in (True, False):  # what came or went has no step
+    for one in (True, False):  # these have no step
         shown = [k for k, c in enumerate(changes) if appeared_or_disappeared(c) is one]
         at = [MOST if one else x[k] for k in shown]
         colours = [BEFORE if step > 1.0 else AFTER for step in at]

@@ -114,7 +114,7 @@ def drift(
     out. adjustments: how many the unit had gone through by then; each moves the level and leaves
     the slope. U is the larger of what the stated u give with k = 2 and of what the scatter about
     the line gives with Student's t of 95.45 %. What all calibrations have in common, such as the
-    error of a standard, takes no part in a slope, so that the former errs on the large side.
+    error of a standard, takes no part in a slope, so that the former is an overestimate.
     """
     known = np.isfinite(values) & np.isfinite(u) & (u > 0)
     years, values, u = years[known], values[known], u[known]
