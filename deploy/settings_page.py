@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from schemas.access import PagesFile
 from schemas.certificate import Laboratory, Order
 from schemas.environment import Environment
-from schemas.pages.quality import QualityFile
+from schemas.production import QualityFile
 from schemas.recall import RecallFile
 from schemas.station import StationFile
 from schemas.tolerance import Tolerance

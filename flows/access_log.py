@@ -1,7 +1,8 @@
-"""What is logged of who came in and of what was refused.
+"""Log of logins and refusals.
 
 Each is a line of the logger `mimucal.access`; what an auditor asks about is an entry of the trail,
-too. What a stranger sent is made printable and short, and never stands as the person of an entry.
+too. Unauthenticated input is made printable and short, and is never recorded as the person of an
+entry.
 """
 
 import logging
@@ -12,7 +13,7 @@ from storage.catalogue import database, trail
 from storage.home import Home
 
 LOGGER = logging.getLogger("mimucal.access")
-UNKNOWN = "unknown"  # who did what was refused, where nobody proved to be somebody
+UNKNOWN = "unknown"  # the person of a refused action who was not identified
 LONGEST = 200  # characters of what a stranger sent
 
 

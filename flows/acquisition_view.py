@@ -18,7 +18,7 @@ from tasks.station.progress import Progress
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-PLAIN_EVERY_S = 30.0  # a short run that fails has its one sentence alone
+PLAIN_EVERY_S = 30.0  # a short run that fails prints only its one sentence
 UNITS = {"gyro": "°/s", "accel": "m/s²"}
 
 

@@ -1,10 +1,14 @@
 """Commands for the life of a certificate: check, issue, amend, withdraw, and the audit trail."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from flows import certificate_options, options
+
+if TYPE_CHECKING:
+    from tasks.stages.published import Published
 
 app = typer.Typer()
 
@@ -17,9 +21,10 @@ def check(
     as_json: options.Json = False,
 ) -> None:
     """Record that a person has checked the draft of a certificate."""
+    from flows import run_orders
     from schemas.certificate_orders import CheckOrder
 
-    _step("check", CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
+    _step(run_orders.check, CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
 
 
 @app.command(epilog='Example: mimucal issue draft-r8b7e8cc --by "Chen Jie"')
@@ -30,9 +35,10 @@ def issue(
     as_json: options.Json = False,
 ) -> None:
     """Issue a checked certificate: it receives its number and is frozen."""
+    from flows import run_orders
     from schemas.certificate_orders import IssueOrder
 
-    _step("issue", IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
+    _step(run_orders.issue, IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
 
 
 @app.command(epilog='Example: mimucal amend MC-2026-0001 --why "client renamed"')
@@ -58,10 +64,11 @@ def amend(
     and the draft prints everything that is different.
     The draft is checked and issued like any other; on issue, the old one is marked as amended.
     """
+    from flows import run_orders
     from schemas.certificate_orders import AmendOrder
 
     _step(
-        "amend",
+        run_orders.amend,
         AmendOrder,
         as_json,
         certificate=certificate,
@@ -91,9 +98,10 @@ def withdraw(
 
     Its files remain unchanged.
     """
+    from flows import run_orders
     from schemas.certificate_orders import WithdrawOrder
 
-    _step("withdraw", WithdrawOrder, as_json, certificate=certificate, by=by, why=why)
+    _step(run_orders.withdraw, WithdrawOrder, as_json, certificate=certificate, by=by, why=why)
 
 
 @app.command(epilog="Example: mimucal trail --as csv")
@@ -107,7 +115,7 @@ def trail(form: options.TrailForm = "table", as_json: options.Json = False) -> N
     print_trail("json" if as_json else form)
 
 
-def _step(name: str, kind: Any, as_json: bool, **fields: Any) -> None:
+def _step(work: Callable[[Any], "Published"], kind: Any, as_json: bool, **fields: Any) -> None:
     from flows.carry_out import carry_out
     from flows.print_certificate import print_certificate
     from schemas.base import Unusable
@@ -115,7 +123,7 @@ def _step(name: str, kind: Any, as_json: bool, **fields: Any) -> None:
 
     if not (fields["by"] or "").strip():
         raise Unusable(
-            f"Say who does it: mimucal {name} {fields['certificate']} --by NAME, or let "
+            f"Say who does it: mimucal {work.__name__} {fields['certificate']} --by NAME, or let "
             "MIMUCAL_USER name the person."
         )
-    print_certificate(carry_out(name, order_of(kind, **fields), fields["certificate"]), as_json)
+    print_certificate(carry_out(work, order_of(kind, **fields), fields["certificate"]), as_json)

@@ -51,13 +51,14 @@ def apply(
     The output folder is a recording that `calibrate` can read. The uncertainty is that by the
     calibration, common to all readings; their own noise is not in it.
     """
+    from flows import run_orders
     from flows.carry_out import carry_out
     from flows.printing import print_json
     from schemas.orders import ApplyOrder
     from tasks.words.rounding import USUAL_K
 
     order = ApplyOrder(calibration=result, run=recording, out=str(out), with_u=with_u)
-    corrected = carry_out("apply", order, order.run)
+    corrected = carry_out(run_orders.apply, order, order.run)
     if as_json:
         print_json(
             {

@@ -19,7 +19,7 @@ from tasks.stages.published import Published
 from tasks.station.virtual.config import truth, virtual_station
 from tasks.station.virtual.process import running
 
-SPEED, AHRS_SPEED = 60.0, 300.0  # what two cores keep up with: an AHRS sends less, and rests
+SPEED, AHRS_SPEED = 60.0, 300.0  # as fast as two cores can process: an AHRS sends less data
 
 
 def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -> None:

@@ -170,5 +170,7 @@ def _unit_file(station: str, home: "Home") -> Path:
 
 
 def _line(home: "Home") -> str:
-    """By what the units and variables of lines on one computer differ: the home's folder name."""
+    """The name of the line, which distinguishes units and variables of several lines on one
+    computer: the home's folder name.
+    """
     return re.sub(r"[^A-Za-z0-9_.-]", "-", home.path.name)

@@ -21,6 +21,7 @@ def explain(
 
     Several runs of one unit are analysed together, so that weak evidence accumulates.
     """
+    from flows import run_orders
     from flows.carry_out import carry_out
     from schemas.orders import ExplainOrder
 
@@ -31,7 +32,7 @@ def explain(
         calibration=calibration,
         simulated=str(simulated) if simulated else None,
     )
-    explained = carry_out("explain", order, order.run)
+    explained = carry_out(run_orders.explain, order, order.run)
     if as_json:
         print(explained.discrepancy.model_dump_json(indent=1))
         return
@@ -54,6 +55,7 @@ def next_recording(
 
     Writes a procedure for `acquire --procedure`.
     """
+    from flows import run_orders
     from flows.carry_out import carry_out
     from schemas.base import Unusable
     from schemas.orders import NextOrder
@@ -69,7 +71,7 @@ def next_recording(
         out=str(out) if out else None,
         station=str(station) if station else None,
     )
-    answer = carry_out("next_recording", order, ", ".join(order.runs))
+    answer = carry_out(run_orders.next_recording, order, ", ".join(order.runs))
     if as_json:
         print(answer.model_dump_json(indent=1))
         return
@@ -89,11 +91,12 @@ def simulate(
 
     Writes a recording for `explain --simulated`.
     """
+    from flows import run_orders
     from flows.carry_out import carry_out
     from schemas.orders import SimulateOrder
 
     order = SimulateOrder(run=run, out=str(out), calibration=calibration)
-    simulation = carry_out("simulate", order, order.run)
+    simulation = carry_out(run_orders.simulate, order, order.run)
     if as_json:
         from flows.printing import print_json
 
@@ -128,6 +131,7 @@ def review(
     as_json: options.Json = False,
 ) -> None:
     """Find effects that only many runs show together, what carries them, and since when."""
+    from flows import run_orders
     from flows.carry_out import carry_out
     from schemas.orders import ReviewOrder, order_of
 
@@ -141,7 +145,7 @@ def review(
         until=until.date() if until else None,
         out=str(out) if out else None,
     )
-    reviewed = carry_out("review", order, "runs")
+    reviewed = carry_out(run_orders.review, order, "runs")
     if as_json:
         print(reviewed.review.model_dump_json(indent=1))
         return

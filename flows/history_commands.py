@@ -30,9 +30,8 @@ def reprocess(
     """
     from contextlib import suppress
 
-    from flows import print_history
+    from flows import print_history, run_orders
     from flows.carry_out import as_flow_run
-    from flows.run_orders import home_of
     from schemas.base import BrokenOff
     from schemas.orders import ReprocessOrder, order_of
     from storage.catalogue.connection import Busy
@@ -58,7 +57,7 @@ def reprocess(
     if dry_run:
         from tasks.stages.reprocess import plan
 
-        planned = plan(order, home_of(order))
+        planned = plan(order, run_orders.home_of(order))
         if as_json:
             print(planned.model_dump_json(indent=1))
         else:
@@ -67,9 +66,9 @@ def reprocess(
     try:
         # An order that cannot be carried out is refused before Prefect is started for it.
         with suppress(Busy):  # the flow waits for the catalogue
-            check_known(order, home_of(order))
+            check_known(order, run_orders.home_of(order))
         report_folder(order.out)
-        report = as_flow_run("reprocess", order)
+        report = as_flow_run(run_orders.reprocess, order)
     except KeyboardInterrupt as stop:
         raise BrokenOff(
             "stopped by the operator; what is done is kept, and the same command continues with "

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 MAX_DAYS = 36_500
-LAST_PORT = 65_534  # the unit is on the next
+LAST_PORT = 65_534  # the unit uses the next port
 
 
 def _option(metavar: str, text: str, *names: str, **more: Any) -> Any:

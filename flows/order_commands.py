@@ -69,7 +69,7 @@ def import_(
     if faults:
         for fault in faults[:-1]:
             print(fault, file=sys.stderr)
-        raise Unusable(f"{faults[-1]}; faults in {file}: {len(faults)}, orders taken in: 0")
+        raise Unusable(f"{faults[-1]}; faults in {file}: {len(faults)}, orders placed: 0")
     _print_given(give_all(requests, person, home()), as_json)
 
 

@@ -85,14 +85,14 @@ def print_pruned(pruned: Pruned) -> None:
         (
             each.run or "–",
             each.what,
-            str(each.taken_in_at)[:10],
+            str(each.imported_at)[:10],
             f"{each.size / 1e6:.1f}",
             each.where,
         )
         for each in pruned.found
     ]
     if rows:
-        print_rows("Not needed", ("run", "what", "taken in", "MB", "where"), rows)
+        print_rows("Not needed", ("run", "what", "imported", "MB", "where"), rows)
     if pruned.refused:
         left = [(each.run or each.where, each.what, each.why) for each in pruned.refused]
         print_rows("Not deleted", ("run", "what", "why"), left)

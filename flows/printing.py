@@ -1,4 +1,4 @@
-"""Prints tables and JSON on standard output; imports nothing heavy, so that lists are quick."""
+"""Prints tables and JSON on standard output; imports nothing heavy, so that listing is fast."""
 
 import json
 import sys

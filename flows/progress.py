@@ -17,7 +17,7 @@ from rich.progress import (
 
 CONSOLE = Console(stderr=True)
 _spinners: list[Callable[[str, float], None]] = []  # of each `working` that is open
-SOON = 0.05  # of the work: before so much is done the rest is not foretold
+SOON = 0.05  # share of the work, below which the remaining time is not estimated
 
 
 def _bar(*columns: ProgressColumn) -> Progress:

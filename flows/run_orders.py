@@ -278,13 +278,13 @@ def reprocess(
     """Re-process the results of a selection; calls report(done, total) after each."""
     from tasks.stages import reprocess as stage
 
-    def tell(done: int, total: int) -> None:
+    def report_progress(done: int, total: int) -> None:
         show(done, total)
         if report is not None:
             report(done, total)
 
     with ending_as_ctrl_c(), counting("reprocess") as show:
-        return stage.reprocess(order, home_of(order), tell)
+        return stage.reprocess(order, home_of(order), report_progress)
 
 
 def home_of(order: OrderModel) -> Home:

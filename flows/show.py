@@ -45,7 +45,7 @@ def show_run(reference: str, as_json: bool) -> None:
     console.print(f"unit     {unit.manufacturer} {unit.model} {unit.serial}")
     console.print(f"station  {station.id}")
     console.print(
-        f"length   {run.seconds:.1f} s, {run.rows} rows; taken in {run.taken_in_at:%F %R}"
+        f"length   {run.seconds:.1f} s, {run.rows} rows; imported {run.imported_at:%F %R}"
     )
     for line in lines(validity):
         console.print(line)

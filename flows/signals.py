@@ -35,7 +35,8 @@ def ending_as_ctrl_c() -> Iterator[None]:
     Only the first signal counts: one more, as of a worker and of the run itself at once, would
     break off the stopping of the table.
     """
-    if threading.current_thread() is not threading.main_thread():  # no signal comes here
+    # signals are not delivered to this thread
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
     before = {ending: signal.getsignal(ending) for ending in ENDINGS}

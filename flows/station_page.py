@@ -19,7 +19,7 @@ from storage.station_stop import lockout_of, release
 from tasks.rendering.page import BASE, page
 from tasks.stages.stop import stop_station
 
-HOST = "127.0.0.1"  # whoever may press without a login stands at this computer
+HOST = "127.0.0.1"  # only a person at this computer may press without a login
 MOST_BYTES = 1000  # of a form
 HEADERS = {
     "Content-Type": "text/html; charset=utf-8",

@@ -22,10 +22,10 @@ def runs(as_json: options.Json = False) -> None:
         return
     print_rows(
         "Runs",
-        ("run", "recording", "unit", "standard", "taken in", "seconds"),
+        ("run", "recording", "unit", "standard", "imported", "seconds"),
         [
             (r.id, r.recording_id, f"{r.manufacturer} {r.model} {r.serial}", r.standard,
-             f"{r.taken_in_at.astimezone():%Y-%m-%d %H:%M:%S}", f"{r.seconds:.0f}")
+             f"{r.imported_at.astimezone():%Y-%m-%d %H:%M:%S}", f"{r.seconds:.0f}")
             for r in listed
         ],
     )  # fmt: skip

@@ -24,7 +24,7 @@ NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
 DEFAULT_PREFIX = "MIMU"
 DEFAULT_SCHEME = "{prefix}-{year}-{serial:04d}"
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
-LIVE: tuple[State, ...] = ("draft", "checked", "issued")  # it counts, or may come to
+LIVE: tuple[State, ...] = ("draft", "checked", "issued")  # valid, or may become valid
 INVALID_RUN = "invalid-run"  # ends the purpose of a report of an invalid run
 StepName = Literal["draft", "check", "issue"]
 PrintedIn = Literal["zh", "en", "both"]
@@ -182,7 +182,7 @@ class Step(Frozen):
 
 
 class Amended(Frozen):
-    """What a certificate prints otherwise than the one that it replaces: before, and now."""
+    """A difference from the certificate that it replaces: before, and now."""
 
     what: Statement
     before: Statement

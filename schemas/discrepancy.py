@@ -68,8 +68,8 @@ class Consequence(Frozen):
     def in_U(self) -> float:
         """By how many U it moves, with its sign; 0 where it has no U.
 
-        In the larger U of the two: what the certificate's own U covers is no error of it, and what
-        the correction's covers is not known.
+        Relative to the larger U of the two: a change within the certificate's own U is not an error
+        of the certificate, and a change within the correction's U is not significant.
         """
         U = max(self.U_before or 0.0, self.U or 0.0)
         return self.change / U if U else 0.0
@@ -158,7 +158,7 @@ class Discrepancy(Frozen):
     digest: SHA-256 of the recording's content. model: what the recording is compared with.
     explained_share: of the mismatch above noise. left_over: χ² per degree of freedom of what is
     left in each channel, against the noise at rest. small_remainders: findings that remove too
-    little of the mismatch to be told at length. consequences, verdict_changes: of all findings
+    little of the mismatch to be reported in full. consequences, verdict_changes: of all findings
     together.
     """
 

@@ -1,4 +1,4 @@
-"""What is wrong with a machine, and how to put it right."""
+"""Problems of a machine, and their remedies."""
 
 from typing import Literal
 

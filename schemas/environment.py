@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field
 from schemas.base import Frozen
 from schemas.secret_urls import shown
 
-OWN = "MIMUCAL_"  # what begins with it and is no variable here is a slip of the pen
+OWN = "MIMUCAL_"  # a variable with this prefix that is not listed here is a typing error
 
 
 class Environment(Frozen):

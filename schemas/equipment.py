@@ -10,7 +10,8 @@ from pydantic import Field, model_validator
 
 from schemas.base import Finite, Frozen
 
-MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
+# relative, rad or m/s²: equipment with a larger limit cannot calibrate anything
+MAX_HALF_WIDTH = 1.0
 LimitShape = Literal["normal", "rectangular", "triangular", "arcsine"]
 LimitName = Literal[
     "rate",
@@ -30,7 +31,7 @@ ResultAxes = Literal["mounting plane", "fixture"]  # which axes of the unit resu
 
 
 class ErrorBound(Frozen):
-    """How far one property of the equipment may be off.
+    """The error limit of one property of the equipment.
 
     half_width: relative for rate, ripple and time_base (of the clock that stamps the readings);
     rad for angles, latitude and heading; m/s² for gravity. mounting: of the unit's base in the
@@ -44,7 +45,7 @@ class ErrorBound(Frozen):
 
 
 class EquipmentLimit(ErrorBound):
-    """A bound, and which paper states it."""
+    """An error limit, and the document that states it."""
 
     source: str = Field(min_length=1)
 
@@ -60,7 +61,7 @@ STATED_OVER: Mapping[LimitName, Argument | None] = {
 MAX_ERROR = 0.25  # relative, rad or m/s²: deviation, U and drift together stay below MAX_HALF_WIDTH
 Uncertainty = Annotated[float, Field(gt=0, le=MAX_ERROR, allow_inf_nan=False)]
 Error = Annotated[float, Field(ge=-MAX_ERROR, le=MAX_ERROR, allow_inf_nan=False)]
-STEPS = 200  # of the range of a polynomial, at which it is looked at
+STEPS = 200  # points of a polynomial's range at which it is checked
 
 
 class StatedError(Frozen):
@@ -112,7 +113,7 @@ class ErrorPolynomial(Frozen):
 
 
 class Drift(Frozen):
-    """How far an error may move in a year, in its unit; for `normal` with k = 2."""
+    """Drift of an error in a year, in its unit; for `normal` with k = 2."""
 
     per_year: Annotated[float, Field(gt=0, le=0.01, allow_inf_nan=False)]
     distribution: LimitShape
@@ -183,11 +184,11 @@ class IntermediateCheck(Frozen):
 class MeasurementStandard(Frozen):
     """A measurement standard, as clause 8 h) wants it on the certificate.
 
-    limits: what its certificate says it may be off by, which goes into the budgets and is printed
-    in the place of `accuracy`. functions: the same of rate, position, gravity or time_base as an
-    error with U, by rate or angle. It may be used from `calibrated_on` to `valid_until`.
-    traceable: whether its certificate shows an unbroken chain of calibrations to the SI. checks:
-    between calibrations; one that failed prevents a pass.
+    limits: the error limits of its certificate, which go into the budgets and are printed in place
+    of `accuracy`. functions: the stated error of rate, position, gravity or time_base with its U,
+    as a function of rate or angle. It may be used from `calibrated_on` to `valid_until`. traceable:
+    whether its certificate shows an unbroken chain of calibrations to the SI. checks: between
+    calibrations; one that failed prevents a pass.
     """
 
     name: str

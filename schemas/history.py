@@ -37,9 +37,8 @@ class Change(Frozen):
 
 
 class Flip(Frozen):
-    """A verdict that is another one now: of the run itself, of the unit, or of one element.
-
-    That of the unit and of an element is by the limits in the home.
+    """A verdict that changed: on the run, on the unit, or on one element. Those on the unit and on
+    an element use the limits in the home.
     """
 
     run: str
@@ -52,7 +51,7 @@ class Flip(Frozen):
 
 
 class Touched(Frozen):
-    """A certificate that prints a result whose values moved; it stays what it is."""
+    """A certificate that prints a result whose values changed; it is not altered."""
 
     number: str
     run: str
@@ -79,7 +78,7 @@ class Reprocessing(Frozen):
     """What re-processing a selection did and changed (format `mimu-reprocess/1`).
 
     done: results made again now or before under the same circumstances, which are the code and the
-    laboratory. counted_in_U: by how much more an element moves to be a change. unchanged: of them,
+    laboratory. counted_in_U: the smallest change that counts, in U. unchanged: of them,
     results without any change; first: those of runs that had none
     before. seconds: of this command.
     """
@@ -164,17 +163,17 @@ class Impact(Frozen):
 
 
 class Dispensable(Frozen):
-    """What nothing in the store needs. size: bytes of the files.
+    """Data that nothing in the store needs. size: bytes of the files.
 
     A recording goes with its run; columns alone can be made again from the raw recording. A draft
-    is a file of a certificate's draft that was broken off: no run is known of it, and
-    `taken_in_at` is when it was written.
+    is a file left by an interrupted draft of a certificate: its run is unknown, and `imported_at`
+    is when it was written.
     """
 
     what: Literal["recording", "columns", "draft"]
     run: str | None = None
     recording_id: str | None = None
-    taken_in_at: datetime
+    imported_at: datetime
     where: str
     size: int
 
@@ -189,7 +188,7 @@ class Refused(Frozen):
 
 
 class Pruned(Frozen):
-    """What was taken in before a day and can be spared (format `mimu-prune/1`).
+    """What was imported before a day and is not needed (format `mimu-prune/1`).
 
     deleted: whether `found` was deleted, or would be; refused: what was not.
     """

@@ -1,4 +1,4 @@
-"""The recording that settles what `explain` left open: the result of `mimucal next`."""
+"""The recording that resolves what `explain` left open: the result of `mimucal next`."""
 
 from typing import Any, Literal
 

@@ -121,12 +121,12 @@ class ReviewOrder(OrderModel):
 
 
 class NextOrder(OrderModel):
-    """The recording that decides what `explain` left open of some runs of a unit.
+    """The recording that resolves what `explain` left open for some runs of a unit.
 
     effects: to be told apart, in place of what is open; one alone is told from none. minutes: that
     the station may take. base: a procedure, or its file, whose room, warm-up and settling are
-    kept. out: the new procedure file. station: a station file; what the run's own table did unless
-    given.
+    kept. out: the new procedure file. station: a station file; by default, what the run's own table
+    has shown it can do.
     """
 
     runs: tuple[str, ...] = Field(min_length=1)
@@ -172,12 +172,12 @@ class ApplyOrder(OrderModel):
 
 
 class Selection(OrderModel):
-    """Runs by what the catalogue says of them; null leaves a question out.
+    """Runs selected by their entries in the catalogue; null does not restrict.
 
-    since, until: days, both included, on which they were recorded (where that is unknown, taken
-    in). procedure: its name, or the standard. equipment: name, serial number or calibration
-    certificate of a measurement standard, or the station. code_version: the beginning of that of a
-    run's newest result.
+    since, until: days of recording, both included (of import, where that is unknown). procedure:
+    its name, or the standard. equipment: name, serial number or calibration certificate of a
+    measurement standard, or the station. code_version: the beginning of that of a run's newest
+    result.
     """
 
     since: date | None = None

@@ -47,7 +47,8 @@ class Sweep(Frozen):
 class RateRun(Frozen):
     """Rates about one table axis, with the others held at given angles.
 
-    axis, up: of the unit, which turns about it and has it up; both null where it is held aslant.
+    axis, up: of the unit, which turns about it and has it up; both null where it is held at an
+    oblique angle.
     """
 
     kind: Literal["rate_run"] = "rate_run"
@@ -119,7 +120,7 @@ class Oscillation(Frozen):
 
 
 class Refix(Frozen):
-    """The unit is turned over in its fixture; mount: its attitude from then on.
+    """The unit is remounted in its fixture; mount: its attitude from then on.
 
     With power_off the unit's supply is switched off meanwhile, and the unit warms up again.
     """

@@ -33,12 +33,12 @@ class OrderedUnit(Frozen):
 
 
 class OrderRequest(Frozen):
-    """An order as it is given.
+    """An order as submitted.
 
     number: by which the order is known; the same content under the same number is the same order.
-    Null draws one. station: its id. units: those to be mounted, in the order of the station's
-    places. procedure: a name, or a file of the station's computer. client_order: the client's
-    order, which the certificate needs.
+    Null: one is generated. station: its id. units: those to be mounted, in the order of the
+    station's places. procedure: a name, or a file of the station's computer. client_order: the
+    client's order, which the certificate needs.
     """
 
     number: Name | None = None
@@ -104,8 +104,8 @@ class ProductionOrders(Frozen):
 
 
 class GivenOrders(ProductionOrders):
-    """Orders that were given. new: the numbers of those that were not there before. fault: why
-    nothing can carry out one of them just now; it waits.
+    """Orders that were given. new: the numbers of those that were not there before. fault: why one
+    of them cannot be carried out at present; it waits.
     """
 
     new: tuple[str, ...] = ()
@@ -117,3 +117,14 @@ class OrdersQuestion(Frozen):
 
     station: str | None = None
     state: ProductionState | None = None
+
+
+class QualityFile(Frozen):
+    """`quality.toml` of the home: what the laboratory says of its production.
+
+    golden: serial numbers of units that are measured again and again to check the stations. They
+    are not production: they are excluded from yield and capability.
+    """
+
+    format: Literal["mimu-quality/1"] = "mimu-quality/1"
+    golden: tuple[str, ...] = ()

@@ -134,15 +134,15 @@ class Manifest(Received):
     segments: tuple[Segment, ...] | None = None
 
 
-@dataclass(frozen=True, eq=False)  # one is like another only if it is that
+@dataclass(frozen=True, eq=False)  # compared by identity: arrays have no single truth value
 class Stream:
     """One time base and its columns.
 
     t: (n,) s, float64, strictly rising, whole nanoseconds.
     columns: name -> (n,) float64 in the units of `mimu-recording/1`; NaN where a triad was
         not recorded.
-    span: s about its time over which each row is a mean: rates that were made of angles, and the
-        mean of both ends of what is not a rate; 0: a row says what was so at its time.
+    span: s centred on its time over which each row is a mean: rates derived from angles, and the
+    mean of both ends for other quantities; 0: each row is instantaneous.
     """
 
     t: "np.ndarray"
@@ -197,7 +197,7 @@ def joined(parts: Sequence[Stream]) -> Stream:
 
 @dataclass(frozen=True)
 class WrongCodes:
-    """How the numbers of one channel had been joined wrongly before they were put right.
+    """How firmware had combined the bytes of one channel wrongly, before they were corrected.
 
     bug: signed-low, signed-low-or, bytes, unsigned, wrap, stuck-high or stuck-low. codes: by whole
     multiples of which readings were off; jump: that in rad/s or m/s². share: of the readings that

@@ -27,7 +27,7 @@ class LogEntry(Statement):
 
 
 class Alarm(Statement):
-    """What was noticed in a run, as a sentence that counts it.
+    """An anomaly of a run, as a sentence with the number of its occurrences.
 
     code: the kind of anomaly, a message `station-alarm-…` of the catalogues, or `given_up`. at:
     when it was noticed last. Both are empty in a status that an earlier version wrote.

@@ -1,7 +1,7 @@
 """URLs with a password: escaped where they are used, without it where they are shown.
 
-A password may hold any character, those that end the parts of a URL too: the host is what stands
-behind an @, looks like one and is followed by a path, a query or nothing.
+A password may contain any character, even the delimiters of a URL: the host is what follows an @,
+looks like a host name, and is followed by a path, a query or nothing.
 """
 
 import re

@@ -8,7 +8,7 @@ from schemas.base import Frozen
 
 
 class Signature(Frozen):
-    """Who gave an order, when and where, so that nobody else can give it.
+    """Who gave an order, when and where, protected against forgery.
 
     nonce: a number that is used once. signed_on: the login at the operating system and its
     computer, as `wang@station-2`. mac: HMAC-SHA256 by the key of the home over the flow's name, the

@@ -61,7 +61,9 @@ class StationFile(Frozen):
 
     @model_validator(mode="after")
     def _units_are_apart(self) -> Self:
-        """Two readers of one line would each get half of it, two runs of a unit the same name."""
+        """Two readers of one data link would each receive half of the data, and two runs of one
+        unit would get the same name.
+        """
         every = self.per_unit()
         for what, each in (
             ("unit.serial", [one.unit.serial for one in every]),

@@ -1,4 +1,4 @@
-"""A stop of a station: what is asked, what the run answers, and what came of it."""
+"""A stop of a station: the request, the answer of the run, and the outcome."""
 
 from typing import Literal
 
@@ -8,7 +8,7 @@ from schemas.base import Finite, Frozen
 
 
 class StopRequest(Frozen):
-    """Somebody wants a station to stop. key: tells this request from every other."""
+    """Somebody wants a station to stop. key: identifies this request."""
 
     format: Literal["mimu-stop/1"] = "mimu-stop/1"
     key: str = Field(min_length=1)
@@ -28,7 +28,7 @@ class AxisReading(Frozen):
 class StopAnswer(Frozen):
     """The answer of a run's process to the request with this key: every axis was commanded to stop.
 
-    at_rest: null until the axes were read as long as they turned.
+    at_rest: null while the axes still turn and are being read.
     """
 
     key: str
@@ -42,7 +42,8 @@ class Stopped(Frozen):
 
     at_rest: whether the table was read to be at rest. axes: as read last. way: whether the run's
     own process stopped the table, or the stop itself on a connection of its own. recordings: what
-    the run had recorded. fault: why it could not be confirmed. seconds: from the press on.
+    the run had recorded. fault: why it could not be confirmed. seconds: since the button was
+    pressed.
     """
 
     format: Literal["mimu-stopped/1"] = "mimu-stopped/1"

@@ -181,7 +181,7 @@ class CoefficientLines(Frozen):
 
 
 class SerialQuery(Frozen):
-    """How a unit tells its own serial number, among the frames that it goes on sending.
+    """How a unit reports its serial number while it continues to send frames.
 
     request: the line that asks for it. answer: the text before the serial number in the unit's
     answer, as `$SERIAL,`; the number ends at `,`, `*` or the end of the line.
@@ -196,7 +196,7 @@ class UnitLink(Frozen):
     """The unit's data link: the source of the frames, their rate and their content.
 
     load: how the unit receives the coefficients of its correction, if it does. identify: how it
-    tells its serial number, if it does; a run then begins only where that is the one ordered. url:
+    reports its serial number, if it does; a run then begins only if that is the one ordered. url:
     `socket://host:port`, a serial device, `udp://host:port` on which to listen, or `file:///path`
     of a file that is being written.
     """

@@ -114,9 +114,9 @@ def records(what: str, home: Home) -> list[dict[str, Any]]:
 
 def _runs(home: Home) -> sql.Select[Any]:
     complete_runs(home)
-    columns = (RUN.id, RUN.digest, *OF_RUN, RUN.standard, RUN.taken_in_at)
+    columns = (RUN.id, RUN.digest, *OF_RUN, RUN.standard, RUN.imported_at)
     asked = sql.select(*columns, RUN.seconds, RUN.rows).join_from(tables.runs, tables.units)
-    return asked.order_by(RUN.taken_in_at, RUN.id)
+    return asked.order_by(RUN.imported_at, RUN.id)
 
 
 def _results(home: Home) -> sql.Select[Any]:

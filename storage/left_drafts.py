@@ -8,7 +8,7 @@ from pathlib import Path
 from storage.home import Home
 
 BY_NAME = re.compile(r"draft-.+\.[0-9a-f]{12}\.(pdf|xml|json)|\..+\.part")
-AGE_S = 3600.0  # a younger one may belong to a draft that is just being kept
+AGE_S = 3600.0  # a newer one may belong to a draft that is being stored
 
 
 def is_of_draft(path: Path) -> bool:

@@ -1,4 +1,4 @@
-"""The key of the home that signs orders: whoever may read it gives orders in a person's name."""
+"""The key of the home that signs orders: whoever can read it can order in a person's name."""
 
 import hashlib
 import hmac

@@ -1,7 +1,6 @@
-"""One order at a time at each station, and one process that takes them: locks as of its runs.
-
-Whoever holds the lock of a station's orders knows that every order of it that runs was left by a
-process that died.
+"""One order at a time at each station, and one process that takes them: locks like those of its
+runs. The holder of the lock of a station's orders knows that any other order in progress was left
+by a process that died.
 """
 
 import fcntl

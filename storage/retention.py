@@ -30,13 +30,13 @@ Progress = Callable[[int, int], None]
 
 
 def dispensable(before: date, home: Home) -> list[Dispensable]:
-    """What was taken into the store before a day (UTC) and may be deleted, the oldest first."""
+    """What was imported before a day (UTC) and may be deleted, the oldest first."""
     begins = datetime.combine(before, time(), UTC)
-    older, needed = runs_where(home, tables.runs.c.taken_in_at < begins), _needed(home)
+    older, needed = runs_where(home, tables.runs.c.imported_at < begins), _needed(home)
     blobs = blobs_of(home)
     sizes = {each.name: each.size for name in ("raw", "columns") for each in blobs.kept(name)}
     of_runs = [each for run in older for each in _of_run(run, run.id in needed, sizes, blobs)]
-    return [*of_runs, *(draft for draft in _drafts(home) if draft.taken_in_at < begins)]
+    return [*of_runs, *(draft for draft in _drafts(home) if draft.imported_at < begins)]
 
 
 def delete(
@@ -45,7 +45,7 @@ def delete(
     """Deletes what was found, each with an entry in the trail; gives what went and what did not.
 
     Whether something came to need it meanwhile is asked again within each transaction, and columns
-    go only where the raw recording was read and is what was taken in. An end in between leaves
+    go only where the raw recording was read and is what was imported. An end in between leaves
     files that the catalogue does not know, never a run without its recording.
     """
     deleted, refused = [], []
@@ -62,7 +62,7 @@ def delete(
 def _of_run(run: Run, needed: bool, sizes: dict[str, int], blobs: Blobs) -> Iterator[Dispensable]:
     raw, columns = f"raw/{run.digest}.mcap", f"columns/{run.digest}"
     dispensable = partial(
-        Dispensable, run=run.id, recording_id=run.recording_id, taken_in_at=run.taken_in_at
+        Dispensable, run=run.id, recording_id=run.recording_id, imported_at=run.imported_at
     )
     if not needed:
         size = sizes.get(raw, 0) + sizes.get(columns, 0)
@@ -77,7 +77,7 @@ def _drafts(home: Home) -> Iterator[Dispensable]:
     for path in left_drafts(home, known):
         file = path.stat()
         written = datetime.fromtimestamp(file.st_mtime, UTC)
-        yield Dispensable(what="draft", taken_in_at=written, where=str(path), size=file.st_size)
+        yield Dispensable(what="draft", imported_at=written, where=str(path), size=file.st_size)
 
 
 def _needed(home: Home) -> set[str]:
@@ -152,5 +152,5 @@ def _log(connection: sql.Connection, each: Dispensable, person: str, digest: str
     trail.add(
         connection, person, f"delete {each.what}", each.run,
         recording_id=each.recording_id, digest=digest, size=each.size,
-        taken_in_at=each.taken_in_at.isoformat(),
+        imported_at=each.imported_at.isoformat(),
     )  # fmt: skip

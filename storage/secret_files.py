@@ -9,7 +9,7 @@ from pathlib import Path
 from schemas.base import Unusable
 from storage.whole_files import writing_in_home
 
-BYTES = 32  # of a secret that is made here; as text it has twice as many hexadecimal digits
+BYTES = 32  # of a secret that is generated here; as text, two hexadecimal digits each
 LEAST = 32  # characters of one that somebody else made
 MOST = 4096  # bytes that are read of one
 OF_OTHERS = 0o077
@@ -23,7 +23,7 @@ def made(path: Path) -> str:
     """
     if not os.path.lexists(path):
         draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-        with writing_in_home(draft):  # which is gone then: only what is new is shared by the home
+        with writing_in_home(draft):  # which is lost then: only new files get the home's sharing
             file = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
             try:
                 with open(file, "w", encoding="ascii") as out:

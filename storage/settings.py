@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from schemas.access import PagesFile
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Laboratory
-from schemas.pages.quality import QualityFile
+from schemas.production import QualityFile
 from schemas.recall import RecallFile
 from schemas.tolerance import Tolerance
 from schemas.validation import ValidationRecord

@@ -1,4 +1,4 @@
-"""One run at a time on each station, and how it stands: a lock that ends with its process."""
+"""One run at a time on each station, and its status: a lock that ends with its process."""
 
 import fcntl
 import hashlib
@@ -19,7 +19,7 @@ from storage.home import Home
 from storage.whole_files import drafted, make_folder, writing_in_home
 
 SILENCE = timedelta(seconds=30)  # after which a process on another computer counts as dead
-LOOK_S = 0.2  # for no longer does `is_held` keep a run from its lock
+LOOK_S = 0.2  # longest time for which `is_held` blocks a run's lock
 
 
 def hashed(station: str) -> str:
@@ -128,9 +128,8 @@ def read_status(file: Path) -> RunStatus | None:
 
 
 def is_dead(status: RunStatus, home: Home) -> bool:
-    """Whether a run's process ended without a word.
-
-    Its lock tells, on its own computer; on another, that its status grows old.
+    """Whether a run's process died. On its own computer its lock shows this; on another, the age of
+    its status.
     """
     if status.state in ENDED:
         return False
@@ -140,7 +139,7 @@ def is_dead(status: RunStatus, home: Home) -> bool:
 
 
 def end_status(station: str, cause: str, home: Home) -> None:
-    """Where the last run of a station is not ended by its status, note that it was stopped."""
+    """If the status of a station's last run is not final, mark it as stopped."""
     for folder in {home.station_status, home.status}:
         status = read_status(status_file_of(station, folder))
         if status is not None and status.state not in ENDED:
@@ -150,7 +149,7 @@ def end_status(station: str, cause: str, home: Home) -> None:
 
 
 def end_dead_statuses(home: Home) -> None:
-    """Note of every run whose process ended without a word that it stopped."""
+    """Mark every run whose process died as stopped."""
     for status, dead in statuses(home):
         if dead and not is_held(status.station, home):
             end_status(status.station, f"its process {status.process} ended without a word", home)

@@ -31,13 +31,13 @@ AFTER: dict[str, State] = {
     "withdraw": "withdrawn",
 }
 Standing = tuple[State, list[str | None]]  # what became of it, and the SHA-256 of its files
-DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
+DRAFT_AGE_S = 3600.0  # a newer draft may belong to an import in progress
 LEFT_OVER = "no certificate in the catalogue has it; move it away"
 BROKEN_OFF = (
     "left by a draft that was broken off; `mimucal prune --delete` removes it after an hour"
 )
-ISSUE_S = 60.0  # a younger file may be of a certificate that is just being kept
-SILENT_S = 60.0  # an acquisition writes every second; one that is silent so long has ended
+ISSUE_S = 60.0  # a newer file may belong to a certificate that is being stored
+SILENT_S = 60.0  # an acquisition writes every second; without writes for so long it has ended
 UNKNOWN = "import it if it is a recording that you want, else move it away"
 Progress = Callable[[int, int], None]
 Found = tuple[str, str]  # where a file is, and what is wrong with it

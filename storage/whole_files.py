@@ -21,7 +21,7 @@ GROUP, OTHERS = 0o070, 0o007
 def drafted(path: Path) -> Iterator[Path]:
     """Gives a hidden name beside `path` for a file or folder; on success it gets the name `path`.
 
-    Whatever goes wrong, nothing half stays. Raises FileExistsError for a folder whose name is
+    On any error nothing incomplete remains. Raises FileExistsError for a folder whose name is
     taken; a file is replaced.
     """
     draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
@@ -39,7 +39,7 @@ def drafted(path: Path) -> Iterator[Path]:
 def writing_in_home(path: Path) -> Iterator[None]:
     """Makes the folder of a file first; a disk that refuses raises Unusable with the way out.
 
-    What is new there is for those who may use its folder, and nobody else.
+    New files there are accessible to those who may use its folder, and to nobody else.
     """
     try:
         make_folder(path.parent)
@@ -156,7 +156,7 @@ def is_as_kept(path: Path, sha256: str) -> bool:
 
 
 def check_plain(path: Path) -> None:
-    """Raises Unusable for a pipe or a device, which might never end; what is not there passes."""
+    """Raises Unusable for a pipe or a device, which might never end; a missing file is accepted."""
     try:
         is_other = path.exists() and not (path.is_file() or path.is_dir())
     except (OSError, ValueError) as error:

@@ -147,7 +147,7 @@ def changed_svg(report: Reprocessing, language: str) -> str:
         for row, item in enumerate(items):
             axes.axhline(row + 0.5, color=PALE, linewidth=1.0, zorder=0)
             _row(axes, row + 0.5, [c for c in report.changed if c.item == item])
-        if any(map(came_or_went, report.changed)):
+        if any(map(appeared_or_disappeared, report.changed)):
             axes.set_xlabel(in_part, loc="right")
         if not items:
             axes.text(0.5, 0.5, nothing, transform=axes.transAxes, ha="center", color=GREY)
@@ -155,7 +155,7 @@ def changed_svg(report: Reprocessing, language: str) -> str:
     return draw(title, WIDTH, FRAME + ROW * max(len(items), 2), content)
 
 
-def came_or_went(change: Change) -> bool:
+def appeared_or_disappeared(change: Change) -> bool:
     """Whether an element was determined before and is not now, or the other way round."""
     return (change.before is None) != (change.after is None)
 
@@ -164,8 +164,8 @@ def _row(axes: Any, y: float, changes: Sequence[Change]) -> None:
     """The marks of an item, spread about y so that equal steps lie beside each other."""
     heights = [y + SPREAD * (GOLDEN * k % 1.0 - 0.5) for k in range(len(changes))]
     x = [min(max(c.in_U or LEAST, LEAST), MOST) for c in changes]
-    for one in (True, False):  # what came or went has no step
-        shown = [k for k, c in enumerate(changes) if came_or_went(c) is one]
+    for one in (True, False):  # these have no step
+        shown = [k for k, c in enumerate(changes) if appeared_or_disappeared(c) is one]
         at = [MOST if one else x[k] for k in shown]
         colours = [BEFORE if step > 1.0 else AFTER for step in at]
         form = (

@@ -10,14 +10,12 @@ from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from datetime import date
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import settings
 
 from schemas.certificate import Certificate
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import Recording
 from schemas.validation import (
     EVIDENCE,
     Check,
@@ -31,6 +29,7 @@ from storage.home import Home
 from tasks.certificate.dcc import record_of
 from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
+from tests import ideal
 from tests.migrated import as_migrated
 from tests.proof.line.draw import Line, draw_line
 from tests.proof.line.recorded import Recorded
@@ -40,10 +39,6 @@ from tests.surroundings import leave_production
 
 settings.register_profile("unhurried", deadline=None)  # machines are busy; pytest limits tests
 settings.load_profile("unhurried")
-
-GRAVITY = 9.78
-AXES = "xyz"
-RATES = (-300.0, -200.0, -100.0, -50.0, -10.0, 10.0, 50.0, 100.0, 200.0, 300.0)
 
 ENDINGS = tuple((one, signal.SIG_DFL) for one in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM))
 
@@ -151,86 +146,10 @@ def plant() -> Callable[[str], Recording]:
     return lambda name: read_folder(shared_path(f"data/plant/{name}"))
 
 
-def unit_errors(**changes: Any) -> dict[str, np.ndarray]:
-    """An ideal unit's K, B, G, Ka, Ba, P, with the named ones replaced."""
-    ideal = {
-        "Kg": np.eye(3), "Bg": np.zeros(3), "G": np.zeros((3, 3)),
-        "Ka": np.eye(3), "Ba": np.zeros(3), "P": np.zeros((3, 3)),
-    }  # fmt: skip
-    return ideal | changes
-
-
-def _stretch(rate: np.ndarray, force: np.ndarray, unit: dict[str, np.ndarray]) -> np.ndarray:
-    """Six constant readings of models (1) and (2), written out row by row."""
-    gyro = unit["Kg"] @ rate + unit["Bg"] + unit["G"] @ force
-    accel = unit["Ka"] @ force + unit["Ba"] + unit["P"] @ rate**2
-    return np.concatenate([gyro, accel])
-
-
 @pytest.fixture(scope="session")
 def ideal_run() -> Callable[..., Recording]:
-    """Builds a JJF 2003 run of a unit whose readings follow models (1) and (2) exactly.
-
-    Thirty seconds at 10 Hz a point, eleven levels within ±1e-9 so that nothing stands still.
-    """
-
-    def build(
-        dwell: float = 30.0, noise: float = 1e-9, gravity: float = GRAVITY, **changes: Any
-    ) -> Recording:
-        unit, rate_hz = unit_errors(**changes), 10.0
-        rows, segments, t = [], [], 0.0
-        count = round(dwell * rate_hz)
-        flip = noise * ((7 * np.arange(count) % 11) - 5.0)[:, None] / 5.0
-
-        def hold(label: dict[str, Any], rate: np.ndarray, force: np.ndarray) -> None:
-            nonlocal t
-            rows.append(_stretch(rate, force, unit) + flip)
-            segments.append({**label, "t_start": t, "t_end": t + dwell})
-            t = round(t + dwell, 6)
-
-        for i in range(3):
-            for sign, mark in ((1, "+"), (-1, "-")):
-                up = np.eye(3)[i] * sign
-                for turn in (0, 180):
-                    label = {
-                        "name": f"position_{mark}{AXES[i]}_{turn:03d}",
-                        "kind": "static",
-                        "item": "twelve_position",
-                        "up": mark + AXES[i],
-                        "turn_deg": turn,
-                    }
-                    hold(label, np.zeros(3), up * gravity)
-        for j in range(3):
-            up = np.eye(3)[j]
-            rest = {"kind": "static", "item": "rate_sensitivity", "up": "+" + AXES[j]}
-            hold({"name": f"rest_{AXES[j]}", **rest}, np.zeros(3), up * gravity)
-            for rate in RATES:
-                label = {
-                    "name": f"rate_{AXES[j]}_{rate:+.0f}",
-                    "kind": "rate",
-                    "axis": AXES[j],
-                    "item": "scale_factor",
-                    "up": "+" + AXES[j],
-                    "rate_deg_s": rate,
-                }
-                hold(label, up * np.radians(rate), up * gravity)
-            hold({"name": f"rest2_{AXES[j]}", **rest}, np.zeros(3), up * gravity)
-        values = np.concatenate(rows)
-        manifest = Manifest.model_validate({
-            "format": "mimu-recording/1", "recording_id": "ideal", "standard": "JJF 2003-2022",
-            "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-            "station": {"id": "test", "latitude_deg": 0.0, "gravity_m_s2": gravity},
-            "segments": segments,
-        })  # fmt: skip
-        columns = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))
-        columns["temperature"] = np.full(len(values), 28.0)
-        times = np.round(np.arange(len(values)) / rate_hz, 9)
-        air = np.arange(0.0, t, 1.0)
-        room = {"temperature": 20.0, "humidity": 50.0, "supply_voltage": 5.0}
-        environment = Stream(air, {name: np.full(len(air), value) for name, value in room.items()})
-        return Recording(manifest, Stream(times, columns), environment=environment, digest="0" * 64)
-
-    return build
+    """Builds a JJF 2003 run of a unit whose readings follow models (1) and (2) exactly."""
+    return ideal.ideal_run
 
 
 @pytest.fixture(scope="session")

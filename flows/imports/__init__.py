@@ -1,1 +1,1 @@
-"""Recordings and loggers' tables taken into the store."""
+"""Recordings and tables of loggers, imported into the store."""

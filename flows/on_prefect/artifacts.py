@@ -38,7 +38,7 @@ MOST_ROWS = 1000  # of an artifact's table
 def show(artifacts: Callable[[], None]) -> bool:
     """Writes artifacts where Prefect's server knows this run; whether it took them.
 
-    What is only shown is not worth waiting for a server that is away.
+    Artifacts are for display only, and not worth waiting for a server that is down.
     """
     if FlowRunContext.get() is None:
         return False

@@ -1,4 +1,4 @@
-"""What Prefect watches of a line by itself: runs that are late, crashed or silent, and workers.
+"""What Prefect monitors: runs that are late, crashed or without heartbeat, and workers.
 
 Import this module only after `flows.on_prefect.prefect_server.connect`.
 """
@@ -14,9 +14,9 @@ from prefect.events.actions import ChangeFlowRunState, RunDeployment
 from prefect.events.schemas.automations import AutomationCore, EventTrigger, Posture
 
 WATCHED = ("produce", "certify", "reprocess", "remind", "review")  # the flow `alert` never
-# An order is late by design: it waits for its station. That no worker takes it, its pool says.
-AT_ITS_TIME = tuple(flow for flow in WATCHED if flow != "produce")
-SILENCE = timedelta(seconds=120)  # three heartbeats of a run are missing
+# An order is late by design: it waits for its station. Its pool reports if no worker takes it.
+SCHEDULED_FLOWS = tuple(flow for flow in WATCHED if flow != "produce")
+NO_HEARTBEAT = timedelta(seconds=120)  # three heartbeats of a run are missing
 ENDS = ("Completed", "Failed", "Crashed", "Cancelled")
 RUN = "prefect.flow-run"
 OF_A_RUN = "Run {{ flow_run.name }} of {{ flow.name }}"
@@ -43,7 +43,7 @@ def automations(alert: UUID) -> list[AutomationCore]:
         state=StateType.CRASHED, name="Crashed", message="no heartbeat", force=False
     )
     return [
-        _on("a run is late", _of_runs([f"{RUN}.Late"], AT_ITS_TIME), _alerted(alert, late)),
+        _on("a run is late", _of_runs([f"{RUN}.Late"], SCHEDULED_FLOWS), _alerted(alert, late)),
         _on("a run crashed", _of_runs([f"{RUN}.Crashed"], WATCHED), _alerted(alert, crashed)),
         # It alerts as one that crashed; one that had ended meanwhile keeps its state.
         _on("a run is silent", _silent(), died),
@@ -75,7 +75,7 @@ def _of_runs(events: Iterable[str], flows: Iterable[str]) -> EventTrigger:
 
 
 def _silent() -> EventTrigger:
-    """A run that beat once and then neither beats nor ends."""
+    """A run that sent a heartbeat and then neither sends another nor ends."""
     beat = f"{RUN}.heartbeat"
     return EventTrigger(
         after={beat},
@@ -84,7 +84,7 @@ def _silent() -> EventTrigger:
         match={"prefect.resource.id": f"{RUN}.*"},
         posture=Posture.Proactive,
         threshold=1,
-        within=SILENCE,
+        within=NO_HEARTBEAT,
     )
 
 

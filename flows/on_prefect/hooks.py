@@ -17,10 +17,9 @@ if TYPE_CHECKING:
 
 
 def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
-    """Stops the table of a run whose process is dead, and has its status say how it ended; what it
-    leaves of an order waits again.
-
-    A run that goes on at the station all the same is another one, and is left alone.
+    """Stops the table of a run whose process died, and records in its status how it ended; its
+    order goes back into the queue. A run that is still active at the station is another one, and is
+    left alone.
     """
     from flows.orders.production import take_up_left
     from tasks.stages.stop import stop_station

@@ -1,4 +1,4 @@
-"""Output of a long run that outlives whoever reads it.
+"""Output of a long run that survives the loss of its reader.
 
 A worker that is killed leaves its flow run writing into a pipe that nobody reads: any line of a
 log would then end the run, wherever it is written.
@@ -16,9 +16,8 @@ REST_S = 1.0  # for what is still on its way; a child that inherited the pipe ma
 
 @contextmanager
 def lasting_output() -> Iterator[None]:
-    """What is written within the block never fails, though its reader be gone.
-
-    A terminal is left as it is: that it is gone comes as a signal.
+    """Writing within the block never fails, even if the reader is gone. A terminal is left as it
+    is: its loss arrives as a signal.
     """
     with ExitStack() as relays:
         for descriptor in (STDOUT, STDERR):
@@ -42,13 +41,13 @@ def _relayed(descriptor: int) -> Iterator[None]:
         os.dup2(reader, descriptor)  # closes our pipe, whose end the relay then sees
         relay.join(REST_S)
         if not relay.is_alive():
-            os.dup2(reader, descriptor)  # by now the relay may have found the reader gone
+            os.dup2(reader, descriptor)  # the relay may have lost the reader in the meantime
             os.close(source)
             os.close(reader)
 
 
 def _relay(source: int, reader: int) -> None:
-    """Passes on what comes; once the reader is gone it goes to where nothing is kept."""
+    """Forwards the output; once the reader is gone, discards it."""
     while part := os.read(source, PART):
         try:
             os.write(reader, part)

@@ -1,4 +1,4 @@
-"""Catching up: of the runs that a schedule owes, only the newest is carried out."""
+"""Catching up: of the overdue runs of a schedule, only the newest is carried out."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -46,7 +46,7 @@ def _is_superseded() -> bool:
     run = context.flow_run if context else None
     if not isinstance(run, FlowRun) or run.deployment_id is None or not run.auto_scheduled:
         return False
-    with suppress(HTTPError):  # a server that is away knows of no other run now
+    with suppress(HTTPError):  # no other run is known while the server is down
         return bool(_cancel_older(run, run.deployment_id))
     return False
 

@@ -1,7 +1,7 @@
 """A flow run that stops by itself where its worker can no longer stop it.
 
-A worker stops its flow run when Prefect cancels it; one that is gone, or that gave up watching
-because the server was away, does not. The process of the run therefore looks for itself.
+A worker stops its flow run when Prefect cancels it; one that died, or that stopped polling because
+the server was down, does not. The process of the run therefore polls as well.
 """
 
 import os

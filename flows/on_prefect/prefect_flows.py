@@ -133,8 +133,8 @@ def remind(order: RemindOrder) -> list[DueUnit]:
 def submit(order: SubmitOrder) -> None:
     """Give every order that waits to Prefect, where it has none or lost it.
 
-    It loses one whose process begins while the server is started anew, and one whose worker dies
-    before the process begins. Raises BrokenOff where one cannot be given.
+    It loses an order whose process starts while the server restarts, or whose worker dies before
+    the process starts. Raises BrokenOff where one cannot be given.
     """
     if fault := order_queue.submit(run_orders.home_of(order)):
         raise BrokenOff(fault)
@@ -159,40 +159,40 @@ def calibrate(order: CalibrateOrder) -> Calibration:
 
 
 def _ordered(
-    function: str,
+    work: Callable[[Any], Any],
     run_name: "str | Callable[..., str] | None",
     show_answer: Show = lambda _: None,
     name: str = "",
 ) -> Any:
-    """The flow that carries out an order by the function of that name in `run_orders`.
+    """The flow that carries out an order by a function of `run_orders`.
 
     show_answer: writes the artifacts of the answer, where the server takes them. name: of the flow,
     where it is another.
     """
 
     # all but the module: the flow is one of this file
-    @wraps(getattr(run_orders, function), assigned=("__name__", "__qualname__", "__doc__"))
+    @wraps(work, assigned=("__name__", "__qualname__", "__doc__"))
     def carried_out(order: OrderModel) -> Any:
-        with accepted(function, order):
-            answer = getattr(run_orders, function)(order)
+        with accepted(work.__name__, order):
+            answer = work(order)
         show(lambda: show_answer(answer))
         return answer
 
-    body = newest_only(carried_out) if function in SCHEDULED else carried_out
-    return flow(name=name or function, flow_run_name=run_name)(body)
+    body = newest_only(carried_out) if work in SCHEDULED else carried_out
+    return flow(name=name or work.__name__, flow_run_name=run_name)(body)
 
 
-SCHEDULED = ("review",)  # of those carried out so
-acquire = _ordered("acquire", run_names.of_acquisition)
+SCHEDULED = (run_orders.review,)  # of those carried out so
+acquire = _ordered(run_orders.acquire, run_names.of_acquisition)
 acquire.on_crashed(free_station)
 acquire.on_cancellation(free_station)
-explain = _ordered("explain", partial(run_names.of_run, "explain"), show_discrepancy)
-review = _ordered("review", None, show_review)
-next_recording = _ordered("next_recording", "next recording of {order.runs}", name="next")
-simulate = _ordered("simulate", partial(run_names.of_run, "simulate"))
-apply = _ordered("apply", "apply {order.calibration} to {order.run}")
-certify = _ordered("certify", partial(run_names.of_run, "certify"), show_certificate)
-check = _ordered("check", "check {order.certificate}")
-issue = _ordered("issue", "issue {order.certificate}", show_certificate)
-amend = _ordered("amend", "amend {order.certificate}", show_certificate)
-withdraw = _ordered("withdraw", "withdraw {order.certificate}")
+explain = _ordered(run_orders.explain, partial(run_names.of_run, "explain"), show_discrepancy)
+review = _ordered(run_orders.review, None, show_review)
+next_recording = _ordered(run_orders.next_recording, "next recording of {order.runs}", name="next")
+simulate = _ordered(run_orders.simulate, partial(run_names.of_run, "simulate"))
+apply = _ordered(run_orders.apply, "apply {order.calibration} to {order.run}")
+certify = _ordered(run_orders.certify, partial(run_names.of_run, "certify"), show_certificate)
+check = _ordered(run_orders.check, "check {order.certificate}")
+issue = _ordered(run_orders.issue, "issue {order.certificate}", show_certificate)
+amend = _ordered(run_orders.amend, "amend {order.certificate}", show_certificate)
+withdraw = _ordered(run_orders.withdraw, "withdraw {order.certificate}")

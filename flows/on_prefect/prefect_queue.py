@@ -23,8 +23,8 @@ MOST = 200  # flow runs that the server gives in one answer
 LINE = "line"  # the pool of what needs no station
 WAITS = "the order waits, and is given to it with the next one"
 POOL = "station-"  # how the names of the stations' work pools begin
-# A worker that was killed between taking a flow run and beginning it leaves it pending for ever,
-# and the pool of its station full. With every core busy a process takes a minute to begin.
+# A worker that is killed between taking a flow run and starting it leaves it pending forever, and
+# the pool of its station full. With all cores busy a process takes a minute to start.
 BEGINS_WITHIN = timedelta(minutes=5)
 
 

@@ -1,6 +1,6 @@
 """The Prefect server: the one PREFECT_API_URL names, or one that a command starts for itself.
 
-A command's own server keeps its database in the home, outlives no command and hears no Ctrl-C.
+A command's own server keeps its database in the home, outlives no command and ignores Ctrl-C.
 Prefect's temporary server would not do: it runs in the command's process group, where Ctrl-C ends
 it before the command has reported how its flow ended, and a killed command leaves it behind.
 """
@@ -33,14 +33,13 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LOG = "server.log"
-START_UP_S = 600.0  # with every core busy it takes minutes; a server that ends is seen at once
+START_UP_S = 600.0  # with all cores busy it takes minutes; a server that ends is noticed at once
 TERMINATION_S = 5.0
-BUSY_S = 600.0  # for so long a server that only answers “busy” is asked again
+BUSY_S = 600.0  # how long a server that only answers “busy” is asked again
 BUSY = 503
-NAME = b"prefect-server"  # of its process, as `ps` shows it
 STOPPING = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT}  # meant for the command
 END = signal.SIGUSR1  # by which the command ends its server
-_SET_DEATH_SIGNAL, _SET_NAME = 1, 15  # PR_SET_PDEATHSIG and PR_SET_NAME of prctl(2)
+_SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 
 # What is set here must be in the environment before Prefect is imported for the first time.
 QUIET = {
@@ -54,10 +53,10 @@ QUIET = {
 OWN_SERVER = {
     "PREFECT_LOGGING_LEVEL": "CRITICAL",
     "PREFECT_LOGGING_TO_API_ENABLED": "false",
-    # One that does not answer is no more: waiting a minute for each report would hang the run.
-    # One that answers “busy” is asked again all the same: `asked_again_when_busy`.
+    # A server that does not answer has ended: a minute's retries of each report would hang the run.
+    # One that answers “busy” is retried all the same: `asked_again_when_busy`.
     "PREFECT_CLIENT_MAX_RETRIES": "0",
-    # We use no blocks; entering them all is a sixth of the server's start.
+    # We use no blocks; registering them is a sixth of the server's start.
     "PREFECT_API_BLOCKS_REGISTER_ON_START": "false",
     # Nor automations; their triggers and actions are a third of what an idle server does.
     "PREFECT_SERVER_SERVICES_TRIGGERS_ENABLED": "false",
@@ -102,7 +101,7 @@ def _start(folder: Path) -> None:
             "that runs"
         ) from error
     os.environ.setdefault("PREFECT_HOME", str(folder))
-    gc.disable()  # a fifth of these seconds: nothing of all that is imported is garbage
+    gc.disable()  # 6 % of this start, 15 % with Python's own thresholds: imports make no garbage
     with log, socket.create_server(("127.0.0.1", 0)) as listener:
         url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
         os.environ["PREFECT_API_URL"] = url
@@ -160,19 +159,17 @@ def _end(server: BaseProcess) -> None:
 
 
 def _serve_apart(parent: int, listener: socket.socket, log: IO[bytes]) -> None:
-    """In a fork of the command: with a session, a log and a name of its own.
+    """In a fork of the command, with a session and a log of its own.
 
-    Whoever ends all processes with the command's words (`pkill -f`) means the command, which
-    reports its end to this server: signals that stop stay blocked until END comes.
+    A signal sent to every process of the command line, as by `pkill -f`, is meant for the command,
+    which reports its end to this server: such signals stay blocked until END comes.
     """
     os.setsid()
     for stop in STOPPING:
         signal.signal(stop, signal.SIG_DFL)
     signal.signal(END, _stop_now)
     if sys.platform == "linux":
-        prctl = ctypes.CDLL(None).prctl
-        prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
-        prctl(_SET_NAME, NAME)
+        ctypes.CDLL(None).prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
     if os.getppid() != parent:  # it died before
         return
     for number in (1, 2):
@@ -216,7 +213,7 @@ def asked_again_when_busy(app: "ASGIApp", clock: Callable[[], float] = monotonic
 
 def serve(listener: socket.socket) -> None:
     """Run the server on a listening socket."""
-    gc.disable()  # a fifth of the start: nothing of all that it makes is garbage
+    gc.disable()  # as in `_start`
     import uvicorn
     from prefect.server.api.server import create_app
 

@@ -9,8 +9,8 @@ from flows.orders import order_queue
 from storage.home import Home
 from storage.stations import file_of
 
-# Of a worker, and of the process of each run. A server that is away for minutes is asked again:
-# 2 s, 4 s … 256 s; so is one that answers 500, as it does while its database is away.
+# For a worker, and for the process of each run. A server that is down for minutes is retried after
+# 2 s, 4 s … 256 s; so is one that answers 500, as it does while its database is down.
 PATIENT = {
     "PREFECT_CLIENT_MAX_RETRIES": "8",
     "PREFECT_CLIENT_RETRY_EXTRA_CODES": "500",

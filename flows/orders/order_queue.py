@@ -26,7 +26,7 @@ from storage.stations import file_of
 from storage.whole_files import writing_in_home
 from tasks.stages.certificate_inputs import check_order, day_of_moment
 
-# What holds of every unit of a model as the station sets it up: an order does not repeat it.
+# Settings of every unit of a model at the station, which an order does not repeat.
 SET_UP = ("rate_range_deg_s", "accel_range_g", "output_rate_hz", "bandwidth_hz")
 
 _started: list["subprocess.Popen[bytes]"] = []  # workers that this process began

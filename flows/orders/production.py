@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from tasks.stages.published import Published
 
 SCHEDULE = "schedule"  # the person of an order that nobody gave
-LOOK_S = 1.0  # between two looks at what keeps an order from beginning
-SECOND = timedelta(seconds=1)  # to which a recording says when it began
+LOOK_S = 1.0  # between two checks of what prevents an order from starting
+SECOND = timedelta(seconds=1)  # resolution of a recording's start time
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import pwd
 import secrets
 import socket
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
@@ -27,8 +27,8 @@ from storage.catalogue.users import users
 from storage.home import Home, home
 from storage.order_key import ORDER_KEY, is_signed, signed
 
-AGE = timedelta(days=7)  # a station may be down over a long holiday's weekend, and not for longer
-AHEAD = timedelta(minutes=5)  # so far the clocks of two computers may differ
+AGE = timedelta(days=7)  # a station may be down over a long weekend
+AHEAD = timedelta(minutes=5)  # largest difference between the clocks of two computers
 FLOWS: Mapping[str, Action] = {  # that act in a person's name, and what the role must allow
     "acquire": "acquire", "produce": "acquire", "certify": "certify", "amend": "certify",
     "check": "check", "issue": "issue", "withdraw": "withdraw",
@@ -36,12 +36,13 @@ FLOWS: Mapping[str, Action] = {  # that act in a person's name, and what the rol
 SUBJECTS = ("certificate", "run", "station")  # the field that says what an order is about
 
 Order = TypeVar("Order", bound=OrderModel)
+Answer = TypeVar("Answer")
 
 
 def sign(flow: str, order: Order) -> Order:
     """The order with a signature for its flow, if it names a person; else as it is.
 
-    Call it only for somebody who is who they say: who is logged in, or sits at this computer.
+    Call it only for an authenticated person: one who is logged in, or works at this computer.
     Raises Unusable where this account may not read the key of the home.
     """
     person = _person(flow, order)
@@ -55,11 +56,14 @@ def sign(flow: str, order: Order) -> Order:
     return order.model_copy(update={"signature": signature})
 
 
-def carry_out_signed(flow: str, order: OrderModel) -> Any:
-    """Carries out an order of somebody who is logged in, in this process, as the flow would."""
-    order = sign(flow, order)
-    with accepted(flow, order):
-        return getattr(run_orders, flow)(order)
+def carry_out_signed(work: Callable[[Order], Answer], order: Order) -> Answer:
+    """Carries out an order of somebody who is logged in, in this process, as the flow would.
+
+    work: a function of `run_orders`.
+    """
+    order = sign(work.__name__, order)
+    with accepted(work.__name__, order):
+        return work(order)
 
 
 @contextmanager

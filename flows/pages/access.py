@@ -1,6 +1,6 @@
 """Identifies the visitor: by session, by HTTP basic authentication, or by a trusted reverse proxy.
 
-A home without users, served on this machine alone, is there to look at for everybody on it.
+A home without users, served on this machine only, is readable by everybody on it.
 """
 
 import hashlib
@@ -48,10 +48,10 @@ def fault() -> str | None:
 
 
 def guard(server: Flask, home: Home) -> Gate:
-    """Lets nobody in without a name; sets up sessions and the tokens against forged requests."""
+    """Requires a name of every visitor; sets up sessions and CSRF tokens."""
     gate, pages = Gate(), settings.pages(home)
     if pages.proxy and pages.proxy.secret_file:
-        secret_files.read(home.path / pages.proxy.secret_file)  # one that is wrong is told now
+        secret_files.read(home.path / pages.proxy.secret_file)  # an invalid one is reported now
     server.config.update(
         SECRET_KEY=_key(home),
         PERMANENT_SESSION_LIFETIME=SESSION,
@@ -69,7 +69,7 @@ def guard(server: Flask, home: Home) -> Gate:
 
     @server.before_request
     def not_forged() -> None:
-        # A browser that knows a password sends it by itself, but no form of another site JSON.
+        # A browser sends a stored password by itself, but a form of another site cannot send JSON.
         if not (g.get("by_password") and request.is_json):
             tokens.protect()
 
@@ -93,7 +93,7 @@ def session_cookie(home: Home) -> str:
 
 def _let_in(gate: Gate, home: Home) -> AnyResponse | None:
     """Sets `g.visitor`; an answer where somebody is turned away."""
-    # By the route, not by the path: a page that no folder has is one of Dash's, not open.
+    # By the route, not by the path: an unknown path is one of Dash's pages, and not public.
     rule = request.url_rule.rule if request.url_rule else ""
     if request.path in OPEN or rule.startswith(OPEN_FOLDERS):
         return None
@@ -130,10 +130,10 @@ def passed(user: User | None, password: str, name: str, gate: Gate, home: Home) 
     address = request.remote_addr or ""
     if gate.check(user, password, name, address) and user is not None:
         return True
-    # What was typed as the name of nobody may be a password, and is not kept.
+    # An unknown user name may be a mistyped password, and is not logged.
     subject = user.name if user else UNKNOWN
     refused(home, "log in", subject, address=address, why="wrong name or password")
-    if gate.is_shut(name, address):
+    if gate.is_locked(name, address):
         refused(home, "further tries to log in", subject, address=address, why="too many failed")
     return False
 
@@ -200,7 +200,7 @@ def _is_open(user: User, home: Home) -> bool:
 def by_password(known: dict[str, User], gate: Gate, home: Home) -> User | None:
     """A script says its name and password with each request (HTTP basic authentication)."""
     given, address = request.authorization, request.remote_addr or ""
-    if given is None or given.username is None or gate.is_shut(given.username, address):
+    if given is None or given.username is None or gate.is_locked(given.username, address):
         return None
     user = known.get(given.username)
     if not passed(user, given.password or "", given.username, gate, home):
@@ -214,7 +214,7 @@ def _visitor(user: User | None) -> Visitor | None:
 
 
 def _mark(user: User) -> str:
-    """Ends sessions when a password changes, and says nothing of it."""
+    """A mark of the password that ends sessions when it changes, and does not reveal it."""
     return hashlib.sha256(user.password.encode()).hexdigest()[:16]
 
 

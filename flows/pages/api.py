@@ -10,12 +10,12 @@ from pydantic.json_schema import models_json_schema
 
 from flows.pages import orders_api
 from flows.pages.json_answers import json_answer, refusal
+from flows.pages.models.line import Released, StopPressed, StopShown
+from flows.pages.models.unanswered import Unanswered
 from flows.pages.numbers import Row, csv_of
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from schemas.base import Frozen, Unusable, first_fault
-from schemas.pages.line import Released, StopPressed, StopShown
-from schemas.pages.unanswered import Unanswered
 from schemas.production import OrderRequest, OrdersQuestion, ProductionOrder, ProductionOrders
 from storage.catalogue.connection import Busy
 from storage.home import Home

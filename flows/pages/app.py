@@ -137,7 +137,7 @@ def login(home: Home, gate: Gate) -> Blueprint:
     def enter() -> Page:
         name, password = request.form.get("name", ""), request.form.get("password", "")
         address, wanted = request.remote_addr or "", request.form.get("next", "")
-        if gate.is_shut(name, address):
+        if gate.is_locked(name, address):
             return _form(message("pages-login.shut"), wanted), 429
         try:
             user = users(home).get(name)

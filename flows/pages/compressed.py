@@ -6,8 +6,8 @@ from functools import lru_cache
 from flask import Flask, Response, request
 
 KINDS = ("text/javascript", "application/javascript", "application/json")
-LEAST = 2_000  # bytes that are worth it
-SCRIPTS = 32  # kept, each as it is and compressed
+LEAST = 2_000  # smallest answer worth compressing, bytes
+SCRIPTS = 32  # compressed scripts kept in memory
 QUICK = 1  # level, for what is compressed anew each time
 
 

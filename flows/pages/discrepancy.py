@@ -8,12 +8,7 @@ from dash.development.base_component import Component
 
 from flows.pages.discrepancy_data import data
 from flows.pages.local_time import second_of
-from flows.pages.page import Page, View
-from flows.pages.parts import Cell, facts, link, table
-from flows.pages.query_controls import asks
-from flows.pages.states import StepState, badge
-from schemas.discrepancy import FoundParameter, Moved, Verdict
-from schemas.pages.discrepancy import (
+from flows.pages.models.discrepancy import (
     Carried,
     DiscrepancyQuestion,
     DiscrepancyShown,
@@ -25,6 +20,11 @@ from schemas.pages.discrepancy import (
     Shown,
     UncertainTime,
 )
+from flows.pages.page import Page, View
+from flows.pages.parts import Cell, facts, link, table
+from flows.pages.query_controls import asks
+from flows.pages.states import StepState, badge
+from schemas.discrepancy import FoundParameter, Moved, Verdict
 from schemas.review import Moment
 from storage.catalogue.lineage import stated_day
 from tasks.explain.report.names import parameter_text
@@ -105,7 +105,7 @@ def _asked(name: str, value: str, view: View) -> str:
 
 
 def _state(verdict: Verdict) -> StepState:
-    """A mismatch is never good, explained or not: a name is a reason to act."""
+    """A mismatch is never good, explained or not: a named cause is a reason to act."""
     words = message(f"pages-mismatch-verdict.{verdict.replace('_', '-')}")
     return StepState(words, "good" if verdict == "no_mismatch" else "bad")
 

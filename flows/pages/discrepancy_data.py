@@ -7,9 +7,7 @@ from typing import Any
 
 import sqlalchemy as sql
 
-from schemas.certificate import LIVE
-from schemas.discrepancy import Moved
-from schemas.pages.discrepancy import (
+from flows.pages.models.discrepancy import (
     Carried,
     DiscrepancyQuestion,
     DiscrepancyShown,
@@ -22,6 +20,8 @@ from schemas.pages.discrepancy import (
     Shown,
     UncertainTime,
 )
+from schemas.certificate import LIVE
+from schemas.discrepancy import Moved
 from schemas.review import ReviewFinding, Touched
 from storage import last_review
 from storage.catalogue import database, tables

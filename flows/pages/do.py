@@ -11,6 +11,7 @@ from dash.development.base_component import Component
 from flows.access_log import LOGGER, plain
 from flows.orders import order_queue
 from flows.pages.local_time import second_of
+from flows.pages.models.do import DoQuestion, DoShown, GivenOrder, WaitingCertificate
 from flows.pages.orders import FIELDS, Orders, tolerance_files
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.parts import table
@@ -18,7 +19,6 @@ from flows.pages.states import Kind, StepState, badge
 from schemas.access import MAY, Action
 from schemas.base import Unusable
 from schemas.certificate import LIVE
-from schemas.pages.do import DoQuestion, DoShown, GivenOrder, WaitingCertificate
 from schemas.production import OPEN, ProductionOrder, ProductionState
 from storage.catalogue import database, orders, tables
 from storage.home import Home

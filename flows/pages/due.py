@@ -8,12 +8,12 @@ from dash.development.base_component import Component
 
 from flows.pages.due_data import data, due_state
 from flows.pages.local_time import minute_of
+from flows.pages.models.due import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue
 from flows.pages.page import Page, View
 from flows.pages.parts import GRID_OPTIONS, locale, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
 from flows.pages.query_controls import asks
 from flows.pages.states import Kind, StepState, badge
-from schemas.pages.due import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue
 from tasks.words import message
 
 HORIZONS = (0, 30, 60, 90, 180, 365)  # days

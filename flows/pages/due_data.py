@@ -7,8 +7,7 @@ from datetime import date, timedelta
 from dateutil.relativedelta import relativedelta
 
 from flows.pages.local_time import today
-from flows.pages.states import StepState
-from schemas.pages.due import (
+from flows.pages.models.due import (
     ClientDue,
     DueQuestion,
     DueShown,
@@ -18,6 +17,7 @@ from schemas.pages.due import (
     StandardDue,
     UnitDue,
 )
+from flows.pages.states import StepState
 from schemas.recall import DueUnit
 from storage.catalogue import equipment, reminders
 from storage.catalogue.reminders import Reminder

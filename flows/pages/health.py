@@ -33,7 +33,7 @@ from storage.station_lock import statuses
 from tasks.version import code_version
 
 LEAST_FREE = 2**30  # bytes: five runs of an hour
-ANSWER_S = 5.0  # by then each part has answered
+ANSWER_S = 5.0  # time allowed for each part to answer
 FORWARDED = ("Forwarded", "X-Forwarded-For", "X-Forwarded-Host", "Via")  # by a proxy
 
 Look = Callable[[Home], str | None]
@@ -194,7 +194,7 @@ class LineMetrics:
         failed = GaugeMetricFamily("mimucal_reminders_failed", "Not sent; the last try failed.")
         failed.add_metric([], counts.reminders_failed)
         yield failed
-        last = GaugeMetricFamily("mimucal_last_run_age_seconds", "Since a run was taken in.")
+        last = GaugeMetricFamily("mimucal_last_run_age_seconds", "Since a run was imported.")
         if counts.last_run_at is not None:
             last.add_metric([], _age(counts.last_run_at))
         yield last

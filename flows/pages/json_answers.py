@@ -2,7 +2,7 @@
 
 from flask import Response
 
-from schemas.pages.unanswered import Unanswered
+from flows.pages.models.unanswered import Unanswered
 
 
 def refusal(status: int, sentence: str) -> Response:

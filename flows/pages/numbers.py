@@ -13,8 +13,8 @@ from schemas.base import Frozen
 
 Row = Mapping[str, Any]
 Numbers = Mapping[str, Callable[[Any], Sequence[Row]]]  # rows of an answer, by the name of the part
-BOM = "\ufeff"  # without it, spreadsheets take UTF-8 for something else
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # as what a spreadsheet computes a cell that begins so
+BOM = "\ufeff"  # without it, spreadsheets do not recognise UTF-8
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # characters with which a spreadsheet formula begins
 
 
 def rows_of(shown: Sequence[Frozen], **same: Any) -> list[Row]:

@@ -13,15 +13,16 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from flows import run_orders
 from flows.access_log import UNKNOWN, refused
 from flows.orders import order_queue
 from flows.orders.order_files import client_order_named, request_of
 from flows.orders.signed_orders import carry_out_signed
+from flows.pages.models.do import GivenOrder, OrderState
 from schemas.access import MAY, Action, Visitor
 from schemas.base import Unusable
 from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder
 from schemas.orders import ReprocessOrder, order_of
-from schemas.pages.do import GivenOrder, OrderState
 from storage import settings
 from storage.catalogue import certificates, database, trail
 from storage.catalogue.run_index import find
@@ -96,16 +97,16 @@ class Orders:
 
     def _check(self, fields: Fields, person: str) -> str:
         order = order_of(CheckOrder, home=str(self._home.path), by=person, **fields)
-        return str(carry_out_signed("check", order).certificate.number)
+        return carry_out_signed(run_orders.check, order).certificate.number
 
     def _issue(self, fields: Fields, person: str) -> str:
         order = order_of(IssueOrder, home=str(self._home.path), by=person, **fields)
-        return str(carry_out_signed("issue", order).certificate.number)
+        return carry_out_signed(run_orders.issue, order).certificate.number
 
     def _withdraw(self, fields: Fields, person: str) -> str:
         given = {"why": fields.get("reason", "")} | {"certificate": fields.get("certificate", "")}
         order = order_of(WithdrawOrder, home=str(self._home.path), by=person, **given)
-        return str(carry_out_signed("withdraw", order).certificate.number)
+        return carry_out_signed(run_orders.withdraw, order).certificate.number
 
     def _certify(self, fields: Fields, person: str) -> str:
         """A run of the store, and no recording that lies elsewhere."""

@@ -12,11 +12,12 @@ from schemas.access import User
 
 HASHER = PasswordHasher()
 LONGEST = 100  # characters of a user's name
-# Tries that fail. One account from one address is shut soon; an account, and an address from which
-# many people come (a proxy, a laboratory behind one router), only by far more than they mistype.
-OF_BOTH = (parse("5/minute"), parse("30/hour"))
-OF_ACCOUNT = (parse("20/minute"), parse("100/hour"))
-OF_ADDRESS = (parse("60/minute"), parse("600/hour"))
+# Failed attempts. One account from one address is locked soon; an account from any address, and an
+# address of many people (a proxy, a laboratory behind one router), only after far more than
+# ordinary typing errors.
+PER_ACCOUNT_AND_ADDRESS = (parse("5/minute"), parse("30/hour"))
+PER_ACCOUNT = (parse("20/minute"), parse("100/hour"))
+PER_ADDRESS = (parse("60/minute"), parse("600/hour"))
 
 
 def hashed(password: str) -> str:
@@ -24,27 +25,27 @@ def hashed(password: str) -> str:
     return HASHER.hash(password)
 
 
-NOBODY = hashed("")  # an unknown name takes as long as a known one
+DUMMY_HASH = hashed("")  # so that an unknown name takes as long as a known one
 
 
 class Gate:
-    """Whether somebody is who they say, with a limit on the tries that fail.
-
-    The tries are counted in the memory of the process that serves the pages. An account that does
-    not exist is shut like any other.
+    """Checks a user's password, with a limit on failed attempts. Attempts are counted in the memory
+    of the process that serves the pages. An account that does not exist is locked like any other.
     """
 
     def __init__(self) -> None:
         self._failed = MovingWindowRateLimiter(MemoryStorage())
 
-    def is_shut(self, name: str, address: str) -> bool:
+    def is_locked(self, name: str, address: str) -> bool:
         """Whether so many tries failed that no further one is looked at."""
         return not all(self._failed.test(limit, *keys) for limit, keys in _limits(name, address))
 
     def check(self, user: User | None, password: str, name: str, address: str) -> bool:
         """Whether a password is the user's; a try that fails is counted."""
         try:
-            right = HASHER.verify(user.password if user else NOBODY, password) and user is not None
+            right = (
+                HASHER.verify(user.password if user else DUMMY_HASH, password) and user is not None
+            )
         except (Argon2Error, InvalidHashError):
             right = False
         if not right:
@@ -57,9 +58,9 @@ def _limits(name: str, address: str) -> Iterator[tuple[RateLimitItem, tuple[str,
     """Each limit, and what it counts for. The beginning of a name is enough of it."""
     account = name[:LONGEST]
     for limits, keys in (
-        (OF_BOTH, ("both", account, address)),
-        (OF_ACCOUNT, ("account", account)),
-        (OF_ADDRESS, ("address", address)),
+        (PER_ACCOUNT_AND_ADDRESS, ("both", account, address)),
+        (PER_ACCOUNT, ("account", account)),
+        (PER_ADDRESS, ("address", address)),
     ):
         for limit in limits:
             yield limit, keys

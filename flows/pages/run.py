@@ -9,6 +9,14 @@ from dash.development.base_component import Component
 
 from flows.pages import budget, signals
 from flows.pages.local_time import day_of
+from flows.pages.models.run import (
+    BudgetQuestion,
+    ElementShown,
+    LimitShown,
+    RunQuestion,
+    RunShown,
+    SegmentShown,
+)
 from flows.pages.page import Page, View, parameters, view_of_request
 from flows.pages.parts import facts, link, table
 from flows.pages.run_data import data
@@ -21,20 +29,12 @@ from flows.pages.states import (
     validity_state,
     verdict_state,
 )
-from schemas.pages.run import (
-    BudgetQuestion,
-    ElementShown,
-    LimitShown,
-    RunQuestion,
-    RunShown,
-    SegmentShown,
-)
 from schemas.text import Remark, Statement
 from storage.home import Home
 from tasks.words import message
 from tasks.words.quantities import power_of_ten, unit_text
 
-OF_FEW = 3  # segments; a remark that names more of them stands once, above the table
+MAX_INLINE_SEGMENTS = 3  # segments; a remark that names more of them stands once, above the table
 TABS = ("items", "segments", "signals", "certificate", "log", "lineage")
 
 
@@ -79,7 +79,7 @@ def _facts(shown: RunShown, view: View) -> Component:
             (message("pages-column-id"), run.id),
             (message("pages-line-unit"), link(unit, "/unit", id=str(run.unit))),
             (message("pages-column-station"), run.station),
-            (message("pages-column-recorded-on"), str(run.recorded_on or day_of(run.taken_in_at))),
+            (message("pages-column-recorded-on"), str(run.recorded_on or day_of(run.imported_at))),
             (message("pages-column-validity"), badge(validity_state(run.validity), view)),
             (message("pages-column-result-state"), badge(result_state(run), view)),
             (message("pages-column-verdict"), badge(verdict_state(run), view)),
@@ -143,7 +143,7 @@ def _segments(shown: RunShown, view: View) -> Component:
     names = ("name", "kind", "since", "until", "rate", "rows", "checks")
     headings = [message(f"pages-segments-column.{name}") for name in names]
     every = {remark.code: remark for each in shown.segments for remark in each.remarks}
-    of_many = [each for each in every.values() if len(each.segments) > OF_FEW]
+    of_many = [each for each in every.values() if len(each.segments) > MAX_INLINE_SEGMENTS]
     rows = [_segment(each, view) for each in shown.segments]
     return dmc.Stack([*_reasons(of_many, view), table(headings, rows, view)])
 
@@ -157,7 +157,7 @@ def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
     checks = [
         dmc.Text(getattr(remark, view.language), size="sm")
         for remark in segment.remarks
-        if len(remark.segments) <= OF_FEW
+        if len(remark.segments) <= MAX_INLINE_SEGMENTS
     ]
     return (
         segment.name,

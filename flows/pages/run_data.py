@@ -6,11 +6,7 @@ from functools import partial
 import sqlalchemy as sql
 from pydantic import TypeAdapter, ValidationError
 
-from flows.pages.specification_order import place
-from schemas.base import Unusable
-from schemas.calibration import Calibration, SegmentUsed
-from schemas.decision import LimitDecision
-from schemas.pages.run import (
+from flows.pages.models.run import (
     CertificateShown,
     ElementShown,
     LimitShown,
@@ -20,14 +16,17 @@ from schemas.pages.run import (
     SegmentShown,
     StandardUsed,
 )
-from schemas.pages.runs import Condition
+from flows.pages.specification_order import place
+from schemas.base import Unusable
+from schemas.calibration import Calibration, SegmentUsed
+from schemas.decision import LimitDecision
 from schemas.recording import Manifest, Segment
 from schemas.run_log import LogEntry
 from schemas.text import Statement
 from storage.catalogue import certificates, database, results, runs, tables
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.run_index import find
-from storage.catalogue.run_states import run_list
+from storage.catalogue.run_states import Condition, run_list
 from storage.home import Home
 from tasks.conformity.limits import limits_text
 from tasks.specifications.items import item_title, symbol

@@ -9,6 +9,11 @@ import dash_mantine_components as dmc
 from dash import Dash, Input, Output
 from dash.development.base_component import Component
 
+from flows.pages.models.runs import (
+    AT_ONCE,
+    RunsQuestion,
+    RunsShown,
+)
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.parts import GRID_OPTIONS, locale
 from flows.pages.states import (
@@ -21,17 +26,8 @@ from flows.pages.states import (
 from schemas.base import Unusable
 from schemas.certificate import State
 from schemas.decision import Verdict
-from schemas.pages.runs import (
-    AT_ONCE,
-    Comparison,
-    Condition,
-    ResultState,
-    RunLine,
-    RunsQuestion,
-    RunsShown,
-)
 from schemas.text import RunVerdict
-from storage.catalogue.run_states import run_list
+from storage.catalogue.run_states import Comparison, Condition, ResultState, RunLine, run_list
 from storage.home import Home
 from tasks.words import Sayable, message
 

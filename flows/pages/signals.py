@@ -7,10 +7,10 @@ import dash_mantine_components as dmc
 from dash import Dash, Input, Output, State, dcc, no_update
 from dash.development.base_component import Component
 
+from flows.pages.models.run import SignalsQuestion, SignalsShown
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.pictures import GRAPH, figure
 from schemas.base import Unusable
-from schemas.pages.run import SignalsQuestion, SignalsShown
 from schemas.recording import Recording, Stream
 from storage.catalogue import runs
 from storage.catalogue.run_index import Run, find
@@ -62,7 +62,7 @@ def _numbers(values: Any) -> tuple[float | None, ...]:
 
 @lru_cache(maxsize=KEPT)
 def _recording(run: Run, home: Home) -> Recording:
-    """Raw recordings never change, so that one in memory is as good as the file."""
+    """Raw recordings never change, so a cached one equals the file."""
     return runs.load(run, home)
 
 

@@ -12,7 +12,7 @@ from dash.development.base_component import Component
 from flows.pages.page import View
 from schemas.certificate import LIVE
 from schemas.decision import LimitDecision
-from schemas.pages.runs import RunLine
+from storage.catalogue.run_states import RunLine
 from tasks.conformity.limits import verdict_title
 from tasks.words import Sayable, message
 

@@ -8,6 +8,13 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.due_data import due_state
+from flows.pages.models.unit import (
+    AsMeasured,
+    ElementHistory,
+    Reading,
+    UnitQuestion,
+    UnitShown,
+)
 from flows.pages.page import Page, View
 from flows.pages.parts import GRID_OPTIONS, facts, link, locale, table
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
@@ -15,16 +22,9 @@ from flows.pages.query_controls import asks
 from flows.pages.run_lineage import certificate_table
 from flows.pages.states import StepState, badge
 from flows.pages.unit_data import data
-from schemas.pages.unit import (
-    AsMeasured,
-    DriftShown,
-    ElementHistory,
-    Reading,
-    UnitLine,
-    UnitQuestion,
-    UnitShown,
-)
+from storage.catalogue.units import UnitLine
 from tasks.conformity.limits import interval_text
+from tasks.quality.charts import DriftRate
 from tasks.words import message
 from tasks.words.quantities import quantity, unit_text
 from tasks.words.rounding import exact
@@ -180,7 +180,7 @@ def _limits(of: ElementHistory) -> str | None:
     return interval_text(lower, upper) + unit
 
 
-def _drift_state(found: DriftShown | None) -> StepState:
+def _drift_state(found: DriftRate | None) -> StepState:
     if found is None:
         return StepState(message("pages-unit-drifts.open"), "none")
     drifts = abs(found.per_year) > found.U

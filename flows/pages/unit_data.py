@@ -9,25 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from flows.pages.run_data import certificate_shown
-from flows.pages.specification_order import place
-from schemas.base import Unusable
-from schemas.pages.unit import (
+from flows.pages.models.unit import (
     LISTED,
     AdjustmentShown,
     AsMeasured,
-    DriftShown,
     ElementHistory,
     Reading,
-    UnitLine,
     UnitQuestion,
     UnitShown,
 )
+from flows.pages.run_data import certificate_shown
+from flows.pages.specification_order import place
+from schemas.base import Unusable
 from storage import settings
 from storage.catalogue import certificates, units
 from storage.catalogue.certificates import AS_LEFT, Entry
+from storage.catalogue.units import UnitLine
 from storage.home import Home
-from tasks.quality.charts import drift
+from tasks.quality.charts import DriftRate, drift
 from tasks.specifications.items import ITEMS, item_title, symbol
 from tasks.stages.remind import advice_by, sentence
 from tasks.words import statement
@@ -128,7 +127,7 @@ def _reading(run: tuple[Any, ...], numbers: tuple[Any, ...]) -> Reading:
     )  # fmt: skip
 
 
-def _drift(readings: list[Reading], u: Mapping[str, float | None]) -> DriftShown | None:
+def _drift(readings: list[Reading], u: Mapping[str, float | None]) -> DriftRate | None:
     years = [_years(each.day) for each in readings]
     values = [_number(each.value) for each in readings]
     adjustments = np.cumsum([each.state == "left" for each in readings], dtype=int)

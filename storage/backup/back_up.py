@@ -17,9 +17,10 @@ from storage.catalogue import database
 from storage.catalogue.dump import snapshot
 from storage.home import Home
 
-ATTEMPTS = 3  # when what the catalogue named was deleted before it was copied
+ATTEMPTS = 3  # if something in the catalogue was deleted before it was copied
 RAW, CERTIFICATES = "raw", "certificates"
-# Made again from raw, of a run that goes on, of this machine alone, or kept in another way.
+# Reproducible from raw, belonging to a run in progress or to this machine only, or kept in another
+# way.
 LEFT_OUT = {
     RAW, CERTIFICATES, "columns", "acquiring", "locks", "status", "prefect", "upgrade",
     "upgrade-left",
@@ -81,7 +82,7 @@ def _taken(home: Home, objects: Objects, version: str, progress: Progress) -> Ba
 
 
 def _column(connection: sql.Connection, table: str, column: str) -> list[str]:
-    """Of a table of whatever revision; older ones lack columns."""
+    """A column of a table of any revision; older ones lack some."""
     names = {each["name"] for each in sql.inspect(connection).get_columns(table)}
     if column not in names:
         return []

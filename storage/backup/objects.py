@@ -18,7 +18,7 @@ from schemas.base import Unusable, first_fault
 from storage.whole_files import drafted, to_disk
 
 PART = 2**20  # bytes at a time
-PRIVATE_FOLDER, PRIVATE_FILE = 0o700, 0o400  # keys and users' passwords are among it
+PRIVATE_FOLDER, PRIVATE_FILE = 0o700, 0o400  # it contains keys and password hashes
 NAME = "%Y%m%dT%H%M%S.%fZ"
 
 Write = Callable[[Path], None]
@@ -32,8 +32,8 @@ class Objects:
 
     @contextmanager
     def writing(self) -> Iterator[None]:
-        """One writer at a time; what an earlier one left half is removed. Unusable for a folder
-        that cannot be written.
+        """One writer at a time; incomplete files of an earlier one are removed. Unusable for a
+        folder that cannot be written.
         """
         try:
             self._folder.mkdir(mode=PRIVATE_FOLDER, parents=True, exist_ok=True)

@@ -29,9 +29,9 @@ def restore(
     """Puts a backup, else the newest of a folder, into an empty home; gives its name and manifest.
 
     Every content is read and checked before anything is written, and the catalogue is compared with
-    what was kept before it counts. One that was broken off is gone on with by the same call; until
-    then no command takes the home for whole. Raises Unusable for a home, database or store that
-    holds anything, and for a backup of a newer program.
+    what was kept before it counts. The same call continues an interrupted restore; until it is
+    complete, no command accepts the home. Raises Unusable for a home, database or store that holds
+    anything, and for a backup of a newer program or of before the first release.
     """
     objects = Objects(folder)
     manifest = objects.manifest(name)
@@ -41,6 +41,7 @@ def restore(
             f"The backup {name} has revision {manifest.revision}, which this program (revision "
             f"{database.HEAD}) does not know; update mimucal."
         )
+    database.check_known(manifest.revision, f"The backup {name}")
     _check_empty(home, name)
     wanted = {each.object for each in manifest.tables} | {each.object for each in manifest.files}
     steps = len(wanted) + len(manifest.files)

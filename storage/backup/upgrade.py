@@ -38,6 +38,7 @@ def is_needed(home: Home) -> bool:
         return False
     with dump.snapshot(home) as connection:
         revision = None if connection is None else database.revision_of(connection)
+    database.check_known(revision, f"The catalogue {name_of(home)}")
     if revision is None or revision < database.HEAD:
         return revision is not None
     database.check_revision(made, revision)

@@ -130,7 +130,7 @@ def explained(made: sql.Engine) -> Iterator[None]:
         yield
     except sql.exc.DatabaseError as error:
         if type(error) not in (sql.exc.OperationalError, sql.exc.DatabaseError):
-            raise  # a fault of the program, not of the place
+            raise  # an error of the program, not of the database
         reason = str(error.orig).splitlines()[0].rstrip(".")
         raise (Busy if _may_pass(error) else Unusable)(
             f"The catalogue {shown(repr(made.url))} cannot be used ({reason}); see that it can be "
@@ -140,7 +140,7 @@ def explained(made: sql.Engine) -> Iterator[None]:
 
 
 def _may_pass(error: sql.exc.DatabaseError) -> bool:
-    """Whether waiting helps: a lock in SQLite, any trouble of operation in PostgreSQL."""
+    """Whether the error is transient: a lock in SQLite, any operational error in PostgreSQL."""
     if isinstance(error.orig, sqlite3.Error):
         return _is_locked(error.orig)
     return isinstance(error, sql.exc.OperationalError)

@@ -1,7 +1,7 @@
 """The catalogue of units, runs, results and certificates (SQLite or PostgreSQL).
 
-Results and certificates are only added. Whoever writes and first reads does so in `changing`,
-which lets one writer at a time at what it locks.
+Results and certificates are only added. A transaction that reads before it writes uses `changing`,
+which admits one writer at a time to what it locks.
 """
 
 import os
@@ -23,9 +23,10 @@ from storage.catalogue.tables import results, units
 from storage.home import RESTORING, Home
 from storage.whole_files import make_folder
 
-HEAD = "0013"  # the newest revision in storage/catalogue/migrations/versions
+FIRST = "0013"  # the oldest revision in storage/catalogue/migrations/versions
+HEAD = "0014"  # the newest
 BUSY_S = 60  # how long a writer waits for another one
-MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
+MIGRATION_LOCK = 0x6D696D75  # an arbitrary number, the same in every mimucal
 
 Model = TypeVar("Model", bound=Frozen)
 
@@ -101,7 +102,7 @@ def _check_whole(home: Home) -> None:
 
 
 def _is_lost(file: Path, home: Home) -> bool:
-    """Whether a catalogue is empty although the home holds recordings; a new one fills at once."""
+    """Whether a catalogue is empty although there are recordings; a new one is filled at once."""
     for pause in (0.0, 0.5):
         time.sleep(pause)
         if file.stat().st_size:
@@ -192,9 +193,8 @@ def _make_folder(home: Home) -> None:
 
 
 def _make_file(file: Path) -> None:
-    """A catalogue holds hashes of passwords: a new one is not for everybody, nor are its logs.
-
-    Whatever refuses here refuses SQLite, too, which says it better.
+    """A catalogue contains password hashes: a new one is not world-readable, nor are its logs.
+    SQLite would fail on the same errors, with a better message.
     """
     with suppress(OSError):
         rights = 0o600 | 0o060 & file.parent.stat().st_mode
@@ -217,6 +217,7 @@ def check_revision(made: sql.Engine, revision: str | None) -> None:
             f"The catalogue {where} has revision {revision}, which this program (revision {HEAD}) "
             "does not know; update mimucal."
         )
+    check_known(revision, where)
     if revision != HEAD and is_read_only:
         raise Unusable(
             f"{where} has revision {revision}, this program needs {HEAD}, and it cannot be "
@@ -226,6 +227,15 @@ def check_revision(made: sql.Engine, revision: str | None) -> None:
         raise Unusable(
             f"The catalogue {where} has revision {revision}, this program needs {HEAD}: run "
             "`mimucal upgrade`, or go on with the version of mimucal that made it."
+        )
+
+
+def check_known(revision: str | None, where: str) -> None:
+    """Raises Unusable for a revision of before FIRST."""
+    if revision is not None and revision < FIRST:
+        raise Unusable(
+            f"{where} has revision {revision}, of a development version before release 0.2.0: "
+            f"upgrade it to {FIRST} by the last of these, of 28 November 2026, first."
         )
 
 

@@ -62,9 +62,9 @@ def explained_runs(home: Home) -> list[dict[str, Any]]:
     """
     answers = sql.select(
         RUN.id.label("run"), RUN.station, UNIT.model, UNIT.serial, RUN.recorded_on,
-        RUN.taken_in_at, ANSWER.at, ANSWER.verdict,
+        RUN.imported_at, ANSWER.at, ANSWER.verdict,
     ).select_from(tables.explained.join(tables.runs).join(tables.units))  # fmt: skip
-    rows = database.rows(home, answers.order_by(RUN.recorded_on, RUN.taken_in_at, RUN.id))
+    rows = database.rows(home, answers.order_by(RUN.recorded_on, RUN.imported_at, RUN.id))
     runs = {row.run: dict(row._mapping) | {"findings": []} for row in rows}
     asked = sql.select(FOUND.run, FOUND.effect, FOUND.share, FOUND.document)
     for row in database.rows(home, asked.order_by(FOUND.run, FOUND.number)):
@@ -85,7 +85,7 @@ def _row(finding: ReportedFinding) -> dict[str, Any]:
 
 
 def _moved(finding: ReportedFinding) -> tuple[Moved, ...]:
-    """What it moves, most of all first."""
+    """The elements that it changes, the largest change first."""
     moved = [
         Moved(item=each.item, element=each.element, in_U=each.in_U)
         for each in finding.consequences

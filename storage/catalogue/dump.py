@@ -99,7 +99,7 @@ def point(connection: sql.Connection, table: sql.Table, rows: Sequence[dict[str,
 
 
 def count_on(connection: sql.Connection, tables: Sequence[sql.Table]) -> None:
-    """Lets PostgreSQL's counters of keys go on behind the rows that were added."""
+    """Advances PostgreSQL's key sequences past the rows that were added."""
     if connection.dialect.name != "postgresql":
         return
     for table in tables:
@@ -111,7 +111,7 @@ def count_on(connection: sql.Connection, tables: Sequence[sql.Table]) -> None:
 
 
 def drop(connection: sql.Connection) -> None:
-    """Removes all tables of the catalogue, with what refuses changes of the trail."""
+    """Removes all tables of the catalogue, and the triggers that protect the trail."""
     found = tables_of(connection)
     if connection.dialect.name == "postgresql":
         for function in connection.scalars(sql.text(TRIGGERED), {"names": [t.name for t in found]}):

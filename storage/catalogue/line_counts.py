@@ -1,4 +1,4 @@
-"""How much of what the catalogue holds: for what watches the line, in a few short questions."""
+"""Counts of what the catalogue holds, for monitoring, by a few short queries."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -15,7 +15,7 @@ Counted = dict[tuple[str, ...], int]
 class LineCounts:
     """Runs by the verdict on the run, certificates by state, orders that wait by station.
 
-    reminders_failed: those whose last try failed. last_run_at: when the newest was taken in.
+    reminders_failed: those whose last try failed. last_run_at: when the newest was imported.
     """
 
     runs: Counted
@@ -35,7 +35,7 @@ def line_counts(home: Home) -> LineCounts:
     failed = sql.select(sql.func.count()).where(
         reminder.sent_at.is_(None), reminder.fault.isnot(None)
     )
-    last = database.rows(home, sql.select(sql.func.max(tables.runs.c.taken_in_at)))
+    last = database.rows(home, sql.select(sql.func.max(tables.runs.c.imported_at)))
     return LineCounts(
         runs=_counted(home, newest.where(database.newest_results()).group_by(outcome.verdict)),
         certificates=_counted(

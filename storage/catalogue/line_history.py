@@ -21,7 +21,7 @@ Rows = list[tuple[Any, ...]]  # in the order of the fields that are named
 
 
 def ended(home: Home) -> Rows:
-    """Every run in the order of import: id, unit, model, serial, station, recorded_on, taken_in_at
+    """Every run in the order of import: id, unit, model, serial, station, recorded_on, imported_at
     (where nothing says when it was recorded), validity (null: no result), missing, verdict (null:
     no certificate) and purpose.
     """
@@ -34,11 +34,11 @@ def ended(home: Home) -> Rows:
     )
     asked = sql.select(
         RUN.id, RUN.unit, UNIT.model, UNIT.serial, RUN.station, RUN.recorded_on,
-        sql.case((RUN.recorded_on.is_(None), RUN.taken_in_at)).label("taken_in_at"),
+        sql.case((RUN.recorded_on.is_(None), RUN.imported_at)).label("imported_at"),
         MADE.verdict.label("validity"), MADE.missing,
         PAPER.verdict, PAPER.purpose,
     ).select_from(joined)  # fmt: skip
-    return _plain(home, asked.order_by(RUN.taken_in_at, RUN.id))
+    return _plain(home, asked.order_by(RUN.imported_at, RUN.id))
 
 
 def values(model: str, item: str, element: str, home: Home) -> Rows:

@@ -96,7 +96,7 @@ def waiting(home: Home, station: str | None = None) -> list[ProductionOrder]:
 
 
 def claim(number: str, home: Home) -> ProductionOrder | None:
-    """Take an order that waits, for this process; None where it waits no more.
+    """Take a waiting order for this process; None if it is no longer waiting.
 
     Of all who claim an order one gets it: the database changes its state once.
     """
@@ -144,7 +144,7 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
 
 
 def retry(number: str, person: str, home: Home) -> ProductionOrder:
-    """Have an order wait again that failed or was cancelled; Unusable for any other."""
+    """Put an order that failed or was cancelled back into the queue; Unusable for any other."""
     changed = sql.update(tables.orders).where(
         ORDER.number == number, ORDER.state.in_(("failed", "cancelled"))
     )
@@ -160,7 +160,7 @@ def retry(number: str, person: str, home: Home) -> ProductionOrder:
 
 
 def put_back(station: str, home: Home) -> list[ProductionOrder]:
-    """Have orders of a station wait again whose process died; those orders.
+    """Put orders of a station whose process died back into the queue; returns them.
 
     For whoever holds the station's lock of orders: every order that runs is then one whose process
     is dead.
@@ -196,9 +196,9 @@ def stored_since(order: ProductionOrder, home: Home) -> tuple[str, ...]:
         asked = (
             sql.select(run.id)
             .join_from(tables.runs, tables.units)
-            .where(run.station == order.station, run.taken_in_at >= order.began_at)
+            .where(run.station == order.station, run.imported_at >= order.began_at)
             .where(sql.tuple_(unit.manufacturer, unit.model, unit.serial) == sql.tuple_(*named))
-            .order_by(run.taken_in_at.desc())
+            .order_by(run.imported_at.desc())
         )
         found += [row.id for row in database.rows(home, asked.limit(1))]
     return tuple(found) if len(found) == len(order.units) else ()

@@ -27,7 +27,7 @@ class Run(Frozen):
     model: str
     serial: str
     standard: str
-    taken_in_at: datetime
+    imported_at: datetime
     seconds: float
     rows: int
     station: str | None = None
@@ -73,4 +73,4 @@ def all_runs(home: Home) -> list[Run]:
 
 def runs_where(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:
     """The runs that meet a condition on `runs` and `units`, in the order of import."""
-    return database.with_units(home, Run, tables.runs, which, tables.runs.c.taken_in_at)
+    return database.with_units(home, Run, tables.runs, which, tables.runs.c.imported_at)

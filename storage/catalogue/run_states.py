@@ -8,21 +8,79 @@ or none to a run.
 
 from collections.abc import Collection, Sequence
 from datetime import date, datetime, time, timedelta
-from typing import Any
+from typing import Any, Literal
 
 import sqlalchemy as sql
 from sqlalchemy.sql import visitors
 
-from schemas.base import Unusable
-from schemas.pages.runs import Condition, RunLine
+from schemas.base import Finite, Frozen, Unusable
+from schemas.certificate import State
+from schemas.decision import Verdict
+from schemas.text import RunVerdict
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_results, complete_runs
 from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
 
+ResultState = Literal["whole", "partial", "missing", "failed"]
+Comparison = Literal[
+    "contains", "not_contains", "begins", "ends", "equals", "not_equals", "blank", "not_blank",
+    "less", "less_or_equal", "greater", "greater_or_equal", "between", "among",
+]  # fmt: skip
+
 RUN, UNIT, PAPER = tables.runs.c, tables.units.c, tables.certificates.c
 MADE = tables.outcomes.c
 DAY = timedelta(days=1)
+
+
+class Condition(Frozen):
+    """What a column must meet. `to`: the end of `between`; values: those of `among`.
+
+    any_of, all_of: other conditions on the column, of which one or all must be met in its place.
+    """
+
+    column: str
+    kind: Comparison = "equals"
+    value: date | Finite | str | None = None
+    to: date | Finite | None = None
+    values: tuple[str | None, ...] = ()
+    any_of: tuple["Condition", ...] = ()
+    all_of: tuple["Condition", ...] = ()
+
+
+class RunLine(Frozen):
+    """A run with the state of its steps; null: that step was not taken.
+
+    unit: the unit's number in the catalogue. result, method, made_at: the result made last;
+    validity: its verdict on the run; missing: how many elements it could not determine. fault: why
+    the last re-processing failed. result_state: partial where elements are missing, failed where
+    there is a fault. certificate (a draft's key before its issue), state, verdict,
+    due: of the certificate kept last.
+    """
+
+    id: str
+    recording_id: str
+    unit: int
+    manufacturer: str
+    model: str
+    serial: str
+    station: str | None
+    procedure: str | None
+    standard: str
+    recorded_on: date | None
+    imported_at: datetime
+    seconds: float
+    result: str | None
+    method: str | None
+    made_at: datetime | None
+    validity: RunVerdict | None
+    missing: int | None
+    fault: str | None
+    result_state: ResultState
+    certificate: str | None
+    state: State | None
+    verdict: Verdict | None
+    due: date | None
 
 
 def _last(table: sql.Table, column: str, moment: str, **having: str) -> sql.ScalarSelect[Any]:
@@ -38,7 +96,7 @@ LAST_CERTIFICATE = _last(tables.certificates, "number", "kept_at")
 FAULT = _last(tables.reprocessed, "fault", "done_at")
 COLUMNS: dict[str, sql.ColumnElement[Any]] = {
     **{name: RUN[name] for name in ("id", "recording_id", "station", "procedure", "standard")},
-    **{name: RUN[name] for name in ("recorded_on", "taken_in_at", "seconds")},
+    **{name: RUN[name] for name in ("recorded_on", "imported_at", "seconds")},
     "unit": UNIT.id,
     **{name: UNIT[name] for name in ("manufacturer", "model", "serial")},
     **{name: MADE[name] for name in ("result", "method", "made_at", "missing")},
@@ -70,7 +128,7 @@ def run_list(
 ) -> tuple[int, list[RunLine]]:
     """How many runs meet all conditions, and `count` of them after the first `start`.
 
-    order: columns and whether each is descending; then the run that was taken in last comes first.
+    order: columns and whether each is descending; then the run that was imported last comes first.
     Raises Unusable for a column that the list does not have.
     """
     total, found = _run_list(tuple(conditions), tuple(order), start, count, home)
@@ -92,7 +150,7 @@ def _run_list(
     of = sql.select(sql.func.count()).select_from(_joined(named)).where(met)
     counted = database.rows(home, of)
     sorting = [_column(name).desc() if down else _column(name) for name, down in order]
-    newest = (*sorting, RUN.taken_in_at.desc(), RUN.id)
+    newest = (*sorting, RUN.imported_at.desc(), RUN.id)
     chosen = sql.select(RUN.id).select_from(_joined(named)).where(met).order_by(*newest)
     rows = (
         sql.select(*(column.label(name) for name, column in COLUMNS.items()))

@@ -103,7 +103,7 @@ def load_raw(run: Run, home: Home) -> Recording:
         recording = read_mcap(path)
     if recording.digest != run.digest:
         raise Unusable(
-            f"The raw recording {blobs.where(name)} is not what was taken in (digest "
+            f"The raw recording {blobs.where(name)} is not what was imported (digest "
             f"{recording.digest[:ID_DIGITS]}); move it away and import {run.recording_id} again "
             "from its source."
         )
@@ -147,7 +147,7 @@ def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
         recording_id=manifest.recording_id,
         unit=unit_id(connection, manifest.unit),
         standard=manifest.standard,
-        taken_in_at=datetime.now(UTC),
+        imported_at=datetime.now(UTC),
         seconds=float(t[-1] - t[0]),
         rows=len(t),
         **lineage.provenance(manifest),

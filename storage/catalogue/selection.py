@@ -14,7 +14,7 @@ from storage.catalogue.lineage import named_by
 from storage.catalogue.run_index import Run, runs_where
 from storage.home import Home
 
-MOST_SHOWN = 8  # of what could have been meant
+MAX_SUGGESTIONS = 8  # of what could have been meant
 
 
 def select(selection: Selection, home: Home) -> list[Run]:
@@ -47,7 +47,7 @@ def _values(columns: Sequence[sql.ColumnElement[str | None]], home: Home) -> str
         for (value,) in database.rows(home, sql.select(column).select_from(joined).distinct())
         if value
     }
-    shown = sorted(found)[:MOST_SHOWN]
+    shown = sorted(found)[:MAX_SUGGESTIONS]
     if not shown:
         return "`mimucal runs` lists what is there"
     return "known are " + ", ".join(shown) + (", …" if len(found) > len(shown) else "")
@@ -66,10 +66,10 @@ def _conditions(selection: Selection) -> list[sql.ColumnElement[bool]]:
         found.append(sql.or_(runs.procedure == named, runs.standard == named))
     if selection.since is not None:
         begins = datetime.combine(selection.since, time(), UTC)
-        found.append(_recorded(runs.recorded_on >= selection.since, runs.taken_in_at >= begins))
+        found.append(_recorded(runs.recorded_on >= selection.since, runs.imported_at >= begins))
     if selection.until is not None:
         ends = datetime.combine(selection.until + timedelta(days=1), time(), UTC)
-        found.append(_recorded(runs.recorded_on <= selection.until, runs.taken_in_at < ends))
+        found.append(_recorded(runs.recorded_on <= selection.until, runs.imported_at < ends))
     if selection.equipment is not None:
         found.append(_used(selection.equipment))
     if selection.code_version is not None:
@@ -170,7 +170,7 @@ def _results(home: Home) -> list[AffectedResult]:
 def _known(home: Home) -> str:
     """What could have been meant."""
     used = tables.equipment.c
-    rows = database.rows(home, sql.select(used.name, used.serial).distinct().limit(MOST_SHOWN))
+    rows = database.rows(home, sql.select(used.name, used.serial).distinct().limit(MAX_SUGGESTIONS))
     if not rows:
         return "no run or certificate there names a measurement standard"
     return "known are " + ", ".join(f"{row.name} ({row.serial})" for row in rows)

@@ -10,7 +10,7 @@ from storage.home import Home
 
 
 def take(signature: Signature, flow: str, subject: str, flow_run: str | None, home: Home) -> bool:
-    """Takes a signature, with an entry in the trail; whether it was still to be had.
+    """Uses a signature, with an entry in the trail; returns whether it was still unused.
 
     flow_run: the same flow run may take it again while it has not come to an end, as when Prefect
     tries it again after a crash.

@@ -57,7 +57,7 @@ runs = sql.Table(
     _column("recording_id", sql.Text, index=True),
     _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
     _column("standard", sql.Text),
-    _column("taken_in_at", Utc),
+    _column("imported_at", Utc),
     _column("seconds", sql.Float),
     _column("rows", sql.Integer),
     sql.Column("station", sql.Text, index=True),  # null: not yet read from the manifest

@@ -5,8 +5,8 @@ from typing import Any
 
 import sqlalchemy as sql
 
-from schemas.base import Unusable
-from schemas.pages.unit import UnitLine
+from schemas.base import Frozen, Unusable
+from schemas.decision import Verdict
 from storage.catalogue import certificates, database, tables
 from storage.catalogue.completion import complete_certificates, complete_results, complete_runs
 from storage.catalogue.run_states import LAST_CERTIFICATE, LAST_RESULT
@@ -15,6 +15,20 @@ from storage.home import Home
 RUN, UNIT, MADE = tables.runs.c, tables.units.c, tables.outcomes.c
 PAPER, DECIDED, ELEMENT = tables.certificates.c, tables.decisions.c, tables.elements.c
 Rows = list[tuple[Any, ...]]  # in the order of the fields that are named
+
+
+class UnitLine(Frozen):
+    """A unit with its runs; certificate, verdict, due: of its newest issued certificate."""
+
+    id: int
+    manufacturer: str
+    model: str
+    serial: str
+    runs: int
+    last_run: date | None
+    certificate: str | None = None
+    verdict: Verdict | None = None
+    due: date | None = None
 
 
 def unit_list(search: str, count: int, home: Home) -> tuple[int, list[UnitLine]]:
@@ -72,10 +86,10 @@ def runs_of(unit: int, home: Home) -> Rows:
         tables.certificates, PAPER.number == LAST_CERTIFICATE
     )
     asked = sql.select(
-        RUN.id, RUN.recorded_on, RUN.taken_in_at, RUN.station, MADE.verdict, PAPER.purpose
-    ).select_from(joined).where(RUN.unit == unit).order_by(RUN.taken_in_at, RUN.id)  # fmt: skip
+        RUN.id, RUN.recorded_on, RUN.imported_at, RUN.station, MADE.verdict, PAPER.purpose
+    ).select_from(joined).where(RUN.unit == unit).order_by(RUN.imported_at, RUN.id)  # fmt: skip
     rows = [
-        (row.id, row.recorded_on or row.taken_in_at.date(), *row[3:])
+        (row.id, row.recorded_on or row.imported_at.date(), *row[3:])
         for row in database.rows(home, asked)
     ]
     return sorted(rows, key=_day)

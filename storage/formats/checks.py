@@ -5,8 +5,8 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, TRIADS, Manifest, Stream
 
-MAX_TIME_S = 2**51 / 1e9  # s (26 days); beyond it a float64 does not tell nanoseconds apart
-MAX_VALUE = 1e9  # in rad/s, m/s², rad, °C, Pa: no sensor reads it, and its square must not overflow
+MAX_TIME_S = 2**51 / 1e9  # s (26 days); beyond it a float64 cannot resolve nanoseconds
+MAX_VALUE = 1e9  # in rad/s, m/s², rad, °C, Pa: beyond any sensor, and its square must not overflow
 REFERENCE = ("qw", "qx", "qy", "qz")
 PLACE = ("px", "py", "pz")
 ENVIRONMENT = ("temperature", "humidity", "supply_voltage", "pressure")

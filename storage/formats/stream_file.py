@@ -16,7 +16,7 @@ NULLS = ("", "null", "NULL", "nan", "NaN", "NAN", "NA", "N/A")
 
 OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}  # separators that are not CSV's
 PARQUET = b"PAR1"
-VALUE_BYTES = 8  # of a number, however few it takes in the file
+VALUE_BYTES = 8  # of a number in memory, however short it is in the file
 SHARE = 0.25  # of the memory, for one stream before anything is made of it
 GB = 1e9
 HEAD = 2**20  # bytes in which a header ends

@@ -9,11 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2, norm
 
-from schemas.pages.quality import IndexShown
+from schemas.base import Finite, Frozen
 
 D2 = 2.0 / np.sqrt(np.pi)  # mean range of two values of a normal distribution, in sigma
 LEVEL = 0.95
 FEWEST = 2
+
+
+class CapabilityIndex(Frozen):
+    """An index of capability with its 95 % interval; null where limits or values give none."""
+
+    value: Finite | None
+    low: Finite | None = None
+    high: Finite | None = None
 
 
 @dataclass(frozen=True)
@@ -27,13 +35,13 @@ class Capability:
     mean: float | None
     within: float | None
     overall: float | None
-    cp: IndexShown
-    cpk: IndexShown
-    pp: IndexShown
-    ppk: IndexShown
+    cp: CapabilityIndex
+    cpk: CapabilityIndex
+    pp: CapabilityIndex
+    ppk: CapabilityIndex
 
 
-NONE = IndexShown(value=None)
+NONE = CapabilityIndex(value=None)
 
 
 def capability(values: np.ndarray, lower: float | None, upper: float | None) -> Capability:
@@ -69,18 +77,20 @@ def dof_within(n: int) -> float:
     return max(1.0, (n - 1.0) ** 2 / (2.0 * (0.8264 * n - 1.082)))
 
 
-def _two_sided(sigma: float, dof: float, lower: float | None, upper: float | None) -> IndexShown:
+def _two_sided(
+    sigma: float, dof: float, lower: float | None, upper: float | None
+) -> CapabilityIndex:
     """(U - L)/(6 sigma), with the interval that sigma has by chi-squared."""
     if lower is None or upper is None or sigma <= 0.0:
         return NONE
     value = (upper - lower) / (6.0 * sigma)
     low, high = (float(np.sqrt(chi2.ppf(p, dof) / dof)) for p in ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-    return IndexShown(value=value, low=value * low, high=value * high)
+    return CapabilityIndex(value=value, low=value * low, high=value * high)
 
 
 def _nearer(
     mean: float, sigma: float, n: int, dof: float, lower: float | None, upper: float | None
-) -> IndexShown:
+) -> CapabilityIndex:
     """The distance to the nearer limit in 3 sigma; its interval by A. F. Bissell's approximation
     (Applied Statistics 39 (1990) 331).
     """
@@ -90,7 +100,7 @@ def _nearer(
         return NONE
     value = min(margins) / (3.0 * sigma)
     half = float(norm.ppf((1 + LEVEL) / 2) * np.sqrt(1.0 / (9.0 * n) + value**2 / (2.0 * dof)))
-    return IndexShown(value=value, low=value - half, high=value + half)
+    return CapabilityIndex(value=value, low=value - half, high=value + half)
 
 
 def margins(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:

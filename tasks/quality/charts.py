@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from schemas.pages.unit import DriftShown
+from schemas.base import Finite, Frozen
 from tasks.quality.capability import FEWEST, sigma_within
 
 K = 2.0
@@ -18,6 +18,14 @@ SAME_DAY = 1e-4  # years
 COVERED = 0.9545  # what k = 2 covers of a normal distribution
 D4 = 3.267  # upper limit of ranges of two, in their mean
 RULES = 8
+
+
+class DriftRate(Frozen):
+    """Change in a year with U, in the element's unit, by so many readings of valid runs."""
+
+    per_year: Finite
+    U: Finite
+    readings: int
 
 
 @dataclass(frozen=True)
@@ -99,14 +107,14 @@ def _counted(holds: np.ndarray, length: int) -> np.ndarray:
 
 def drift(
     years: np.ndarray, values: np.ndarray, u: np.ndarray, adjustments: np.ndarray
-) -> DriftShown | None:
+) -> DriftRate | None:
     """The slope by weighted least squares; None where no adjustment leaves two days to compare.
 
     All (n,). years: when. u: standard uncertainties of the values; one without (NaN or 0) is left
     out. adjustments: how many the unit had gone through by then; each moves the level and leaves
     the slope. U is the larger of what the stated u give with k = 2 and of what the scatter about
     the line gives with Student's t of 95.45 %. What all calibrations have in common, such as the
-    error of a standard, takes no part in a slope, so that the former errs on the large side.
+    error of a standard, takes no part in a slope, so that the former is an overestimate.
     """
     known = np.isfinite(values) & np.isfinite(u) & (u > 0)
     years, values, u = years[known], values[known], u[known]
@@ -120,10 +128,10 @@ def drift(
     slope = float(np.sum(weights * t * y)) / spread
     stated, freedom = K / np.sqrt(spread), len(t) - len(levels) - 1
     if freedom < 1:
-        return DriftShown(per_year=slope, U=float(stated), readings=len(t))
+        return DriftRate(per_year=slope, U=float(stated), readings=len(t))
     chi2 = float(np.sum(weights * (y - slope * t) ** 2)) / freedom
     scattered = stats.t.ppf(0.5 + COVERED / 2, freedom) * np.sqrt(chi2 / spread)
-    return DriftShown(per_year=slope, U=float(max(stated, scattered)), readings=len(t))
+    return DriftRate(per_year=slope, U=float(max(stated, scattered)), readings=len(t))
 
 
 def _mean(x: np.ndarray, weights: np.ndarray, level: np.ndarray, total: np.ndarray) -> np.ndarray:

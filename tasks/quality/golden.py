@@ -5,9 +5,9 @@ import numpy as np
 from tasks.quality.charts import Chart, individuals
 
 # Values that make a station's limits for a golden unit: sigma by moving ranges of 20 is known to
-# 17 %, and more would take drift of years in. Later values are judged, and move no limit.
+# 17 %, and more would include the drift of years. Later values are judged, and shift no limit.
 HISTORY = 20
-# Before which there are no limits: of 8 values sigma is known to 30 % only.
+# Fewer give no limits: of 8 values sigma is known to 30 % only.
 FEWEST = 8
 
 

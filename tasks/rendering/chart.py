@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK, GREY, PALE = "#222222", "#666666", "#e4e4e4"
-BEFORE, AFTER = "#d55e00", "#0072b2"  # Okabe and Ito: told apart by every eye, and in print
+BEFORE, AFTER = "#d55e00", "#0072b2"  # Okabe and Ito: also for colour-blind readers
 FINDINGS = ("#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#6a3d9a")
 CHINESE_FONTS = ("PingFang SC", "Microsoft YaHei", "Noto Sans SC", "WenQuanYi Zen Hei")
 LETTER, WIDE_LETTER = 7.5, 12.0  # px at the usual size
@@ -62,7 +62,7 @@ def draw(
 
     content: draws into the figure by matplotlib's objects. style: otherwise than STYLE.
     """
-    # Late: only who draws needs it, and it takes a quarter of a second.
+    # Late: only drawing needs it, and it takes a quarter of a second.
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -72,7 +72,7 @@ def draw(
         rc_context({**STYLE, **style, "svg.hashsalt": title}),
         warnings.catch_warnings(),
     ):
-        # Whoever looks has a font for Chinese; the one that matplotlib measures with has not.
+        # The reader has a font for Chinese; the one that matplotlib measures with lacks it.
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = Figure(figsize=(width / 72.0, height / 72.0))
         content(figure)

@@ -128,9 +128,9 @@ def measure(  # noqa: PLR0913 (what a run is, and who follows it)
 ) -> Measured:
     """Run a procedure on a station, with its recordings in the home from the first sample on.
 
-    ask: has a person turn the unit over, where the station cannot. is_paused: asked before each
-    segment, which waits until it is so no more. left: interrupted runs by the serial of the unit;
-    they go on, and the other units are not measured. raw: is filled with the recordings.
+    ask: has a person remount the unit, where the station cannot. is_paused: checked before each
+    segment, which waits while it is true. left: interrupted runs by the serial of the unit; they go
+    on, and the other units are not measured. raw: is filled with the recordings.
 
     If the run breaks off, what was recorded stays in the home's `acquiring` folder as MCAP
     files, and the sentence of Unusable or BrokenOff says where. So does what was recorded of a
@@ -275,7 +275,7 @@ def status_file(
         if is_new or time.monotonic() - written_s >= WRITE_EVERY_S:
             # The run is done once its recording is in the store.
             write("finishing" if progress.state in ENDED else progress.state)
-        with suppress(OSError):  # a reader of the progress that is gone does not end the run
+        with suppress(OSError):  # a closed progress display does not end the run
             report(progress)
 
     write("begun")

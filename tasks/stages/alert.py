@@ -15,7 +15,7 @@ LOG = logger_of("alert")
 
 @dataclass(frozen=True)
 class Sent:
-    """What became of an alert on a channel; fault: why it was not taken, None where it was."""
+    """The outcome of an alert on a channel; fault: why it was not delivered, None if it was."""
 
     channel: str
     fault: str | None

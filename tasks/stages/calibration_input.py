@@ -15,7 +15,8 @@ def read_calibration(reference: str, home: Home) -> Calibration:
 
     Raises Unusable for none of these.
     """
-    if os.path.isfile(reference):  # of a text that can be no path it says no; Path.is_file raises
+    # returns False for text that cannot be a path, where Path.is_file raises
+    if os.path.isfile(reference):
         return settings.read(Path(reference), Calibration)
     return results.find(reference, home).calibration
 

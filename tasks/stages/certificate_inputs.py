@@ -21,8 +21,8 @@ from storage import settings
 from storage.catalogue.run_index import Run
 from storage.home import Home
 
-DAY = timedelta(days=1)  # between the day of a moment in UTC and that of the place, at most
-LARGEST = 2_000_000  # bytes of a file: each certificate holds it
+DAY = timedelta(days=1)  # largest difference between the UTC date and the local date
+LARGEST = 2_000_000  # bytes of a file, since every certificate contains it
 
 
 @dataclass(frozen=True)

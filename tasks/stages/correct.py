@@ -32,7 +32,7 @@ OF_CORRECTION = {"json": as_json, "yaml": as_yaml, "c": as_c, "ros": as_ros, "cs
 
 @dataclass(frozen=True)
 class Simulated:
-    """A simulated recording: its folder, its rows, and what had to be taken as ideal or left out.
+    """A simulated recording: its folder, its rows, and what was assumed ideal or omitted.
 
     assumed: elements that the calibration does not give. rows_left_out: where the motion is not
     known.
@@ -46,7 +46,7 @@ class Simulated:
 
 @dataclass(frozen=True)
 class Corrected:
-    """A corrected recording: its folder, its rows, and what had to be taken as ideal or left in.
+    """A corrected recording: its folder, its rows, and what was assumed ideal or left uncorrected.
 
     rows_left_out: with gyro or accelerometer alone, which is corrected for what the other reads.
     u_rms: of each corrected channel that has it, the root mean square of its standard uncertainty

@@ -12,8 +12,8 @@ from storage.home import Home
 from tasks.certificate.documents import faces_of
 from tasks.stages.published import Published, published
 
-DRAFT = "draft"  # the number of what has no key yet
-NOBODY = "not named"  # who drafted, where nobody says
+DRAFT = "draft"  # the number of a draft that has no key yet
+UNNAMED_DRAFTER = "not named"  # who drafted, if not named
 
 
 def keep_draft(
@@ -39,7 +39,7 @@ def keep_draft(
         draft = certificate.model_copy(update={"number": key})
         files = keep_certificate.add(connection, home, draft, faces_of(draft, None, evidence))
         step, replaces = draft.step("draft"), draft.replaces
-        person = step.person if step else NOBODY
+        person = step.person if step else UNNAMED_DRAFTER
         for entry in earlier:
             trail.add(connection, person, "withdraw", entry.number, at=now, reason=f"draft {key}")
         trail.add(
@@ -53,7 +53,7 @@ def keep_draft(
 
 
 def _before(connection: sql.Connection, certificate: Certificate, home: Home) -> list[Entry]:
-    """The drafts in whose place this one comes; Unusable where it cannot come."""
+    """The drafts that this one replaces; raises Unusable if it may not."""
     run, replaces = certificate.calibration.run, certificate.replaces
     found = {
         entry.number: entry
@@ -82,7 +82,7 @@ def _before(connection: sql.Connection, certificate: Certificate, home: Home) ->
 
 
 def _is_issued(connection: sql.Connection, number: str) -> bool:
-    """Else nothing can come in its place any more: it was withdrawn, or amended already."""
+    """Otherwise it cannot be replaced any more: it was withdrawn, or already amended."""
     entry = keep_certificate.locked(connection, number)
     return entry is not None and entry.state == "issued"
 

@@ -16,7 +16,8 @@ from storage.home import Home
 from tasks.calibrate.reference import as_certified
 from tasks.uncertainty.equipment import own_limits
 
-PAPER = ("certificate", "traceable", "calibrated_on", "valid_until")  # what two papers may dispute
+# on which two documents may disagree
+PAPER = ("certificate", "traceable", "calibrated_on", "valid_until")
 
 
 def standards_in_use(
@@ -34,10 +35,9 @@ def standards_in_use(
 def contradictions(
     manifest: Manifest, listed: Iterable[MeasurementStandard], home: Home, day: date | None
 ) -> tuple[str, ...]:
-    """Where laboratory.toml, or the register, says otherwise than a run what it was measured with.
-
-    Nothing of a run that names no standard. A certificate that the register has renewed since the
-    run is no contradiction.
+    """Contradictions between a run and laboratory.toml, or the register, on the standards it was
+    measured with. None for a run that names no standard. A certificate that the register has
+    renewed since the run is no contradiction.
     """
     used = {standard.serial: standard for standard in of_manifest(manifest)}
     if not used:
@@ -61,7 +61,7 @@ def contradictions(
 def _disputed(
     own: MeasurementStandard, other: MeasurementStandard, paper: str, registered: Container[str]
 ) -> Iterator[str]:
-    """What two records of one standard state of one certificate of it, each otherwise."""
+    """The fields in which two records of one standard disagree on one certificate of it."""
     if own.certificate != other.certificate and own.serial in registered:
         return
     pairs: list[tuple[str, Any, Any]] = [
@@ -86,10 +86,8 @@ def _written(value: Any) -> str:
 def limits_in_use(
     manifest: Manifest, home: Home, laboratory: Laboratory | None
 ) -> dict[LimitName, EquipmentLimit]:
-    """What the equipment of a run may be off by.
-
-    What laboratory.toml states goes before the certificates of the standards in use. Raises
-    Unusable for a drift since an unknown day.
+    """The error limits of the equipment of a run. Those in laboratory.toml take precedence over the
+    certificates of the standards in use. Raises Unusable for a drift since an unknown day.
     """
     day = _day(manifest)
     standards = standards_in_use(manifest, home, laboratory, day)
@@ -113,7 +111,7 @@ def _day(manifest: Manifest) -> date | None:
 
 
 def of_manifest(manifest: Manifest) -> tuple[MeasurementStandard, ...]:
-    """The standards that a manifest names; what is no such record is refused by `certify`."""
+    """The standards named in a manifest; `certify` refuses malformed records."""
     named = (manifest.model_extra or {}).get("equipment")
     records = named if isinstance(named, list | tuple) else ()
     return tuple(standard for each in records if (standard := _standard(each)))

@@ -8,7 +8,7 @@ from schemas.doctor import Examined
 from storage.environment import environment
 from tasks.stages.prefect_api import NotAnswered, get, is_open, post
 
-LATE = timedelta(minutes=10)  # a run that waits for longer than any worker's look
+LATE = timedelta(minutes=10)  # longer than the polling interval of any worker
 MEMORY = "lease_storage.memory"
 LIVE = "ONLINE"
 
@@ -55,7 +55,7 @@ def _server(settings: dict[str, Any]) -> Iterator[Examined]:
 
 
 def _schedules(deployments: list[dict[str, Any]]) -> Iterator[Examined]:
-    """A schedule that is carried out has a run to come, and none that is long due."""
+    """A working schedule has a future run, and none that is long overdue."""
     scheduled = [each for each in deployments if _is_scheduled(each)]
     without = [each["name"] for each in scheduled if not _runs(each, {"type": "SCHEDULED"})]
     overdue = {"before_": (datetime.now(UTC) - LATE).isoformat()}

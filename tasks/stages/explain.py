@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from tasks.explain.inputs.prepared import Prepared
     from tasks.explain.inputs.reference import ReferencePrediction
 
-WORTH_A_PROCESS = 4  # runs that take longer than a process takes to begin
+FEWEST_FOR_POOL = 4  # fewest runs for which a process pool is faster
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def make_statistics(which: Sequence[Run], home: Home) -> Iterator[tuple[Run, str
     """Makes and stores the statistics of runs in one process per processor; yields each finished
     run, and why it has none; empty: it has.
     """
-    workers = min(processors(), len(which) // WORTH_A_PROCESS)
+    workers = min(processors(), len(which) // FEWEST_FOR_POOL)
     yield from fan_out(_made, [Job(run, home) for run in which], workers, _died)
 
 

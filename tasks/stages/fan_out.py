@@ -17,8 +17,8 @@ from typing import TypeVar
 T = TypeVar("T")
 R = TypeVar("R")
 
-WAITING = 2  # things on their way to each worker, so that none is idle and few are in memory
-DEATHS = 2  # of workers at one thing, after which it is given up
+QUEUED = 2  # items queued for each worker, so that none is idle and few are in memory
+MAX_DEATHS = 2  # worker deaths on one item, after which it is abandoned
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -30,17 +30,18 @@ def processors() -> int:
 def fan_out(
     work: Callable[[T], R], things: Sequence[T], workers: int, died: Callable[[T], R]
 ) -> Iterator[R]:
-    """The work on each thing, in the order in which it is done; one worker is this process.
+    """The result of the work on each thing, in order of completion; a single worker is this
+    process.
 
-    work and things have to be picklable. A worker that dies costs only what it was at, which is
-    begun again by another; what no worker survives twice is given by `died`.
+    work and things have to be picklable. If a worker dies, only its current item is lost, and
+    another worker repeats it; `died` gives the result of an item that killed two workers.
     """
     if min(workers, len(things)) <= 1:
         yield from map(work, things)
         return
     left, deaths = dict(enumerate(things)), Counter[int]()
     while left:
-        alone = [k for k in left if deaths[k]]  # what may have killed a worker: nothing beside it
+        alone = [k for k in left if deaths[k]]  # what may have killed a worker, run alone
         at_once = 1 if alone else workers
         try:
             for k, done in _in_pool(work, left, alone or list(left), at_once):
@@ -48,7 +49,7 @@ def fan_out(
                 yield done
         except _Broken as broken:
             deaths.update(broken.at_work)
-            for k in [k for k in broken.at_work if deaths[k] >= DEATHS]:
+            for k in [k for k in broken.at_work if deaths[k] >= MAX_DEATHS]:
                 yield died(left.pop(k))
 
 
@@ -69,7 +70,7 @@ def _in_pool(
             while True:
                 for k in waiting:
                     running[pool.submit(work, things[k])] = k
-                    if len(running) >= WAITING * workers:
+                    if len(running) >= QUEUED * workers:
                         break
                 if not running:
                     return

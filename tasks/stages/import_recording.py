@@ -65,6 +65,7 @@ def run_of(reference: str, home: Home) -> Run:
     """
     if not reference.strip():
         raise Unusable("RUN is empty; give a run id, as `mimucal runs` lists them, or a path.")
-    if os.path.exists(reference):  # of a text that can be no path it says no; Path.exists raises
+    # returns False for text that cannot be a path, where Path.exists raises
+    if os.path.exists(reference):
         return import_recording(Path(reference), home).run
     return run_index.find(reference, home)

@@ -42,7 +42,7 @@ def check_issuable(
 
 
 def _of_limits(certificate: Certificate) -> Iterator[str]:
-    """There is no verdict without limits; a calibration without one has to be ordered."""
+    """Without limits there is no verdict; a calibration without one must be ordered as such."""
     asked = certificate.order is None or certificate.order.conformity
     if not certificate.decision.limits and asked:
         unit = certificate.manifest.unit

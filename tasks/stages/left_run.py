@@ -21,7 +21,7 @@ class LeftRun:
     paths: tuple[Path, ...]
 
     def forget(self) -> None:
-        """Another file holds all of it now."""
+        """Its content is now complete in another file."""
         for path in self.paths:
             path.unlink(missing_ok=True)
 

@@ -25,7 +25,7 @@ from tasks.history import difference
 from tasks.stages.estimate import calibration_of, how_made
 from tasks.version import code_version
 
-PATIENCE_S = 120.0  # a database that is restarted is there again by then
+PATIENCE_S = 120.0  # long enough for a database to restart
 PAUSE_S = 1.0
 
 R = TypeVar("R")
@@ -133,7 +133,7 @@ def _check_worker(job: Job) -> None:
 
 
 def _patiently(ask: Callable[[], R]) -> R:
-    """What a catalogue or a bucket gives that may be out of reach for a while."""
+    """Retries while a catalogue or a bucket is temporarily out of reach."""
     gives_up = time.monotonic() + PATIENCE_S
     while True:
         try:

@@ -23,10 +23,10 @@ from tasks.stages.procedure_input import procedure_named
 from tasks.stages.stage import stage
 from tasks.words import Message, clauses, identifiers, message, statement
 
-REHEARSALS = 2  # of a procedure: each may show what else fits it
-NOTHING_SHOWN = 1.0  # chi-squared, which noise alone shows
-LONGER_BY = 1.1  # than what is in proportion: the first blocks are those that show most
-NO_NAME = {"unnamed"}  # stands where no effect of the catalogue is named
+REHEARSALS = 2  # trials of a procedure: each may reveal another effect that fits
+NOISE_CHI2 = 1.0  # chi-squared that noise alone produces
+LONGER_BY = 1.1  # above proportional time: the first blocks are the most informative
+NO_NAME = {"unnamed"}  # placeholder where no effect of the catalogue is named
 USUAL_MIN = 15.0  # where fewer are allowed, what these would give is tried too
 LONGEST_MIN = 120.0  # that a longer recording is worth proposing
 
@@ -146,7 +146,7 @@ def _apart_from_rivals(
     """
     from tasks.experiment.rehearsal import rivals_of
 
-    experiment = _unmoved_by_silence(experiment, question)
+    experiment = _without_warm_up_effect(experiment, question)
     choice = experiment.shortest(minutes)
     for _ in range(REHEARSALS if len(question.names) == 1 else 0):
         found = rivals_of(choice, experiment, question.names[0], question.others)
@@ -161,11 +161,11 @@ def _apart_from_rivals(
     return replace(choice, expected=typical.expected)
 
 
-def _unmoved_by_silence(experiment: "Experiment", question: "OpenQuestion") -> "Experiment":
-    """Where the chamber moves all but one of the effects, that one is left where none shows."""
+def _without_warm_up_effect(experiment: "Experiment", question: "OpenQuestion") -> "Experiment":
+    """Where the chamber changes all effects but warm-up, the rival of warm-up is no effect."""
     from tasks.experiment.choose import NOTHING
 
-    name = _left_by_silence(question)
+    name = _warm_up_effect(question)
     if name is None or experiment.thermal is None:
         return experiment
     model = question.models[name]
@@ -173,8 +173,8 @@ def _unmoved_by_silence(experiment: "Experiment", question: "OpenQuestion") -> "
     return replace(experiment, by_silence=name, rivals={NOTHING: nothing})
 
 
-def _left_by_silence(question: "OpenQuestion") -> str | None:
-    """The effect that follows the time since power-on alone, whatever the chamber does."""
+def _warm_up_effect(question: "OpenQuestion") -> str | None:
+    """The effect that depends on the time since power-on alone, not on the chamber."""
     if len(question.names) == 1:
         return None
     terms = [term for model in question.models.values() for term in model.terms]
@@ -219,7 +219,7 @@ def _sentence(
         "percent": f"{100.0 * choice.probability:.0f}", "repeated": f"{repeated:.1f}",
         "base": f"{minutes:.1f}", "longest": f"{order.minutes:g}", "needed": f"{choice.needed:.0f}",
     }  # fmt: skip
-    silent = _left_by_silence(question)
+    silent = _warm_up_effect(question)
     if choice.is_enough and silent is not None:
         name = effect_name(silent)
         return message("next-decides-by-silence", effects=effects, silent=name, **figures)
@@ -242,7 +242,7 @@ def _why(choice: "Choice", longer: "Choice | None", most_minutes: float, count: 
         return message("next-found-longer", needs=needs, minutes=minutes)
     if longer is not None:  # one block may show nothing where others do
         choice, most_minutes = longer, USUAL_MIN
-    if choice.left < NOTHING_SHOWN:
+    if choice.left < NOISE_CHI2:
         return message("next-nothing-moves", count=count)
     in_proportion = LONGER_BY * max(choice.minutes, most_minutes) / choice.share
     if in_proportion > LONGEST_MIN:

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 R = TypeVar("R")
 
-WAITING = 3  # batches on their way to each thread of a worker
+QUEUED = 3  # batches on their way to each thread of a worker
 BATCH_S = 2.0  # of work in a batch: dask takes some 15 ms for each, client and scheduler together
-PATIENCE_S = 120.0  # a scheduler that is restarted is there again by then
+PATIENCE_S = 120.0  # long enough for a scheduler to restart
 ANSWER_S = 10.0  # for a scheduler to answer
-# Builtins, which any worker can read: one that cannot read its work ends without a word, and the
-# client would wait for ever.
+# Builtins only, which any worker can unpickle: one that cannot fails silently, and the client would
+# wait forever.
 VERSION_QUERY = (eval, "__import__('tasks.version', fromlist='_').code_version()")
 
 
@@ -32,9 +32,9 @@ def on_cluster(
 ) -> Iterator[R]:
     """The work on each thing, in the order in which it is done.
 
-    What a lost worker was at goes to another; what dask gives up, because workers die at it, is
-    given by `died`. After a restart of the scheduler whatever was not done is begun again.
-    Raises Unusable when no scheduler answers for two minutes.
+    The current item of a lost worker goes to another; `died` gives the result of an item that dask
+    abandons because workers die on it. After a restart of the scheduler whatever was not done is
+    begun again. Raises Unusable when no scheduler answers for two minutes.
     """
     left, patience = dict(enumerate(things)), time.monotonic()
     while left:
@@ -67,7 +67,7 @@ def _while_connected(
             batches.put_back(batch[len(done) :])
             yield from zip(batch[: len(done)], done, strict=True)
             batches.measure(seconds / len(done), _at_a_time(client))
-        # What kills workers takes with it what they were given beside it: each once more, alone.
+        # An item that kills workers takes their other items with it: each is retried once, alone.
         for (k,), made in _made(client, work, left, iter([[k] for k in suspects]), lambda: 1):
             yield k, died(left[k]) if made is None else made[1][0]
 
@@ -175,4 +175,4 @@ def _check_workers(client: "Client", scheduler: str) -> None:
 
 def _at_a_time(client: "Client") -> int:
     """How many batches, of the workers that there are now."""
-    return WAITING * max(1, sum(client.nthreads().values()))
+    return QUEUED * max(1, sum(client.nthreads().values()))

@@ -5,8 +5,8 @@ from typing import Any
 from schemas.base import Unusable
 from storage.environment import environment
 
-CLIENT_AUTH = "PREFECT_API_AUTH_STRING"  # `user:password`, for who asks
-SERVER_AUTH = "PREFECT_SERVER_API_AUTH_STRING"  # the same, for the server
+CLIENT_AUTH = "PREFECT_API_AUTH_STRING"  # `user:password` of the client
+SERVER_AUTH = "PREFECT_SERVER_API_AUTH_STRING"  # the same on the server
 
 TIMEOUT_S = 3.0
 REFUSED = 401
@@ -27,7 +27,7 @@ def post(path: str, asked: dict[str, Any]) -> Any:
 
 
 def is_open() -> bool:
-    """Whether the server answers whoever gives no password."""
+    """Whether the server answers without a password."""
     try:
         _ask("GET", "/admin/version", None, with_password=False)
     except NotAnswered:

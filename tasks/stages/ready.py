@@ -46,7 +46,7 @@ def _fault_of(look: Callable[[], None]) -> str:
 
 
 def _catalogue_is_writable(home: Home) -> None:
-    """A statement that changes nothing is refused like any other, as by a standby."""
+    """A statement that changes nothing is refused like any other, as by a standby server."""
     with database.changing(home) as connection:
         nothing = sql.update(tables.units).where(sql.false()).values(serial="")
         connection.execute(nothing)

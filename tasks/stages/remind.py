@@ -144,7 +144,7 @@ def advice_by(of_unit: Sequence[Entry], serial: str, home: Home) -> tuple[str, i
     """The same by the certificates of a unit.
 
     Counted are the intervals between issued certificates whose day of calibration is known; as
-    found, where the unit was adjusted. What was inconclusive says nothing of its interval.
+    found, where the unit was adjusted. Inconclusive verdicts say nothing about the interval.
     """
     entries = [entry for entry in of_unit if entry.state == "issued" and entry.calibrated_on]
     units = {f"{entry.manufacturer} {entry.model} {entry.serial}" for entry in entries}

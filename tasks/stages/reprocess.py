@@ -16,7 +16,7 @@ from storage.catalogue.run_index import Run
 from storage.catalogue.selection import check_known, select
 from storage.home import Home
 from storage.whole_files import report_folder, written_out
-from tasks.history import came_or_went, difference, report_texts
+from tasks.history import appeared_or_disappeared, difference, report_texts
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.make_again import Job, Outcome, circumstances, make_again, store_of, with_fault
 from tasks.stages.stage import stage
@@ -162,8 +162,14 @@ def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Rep
 
 
 def _most_first(change: Change) -> tuple[bool, float, str, str, str]:
-    """What was or is not determined comes before every step, however large."""
-    return not came_or_went(change), -(change.in_U or 0.0), change.run, change.item, change.element
+    """Values that appeared or disappeared come before all changes, however large."""
+    return (
+        not appeared_or_disappeared(change),
+        -(change.in_U or 0.0),
+        change.run,
+        change.item,
+        change.element,
+    )
 
 
 def _write(report: Reprocessing, folder: Path) -> None:

@@ -28,10 +28,10 @@ from tasks.stages.import_recording import run_of
 from tasks.stages.stage import stage
 from tasks.version import code_version
 
-MOST = 200  # certificates of a finding that are looked at, the newest
-WORTH_A_PROCESS = 8  # certificates that take longer than a process takes to begin
+MOST = 200  # newest certificates examined for each finding
+FEWEST_FOR_POOL = 8  # fewest certificates for which a process pool is faster
 Progress = Callable[[int, int], None]
-FEWEST = 2  # runs that have anything in common
+FEWEST = 2  # fewest runs that can be compared
 MANIFEST = "manifest.json"
 SELECTED = ("since", "until", "model", "serial", "station")
 
@@ -151,7 +151,7 @@ def _selected(run: Run, order: ReviewOrder) -> bool:
     asked = (
         (order.model, run.model), (order.serial, run.serial), (order.station, run.station),
     )  # fmt: skip
-    day = run.recorded_on or run.taken_in_at.date()
+    day = run.recorded_on or run.imported_at.date()
     within = (order.since is None or day >= order.since) and (
         order.until is None or day <= order.until
     )
@@ -193,7 +193,7 @@ def with_certificates(
                 laboratory)
             for entry in standing if entry.run in affected
         ][-MOST:]  # fmt: skip
-        workers = min(processors(), len(jobs) // WORTH_A_PROCESS)
+        workers = min(processors(), len(jobs) // FEWEST_FOR_POOL)
         elements = [each for some in fan_out(_touched, jobs, workers, _none) for each in some]
         findings.append(with_touched(finding, elements, len(jobs)))
     return review.model_copy(update={"findings": tuple(findings)})

@@ -1,4 +1,4 @@
-"""What another simulator says of a recording, and whether it says it of this run."""
+"""The readings predicted by another simulator, and whether they are of this run."""
 
 from pathlib import Path
 
@@ -9,12 +9,14 @@ from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.motion.whole import whole_motion
 from tasks.words import Message, message
 
-MAX_STEPS = 1.5  # steps of the unit between which another simulator's rows are interpolated
+# longest gap in another simulator's rows that is interpolated, in sample intervals of the unit
+MAX_STEPS = 1.5
 MIN_SHARE_OF_ROWS = 0.5  # of the unit's rows that a simulation must have
-APART = np.radians(10.0)  # of a table axis, or more: held elsewhere, not timed a little otherwise
-MOST_APART = 0.1  # of the rows of the table
-TURNED = np.radians(1.0)  # rad/s rms, or less: too little to tell one motion from another
-MOST_MISSED = 0.5  # of the rms rate of the motion, by the rate that is simulated
+# of a table axis: a larger difference is another position, not a difference in timing
+MAX_ANGLE_DIFFERENCE = np.radians(10.0)
+MAX_SHARE_DIFFERENT = 0.1  # of the rows of the table
+MIN_ROTATION = np.radians(1.0)  # rad/s rms: too little motion to distinguish one from another
+MAX_RATE_DIFFERENCE = 0.5  # of the rms rate of the motion, by the rate that is simulated
 NO_SERIAL = ("", "-")
 
 
@@ -84,14 +86,15 @@ def _other_angle(recording: Recording, table: Stream, name: str) -> str:
     turned = np.exp(1j * table.columns[name])  # whole turns do not count
     theirs = np.interp(t, table.t, turned.real) + 1j * np.interp(t, table.t, turned.imag)
     apart = np.abs(np.angle(np.exp(1j * at) * theirs.conj()))
-    if not len(t) or np.mean(apart > APART) <= MOST_APART:
+    if not len(t) or np.mean(apart > MAX_ANGLE_DIFFERENCE) <= MAX_SHARE_DIFFERENT:
         return ""
     worst = int(np.argmax(apart))
     return (
         f"its table holds {name} at {np.degrees(np.angle(theirs[worst])):.1f}° at t = "
         f"{t[worst]:g} s, where that of {recording.manifest.recording_id} is at "
         f"{np.degrees(np.angle(np.exp(1j * at[worst]))):.1f}°, and differs by more than "
-        f"{np.degrees(APART):.0f}° in {100.0 * np.mean(apart > APART):.0f} % of the rows"
+        f"{np.degrees(MAX_ANGLE_DIFFERENCE):.0f}° in "
+        f"{100.0 * np.mean(apart > MAX_ANGLE_DIFFERENCE):.0f} % of the rows"
     )
 
 
@@ -104,7 +107,7 @@ def _other_rates(recording: Recording, readings: np.ndarray) -> str:
         return ""
     missed, turned = np.where(known, np.abs(read - moved), 0.0), moved[known]
     rms, size = np.sqrt(np.mean(missed[known] ** 2)), np.sqrt(np.mean(turned**2))
-    if max(rms, size) <= TURNED or rms <= MOST_MISSED * size:
+    if max(rms, size) <= MIN_ROTATION or rms <= MAX_RATE_DIFFERENCE * size:
         return ""
     worst = int(np.argmax(missed))
     return (

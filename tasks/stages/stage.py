@@ -22,7 +22,7 @@ R = TypeVar("R")
 
 RETRIES = 2
 RETRY_DELAY_S = 1
-FORGOTTEN = (404, 410)  # a run or a lease that a server lost when it was started anew
+FORGOTTEN = (404, 410)  # a run or a lease that a server lost when it restarted
 
 
 def stage(name: str, *, again: bool = True) -> Callable[[Callable[P, R]], Callable[P, R]]:
@@ -54,7 +54,7 @@ def notify(sentence: str) -> None:
 
         get_run_logger().warning(sentence)
     else:
-        with suppress(OSError):  # nobody reads it any more
+        with suppress(OSError):  # stderr is closed
             print(sentence, file=sys.stderr, flush=True)
 
 

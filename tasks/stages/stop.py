@@ -28,9 +28,9 @@ from storage.station_stop import (
     take_back,
 )
 
-ANSWER_S = 1.0  # for which a run's process has time to command every axis
+ANSWER_S = 1.0  # time allowed for the run's process to command every axis
 LOOK_S = 0.02
-REST_S = 30.0  # for which a process that has answered brings the table to rest
+REST_S = 30.0  # time allowed for a process that has answered to bring the table to rest
 
 
 def stop_station(station: str, by: str, home: Home, lockout: bool = True) -> Stopped:
@@ -97,7 +97,7 @@ def _lives(station: str, home: Home) -> bool:
 
 
 def _answer(request: StopRequest, home: Home) -> StopAnswer | None:
-    """What the run's process answers: at rest, or as far as it came; None where it is silent."""
+    """The answer of the run's process: at rest, or how far it got; None if there is none."""
     end_s = time.monotonic() + ANSWER_S
     answer = None
     while time.monotonic() < end_s:

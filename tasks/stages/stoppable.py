@@ -1,4 +1,4 @@
-"""A station held for a run that anybody can stop, whatever the run's own thread is busy with."""
+"""A station locked for a run that anybody can stop, even if the run's own thread is busy."""
 
 import os
 import threading
@@ -16,7 +16,7 @@ from tasks.station.stopping import StopSwitch, axes_of
 
 LOOK_S = 0.1  # between two looks for a request
 SHARE_S = 1.0  # between two statuses for other computers
-LEAVE_S = 2.0  # for which the end of a run waits for a home on the network
+LEAVE_S = 2.0  # how long the end of a run waits for a home on the network
 
 
 @contextmanager
@@ -90,7 +90,7 @@ class _Watch(threading.Thread):
         answer_stop(answer, self._folder, request.station)
         at_rest = self._wait(lambda: self._switch.rest is not None)
         read = {"at_rest": at_rest, "axes": axes_of(self._station, self._switch.rest)}
-        # also where the run itself hangs: what it last wrote would be untrue
+        # also if the run itself hangs: its last status would be wrong
         end_status(request.station, f"stopped by {request.by}", self._home)
         answer_stop(answer.model_copy(update=read), self._folder, request.station)
 

@@ -20,7 +20,7 @@ from tasks.stages.stage import notify, stage
 from tasks.station.stopping import OPERATOR, StopRequested
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 1.0, 60.0  # between two attempts
-PATIENCE_S = 12 * 3600.0  # a night in which nobody mends the database
+PATIENCE_S = 12 * 3600.0  # a night without anybody to repair the database
 
 
 @stage("store", again=False)
@@ -41,19 +41,19 @@ def store(
             try:
                 return _added(content, recording, home)
             except Unusable as fault:
-                if not may_pass(fault) or clock() + pause_s > end_s:
+                if not is_transient(fault) or clock() + pause_s > end_s:
                     raise
                 notify(f"{recording} waits to be stored, again in {pause_s:.0f} s: {fault}")
             sleep(pause_s)
             pause_s = min(2.0 * pause_s, LONGEST_PAUSE_S)
     except Unusable as fault:
-        raise BrokenOff(f"{str(fault).rstrip('.')}{_it_waits(recording)}") from fault
+        raise BrokenOff(f"{str(fault).rstrip('.')}{_waits(recording)}") from fault
     except (KeyboardInterrupt, StopRequested) as stop:
-        raise BrokenOff(f"stopped by {str(stop) or OPERATOR}{_it_waits(recording)}") from stop
+        raise BrokenOff(f"stopped by {str(stop) or OPERATOR}{_waits(recording)}") from stop
 
 
 def store_waiting(home: Home) -> None:
-    """Adds what earlier runs could not store; what cannot be stored now goes on waiting."""
+    """Adds what earlier runs could not store; what still cannot be stored waits."""
     for recording in sorted(home.acquired.glob("*.mcap")):
         try:
             _added(read_mcap(recording), recording, home)
@@ -61,7 +61,7 @@ def store_waiting(home: Home) -> None:
             notify(f"{recording} still waits to be stored: {fault}")
 
 
-def may_pass(fault: Unusable) -> bool:
+def is_transient(fault: Unusable) -> bool:
     """Whether waiting helps: a catalogue or a store that does not answer, a disk that refuses."""
     return isinstance(fault, Busy | Unreachable) or isinstance(fault.__cause__, OSError)
 
@@ -72,7 +72,7 @@ def _added(content: Recording, recording: Path, home: Home) -> Run:
     return run
 
 
-def _it_waits(recording: Path) -> str:
+def _waits(recording: Path) -> str:
     return (
         f"; the run is whole in {recording}, and the next run of this home or `mimucal import "
         f"{recording}` stores it"

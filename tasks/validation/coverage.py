@@ -4,7 +4,6 @@ Coverage: over many units, how often the stated 95 % interval holds the truth. R
 ideal run without noise says of a unit.
 """
 
-import math
 import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -16,6 +15,7 @@ import pandas as pd
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
 from schemas.validation import TARGET_SHARE, Check, Coverage
+from tasks.quality.yields import wilson
 from tasks.validation import run1536, run2003
 from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH, checked, clause_item
 from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit
@@ -123,7 +123,7 @@ def _coverage(rows: pd.DataFrame) -> Coverage:
         units=units,
         elements=len(rows),
         inside_95=share,
-        confidence=wilson(share, units),
+        confidence=interval_of_share(share, units),
         inside_expanded=float((size <= rows["U"]).mean()),
         rms_z=float(np.sqrt(((size / rows["u"]) ** 2).mean())),
         by_element={
@@ -133,15 +133,14 @@ def _coverage(rows: pd.DataFrame) -> Coverage:
     )
 
 
-def wilson(share: float, count: int) -> tuple[float, float]:
-    """95 % interval of a probability that showed itself as a share of a count (Wilson 1927).
+def interval_of_share(share: float, count: int) -> tuple[float, float]:
+    """The 95 % interval (Wilson) of a probability that showed itself as a share of a count.
 
-    The elements of one unit share its table's errors, so the count is that of the units.
+    The elements of one unit share its table's errors, so the count is that of the units, of which
+    the share need not be a whole number.
     """
-    z2 = NORMAL_95**2
-    middle = (share + z2 / (2 * count)) / (1 + z2 / count)
-    half = math.sqrt(z2 * (share * (1 - share) / count + z2 / (4 * count**2))) / (1 + z2 / count)
-    return max(middle - half, 0.0), min(middle + half, 1.0)
+    low, high = wilson(np.array(share * count), np.array(count))
+    return float(low), float(high)
 
 
 def coverage_check(coverage: Coverage) -> Check:

@@ -72,10 +72,10 @@ def ended(home: Path, how: signal.Signals, *acquire: object) -> tuple[int, str, 
             assert time.monotonic() < deadline
             assert process.poll() is None
             time.sleep(0.05)
-        assert bool(servers_of(home)) == (acquire[:2] == COMMAND[:2])
+        assert bool(servers_of(home, process.pid)) == (acquire[:2] == COMMAND[:2])
         os.killpg(process.pid, how)
         _, printed = process.communicate(timeout=300)
-        while servers_of(home):  # the kernel ends it after its parent
+        while servers_of(home, process.pid):  # the kernel ends it after its parent
             assert time.monotonic() < deadline
             time.sleep(0.1)
     finally:
@@ -84,16 +84,16 @@ def ended(home: Path, how: signal.Signals, *acquire: object) -> tuple[int, str, 
     return process.returncode, printed, found
 
 
-def servers_of(home: Path) -> list[int]:
-    """The processes of Prefect servers that a command started for this home."""
+def servers_of(home: Path, command: int) -> list[int]:
+    """The processes with a session of their own that a command started for this home."""
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         try:
-            name = (place / "comm").read_bytes()
+            session = os.getsid(int(place.name))
             owned = str(home).encode() in (place / "environ").read_bytes()
         except OSError:  # ended meanwhile, or of another user
             continue
-        if owned and name == b"prefect-server\n":
+        if owned and session == int(place.name) != command:
             found.append(int(place.name))
     return found
 

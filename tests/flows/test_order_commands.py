@@ -120,7 +120,7 @@ def test_every_fault_of_a_file_is_named_by_line_column_and_value_and_nothing_is_
         "line 5: there is no procedure 'none'",
         "line 6: order 9 is there already", "line 7, column number: '' is empty",
         "line 8, column client_order: ", "column number: '1' is of two orders",
-        "faults in", ": 7, orders taken in: 0",
+        "faults in", ": 7, orders placed: 0",
     ):  # fmt: skip
         assert sentence in refused.err, sentence
     assert [each.number for each in orders.listed(Home(home))] == ["9"]

@@ -80,10 +80,10 @@ def test_an_older_catalogue_that_cannot_be_written_is_refused(
 ) -> None:
     runs.add(small(), fresh)
     with database.changing(fresh) as connection:
-        connection.execute(sql.text("UPDATE alembic_version SET version_num = '0008'"))
+        connection.execute(sql.text("UPDATE alembic_version SET version_num = '0013'"))
     monkeypatch.setattr(os, "access", lambda *_: False)
     catalogue = re.escape(str(fresh.path / "catalog.sqlite"))
-    with pytest.raises(Unusable, match=f"^{catalogue} has revision 0008.*copy the home"):
+    with pytest.raises(Unusable, match=f"^{catalogue} has revision 0013.*copy the home"):
         run_index.all_runs(fresh)
 
 

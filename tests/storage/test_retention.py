@@ -58,7 +58,7 @@ def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(
 
 def test_what_is_not_older_stays(fresh: Home, small: Build) -> None:
     run = kept(fresh, small())
-    assert retention.dispensable(run.taken_in_at.date(), fresh) == []
+    assert retention.dispensable(run.imported_at.date(), fresh) == []
 
 
 @pytest.mark.parametrize("state", ["draft", "checked", "issued"])

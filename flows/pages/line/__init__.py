@@ -2,8 +2,8 @@
 
 from flows.pages.line.data import data
 from flows.pages.line.layout import layout
+from flows.pages.models.line import LineNow, LineQuestion
 from flows.pages.page import Page
-from schemas.pages.line import LineNow, LineQuestion
 
 REFRESH_S = 2.0
 

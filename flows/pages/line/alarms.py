@@ -6,7 +6,7 @@ Of stations, of their files, of orders, of messages to clients and of Prefect's 
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
 
-from schemas.pages.line import AlarmShown, FlowRun, Flows, StationNow
+from flows.pages.models.line import AlarmShown, FlowRun, Flows, StationNow
 from schemas.production import ProductionState
 from schemas.run_log import Alarm
 from schemas.text import Statement
@@ -17,7 +17,7 @@ from tasks.words import Sayable, known, message, statement
 
 SHOWN = 20
 FAILED: tuple[ProductionState, ...] = ("failed",)
-RECENT = timedelta(days=7)  # for so long an order that failed, and a run that stopped, are shown
+RECENT = timedelta(days=7)  # how long a failed order or a stopped run is shown
 
 
 def newest(found: Iterable[AlarmShown]) -> tuple[AlarmShown, ...]:

@@ -7,11 +7,11 @@ import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
 
-from flows.pages.line.stop_button import release_button, stop_button, what_became_of
+from flows.pages.line.stop_button import outcome_of_stop, release_button, stop_button
 from flows.pages.local_time import hour_of, second_of
+from flows.pages.models.line import AlarmShown, Queued, StationNow
 from flows.pages.page import View
 from flows.pages.states import Kind
-from schemas.pages.line import AlarmShown, Queued, StationNow
 from schemas.run_log import RunStatus
 from tasks.words import Sayable, message
 
@@ -41,7 +41,7 @@ def card(now: StationNow, view: View) -> Component:
     if now.alarm is not None:
         body.append(_alarm(now.alarm, now, view))
     body += _queue(now.waiting, view)
-    foot = [*what_became_of(now, view), *release_button(now, view), stop_button(now.station, view)]
+    foot = [*outcome_of_stop(now, view), *release_button(now, view), stop_button(now.station, view)]
     return html.Section(
         [
             html.Div(head, className=f"station-head station-{KINDS[now.state]}"),
@@ -92,7 +92,7 @@ def _figure(name: Sayable, value: str, view: View) -> Component:
 
 
 def _duration(seconds: float) -> Sayable:
-    """Minutes, rounded up: what is not yet over takes at least one."""
+    """Minutes, rounded up, at least one."""
     minutes = max(1, -int(-seconds // 60))
     hours, rest = divmod(minutes, 60)
     if hours:

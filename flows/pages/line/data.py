@@ -10,8 +10,7 @@ from flows.pages.line import alarms
 from flows.pages.line.flow_runs import flow_runs
 from flows.pages.line.stops import stops_of
 from flows.pages.local_time import today
-from schemas.base import Unusable
-from schemas.pages.line import (
+from flows.pages.models.line import (
     AlarmShown,
     LineNow,
     LineQuestion,
@@ -20,22 +19,22 @@ from schemas.pages.line import (
     StationNow,
     StationState,
 )
-from schemas.pages.runs import Condition
+from schemas.base import Unusable
 from schemas.production import OPEN, ProductionOrder
 from schemas.run_log import RunStatus, State
 from schemas.station import StationFile
 from storage import settings
 from storage.catalogue import database, orders, tables
 from storage.catalogue.connection import Busy
-from storage.catalogue.run_states import run_list
+from storage.catalogue.run_states import Condition, run_list
 from storage.home import Home
 from storage.station_lock import statuses
 from storage.station_stop import lockout_of
 from storage.stations import folder_of, station_files
 
 MOST_IN_A_DAY = 10_000
-# A run that measures writes its status every second; a slow network or a busy computer may keep
-# that back for some seconds, and a minute is too long to believe that a table turns as it should.
+# A run writes its status every second; a slow network or a busy computer may delay that by some
+# seconds, and after a minute the table can no longer be assumed to turn as intended.
 SILENT = timedelta(seconds=30)
 WRITING: tuple[State, ...] = ("warming_up", "measuring", "repeating")
 
@@ -114,7 +113,7 @@ def _queued(order: ProductionOrder) -> Queued:
 
 def output(day: date, home: Home) -> Output:
     """What a local day made."""
-    made = Condition(column="taken_in_at", kind="equals", value=day)
+    made = Condition(column="imported_at", kind="equals", value=day)
     total, runs = run_list([made], [], 0, MOST_IN_A_DAY, home)
     validity, verdicts = Counter(r.validity for r in runs), Counter(r.verdict for r in runs)
     paper = tables.certificates.c

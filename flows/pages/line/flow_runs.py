@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from flows.on_prefect.prefect_server import server_named
-from schemas.pages.line import FlowRun, Flows
+from flows.pages.models.line import FlowRun, Flows
 from storage.environment import environment
 from tasks.stages import prefect_api
 
@@ -16,7 +16,7 @@ NOW = ("PENDING", "RUNNING", "PAUSED", "CANCELLING")
 LATE = "Late"  # Prefect's name of a scheduled run whose time has passed
 PRODUCE = "produce"  # its runs are the orders of the catalogue
 MOST = 200  # that the server gives at once
-FRESH_S = 2.0  # for all who look at the page
+FRESH_S = 2.0  # shared by all visitors of the page
 NAMED = ("run", "certificate", "serial", "model", "station", "recording", "since", "client")
 
 

@@ -7,10 +7,10 @@ from dash.development.base_component import Component
 
 from flows.pages.line.card import card
 from flows.pages.local_time import hour_of
+from flows.pages.models.line import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued
 from flows.pages.page import View
 from flows.pages.parts import facts, table
 from flows.pages.states import Kind, StepState, badge
-from schemas.pages.line import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued
 from tasks.words import message
 
 COLUMNS = 3  # of cards on a wide screen; more would be too small to be read from three metres

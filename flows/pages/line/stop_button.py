@@ -12,10 +12,10 @@ from pydantic import ValidationError
 from flows.pages.json_answers import json_answer, refusal
 from flows.pages.line.stops import stops_of
 from flows.pages.local_time import second_of
+from flows.pages.models.line import StationNow, StopPressed, StopShown
 from flows.pages.page import View, view_of_request
 from schemas.access import MAY, Visitor
 from schemas.base import Frozen, Unusable, first_fault
-from schemas.pages.line import StationNow, StopPressed, StopShown
 from storage.home import Home
 from tasks.words import message
 
@@ -53,14 +53,14 @@ def release_button(now: StationNow, view: View) -> list[Component]:
     return [stop, html.Button(word, className="release", **asked)]
 
 
-def what_became_of(now: StationNow, view: View) -> list[Component]:
+def outcome_of_stop(now: StationNow, view: View) -> list[Component]:
     """The last press, for as long as no later run began."""
     stop = now.stopped
     is_old = stop is not None and now.run is not None and now.run.began_at > stop.at
-    return [] if stop is None or is_old else [_became(stop, view)]
+    return [] if stop is None or is_old else [_outcome(stop, view)]
 
 
-def _became(stop: StopShown, view: View) -> Component:
+def _outcome(stop: StopShown, view: View) -> Component:
     """A table that may still turn is said so in red, and what to do at once."""
     rest = "at-rest" if stop.is_at_rest else "not-at-rest"
     words = message(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))

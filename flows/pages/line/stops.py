@@ -6,10 +6,10 @@ from functools import cache
 from pathlib import Path
 from threading import Lock
 
+from flows.pages.models.line import Released, StopShown
 from flows.pages.orders import check_may
 from schemas.access import Visitor
 from schemas.base import Unusable
-from schemas.pages.line import Released, StopShown
 from storage.home import Home
 from storage.station_stop import release
 
@@ -56,7 +56,7 @@ class Stops:
             if Path(station).is_file():  # which at a terminal is a station file
                 raise Unusable(f"there is no station {station!r}; press Stop on its card")
             stopped = stop_station(station, by, self._home)
-        except Exception as error:  # whoever pressed must know that the table may still turn
+        except Exception as error:  # the person must be informed that the table may still turn
             if not isinstance(error, Unusable):
                 LOG.exception("station %s was not stopped", station)
             fault = str(error) or type(error).__name__

@@ -8,10 +8,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from flows.pages.quality.element import between, of_element
-from flows.pages.specification_order import place
-from schemas.base import Unusable
-from schemas.pages.quality import (
+from flows.pages.models.quality import (
     Choices,
     Counted,
     Failing,
@@ -21,6 +18,9 @@ from schemas.pages.quality import (
     QualityShown,
     Yield,
 )
+from flows.pages.quality.element import between, of_element
+from flows.pages.specification_order import place
+from schemas.base import Unusable
 from storage import settings
 from storage.catalogue import line_history
 from storage.catalogue.certificates import AS_LEFT
@@ -32,7 +32,7 @@ from tasks.words import message, statement
 
 Runs = pd.DataFrame
 Limit = tuple[str | None, str]  # item and element
-COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "taken_in_at", "validity",
+COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "imported_at", "validity",
            "missing", "verdict", "purpose")  # fmt: skip
 
 
@@ -85,7 +85,7 @@ def runs_of(home: Home) -> Runs:
     """
     table = pd.DataFrame.from_records(line_history.ended(home), columns=list(COLUMNS))
     day = pd.to_datetime(table["recorded_on"])
-    taken = pd.to_datetime(table["taken_in_at"], utc=True).dt.tz_localize(None).dt.normalize()
+    taken = pd.to_datetime(table["imported_at"], utc=True).dt.tz_localize(None).dt.normalize()
     table["day"] = day.fillna(taken)
     table["order"] = np.arange(len(table))
     table = table.sort_values(["day", "order"], kind="stable").reset_index(drop=True)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from schemas.pages.quality import (
+from flows.pages.models.quality import (
     CapabilityShown,
     Cause,
     ChartShown,

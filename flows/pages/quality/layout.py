@@ -6,6 +6,15 @@ from typing import Any
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
+from flows.pages.models.quality import (
+    CapabilityShown,
+    ChartShown,
+    GoldenShown,
+    QualityQuestion,
+    QualityShown,
+    StationShown,
+    Yield,
+)
 from flows.pages.numbers import csv_link
 from flows.pages.page import View
 from flows.pages.parts import facts, table
@@ -20,16 +29,7 @@ from flows.pages.quality.pictures import (
     stations_figure,
 )
 from flows.pages.states import StepState, badge
-from schemas.pages.quality import (
-    CapabilityShown,
-    ChartShown,
-    GoldenShown,
-    IndexShown,
-    QualityQuestion,
-    QualityShown,
-    StationShown,
-    Yield,
-)
+from tasks.quality.capability import CapabilityIndex
 from tasks.quality.charts import RULES
 from tasks.quality.golden import FEWEST, HISTORY
 from tasks.quality.yields import FEWEST_IN_POINT
@@ -206,7 +206,7 @@ def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Comp
     return dmc.Stack([facts(indices, view), facts(numbers, view), dmc.Box(texts)], gap="sm")
 
 
-def _index(index: IndexShown) -> str | None:
+def _index(index: CapabilityIndex) -> str | None:
     """“1.33 (1.28 … 1.37)”."""
     if index.value is None or index.low is None or index.high is None:
         return None

@@ -3,9 +3,7 @@
 from collections.abc import Sequence
 from datetime import timedelta
 
-from flows.pages.page import View
-from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
-from schemas.pages.quality import (
+from flows.pages.models.quality import (
     ChartShown,
     Failing,
     GoldenPoint,
@@ -14,6 +12,8 @@ from schemas.pages.quality import (
     QualityShown,
     StationShown,
 )
+from flows.pages.page import View
+from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
 from tasks.words import message
 from tasks.words.quantities import unit_text
 
@@ -21,7 +21,7 @@ CAUSES = {"adjusted": "#ae3ec9", "station": "#0ca678", "equipment": ORANGE}
 BARS = 20  # of the Pareto chart; the table beside it has all
 MARGIN = timedelta(days=15)  # beside the first and the last day
 LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
-MANY = 300  # points, whose order no line between them shows any more
+MANY = 300  # points, above which a connecting line no longer shows their order
 
 
 def periods_figure(shown: QualityShown, view: View) -> Figure:

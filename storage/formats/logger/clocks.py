@@ -17,7 +17,8 @@ EPOCHS = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"), (1e8, 1.0,
 LATEST = 4e9  # s since 1970, in 2096
 RATES = (4.0, 2e4)  # Hz: how often inertial units are read
 COUNTERS = (2.0**16, 2.0**24, 2.0**32)
-SET_BACK = 1e-3  # of the rows after which a clock may be set back; more, and rows are not in order
+# share of the rows after which a clock may be set back; above it, rows are out of order
+SET_BACK = 1e-3
 UNITS = (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
 
 

@@ -15,7 +15,7 @@ CHANNELS = ("t", *GYRO, *ACCEL, "temperature", *ANGLE)
 GYRO_WORDS = {"gyro", "gyr", "gy", "gyros", "gyroscope", "omega", "w", "angvel", "angrate"}
 ACCEL_WORDS = {"accel", "acc", "ac", "accels", "acceleration", "accelerometer", "a", "f"}
 RATE_WORDS = ({"angular", "ang", "rotation", "turn"}, {"rate", "velocity", "vel", "speed"})
-FILLING = {  # words that tell nothing more
+FILLING = {  # words without further information
     "imu", "sensor", "data", "raw", "of", "axis", "value", "reading", "specific", "force", "field",
     "angular", "rotation", "rate", "velocity", "ang", "vel", "lsb", "counts", "msg", "scaled",
 }  # fmt: skip
@@ -26,7 +26,7 @@ OTHER = {  # words of what is neither rate nor specific force
     "timestamp", "time", "count", "counter", "status", "gravity", "grav", "err", "error", "dt",
     "position", "pos", "temp", "temperature", "offset", "heading", "field_b", "orientation",
 }  # fmt: skip
-WITHOUT_GRAVITY = {"linear", "user", "free", "lin"}  # taken only where there is nothing else
+WITHOUT_GRAVITY = {"linear", "user", "free", "lin"}  # used only if there is nothing else
 PENALTY = 10
 TIME_WORDS = {
     "time", "timestamp", "timestamps", "t", "ts", "elapsed", "millis", "micros", "clock", "seconds",
@@ -42,7 +42,7 @@ NO_TIME = {
     "battery", "activity", "pedometer", "altimeter", "integral",
 }  # fmt: skip
 SENSOR_WORDS = {"id", "sensor", "device", "node", "address", "imu", "source"}
-MANY, LEAST = 8, 0.05  # sensors in a file, and the least share of its rows that one has
+MANY, LEAST = 8, 0.05  # most sensors in a file, and the smallest share of its rows that one has
 WARM = {"temp", "temperature", "tmp"}
 BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")

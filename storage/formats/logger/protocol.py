@@ -28,7 +28,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 SIGNED = re.compile(r"[+\-]?[xyz][+\-]?")
 DOWN = "down"
 LISTED = 3
-SLACK = 1.0  # s by which a line may begin beside the recording
+OUTSIDE_S = 1.0  # s by which a line may begin outside of the recording
 
 
 @dataclass
@@ -109,7 +109,7 @@ def _clock(
     ]
     within = [
         np.mean(np.abs(factor * seconds - taken + origin - 0.5 * (first + last))
-                < 0.5 * (last - first) + SLACK)
+                < 0.5 * (last - first) + OUTSIDE_S)
         for factor, taken in tried
     ]  # fmt: skip
     if not any(within):
@@ -188,7 +188,7 @@ class _Line:
             faults.append(f"line {self.where}: {self._no_end()}")
             return None
         lasts = end - start if lasts is None and end is not None else lasts or 0.0
-        if end is not None and abs(start + lasts - end) > SLACK:
+        if end is not None and abs(start + lasts - end) > OUTSIDE_S:
             faults.append(
                 f"line {self.where}: end and duration contradict each other; leave one of them out"
             )

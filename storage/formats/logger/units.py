@@ -61,7 +61,7 @@ class Scale:
 
 
 def plain(text: str) -> str:
-    """A unit without what its writers differ in: letters' case, spaces, powers, signs."""
+    """A unit without differences in notation: case, spaces, powers, signs."""
     text = normalize("NFKC", text).replace("μ", "u").replace("°", "deg").strip()
     text = text.replace("**", "").replace("^", "").replace(" ", "").replace("·", "")
     text = text.lower().replace("_", "/").replace("mps2", "m/s2").replace("mpss", "m/s2")
@@ -97,7 +97,7 @@ def is_in_g(text: str) -> bool:
 
 
 def quantity_of(text: str) -> str | None:
-    """The quantity that a unit alone tells, if it does: `g` and `s` do, a stray word does not."""
+    """The quantity that a unit alone identifies, if any: `g` and `s` do, a stray word does not."""
     for quantity in ("rate", "force", "time", "angle", "warmth"):
         if text and scale(quantity, text, 1.0) is not None:
             return quantity

@@ -18,7 +18,7 @@ Texts = Mapping[str, tuple[str, ...]]
 
 
 class MalformedError(ValueError):
-    """Bytes that are no message of the type that their channel names."""
+    """Bytes that are not a message of the type of their channel."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ MAX_RUN_BYTES = 2**24  # bytes of messages outside of chunks that are taken toge
 MAX_CHUNK_BYTES = 2**28  # unpacked; recorders make chunks of some megabytes
 CHUNKS_AHEAD = 16  # chunks that are open at the same time
 COMPRESSIONS = ("zstd", "lz4", "")
-PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
+PREFIX = RECORD.size + 2  # the bytes with the length and channel of a message
 DESCRIPTIONS = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
 FAULTS = (
     ArithmeticError,

@@ -19,9 +19,9 @@ from storage.formats.mcap.chunk_writer import ChunkWriter
 from storage.formats.mcap.topics import MESSAGES
 from storage.whole_files import drafted
 
-BLOCK = 60.0  # s, so far apart the chunks of different topics may lie in time
+BLOCK = 60.0  # s: largest distance in time between chunks of different topics
 PERIOD = 0.5  # s, between two flushes to the disk
-PATIENCE = 10.0  # s, for which a disk may keep what was given waiting
+PATIENCE = 10.0  # s for which a disk may delay writing
 LAST_SECOND = 2**31 - 1  # of the stamps of ROS 2, in 2038
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
@@ -147,7 +147,7 @@ class RawWriter:
                 self._put_manifest(manifest)  # without it, rows have no unit and no station
             for name, stream in _joined(given):
                 _put(self._chunks, name, stream, self._origin or 0)
-            self._put_manifest(manifest)  # behind the rows of the segments that it tells
+            self._put_manifest(manifest)  # after the rows of the segments that it lists
             if given or manifest is not None:
                 self._chunks.flush()
             with self._giving:
@@ -169,7 +169,7 @@ def _origin(manifest: Manifest, first: float, last: float) -> int:
     try:
         day = datetime.fromisoformat((manifest.model_extra or {})["acquired_at"])
         since = (day - EPOCH) // timedelta(microseconds=1) * 1000
-    except (KeyError, TypeError, ValueError):  # not told, or no time with an offset from UTC
+    except (KeyError, TypeError, ValueError):  # not stated, or without an offset from UTC
         return earliest
     return since if earliest <= since <= (LAST_SECOND - max(last, 0.0)) * NANO else earliest
 

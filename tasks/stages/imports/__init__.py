@@ -1,1 +1,1 @@
-"""A logger's table taken into the store: what was understood is shown first."""
+"""A logger's table, imported into the store: what was understood is shown first."""

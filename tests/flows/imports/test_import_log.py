@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -145,7 +146,7 @@ def test_a_table_is_no_recording_of_other_commands(mimucal, tmp_path: Path) -> N
 def test_version_names_program_release_and_digest(mimucal) -> None:
     done = mimucal("--version")
     assert done.code == 0
-    assert done.out.startswith("mimucal 0.1.0+")
+    assert done.out.startswith(f"mimucal {version('mimucal')}+")
 
 
 def test_the_right_unit_is_that_of_the_file_however_often_it_is_said(

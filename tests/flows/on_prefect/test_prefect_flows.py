@@ -72,6 +72,7 @@ dwell_s = 6.0
 ORDERS = """
 import asyncio, json, os, sqlite3, sys
 from collections import Counter
+from flows import run_orders
 from flows.carry_out import as_flow_run, carry_out
 from schemas.certificate_orders import CheckOrder, IssueOrder, ProduceOrder
 from schemas.orders import ApplyOrder, CalibrateOrder
@@ -80,12 +81,12 @@ from storage.catalogue.connection import Busy
 from storage.home import home
 
 station, procedure, out, key = sys.argv[1:]
-(drafted,) = as_flow_run("produce", ProduceOrder(station=station, procedure=procedure))
+(drafted,) = as_flow_run(run_orders.produce, ProduceOrder(station=station, procedure=procedure))
 run = drafted.certificate.calibration.run
-as_flow_run("apply", ApplyOrder(calibration=run, run=run, out=out))
+as_flow_run(run_orders.apply, ApplyOrder(calibration=run, run=run, out=out))
 states = [
-    carry_out("check", CheckOrder(certificate=key, by="Li"), key).state,
-    carry_out("issue", IssueOrder(certificate=key, by="Zhao"), key).state,
+    carry_out(run_orders.check, CheckOrder(certificate=key, by="Li"), key).state,
+    carry_out(run_orders.issue, IssueOrder(certificate=key, by="Zhao"), key).state,
 ]
 
 database.BUSY_S = 0.2
@@ -97,7 +98,7 @@ def released(self, *sentence):
     busy.append(sentence)
     Exception.__init__(self, *sentence)
 Busy.__init__ = released
-again = as_flow_run("calibrate", CalibrateOrder(run=run))
+again = as_flow_run(run_orders.calibrate, CalibrateOrder(run=run))
 
 async def observed():
     from prefect.client.orchestration import get_client

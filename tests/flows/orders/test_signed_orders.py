@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from flows import run_orders
 from flows.carry_out import carry_out
 from flows.orders import signed_orders
 from flows.orders.signed_orders import accepted, carry_out_signed, sign
@@ -192,9 +193,9 @@ def test_an_order_that_the_rules_refuse_is_not_kept_for_a_better_moment(
 def test_pages_carry_out_what_they_signed_and_a_desk_needs_no_signature(
     place: Home, order: CheckOrder
 ) -> None:
-    assert carry_out_signed("check", order).state == "checked"
+    assert carry_out_signed(run_orders.check, order).state == "checked"
     other = CheckOrder(certificate=draft(place, "2").certificate.number, by="Zhao")
-    assert carry_out("check", other, other.certificate).state == "checked"
+    assert carry_out(run_orders.check, other, other.certificate).state == "checked"
     assert state(place) == {"checked"}
 
 

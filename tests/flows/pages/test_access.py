@@ -168,16 +168,16 @@ def test_a_name_that_nobody_has_is_shut_like_any_other_and_not_kept(
 def test_many_addresses_do_not_try_one_account_forever_nor_one_address_all_accounts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(passwords, "NOBODY", "none")  # takes no time, on purpose
+    monkeypatch.setattr(passwords, "DUMMY_HASH", "none")  # takes no time, on purpose
     gate = passwords.Gate()
     user = User(name="W", role="viewer", password="none", added_at="2026-11-27T00:00:00Z")
     for number in range(20):
         gate.check(user, "wrong", "W", f"10.0.0.{number}")
-    assert gate.is_shut("W", "10.0.1.1")
+    assert gate.is_locked("W", "10.0.1.1")
     for number in range(60):
         gate.check(None, "wrong", f"name {number}", "10.0.2.2")
-    assert gate.is_shut("anybody", "10.0.2.2")
-    assert not gate.is_shut("anybody", "10.0.2.3")
+    assert gate.is_locked("anybody", "10.0.2.2")
+    assert not gate.is_locked("anybody", "10.0.2.3")
 
 
 def test_every_request_that_is_refused_is_a_line_of_the_log(

@@ -10,6 +10,7 @@ import pytest
 from flows.pages.app import make_app
 from flows.pages.discrepancy import PAGE
 from flows.pages.discrepancy_data import data
+from flows.pages.models.discrepancy import DiscrepancyQuestion
 from flows.pages.page import View
 from schemas.discrepancy import (
     Consequence,
@@ -20,7 +21,6 @@ from schemas.discrepancy import (
     HeldOut,
     ReportedFinding,
 )
-from schemas.pages.discrepancy import DiscrepancyQuestion
 from schemas.review import (
     KeptReview,
     Moment,

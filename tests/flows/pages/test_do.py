@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 
 from flows.pages.do import answer, data, layout, step_answer
+from flows.pages.models.do import DoQuestion
 from flows.pages.orders import FIELDS, Orders
 from flows.pages.page import View
 from schemas.access import MAY, ROLES, Action, Role, Visitor
 from schemas.base import Unusable
-from schemas.pages.do import DoQuestion
 from storage.catalogue import trail
 from storage.home import Home
 from tests.drafts import draft

@@ -10,9 +10,9 @@ import pytest
 from flows.pages import due_data
 from flows.pages.due import PAGE
 from flows.pages.due_data import data, due_state
+from flows.pages.models.due import DueQuestion, DueShown
 from flows.pages.page import View
 from schemas.base import Unusable
-from schemas.pages.due import DueQuestion, DueShown
 from storage.catalogue import certificates, equipment, reminders
 from storage.home import Home
 from tasks.reminders.send import pause

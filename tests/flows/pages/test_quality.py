@@ -14,13 +14,13 @@ import pandas as pd
 import pytest
 
 from flows.pages.app import make_app
+from flows.pages.models.quality import QualityQuestion, QualityShown
 from flows.pages.numbers import csv_of
 from flows.pages.page import View
 from flows.pages.passwords import hashed
 from flows.pages.quality import PAGE
 from flows.pages.quality.data import data
 from schemas.base import Unusable
-from schemas.pages.quality import QualityQuestion, QualityShown
 from storage import dataframes
 from storage.catalogue import certificates, results, run_index, users
 from storage.home import Home
@@ -44,7 +44,7 @@ def shown(home: Home) -> QualityShown:
 
 def visits(home: Home, model: str) -> tuple[list[str], set[str]]:
     """First runs that count, and those of them that passed, by their ids."""
-    runs = dataframes.runs(home).sort_values("taken_in_at")
+    runs = dataframes.runs(home).sort_values("imported_at")
     papers = dataframes.certificates(home).set_index("run")["verdict"].to_dict()
     valid = dataframes.results(home)
     whole = {run: group["value"].notna().all() for run, group in valid.groupby("run")}

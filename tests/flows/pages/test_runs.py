@@ -7,15 +7,15 @@ from typing import get_args
 
 import pytest
 
+from flows.pages.models.runs import RunsQuestion
 from flows.pages.page import View
 from flows.pages.runs import conditions_from, conditions_of, data, filter_model, row
 from flows.pages.states import result_state, validity_state, verdict_state
 from schemas.base import Unusable
 from schemas.certificate import State
-from schemas.pages.runs import Condition, ResultState, RunLine, RunsQuestion
 from schemas.text import RunVerdict
 from storage.catalogue import results
-from storage.catalogue.run_states import run_list
+from storage.catalogue.run_states import Condition, ResultState, RunLine, run_list
 from storage.catalogue.runs import add
 from storage.home import Home
 from tests.drafts import calibration_of, draft, recording_of
@@ -23,7 +23,7 @@ from tests.drafts import calibration_of, draft, recording_of
 LINE = RunLine(
     id="r1", recording_id="run", unit=1, manufacturer="M", model="U", serial="1", station="T1",
     procedure=None, standard="other", recorded_on=date(2026, 1, 2),
-    taken_in_at=datetime(2026, 1, 2, tzinfo=UTC), seconds=3.0, result="c1", method="jjf2003",
+    imported_at=datetime(2026, 1, 2, tzinfo=UTC), seconds=3.0, result="c1", method="jjf2003",
     made_at=None, validity="valid", missing=0, fault=None, result_state="whole",
     certificate="A-1", state="issued", verdict="pass", due=None,
 )  # fmt: skip
@@ -83,7 +83,7 @@ def test_filters_find_text_as_it_stands(store: Home) -> None:
 
 def test_filters_on_numbers_days_and_what_is_missing(store: Home) -> None:
     today = datetime.now(UTC).date()
-    assert len(serials(store, Condition(column="taken_in_at", kind="equals", value=today))) == 3
+    assert len(serials(store, Condition(column="imported_at", kind="equals", value=today))) == 3
     assert serials(store, Condition(column="seconds", kind="greater", value=10.0)) == []
     missing = Condition(column="state", kind="among", values=(None,))
     assert serials(store, missing) == ["<script>alert(1)</script>"]

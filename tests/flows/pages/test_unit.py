@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flows.pages.models.unit import UnitQuestion, UnitShown
 from flows.pages.page import View
 from flows.pages.unit import PAGE
 from flows.pages.unit_data import data
 from schemas.base import Unusable
-from schemas.pages.unit import UnitQuestion, UnitShown
 from storage import dataframes
 from storage.catalogue import certificates, runs
 from storage.home import Home

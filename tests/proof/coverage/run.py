@@ -11,7 +11,7 @@ from schemas.validation import TARGET_SHARE, Coverage
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.validation.coverage import Errors, errors_of, summarise, wilson
+from tasks.validation.coverage import Errors, errors_of, interval_of_share, summarise
 from tests.proof.coverage.other_tables import OTHERS
 
 REPORT = Path(__file__).parents[1] / "evidence" / "coverage.md"
@@ -53,8 +53,12 @@ def main(units: int, seed: int) -> None:
 def _row(table: str, method: str, found: dict[str, Coverage]) -> str:
     by = {f"{item}.{e}": (x, c.units) for item, c in found.items() for e, x in c.by_element.items()}
     low, high = TARGET_SHARE
-    short = ", ".join(f"{e} {100 * x:.1f}" for e, (x, n) in by.items() if wilson(x, n)[1] < low)
-    long = ", ".join(f"{e} {100 * x:.1f}" for e, (x, n) in by.items() if wilson(x, n)[0] > high)
+    short = ", ".join(
+        f"{e} {100 * x:.1f}" for e, (x, n) in by.items() if interval_of_share(x, n)[1] < low
+    )
+    long = ", ".join(
+        f"{e} {100 * x:.1f}" for e, (x, n) in by.items() if interval_of_share(x, n)[0] > high
+    )
     inside = sum(low <= x <= high for x, _ in by.values())
     return f"| {table} | {method} | {len(by)} | {inside} | {short or '—'} | {long or '—'} |"
 

@@ -142,7 +142,7 @@ def _free_port() -> int:
 def copy_runs(source: Home, url: str, count: int) -> None:
     """Copies the rows of the first runs of a catalogue, as their import made them, into another."""
     rows = {table: database.rows(source, sql.select(table)) for table in COPIED}
-    runs = sorted(rows[tables.runs], key=lambda row: (row.taken_in_at, row.id))[:count]
+    runs = sorted(rows[tables.runs], key=lambda row: (row.imported_at, row.id))[:count]
     ids = {row.id for row in runs}
     with catalogue(url), database.changing(source) as connection:
         for table, found in rows.items():

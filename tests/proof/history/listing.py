@@ -66,7 +66,7 @@ def _fill(home: Home) -> None:
         {
             "id": f"r{number:012x}", "digest": f"{number:064x}", "recording_id": f"run {number}",
             "unit": 1, "standard": "JJF 2003-2022",
-            "taken_in_at": BEGAN + timedelta(minutes=number), "seconds": 1440.0, "rows": 150_000,
+            "imported_at": BEGAN + timedelta(minutes=number), "seconds": 1440.0, "rows": 150_000,
             "station": "T1",
         }
         for number in range(ROWS)

@@ -12,9 +12,9 @@ import numpy as np
 Counts = dict[str, tuple[int, int]]  # passed, of
 RUNS = """
 with told as (
-    select r.id as run, u.model, u.serial, r.station, r.recorded_on as day, r.taken_in_at as at,
+    select r.id as run, u.model, u.serial, r.station, r.recorded_on as day, r.imported_at as at,
         julianday(r.recorded_on) - lag(julianday(r.recorded_on)) over (
-            partition by r.unit order by r.recorded_on, r.taken_in_at, r.id) as pause,
+            partition by r.unit order by r.recorded_on, r.imported_at, r.id) as pause,
         (select o.result from outcomes o where o.run = r.id
             order by o.made_at desc limit 1) as result,
         (select c.number from certificates c where c.run = r.id

@@ -31,7 +31,7 @@ with last as (
     from runs r join units u on u.id = r.unit
 )
 select l.id, l.model, l.serial, l.station, l.day, l.seconds, o.missing, o.verdict as validity,
-    c.number, c.state, c.verdict, c.due, c.purpose, l.made, l.unit, l.taken_in_at
+    c.number, c.state, c.verdict, c.due, c.purpose, l.made, l.unit, l.imported_at
 from last l left join outcomes o on o.result = l.made left join certificates c on c.number = l.paper
 """
 SAME = ("model", "serial", "station", "seconds", "missing", "validity", "state", "verdict", "due")
@@ -63,7 +63,7 @@ def _one(database: sqlite3.Connection, sql: str, *values: Any) -> Any:
 
 def _line(database: sqlite3.Connection, shown: dict[str, Any]) -> Iterator[Pair]:
     today = shown["today"]
-    rows = database.execute(f"{LISTED} where date(l.taken_in_at) = ?", (today["day"],)).fetchall()
+    rows = database.execute(f"{LISTED} where date(l.imported_at) = ?", (today["day"],)).fetchall()
     yield "line runs", today["runs"], len(rows)
     for name in ("valid", "remarks", "invalid"):
         yield f"line {name}", today[name], sum(row["validity"] == name for row in rows)
@@ -105,7 +105,7 @@ def _unit_list(database: sqlite3.Connection, shown: dict[str, Any]) -> Iterator[
 def _unit(database: sqlite3.Connection, shown: dict[str, Any]) -> Iterator[Pair]:
     number = shown["unit"]["id"]
     runs = database.execute(
-        f"select * from ({LISTED}) where unit = ? order by day, taken_in_at, id", (number,)
+        f"select * from ({LISTED}) where unit = ? order by day, imported_at, id", (number,)
     ).fetchall()
     issued = "select number from certificates where unit = ? order by number"
     own = [row["number"] for row in database.execute(issued, (number,))]

@@ -86,9 +86,9 @@ def _keep(home: Home, unit: LineUnit, made: list[LineRun], numbers: _Numbers) ->
             _add(rows, home, unit, run, manifest, number, numbers)
         for name, some in rows.items():
             database.add_all_new(connection, tables.metadata.tables[name], some)
-        for row in rows["runs"]:  # those that were taken in today were taken in long ago
+        for row in rows["runs"]:  # those that were imported today were imported long ago
             then = sql.update(tables.runs).where(tables.runs.c.id == row["id"])
-            connection.execute(then.values(taken_in_at=row["taken_in_at"]))
+            connection.execute(then.values(imported_at=row["imported_at"]))
 
 
 def manifest_for(unit: LineUnit, run: LineRun) -> Manifest:
@@ -111,7 +111,7 @@ def _add(
     rows["runs"].append({
         "id": calibration.run, "digest": calibration.digest,
         "recording_id": calibration.recording_id, "unit": key, "standard": manifest.standard,
-        "taken_in_at": taken_in, "seconds": SECONDS, "rows": ROWS, **lineage.provenance(manifest),
+        "imported_at": taken_in, "seconds": SECONDS, "rows": ROWS, **lineage.provenance(manifest),
     })  # fmt: skip
     rows["results"].append({
         "id": result, "run": calibration.run, "method": calibration.method,

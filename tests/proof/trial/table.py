@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from tasks.validation.coverage import wilson
+from tasks.validation.coverage import interval_of_share
 from tests.proof.trial.cost import Cost
 from tests.proof.trial.score import Score
 
@@ -22,7 +22,7 @@ class Rate:
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        return wilson(self.count / self.of, self.of) if self.of else None
+        return interval_of_share(self.count / self.of, self.of) if self.of else None
 
     def response(self) -> dict[str, object]:
         """As plain data."""

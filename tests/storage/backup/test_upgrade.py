@@ -22,7 +22,7 @@ from tests import postgres
 from tests.keep import take_number
 from tests.storage.test_run_status import status
 
-OLD = Path(__file__).parent.parent / "homes" / "2026-11-22.tar.xz"
+OLD = Path(__file__).parent.parent / "homes" / "0013.tar.xz"
 
 
 def silent(_: int, __: int) -> None:

@@ -2,12 +2,10 @@
 
 import sqlite3
 from collections.abc import Callable
-from datetime import date
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
-from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
@@ -17,7 +15,6 @@ from schemas.base import Unusable
 from storage.catalogue import certificates, database, run_index, tables
 from storage.catalogue import connection as connections
 from storage.catalogue.connection import Busy
-from storage.catalogue.dump import alone
 from storage.home import Home
 from tests.keep import take_number
 from tests.migrated import as_migrated, dump, every_revision
@@ -160,35 +157,6 @@ def test_password_of_the_database_is_not_printed(
     with pytest.raises(Unusable, match=r"127\.0\.0\.1") as caught:
         run_index.all_runs(fresh)
     assert "secret" not in str(caught.value)
-
-
-def test_home_of_the_first_revision_is_migrated_with_what_it_holds(
-    fresh: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    settings = Config()
-    settings.set_main_option("script_location", str(Path(database.__file__).parent / "migrations"))
-    fresh.path.mkdir(parents=True)
-    file = fresh.path / "catalog.sqlite"
-    with sql.create_engine(f"sqlite:///{file}").begin() as connection:
-        settings.attributes["connection"] = connection
-        command.upgrade(settings, "0001")
-        values = "'A-1','c','r',1,'draft','pass','2026-01-02','2026-01-03','2027-01-02'"
-        connection.exec_driver_sql(
-            "INSERT INTO certificates (number, result, run, unit, state, verdict, calibrated_on, "
-            "issued_on, due, kept_at, pdf, pdf_sha256, record, record_sha256) "
-            f"VALUES ({values}, '2026-01-03', '', '', '', '')"
-        )
-        connection.exec_driver_sql("INSERT INTO numbers VALUES ('A', 2026, 7)")
-    with pytest.raises(Unusable, match=r"revision 0001.*`mimucal upgrade`"):
-        database.rows(fresh, sql.select(tables.certificates))
-    with alone(fresh) as connection:
-        database.bring_to(connection, database.HEAD)
-    (row,) = database.rows(fresh, sql.select(tables.certificates))
-    assert (row.calibrated_on, row.due) == (date(2026, 1, 2), date(2027, 1, 2))
-    assert list(certificates.missing(fresh)) == []  # what an earlier version gave may have gaps
-    with database.changing(fresh) as connection:
-        assert certificates.next_number(connection, "A-2026-{serial:04d}") == "A-2026-0008"
-    assert list(certificates.missing(fresh)) == ["A-2026-0008"]
 
 
 def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(

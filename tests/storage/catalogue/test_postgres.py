@@ -209,7 +209,7 @@ def test_history_is_made_again_and_asked_for_as_in_sqlite(
 ) -> None:
     run = runs.add(small(), shared_catalogue)[0]
     before = results.save(calibrated(run, code_version="0.1.0+a"), shared_catalogue)
-    chosen = Selection(station="T1", code_version="0.1.0", since=run.taken_in_at.date())
+    chosen = Selection(station="T1", code_version="0.1.0", since=run.imported_at.date())
     assert [each.id for each in select(chosen, shared_catalogue)] == [run.id]
     (waiting,) = reprocessing.to_make([run], "now", shared_catalogue)
     reprocessing.keep_fault(waiting, "the bucket was off", "now", 1.0, shared_catalogue)

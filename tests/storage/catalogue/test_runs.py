@@ -1,4 +1,4 @@
-"""Recordings in the store: taken in once, found again, never lost."""
+"""Recordings in the store: imported once, found again, never lost."""
 
 import shutil
 import stat
@@ -47,7 +47,7 @@ def test_run_says_what_it_is(fresh: Home, small: Build) -> None:
     assert (run.manufacturer, run.model, run.serial) == ("Maker", "U", "7")
     assert (run.recording_id, run.standard, run.rows) == ("small", "other", 300)
     assert run.seconds == pytest.approx(2.99)
-    assert before <= run.taken_in_at <= datetime.now(UTC)
+    assert before <= run.imported_at <= datetime.now(UTC)
     assert run_index.all_runs(fresh) == [run]
 
 
@@ -179,7 +179,7 @@ def test_raw_recording_with_other_content_is_refused(fresh: Home, small: Build) 
     path = fresh.raw / f"{run.digest}.mcap"
     path.unlink()
     write_mcap(small(start=1.0), path)
-    with pytest.raises(Unusable, match="not what was taken in"):
+    with pytest.raises(Unusable, match="not what was imported"):
         runs.load(run, fresh)
 
 

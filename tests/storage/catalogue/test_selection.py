@@ -12,7 +12,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.orders import Selection
 from schemas.recording import Manifest, Recording
-from storage.catalogue import database, dump, results, run_index, runs, tables
+from storage.catalogue import database, results, run_index, runs, tables
 from storage.catalogue.completion import complete_runs
 from storage.catalogue.selection import select
 from storage.home import Home
@@ -49,7 +49,7 @@ def test_stations_serials_procedures_and_days_choose(fresh: Home, recorded) -> N
     assert chosen(fresh, procedure="JJF 2003-2022") == [two]
     assert chosen(fresh, until=date(2026, 3, 1)) == [one]
     assert chosen(fresh, since=date(2026, 3, 2), until=date(2026, 3, 2)) == [two]
-    today = run_index.find(three, fresh).taken_in_at.date()
+    today = run_index.find(three, fresh).imported_at.date()
     assert chosen(fresh, since=date(2026, 3, 2)) == [two, three]
     assert chosen(fresh, since=today) == [three]  # by its import: its manifest gives no day
 
@@ -61,18 +61,6 @@ def test_the_moment_of_the_first_row_gives_the_day_where_no_station_did(
     both = recorded(1.0, recorded_at="2026-03-02T07:00:00+08:00", acquired_at="2026-03-01T23:00Z")
     assert chosen(fresh, until=date(2026, 3, 1)) == [moment]
     assert chosen(fresh, since=date(2026, 3, 2), until=date(2026, 3, 2)) == [both]
-
-
-def test_a_run_of_the_earlier_revision_gets_the_day_of_its_first_row(fresh: Home, recorded) -> None:
-    run = recorded(0.0, acquired_at="2026-03-01T08:30:00+00:00")
-    with database.changing(fresh) as connection:
-        connection.execute(sql.update(tables.runs).values(recorded_on=None))
-        connection.execute(sql.text("UPDATE alembic_version SET version_num = '0008'"))
-    with dump.alone(fresh) as connection:
-        database.bring_to(connection, "0009")
-        connection.execute(sql.text("UPDATE alembic_version SET version_num = :head"),
-                           {"head": database.HEAD})  # fmt: skip
-    assert chosen(fresh, until=date(2026, 3, 1)) == [run]
 
 
 def test_the_version_of_the_newest_result_chooses(

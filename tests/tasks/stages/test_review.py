@@ -1,4 +1,4 @@
-"""Stage: recordings of a folder are taken in, and their statistics made once and kept."""
+"""Stage: recordings of a folder are imported, and their statistics made once and kept."""
 
 from datetime import date
 from pathlib import Path

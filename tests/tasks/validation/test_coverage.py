@@ -9,7 +9,7 @@ import pytest
 from schemas.calibration import Calibration
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.validation.coverage import coverage_check, simulate, study, summarise, wilson
+from tasks.validation.coverage import coverage_check, interval_of_share, simulate, study, summarise
 from tests.tasks.items_only import items_only
 
 METHODS = {name: partial(items_only, spec) for name, spec in SPECIFICATIONS.items()}
@@ -46,8 +46,8 @@ def test_a_few_units_are_no_evidence() -> None:
 
 def test_wilson_interval_is_the_published_one() -> None:
     # Newcombe, Statist. Med. 17, 1998, table I: 81 of 263 gives 0.2553 to 0.3662.
-    assert wilson(81 / 263, 263) == pytest.approx((0.2553, 0.3662), abs=5e-5)
-    assert wilson(0.0, 20) == pytest.approx((0.0, 0.1611), abs=5e-5)
+    assert interval_of_share(81 / 263, 263) == pytest.approx((0.2553, 0.3662), abs=5e-5)
+    assert interval_of_share(0.0, 20) == pytest.approx((0.0, 0.1611), abs=5e-5)
 
 
 def test_a_study_counts_every_unit_of_every_method(monkeypatch: pytest.MonkeyPatch) -> None:

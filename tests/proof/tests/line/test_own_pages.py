@@ -42,7 +42,7 @@ def test_every_number_is_the_catalogues(line_store, catalogue: Path) -> None:
     ("update elements set value = value + 1e-6 where item = 'gyro_bias'", "unit"),
     ("update outcomes set verdict = 'invalid'", "runs"),
     ("update certificates set due = '2027-01-01' where due is not null", "due"),
-    ("insert or replace into explained select id, taken_in_at, '1', 'explained' from runs",
+    ("insert or replace into explained select id, imported_at, '1', 'explained' from runs",
      "explained"),
 ])  # fmt: skip
 def test_a_number_that_is_not_is_seen(line_store, catalogue: Path, change: str, page: str) -> None:

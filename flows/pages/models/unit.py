@@ -5,10 +5,11 @@ from typing import Literal
 
 from pydantic import Field
 
+from flows.pages.models.run import CertificateShown
 from schemas.base import Finite, Frozen
-from schemas.decision import Verdict
-from schemas.pages.run import CertificateShown
 from schemas.text import Statement
+from storage.catalogue.units import UnitLine
+from tasks.quality.charts import DriftRate
 
 LISTED = 2000
 AsMeasured = Literal["found", "left", "invalid"]
@@ -25,20 +26,6 @@ class UnitQuestion(Frozen):
     search: str = Field(default="", max_length=200)
 
 
-class UnitLine(Frozen):
-    """A unit with its runs; certificate, verdict, due: of its newest issued certificate."""
-
-    id: int
-    manufacturer: str
-    model: str
-    serial: str
-    runs: int
-    last_run: date | None
-    certificate: str | None = None
-    verdict: Verdict | None = None
-    due: date | None = None
-
-
 class Reading(Frozen):
     """What one run found. state: as found, as left after an adjustment, or of an invalid run."""
 
@@ -48,14 +35,6 @@ class Reading(Frozen):
     state: AsMeasured
     value: Finite | None
     U: Finite | None
-
-
-class DriftShown(Frozen):
-    """Change in a year with U, in the element's unit, by so many readings of valid runs."""
-
-    per_year: Finite
-    U: Finite
-    readings: int
 
 
 class AdjustmentShown(Frozen):
@@ -79,7 +58,7 @@ class ElementHistory(Frozen):
     upper: Finite | None
     value: Finite | None
     U: Finite | None
-    drift: DriftShown | None
+    drift: DriftRate | None
     readings: tuple[Reading, ...]
     adjustments: tuple[AdjustmentShown, ...]
 

@@ -7,21 +7,11 @@ from pydantic import Field
 
 from schemas.base import Finite, Frozen
 from schemas.text import Statement
+from tasks.quality.capability import CapabilityIndex
 
 Plotted = Literal["value", "change"]
 Cause = Literal["adjusted", "station", "equipment"]
 Name = Field(default=None, max_length=200)
-
-
-class QualityFile(Frozen):
-    """`quality.toml` of the home: what the laboratory says of its production.
-
-    golden: serial numbers of units that are measured again and again to check the stations. They
-    are no production: they count in no yield and no capability.
-    """
-
-    format: Literal["mimu-quality/1"] = "mimu-quality/1"
-    golden: tuple[str, ...] = ()
 
 
 class QualityQuestion(Frozen):
@@ -106,14 +96,6 @@ class Counted(Frozen):
     invalid: int
 
 
-class IndexShown(Frozen):
-    """An index of capability with its 95 % interval; null where limits or values give none."""
-
-    value: Finite | None
-    low: Finite | None = None
-    high: Finite | None = None
-
-
 class CapabilityShown(Frozen):
     """Of the values of valid first runs. mean, within, overall: in the element's unit.
 
@@ -130,10 +112,10 @@ class CapabilityShown(Frozen):
     mean: Finite | None
     within: Finite | None
     overall: Finite | None
-    cp: IndexShown
-    cpk: IndexShown
-    pp: IndexShown
-    ppk: IndexShown
+    cp: CapabilityIndex
+    cpk: CapabilityIndex
+    pp: CapabilityIndex
+    ppk: CapabilityIndex
     margin_median: Finite | None
     margin_95: Finite | None
     over: int

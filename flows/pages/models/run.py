@@ -7,11 +7,11 @@ from pydantic import Field
 from schemas.base import Finite, Frozen
 from schemas.certificate import State
 from schemas.decision import LimitDecision, Verdict
-from schemas.pages.runs import RunLine
 from schemas.recording import Axis, Kind, Up
 from schemas.run_log import LogEntry
 from schemas.text import Remark, RunVerdict, Statement
 from schemas.uncertainty import Budget
+from storage.catalogue.run_states import RunLine
 
 
 class SignalsQuestion(Frozen):

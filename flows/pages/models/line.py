@@ -88,7 +88,7 @@ class StationNow(Frozen):
 
 
 class Output(Frozen):
-    """What a local day made: runs taken in, by the verdict on them and on their units.
+    """What a local day made: runs imported, by the verdict on them and on their units.
 
     not_judged: runs without a result. issued: certificates that were issued on that day.
     """

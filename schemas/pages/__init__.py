@@ -1,1 +1,0 @@
-"""The content of the operations pages: one model for each page and its JSON."""
