@@ -95,9 +95,14 @@ class Evidence:
         """Readings that the fit used."""
         return self.fit.blocks.used
 
+    @cached_property
+    def chi2(self) -> float:
+        """Of all rows, with every finding."""
+        return self._chi2([])
+
     def gain(self, *numbers: int) -> float:
         """Chi-squared lost when some findings are left out and all else is fitted again."""
-        return self._chi2(numbers) - self._chi2([])
+        return self._chi2(numbers) - self.chi2
 
     def evidence(self, number: int) -> float:
         """The gain relative to the residual, gain/φ, as 2·ln of the likelihood ratio of so many

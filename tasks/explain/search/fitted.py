@@ -30,10 +30,8 @@ from tasks.explain.search.refit import fitted, linearised, model_of, with_later_
 from tasks.explain.search.rivals import with_rivals
 from tasks.explain.search.scores import rank
 from tasks.explain.search.stepwise import (
-    SEARCH_BUDGET,
     Selected,
     Selection,
-    TimeBudget,
     initial_noises,
     noises_beside,
     search,
@@ -151,12 +149,10 @@ def searched(
     prepared: Prepared,
     only: Sequence[str] | None = None,
     progress: Progress = silent,
-    seconds: float = SEARCH_BUDGET,
 ) -> Searched:
     """The effects that a search selects of the catalogue and of empirical terms.
 
-    only: names of the catalogue that are fitted instead, without a search. seconds: of processor
-    time after which a search keeps what it has.
+    only: names of the catalogue that are fitted instead, without a search.
     """
     tell(progress, "candidates")
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
@@ -178,7 +174,7 @@ def searched(
     # The design, half a gigabyte of an hour's columns, ends with the search that refines it.
     fit = alternated(
         banded_design(coarse, coarse.readings, columns, half), searched_by_name(candidates), fine,
-        TimeBudget.of(seconds), partial(tell, progress, "search"),
+        partial(tell, progress, "search"),
     )  # fmt: skip
     return Searched(prepared, candidates, coarse, fit)
 
@@ -216,23 +212,19 @@ def alternated(
     design: BandedDesign,
     candidates: Sequence[Candidate],
     blocks: Blocks,
-    budget: TimeBudget,
     done: Callable[[float], None],
 ) -> FittedSelection:
     """Alternates search and fit: after each fit, the residual is searched again about its values.
 
-    budget: after which neither continues. done: is called with the share of searches completed.
+    done: is called with the share of searches completed.
     """
     noises = initial_noises(design)
     nuisances = [one for one in candidates if one.nuisance]
     design, candidates = with_proposed_shapes(design, candidates, noises, nuisances)
-    selection = search(design, candidates, nuisances, noises, budget)
+    selection = search(design, candidates, nuisances, noises)
     fit = FittedSelection.of(selection, blocks, design.blocks.rate)
     for number in range(1, MAX_SEARCHES if selection.selected else 1):
         done(number / MAX_SEARCHES)
-        if budget.spent:
-            fit = replace(fit, selection=replace(fit.selection, stopped=True))
-            break
         before = fit.selection.candidates
         candidates = _updated(candidates, before)
         design = with_columns(design, *linearised(fit.model, design.blocks, before))
@@ -240,7 +232,7 @@ def alternated(
         firm = [one for one in before if one.prior is None]
         noises = noises_beside(design, firm, fit.selection.noises)
         design, candidates = with_proposed_shapes(design, candidates, noises, firm)
-        again = search(design, candidates, firm, noises, budget)
+        again = search(design, candidates, firm, noises)
         fit = fit.reselected(replace(again, p_value=selection.p_value))
         if {one.key for one in again.candidates} == {one.key for one in before}:
             break
