@@ -25,6 +25,7 @@ from tasks.explain.search.design import (
     with_columns,
 )
 from tasks.explain.search.empirical import empirical
+from tasks.explain.search.linearised import Derivatives, FittedModel
 from tasks.explain.search.proposals import with_proposed_shapes
 from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
 from tasks.explain.search.rivals import with_rivals
@@ -68,7 +69,10 @@ class FittedSelection:
     ) -> "FittedSelection":
         """start: a model whose values the fit starts from."""
         candidates = selection.candidates
-        model = model_of([(one, selection.prior_precision(one)) for one in candidates], blocks)
+        model = FittedModel.of_model(
+            model_of([(one, selection.prior_precision(one)) for one in candidates], blocks),
+            _derivatives(start, blocks),
+        )
         if start is not None:
             model = model.with_values_of(start)
         model = fitted(model, blocks, _at_rate(selection.noises, blocks.rate / search_rate))
@@ -90,6 +94,13 @@ class FittedSelection:
         keys = {one.candidate.key for one in selected}
         kept = tuple(one for one in self.selection.selected if one.candidate.key not in keys)
         return self.reselected(replace(self.selection, selected=kept))
+
+
+def _derivatives(start: Model | None, blocks: Blocks) -> Derivatives:
+    """Those of a model that was fitted to the same blocks; else new ones."""
+    if isinstance(start, FittedModel) and start.derivatives.motion is blocks.motion:
+        return start.derivatives
+    return Derivatives(blocks.motion)
 
 
 @dataclass(frozen=True)
