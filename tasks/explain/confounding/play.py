@@ -29,7 +29,8 @@ def with_play(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSe
     tips = [one for one in candidates if isinstance(one.term, Tip)]
     if not named or not tips or any(one.absorbed_by for one in named):
         return fit
-    members = (_best_tip(fit.without(named), tips),)
+    rest = fit.model.without({one.candidate.term.key for one in named})
+    members = (_best_tip(replace(fit, model=rest), tips),)
     tipping = Combination.of(members, TILTING, fit)
     bending = Combination(tuple(one.candidate for one in named), fit)
     linear = LinearForms(TILTING, (members,), fit)

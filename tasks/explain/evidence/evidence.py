@@ -69,10 +69,17 @@ class Evidence:
                 mine += [position[p] for p in fitted]
                 values += model.values[fitted].tolist()
             own.append((mine, np.array(values)))
-        misfit, fold = blocks.readings - prediction, fold_cells(blocks)
+        misfit, fold, cells = (
+            blocks.readings - prediction,
+            fold_cells(blocks),
+            scatter_cells(blocks),
+        )
+        by_fold = by_cell = cell_equations(columns, misfit, blocks, fit.noises, fold)
+        if not np.array_equal(fold, cells):
+            by_cell = cell_equations(columns, misfit, blocks, fit.noises, cells)
         prior = np.concatenate([model.prior[free], np.zeros(len(known))])
         scatter = Scatter(
-            cell_equations(columns, misfit, blocks, fit.noises, scatter_cells(blocks)),
+            by_cell,
             tuple(np.array(mine, int) for mine, _ in own),
             tuple(group.random for group in groups),
             prior,
@@ -82,7 +89,7 @@ class Evidence:
             fit,
             groups,
             equations_of(columns, misfit, blocks, fit.noises),
-            cross_validation(cell_equations(columns, misfit, blocks, fit.noises, fold)),
+            cross_validation(by_fold),
             scatter,
             tuple(own),
             tuple(known),

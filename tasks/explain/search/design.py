@@ -7,7 +7,7 @@ one set of parameters; the standard's model is projected out of it first (Frisch
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -59,6 +59,7 @@ class BandedDesign:
     """All channels; None for one that was not recorded. columns: of every parameter.
 
     half: (p,) half of the range that a parameter may plausibly have, which is prior knowledge.
+    latest: the normal equations that were asked for last, by their noises.
     """
 
     blocks: Blocks
@@ -66,6 +67,7 @@ class BandedDesign:
     channels: tuple[ChannelDesign | None, ...]
     columns: tuple[Column, ...]
     half: np.ndarray
+    latest: dict[tuple[Noise, ...], "NormalEquations"] = field(default_factory=dict, init=False)
 
 
 @dataclass(frozen=True)
@@ -201,6 +203,14 @@ def _products(
 
 def normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEquations:
     """The normal equations by the noise of each channel."""
+    wanted = tuple(noises)
+    if wanted not in design.latest:
+        design.latest.clear()
+        design.latest[wanted] = _normal_equations(design, wanted)
+    return design.latest[wanted]
+
+
+def _normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEquations:
     count = len(design.columns)
     normal, right, full = np.zeros((count, count)), np.zeros(count), np.zeros(count)
     misfit = 0.0

@@ -101,14 +101,14 @@ class _Settled:
             return self.nearly_linear or self._small(step)
         else:
             self.tried += 1
-            self.nearly_linear = self.tried == 1 and self._small(step)
+            self.nearly_linear = self.tried == 1 and self._small(step, SETTLED**2)
         return self._small(step)
 
-    def _small(self, step: Step) -> bool:
+    def _small(self, step: Step, no_gain: float = NO_GAIN) -> bool:
         # u is as much larger as the model is wrong
         dispersion = max(1.0, step.misfit / self.used)
         moves = np.abs(step.change) > SETTLED * np.sqrt(dispersion) * step.u + 1e-300
-        return not moves.any() or step.gain < NO_GAIN * dispersion
+        return not moves.any() or step.gain < no_gain * dispersion
 
 
 def linearised(

@@ -82,9 +82,8 @@ def search(
         noises = initial_noises(design)
     p_value = 1.0
     visited = {_keys(selected)}
-    equations = normal_equations(design, noises)
     while len(selected) < MAX_SELECTED:
-        ranked = rank(equations, candidates, selected)
+        ranked = rank(normal_equations(design, noises), candidates, selected)
         if not ranked:
             break
         corrected = min(1.0, ranked[0].p_value * len(candidates))
@@ -96,10 +95,10 @@ def search(
         noises = noises_beside(design, selected, noises)
         selected = _revised(normal_equations(design, noises), candidates, selected)
         noises = noises_beside(design, selected, noises)
-        equations = normal_equations(design, noises)
         if _keys(selected) in visited:  # what was added does not stand
             break
         visited.add(_keys(selected))
+    equations = normal_equations(design, noises)
     found = _with_gains(equations, candidates, selected)
     return Selection(found, noises, p_value, equations)
 

@@ -54,7 +54,7 @@ def test_evidence_is_said_in_plain_words() -> None:
 
 def test_strong_evidence_is_not_said_beside_a_share_of_nothing() -> None:
     en, zh = texts(answer(explanation(finding(share=0.0, delta_bic=512.3, held_out_gain=250.0))))
-    assert "0 %" not in en
+    assert "removes 0 %" not in en
     assert "it shows in all of them together" in en
     assert "ΔBIC = 512: very strong evidence" in en
     assert "只有把全部读数合在一起才显现" in zh
