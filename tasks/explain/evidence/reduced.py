@@ -110,7 +110,7 @@ def _reduced(evidence: Evidence, number: int, change: _Change) -> Evidence:
         values,
     )
     return Evidence(
-        _fit(evidence, number, kept, values),
+        _fit(evidence, number, kept, values, whole.normal()[0] + np.diag(prior)),
         groups,
         whole,
         folds,
@@ -122,8 +122,13 @@ def _reduced(evidence: Evidence, number: int, change: _Change) -> Evidence:
     )
 
 
-def _fit(evidence: Evidence, number: int, kept: np.ndarray, values: np.ndarray) -> FittedSelection:
-    """The selection without a finding, its model where the equations have their optimum."""
+def _fit(
+    evidence: Evidence, number: int, kept: np.ndarray, values: np.ndarray, normal: np.ndarray
+) -> FittedSelection:
+    """The selection without a finding, its model where the equations have their optimum.
+
+    normal: (k, k) of the columns that stay, with what is known beforehand.
+    """
     fit, group = evidence.fit, evidence.groups[number]
     keys = {one.candidate.key for one in group.selected}
     selected = tuple(one for one in fit.selection.selected if one.candidate.key not in keys)
@@ -132,8 +137,9 @@ def _fit(evidence: Evidence, number: int, kept: np.ndarray, values: np.ndarray) 
     moved, still_free = np.zeros(len(model.values)), np.zeros(len(model.values), bool)
     moved[~model.free] = model.values[~model.free]
     moved[rows], still_free[rows] = values[: len(rows)], True
-    smaller = replace(model, values=moved, free=still_free).without(
-        {term.key for term in group.terms}
-    )
+    covariance = np.zeros_like(model.covariance)
+    covariance[np.ix_(rows, rows)] = inverse(normal[: len(rows), : len(rows)])
+    smaller = replace(model, values=moved, free=still_free, covariance=covariance)
+    smaller = smaller.without({term.key for term in group.terms})
     selection = replace(fit.selection, selected=selected)
     return replace(fit, selection=selection, model=smaller)

@@ -69,7 +69,7 @@ class FittedSelection:
     ) -> "FittedSelection":
         """start: a model whose values the fit starts from."""
         candidates = selection.candidates
-        model = FittedModel.of_model(
+        model: Model = FittedModel.of_model(
             model_of([(one, selection.prior_precision(one)) for one in candidates], blocks),
             _derivatives(start, blocks),
         )

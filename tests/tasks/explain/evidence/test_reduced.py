@@ -9,6 +9,7 @@ from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.pruning import pruned
 from tasks.explain.evidence.reduced import without
 from tasks.model.term import Term
+from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
 from tasks.model.terms.timing import TIME_OFFSET
@@ -44,8 +45,6 @@ def test_evidence_by_equations_is_that_of_the_fit_without_the_finding(left_out: 
 
 def test_what_could_only_be_negative_is_left_out_with_the_finding() -> None:
     """Stamps that are late beside a low-pass: without the delay the low-pass makes up for it."""
-    from tasks.model.terms.electronics import BANDWIDTH
-
     made = read(RUN, (TIME_OFFSET, [-0.004])) + noise(len(RUN.t), 72, NOISY)
     both = Evidence.of(selected(made, TIME_OFFSET, BANDWIDTH))
     alone = without(both, 0)
