@@ -1,9 +1,9 @@
 """A model that is linearised again and again about nearly the same values, as a fit does.
 
 What is felt changes by a small rotation, a lever arm and the like in proportion to their
-parameters. So what is felt per unit of each is computed once, from the motion that was reported,
-and kept as long as it says what the terms do with their values; else the readings are
-differentiated anew, as `tasks.model.simulate` does.
+parameters. So what is felt per unit of each is computed once, about some values of all of them, and
+kept as long as it says what the terms do at the values that they have now; else it is computed
+about these.
 """
 
 from collections.abc import Collection
@@ -18,43 +18,76 @@ from tasks.motion.whole import Motion
 
 ROUNDING = 1e-9  # rad/s, m/s²: of derivatives times what their parameters are
 LINEAR = 0.01  # of what terms change of what is felt: columns that err by less are good enough
+Shape = tuple[TermKey, tuple[float, ...]]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Derivatives:
     """What is felt, (n, 6) rate and force, per unit of each parameter of motion and input.
 
-    by_shape: what was computed so far, by term, shape and number of the parameter.
+    about: the terms and their values about which that is; felt: with these.
+    by_shape: what was computed so far, by shape and number of the parameter.
     """
 
     motion: Motion
-    by_shape: dict[tuple[TermKey, tuple[float, ...], int], np.ndarray] = field(default_factory=dict)
+    about: dict[Shape, tuple[Term, np.ndarray]] = field(default_factory=dict)
+    felt: np.ndarray | None = None
+    by_shape: dict[tuple[Shape, int], np.ndarray] = field(default_factory=dict)
+
+    def at(self, acting: dict[Shape, tuple[Term, np.ndarray]]) -> tuple[Motion, np.ndarray]:
+        """The real motion and what is felt with these terms and values, about which the derivatives
+        hold from now on.
+        """
+        moved, inputs = felt(acting, self.motion)
+        if self.felt is None or not self._hold(acting, inputs, self.felt):
+            self.about, self.felt = acting, inputs
+            self.by_shape.clear()
+        return moved, inputs
 
     def of(self, term: Term, number: int) -> np.ndarray:
-        """Of one parameter of a term that acts alone."""
-        shape = term.key, term.at, number
-        if shape not in self.by_shape:
+        """Of one parameter of a term, beside the others."""
+        shape = term.key, term.at
+        if (shape, number) not in self.by_shape:
             low, high = term.parameters[number].plausible
-            values = np.zeros(len(term.parameters))
-            values[number] = STEP * (high - low)
-            more, less = (felt((term,), self.motion, side)[1] for side in (values, -values))
-            self.by_shape[shape] = (_both(more) - _both(less)) / (2.0 * values[number])
-        return self.by_shape[shape]
+            step = np.zeros(len(term.parameters))
+            step[number] = STEP * (high - low)
+            _, values = self.about.get(shape, (term, np.zeros(len(step))))
+            more, less = (
+                felt({**self.about, shape: (term, values + side)}, self.motion)[1]
+                for side in (step, -step)
+            )
+            self.by_shape[shape, number] = (more - less) / (2.0 * step[number])
+        return self.by_shape[shape, number]
+
+    def _hold(
+        self, acting: dict[Shape, tuple[Term, np.ndarray]], inputs: np.ndarray, before: np.ndarray
+    ) -> bool:
+        """Whether they say what is felt with these terms and values; before: with the others."""
+        known = [{shape for shape, (term, _) in some.items() if not term.parameters}
+                 for some in (acting, self.about)]  # fmt: skip
+        if known[0] != known[1]:
+            return False
+        change = np.zeros_like(inputs)
+        for shape, (term, _) in (self.about | acting).items():
+            nothing = term, np.zeros(len(term.parameters))
+            now, then = acting.get(shape, nothing)[1], self.about.get(shape, nothing)[1]
+            for number in np.flatnonzero(now != then).tolist():
+                change += (now - then)[number] * self.of(term, number)
+        size, error = (np.nan_to_num(np.abs(each)).max(axis=0)
+                       for each in (inputs - before, inputs - before - change))  # fmt: skip
+        return not (error > LINEAR * size + ROUNDING).any()
 
 
-def felt(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> tuple[Motion, Inputs]:
-    """The real motion and what the sensors feel of it, each term acting on those before it."""
-    own = Model.of(terms).places
-    for term in terms:
-        motion = term.moved(motion, values[own[term.key]])
+def felt(acting: dict[Shape, tuple[Term, np.ndarray]], motion: Motion) -> tuple[Motion, np.ndarray]:
+    """The real motion and what the sensors feel of it, (n, 6) rate and force, each term acting on
+    those before it.
+    """
+    for term, values in acting.values():
+        motion = term.moved(motion, values)
     inputs = Inputs.of(motion)
-    for term in terms:
-        inputs = term.felt(motion, inputs, values[own[term.key]])
-    return motion, inputs
-
-
-def _both(inputs: Inputs) -> np.ndarray:
-    return np.hstack([inputs.rate, inputs.force])
+    for term, values in acting.values():
+        inputs = term.felt(motion, inputs, values)
+    return motion, np.hstack([inputs.rate, inputs.force])
 
 
 @dataclass(frozen=True)
@@ -78,7 +111,7 @@ class FittedModel(Model):
         return self.of_model(super().with_term(term), self.derivatives)
 
     def linearised(self, motion: Motion, wanted: np.ndarray | None = None) -> Design:
-        """Prediction and columns, those of motion and input by the derivatives where they hold."""
+        """Prediction and columns, those of motion and input by the derivatives."""
         wanted = np.ones(len(self.values), bool) if wanted is None else wanted
         kept = self._kept(wanted) if motion is self.derivatives.motion else {}
         rest = wanted.copy()
@@ -91,32 +124,24 @@ class FittedModel(Model):
 
     def _kept(self, wanted: np.ndarray) -> dict[int, Column]:
         """Readings per unit of the parameters of motion and input among those that are wanted,
-        through the standard's terms only; empty where the derivatives do not hold.
+        through the standard's terms only.
         """
-        own, motion = self.places, self.derivatives.motion
-        acting = tuple(term for term in self.terms if term.stage in ("motion", "input"))
-        number = {
-            p: (term, p - own[term.key].start)
-            for term in acting
-            for p in range(own[term.key].start, own[term.key].stop)
+        own = self.places
+        acting = {
+            (term.key, term.at): (term, self.values[own[term.key]].copy())
+            for term in self.terms
+            if term.stage in ("motion", "input")
         }
-        asked = [p for p in number if wanted[p]]
+        asked = {p: (term, number) for term, _ in acting.values()
+                 for number, p in enumerate(range(own[term.key].start, own[term.key].stop))
+                 if wanted[p]}  # fmt: skip
         if not asked:
             return {}
-        values = np.concatenate([self.values[own[term.key]] for term in acting])
-        moved, inputs = felt(acting, motion, values)
-        nothing = _both(felt(acting, motion, np.zeros(len(values)))[1])
-        change = sum(self.values[p] * self.derivatives.of(*number[p])
-                     for p in number if self.values[p])  # fmt: skip
-        now = _both(inputs)
-        size, error = (np.nan_to_num(np.abs(each)).max(axis=0)
-                       for each in (now - nothing, now - nothing - change))  # fmt: skip
-        if (error > LINEAR * size + ROUNDING).any():
-            return {}
+        moved, now = self.derivatives.at(acting)
         read = self._standard(moved, now)
-        ranges = [high - low for low, high in (p.plausible for p in parameters_of(self.terms))]
-        return {p: self._slope(moved, now, read, self.derivatives.of(*number[p]), STEP * ranges[p])
-                for p in asked}  # fmt: skip
+        ranges = [np.ptp(parameter.plausible) for parameter in parameters_of(self.terms)]
+        return {p: self._slope(moved, now, read, self.derivatives.of(*one), STEP * ranges[p])
+                for p, one in asked.items()}  # fmt: skip
 
     def _slope(
         self, motion: Motion, now: np.ndarray, read: np.ndarray, change: np.ndarray, step: float

@@ -67,11 +67,13 @@ class Squared(Term):
         return Inputs(inputs.rate + values[0] ** 2, inputs.force)
 
 
-def test_derivatives_that_do_not_hold_at_the_values_are_not_used() -> None:
+def test_derivatives_that_do_not_hold_at_new_values_are_computed_about_these() -> None:
     squared = Squared(
         "squared", "made up", "input", "ω + s²", "none",
         (Parameter("s", "s", "1", 1.0, (-1.0, 1.0)),),
     )  # fmt: skip
-    model = model_with((squared, (0.05,)))
-    column = FittedModel.of_model(model, Derivatives(RUN)).linearised(RUN).columns[-1]
-    assert all(column[c] == pytest.approx(0.1) for c in range(3))
+    derivatives = Derivatives(RUN)
+    for size, slope in ((0.05, 0.1), (0.1, 0.2), (0.1001, 0.2)):
+        model = FittedModel.of_model(model_with((squared, (size,))), derivatives)
+        column = model.linearised(RUN).columns[-1]
+        assert all(column[c] == pytest.approx(slope) for c in range(3))
