@@ -1,7 +1,6 @@
 """The whole of `explain`: from a recording to the physics that the model left out."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from schemas.base import Unusable
 from schemas.recording import Recording
@@ -16,9 +15,7 @@ from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
 from tasks.explain.search.fitted import FittedSelection, Searched, searched
-from tasks.explain.search.stepwise import SEARCH_BUDGET
 from tasks.model.terms.timing import TIME_OFFSET
-from tasks.words import message
 
 
 def explain(
@@ -27,18 +24,17 @@ def explain(
     reference: ReferencePrediction | None = None,
     only: Sequence[str] | None = None,
     progress: Progress = silent,
-    budget: float = SEARCH_BUDGET,
 ) -> Explanation:
     """Where the standard's model and a recording differ, and which physics is missing.
 
     reference: what a calibration or another simulator predicts, in place of the fitted model.
     only: names of the catalogue that are fitted, and nothing else; without them a search.
-    progress: is told each step. budget: s of processor time that the search may take.
+    progress: is told each step.
     Raises Unusable where the recording tells no motion or is too short.
     """
     delay_sought = only is None or TIME_OFFSET.name in only
     prepared = prepare(recording, reference, delay_sought=delay_sought, progress=progress)
-    return explained(prepared, only=only, progress=progress, budget=budget)
+    return explained(prepared, only=only, progress=progress)
 
 
 def explained(
@@ -46,20 +42,15 @@ def explained(
     *,
     only: Sequence[str] | None = None,
     progress: Progress = silent,
-    budget: float = SEARCH_BUDGET,
 ) -> Explanation:
     """The same of a recording that was prepared, with its delay sought where that may be found."""
-    found = searched(prepared, only, progress, budget)
+    found = searched(prepared, only, progress)
     if only is None:
         evidence = _selected(found, progress)
     else:
         evidence = Evidence.of(found.as_stamped(found.fit))
     tell(progress, "evidence")
-    explanation = explanation_of(prepared, evidence, ordered=only is not None)
-    if not evidence.fit.selection.stopped:
-        return explanation
-    stopped = message("explain-search-stopped", seconds=f"{budget:g}")
-    return replace(explanation, remarks=(*explanation.remarks, stopped))
+    return explanation_of(prepared, evidence, ordered=only is not None)
 
 
 def fitted_effects(recording: Recording, only: Sequence[str]) -> FittedSelection:

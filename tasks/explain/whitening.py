@@ -281,7 +281,12 @@ def _frequencies(count: int, padded: int, rate: float) -> np.ndarray:
 
 def whitened_gram(stack: np.ndarray, observed: Blocks, noise: Noise) -> np.ndarray:
     """Products (k, k) of weighted rows (k, padded n) of signals, divided by the noise."""
-    rows = in_band(stack, observed)
-    frequencies = _frequencies(rows.shape[1], stack.shape[1], observed.rate)
-    rows = rows / np.sqrt(noise.variance(frequencies))
+    rows = whitened(stack, observed, noise)
     return np.asarray(rows @ rows.T)
+
+
+def whitened(stack: np.ndarray, observed: Blocks, noise: Noise) -> np.ndarray:
+    """(k, m) coefficients of weighted rows (k, padded n) of signals, divided by the noise."""
+    rows = in_band(stack, observed)
+    rows /= np.sqrt(noise.variance(_frequencies(rows.shape[1], stack.shape[1], observed.rate)))
+    return rows

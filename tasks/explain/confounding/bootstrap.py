@@ -17,6 +17,8 @@ from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.inputs.simulated_reading import simulated_reading
 from tasks.explain.search.refit import fitted
+from tasks.explain.whitening import equations_of
+from tasks.model.regression import inverse
 from tasks.motion.whole import Motion
 
 DRAWS = 3  # of the errors of the reference
@@ -83,6 +85,22 @@ class ReferenceBootstrap:
 
 
 def _least_chi2(form: Combination, blocks: Blocks) -> float:
-    """Chi-squared that a form leaves of other readings, fitted to them."""
-    model = fitted(form.fit.model, blocks, form.fit.noises)
-    return chi2_of(model, replace(form.fit, blocks=blocks))
+    """Chi-squared that a form leaves of other readings, fitted to them.
+
+    They differ from those that it was fitted to by errors of the reference, to which a model is
+    linear; only what would become negative where no unit has it so is fitted in steps.
+    """
+    model, noises = form.fit.model, form.fit.noises
+    design = model.design(blocks.motion)
+    misfit = blocks.readings - design.prediction
+    normal, right, chi2 = equations_of(design.columns, misfit, blocks, noises).normal()
+    prior, pull = np.zeros(len(right)), right.copy()
+    count = int(model.free.sum())
+    prior[:count] = model.prior[model.free]
+    pull[:count] -= prior[:count] * model.values[model.free]
+    covariance = inverse(normal + np.diag(prior))
+    change = covariance @ pull
+    if model.stepped(change, covariance).negative.any():
+        model = fitted(model, blocks, noises)
+        return chi2_of(model, replace(form.fit, blocks=blocks))
+    return float(chi2 - 2.0 * change @ right + change @ normal @ change)

@@ -12,7 +12,7 @@ from tasks.explain.evidence.determination import determined_model
 from tasks.explain.evidence.event_findings import event_findings, with_faults
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
-from tasks.explain.evidence.left_over import LeftOver, remainder
+from tasks.explain.evidence.left_over import REFERENCE_KNOWN, LeftOver, remainder
 from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
@@ -107,8 +107,10 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
 
 def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Verdict:
     """Explained is what has names, and leaves noise or next to nothing of the mismatch."""
-    quiet = bool((np.nan_to_num(left.chi2_per_degree) < MOSTLY_NOISE).all())
     named = [finding for finding in findings if finding.effect != UNNAMED]
+    # Where nothing was found, what may be the reference's own errors is no mismatch of the unit.
+    known = 1.0 if findings else REFERENCE_KNOWN
+    quiet = bool((np.nan_to_num(left.beyond_reference(known)) < MOSTLY_NOISE).all())
     if not findings:
         return "no_mismatch" if quiet and p_value > FALSE_ALARMS else "unexplained"
     if not named:

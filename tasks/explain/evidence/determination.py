@@ -86,10 +86,13 @@ def undetermined(model: Model, owned: Sequence[set[int]], wider: np.ndarray) -> 
 def _covariance(model: Model, evidence: Evidence) -> np.ndarray:
     """(q, q) of the free parameters and the fitted shapes, by the fit's noise."""
     blocks, noises = evidence.fit.blocks, evidence.fit.noises
-    design = model.design(blocks.motion)
-    normal, _, _ = equations_of(
-        design.columns, blocks.readings - design.prediction, blocks, noises
-    ).normal()
+    if model.fitted_shapes:
+        design = model.design(blocks.motion)
+        misfit = blocks.readings - design.prediction
+        normal, _, _ = equations_of(design.columns, misfit, blocks, noises).normal()
+    else:
+        rows = np.flatnonzero(model.free[evidence.fit.model.free])
+        normal = evidence.whole.normal()[0][np.ix_(rows, rows)]
     prior = np.zeros(len(normal))
     prior[: int(model.free.sum())] = model.prior[model.free]
     return inverse(normal + np.diag(prior))

@@ -69,10 +69,17 @@ class Evidence:
                 mine += [position[p] for p in fitted]
                 values += model.values[fitted].tolist()
             own.append((mine, np.array(values)))
-        misfit, fold = blocks.readings - prediction, fold_cells(blocks)
+        misfit, fold, cells = (
+            blocks.readings - prediction,
+            fold_cells(blocks),
+            scatter_cells(blocks),
+        )
+        by_fold = by_cell = cell_equations(columns, misfit, blocks, fit.noises, fold)
+        if not np.array_equal(fold, cells):
+            by_cell = cell_equations(columns, misfit, blocks, fit.noises, cells)
         prior = np.concatenate([model.prior[free], np.zeros(len(known))])
         scatter = Scatter(
-            cell_equations(columns, misfit, blocks, fit.noises, scatter_cells(blocks)),
+            by_cell,
             tuple(np.array(mine, int) for mine, _ in own),
             tuple(group.random for group in groups),
             prior,
@@ -82,7 +89,7 @@ class Evidence:
             fit,
             groups,
             equations_of(columns, misfit, blocks, fit.noises),
-            cross_validation(cell_equations(columns, misfit, blocks, fit.noises, fold)),
+            cross_validation(by_fold),
             scatter,
             tuple(own),
             tuple(known),
@@ -95,9 +102,14 @@ class Evidence:
         """Readings that the fit used."""
         return self.fit.blocks.used
 
+    @cached_property
+    def chi2(self) -> float:
+        """Of all rows, with every finding."""
+        return self._chi2([])
+
     def gain(self, *numbers: int) -> float:
         """Chi-squared lost when some findings are left out and all else is fitted again."""
-        return self._chi2(numbers) - self._chi2([])
+        return self._chi2(numbers) - self.chi2
 
     def evidence(self, number: int) -> float:
         """The gain relative to the residual, gain/φ, as 2·ln of the likelihood ratio of so many

@@ -10,7 +10,7 @@ over its plausible range would have hit that value by chance. Where not, nothing
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from scipy.special import chdtrc
 
 from schemas.recording import AXES
 from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.reduced import without
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.fitted import FittedSelection
@@ -26,6 +27,7 @@ from tasks.explain.whitening import Noise, weighted, whitened_gram
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import GYRO_G_SENSITIVITY, regressors
 
+AGREE = 2.0  # chi-squared, the price of a parameter: no decision depends on less
 WRONG_MODEL = 2.0  # φ from which on a random drift may be what the rest of the model lacks
 ABSORBING = GYRO_G_SENSITIVITY  # absorbs a rate that turns with the vertical
 MIN_LOG_ODDS = 12.0  # twice the log of the odds that a claim asks for
@@ -37,22 +39,58 @@ def pruned(fit: FittedSelection, trials: int, kept: Collection[str] = ()) -> Evi
     """The fitted selection without findings that the others make unnecessary, or that do not stand
     out from the residual.
 
-    The weakest is removed and the rest fitted again, until all remaining ones are significant.
+    The weakest is removed, by the equations of the fit, until all remaining ones are significant;
+    then these are fitted. Where their fit is not what the equations said, only the first is
+    removed, and the next is decided by the fit of the rest.
     trials: number of candidates tried. kept: names that are not removed. The p value of the
     strongest mismatch is relative to the residual, as its evidence is.
     """
     evidence = Evidence.of(fit)
     chance = [1.0] if _searched(evidence) else [fit.selection.p_value]
     while True:
-        numbers = [n for n in _searched(evidence) if evidence.groups[n].name not in kept]
-        chance += [trials * evidence.chance(n) for n in numbers]
-        weak = [n for n in numbers if unsupported(evidence, n, trials)]
-        if not weak:
+        smaller = list(_smaller(evidence, trials, kept))
+        if not smaller:
             break
-        weakest = min(weak, key=evidence.evidence)
-        evidence = Evidence.of(evidence.fit.without(evidence.groups[weakest].selected))
+        fitted = _fitted(smaller[-1])
+        if len(smaller) > 1 and not _agree(fitted, smaller[-1]):
+            del smaller[1:]
+            fitted = _fitted(smaller[0])
+        chance += [_least_chance(each, trials, kept) for each in (evidence, *smaller[:-1])]
+        evidence = fitted
+    chance.append(_least_chance(evidence, trials, kept))
     selection = replace(evidence.fit.selection, p_value=max(min(chance), fit.selection.p_value))
     return replace(evidence, fit=replace(evidence.fit, selection=selection))
+
+
+def _smaller(evidence: Evidence, trials: int, kept: Collection[str]) -> Iterator[Evidence]:
+    """The evidence without the weakest unsupported finding, without the next, and so on."""
+    while True:
+        numbers = _in_question(evidence, kept)
+        weak = [n for n in numbers if unsupported(evidence, n, trials)]
+        if not weak:
+            return
+        evidence = without(evidence, min(weak, key=evidence.evidence))
+        yield evidence
+
+
+def _fitted(evidence: Evidence) -> Evidence:
+    """Of the fit of what it has."""
+    return Evidence.of(evidence.fit.reselected(evidence.fit.selection))
+
+
+def _agree(fitted: Evidence, by_equations: Evidence) -> bool:
+    """Whether a fit leaves what the equations of a larger one said that it would."""
+    left = max([1.0, *(fitted.scatter.dispersion(n) for n in range(len(fitted.groups)))])
+    return abs(fitted.chi2 - by_equations.chi2) < AGREE * left
+
+
+def _least_chance(evidence: Evidence, trials: int, kept: Collection[str]) -> float:
+    """Of the findings in question, corrected for the number tried."""
+    return min((trials * evidence.chance(n) for n in _in_question(evidence, kept)), default=np.inf)
+
+
+def _in_question(evidence: Evidence, kept: Collection[str]) -> list[int]:
+    return [n for n in _searched(evidence) if evidence.groups[n].name not in kept]
 
 
 def unsupported(evidence: Evidence, number: int, trials: int) -> bool:

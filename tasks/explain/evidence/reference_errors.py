@@ -19,6 +19,7 @@ import numpy as np
 from schemas.recording import Stream
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import fitted_columns
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.inputs.simulated_reading import simulated_reading
@@ -37,15 +38,18 @@ SEED = 20
 
 
 def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evidence) -> set[int]:
-    """Numbers of the findings that the errors of the reference would bring forth by themselves.
+    """Numbers of the findings that the errors of the reference would bring forth by themselves;
+    without a name none is asked for.
 
     standard: the model without findings, fitted.
     """
     full = prepared.full
+    if all(group.name == UNNAMED for group in evidence.groups):
+        return set()
     rng = np.random.default_rng(SEED)
     normal, right, by_chance = np.zeros(()), np.zeros(()), np.zeros(len(evidence.groups))
     owed: set[int] = set()
-    for draws in range(1, DRAWS + 1) if evidence.groups else ():
+    for draws in range(1, DRAWS + 1):
         simulated = simulated_reading(prepared.recording, full, rng)
         if simulated is None:
             return set()

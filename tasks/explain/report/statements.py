@@ -110,7 +110,8 @@ def where(finding: ReportedFinding) -> Sayable:
 def why(share: float, evidence: EvidenceFor) -> Message:
     """Why it is believed: what it removes and predicts, and ΔBIC in plain words.
 
-    What the standard's parameters absorb removes nothing: it shows in their values.
+    What the standard's parameters absorb removes nothing: it shows in their values. Nor does what
+    is small beside the noise of single readings, of which it takes many.
     """
     gain, bic = evidence.held_out_gain_nats, evidence.delta_bic
     if share < LEAST and abs(gain) < NO_GAIN:
@@ -121,8 +122,8 @@ def why(share: float, evidence: EvidenceFor) -> Message:
         times = times_more_probable(gain)
         prediction = message("report-predicted", times=times, nats=plain(gain))
     return message(
-        "report-why", share=percent(share), prediction=prediction, bic=plain(bic),
-        evidence=strength_of_evidence(bic),
+        "report-why" if share >= LEAST else "report-why-over-many", share=percent(share),
+        prediction=prediction, bic=plain(bic), evidence=strength_of_evidence(bic),
     )  # fmt: skip
 
 

@@ -94,8 +94,12 @@ def members_of(candidates: Sequence[Candidate]) -> list[int]:
 def columns_of(term: Term, motion: Motion) -> tuple[Column, ...]:
     """Readings of an ideal unit per unit of each parameter; the whole effect if it has none."""
     inputs = Inputs.of(motion)
+    own = term.columns(motion, inputs)
     if term.stage == "sensor":
-        return term.columns(motion, inputs)
+        return own
+    if own:
+        return tuple({c: signal for c, signal in one.items() if np.nan_to_num(signal).any()}
+                     for one in own)  # fmt: skip
     ideal = np.hstack([inputs.rate, inputs.force])
     if not term.parameters:
         return (_column(_readings(term, motion, np.zeros(0)) - ideal),)

@@ -7,7 +7,7 @@ one set of parameters; the standard's model is projected out of it first (Frisch
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -38,17 +38,18 @@ UNIT_NOISE = Noise(1.0, 0.0)  # by which every coefficient counts the same
 class ChannelDesign:
     """One channel: which parameters (k,) it reads; transformed base (b, n) and reading (n,).
 
-    rows: b + k + 1 of (n,), base, columns and reading in single precision, divided by `size`
-    (b + k + 1,); designs that differ in a few share the others. basis: (b, n) orthonormal rows of
-    what was projected out, not transformed. grams: (bands, b + k + 1, b + k + 1) in the order of
-    the rows, in their precision.
+    rows: (b + k + 1, n) base, columns and reading in single precision, divided by `size`
+    (b + k + 1,); designs that differ in a few share them, and have their own in `changed`, by
+    number. basis: (b, n) orthonormal rows of what was projected out, not transformed. grams:
+    (bands, b + k + 1, b + k + 1) in the order of the rows, in their precision.
     """
 
     which: np.ndarray
     base: np.ndarray
     reading: np.ndarray
     grams: np.ndarray
-    rows: tuple[np.ndarray, ...]
+    rows: np.ndarray
+    changed: Mapping[int, np.ndarray]
     size: np.ndarray
     basis: np.ndarray
 
@@ -58,6 +59,7 @@ class BandedDesign:
     """All channels; None for one that was not recorded. columns: of every parameter.
 
     half: (p,) half of the range that a parameter may plausibly have, which is prior knowledge.
+    latest: the normal equations that were asked for last, by their noises.
     """
 
     blocks: Blocks
@@ -65,6 +67,7 @@ class BandedDesign:
     channels: tuple[ChannelDesign | None, ...]
     columns: tuple[Column, ...]
     half: np.ndarray
+    latest: dict[tuple[Noise, ...], "NormalEquations"] = field(default_factory=dict, init=False)
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,7 @@ def _channel_design(
     rows, size = (np.concatenate(each) for each in zip(*parts, strict=True))
     grams = _products(rows, rows, bands, size, size)
     base, reading = in_band(stack, blocks), in_band(rest[-1], blocks)
-    return ChannelDesign(which, base, reading, grams, tuple(rows), size, basis)
+    return ChannelDesign(which, base, reading, grams, rows, {}, size, basis)
 
 
 def with_columns(
@@ -157,15 +160,17 @@ def _with_columns(
     weight = design.blocks.weight[:, number]
     rest = _projected(weighted(signals, weight, design.blocks), channel.basis)
     new, new_size = _at_unit_size(rest, design.blocks)
-    rows, size, grams = list(channel.rows), channel.size.copy(), channel.grams.copy()
+    own, size = {**channel.changed, **dict(zip(at, new, strict=True))}, channel.size.copy()
     size[at] = new_size
-    for place, row in zip(at, new, strict=True):
-        rows[place] = row
-    crossed = _products(new, np.array(rows), design.bands, new_size, size)
+    grams, places = channel.grams.copy(), list(own)
+    crossed = _products(new, channel.rows, design.bands, new_size, size)
+    crossed[:, :, places] = _products(
+        new, np.array([own[place] for place in places]), design.bands, new_size, size[places]
+    )
     grams[:, at, :] = crossed
     grams[:, :, at] = crossed.transpose(0, 2, 1)
     reading = channel.reading if readings is None else in_band(rest[-1], design.blocks)
-    return replace(channel, reading=reading, grams=grams, rows=tuple(rows), size=size)
+    return replace(channel, reading=reading, grams=grams, changed=own, size=size)
 
 
 def _projected(stack: np.ndarray, basis: np.ndarray) -> np.ndarray:
@@ -198,13 +203,21 @@ def _products(
 
 def normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEquations:
     """The normal equations by the noise of each channel."""
+    wanted = tuple(noises)
+    if wanted not in design.latest:
+        design.latest.clear()
+        design.latest[wanted] = _normal_equations(design, wanted)
+    return design.latest[wanted]
+
+
+def _normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEquations:
     count = len(design.columns)
     normal, right, full = np.zeros((count, count)), np.zeros(count), np.zeros(count)
     misfit = 0.0
     for channel, noise in zip(design.channels, noises, strict=True):
         if channel is None:
             continue
-        gram = np.tensordot(1.0 / noise.variance(design.bands.frequency), channel.grams, axes=1)
+        gram = _by_noise(channel.grams, noise.variance(design.bands.frequency))
         first = len(channel.base)
         shared = gram[:first, first:]
         left = gram[first:, first:] - shared.T @ (inverse(gram[:first, :first]) @ shared)
@@ -217,6 +230,14 @@ def normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEqu
     scale = np.where(observable, 1.0 / np.sqrt(np.where(observable, power, 1.0)), 0.0)
     whole = normal * scale[:, None] * scale + np.diag((scale / design.half) ** 2)
     return NormalEquations(whole, right * scale, scale, misfit)
+
+
+def _by_noise(grams: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """(k, k) sum of grams (bands, k, k) over the variance of each band, in their precision."""
+    least = float(variance.min())
+    weights = (least / variance).astype(grams.dtype)
+    summed = weights @ grams.reshape(len(grams), -1)
+    return np.asarray(summed.reshape(grams.shape[1:]).astype(float) / least)
 
 
 def residuals(

@@ -38,6 +38,20 @@ class EmpiricalTilt(Term):
 
     regressor: Callable[[Motion], np.ndarray] = field(kw_only=True)
 
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        """Readings of an ideal unit per unit of each component, to which they are linear."""
+        regressor = np.nan_to_num(self.regressor(motion))
+        slope = np.gradient(regressor, motion.t)
+        found = []
+        for axis in range(3):
+            j, k = (axis + 1) % 3, (axis + 2) % 3
+            rate, force = inputs.rate, inputs.force
+            found.append({
+                axis: slope, j: regressor * rate[:, k], k: -regressor * rate[:, j],
+                3 + j: regressor * force[:, k], 3 + k: -regressor * force[:, j],
+            })  # fmt: skip
+        return tuple(found)
+
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
         regressor = np.nan_to_num(self.regressor(motion))
         slope = np.gradient(regressor, motion.t)

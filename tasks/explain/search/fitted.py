@@ -25,15 +25,14 @@ from tasks.explain.search.design import (
     with_columns,
 )
 from tasks.explain.search.empirical import empirical
+from tasks.explain.search.linearised import Derivatives, FittedModel
 from tasks.explain.search.proposals import with_proposed_shapes
 from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
 from tasks.explain.search.rivals import with_rivals
 from tasks.explain.search.scores import rank
 from tasks.explain.search.stepwise import (
-    SEARCH_BUDGET,
     Selected,
     Selection,
-    TimeBudget,
     initial_noises,
     noises_beside,
     search,
@@ -70,7 +69,10 @@ class FittedSelection:
     ) -> "FittedSelection":
         """start: a model whose values the fit starts from."""
         candidates = selection.candidates
-        model = model_of([(one, selection.prior_precision(one)) for one in candidates], blocks)
+        model: Model = FittedModel.of_model(
+            model_of([(one, selection.prior_precision(one)) for one in candidates], blocks),
+            _derivatives(start, blocks),
+        )
         if start is not None:
             model = model.with_values_of(start)
         model = fitted(model, blocks, _at_rate(selection.noises, blocks.rate / search_rate))
@@ -92,6 +94,13 @@ class FittedSelection:
         keys = {one.candidate.key for one in selected}
         kept = tuple(one for one in self.selection.selected if one.candidate.key not in keys)
         return self.reselected(replace(self.selection, selected=kept))
+
+
+def _derivatives(start: Model | None, blocks: Blocks) -> Derivatives:
+    """Those of a model that was fitted to the same blocks; else new ones."""
+    if isinstance(start, FittedModel) and start.derivatives.motion is blocks.motion:
+        return start.derivatives
+    return Derivatives(blocks.motion)
 
 
 @dataclass(frozen=True)
@@ -151,12 +160,10 @@ def searched(
     prepared: Prepared,
     only: Sequence[str] | None = None,
     progress: Progress = silent,
-    seconds: float = SEARCH_BUDGET,
 ) -> Searched:
     """The effects that a search selects of the catalogue and of empirical terms.
 
-    only: names of the catalogue that are fitted instead, without a search. seconds: of processor
-    time after which a search keeps what it has.
+    only: names of the catalogue that are fitted instead, without a search.
     """
     tell(progress, "candidates")
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
@@ -178,7 +185,7 @@ def searched(
     # The design, half a gigabyte of an hour's columns, ends with the search that refines it.
     fit = alternated(
         banded_design(coarse, coarse.readings, columns, half), searched_by_name(candidates), fine,
-        TimeBudget.of(seconds), partial(tell, progress, "search"),
+        partial(tell, progress, "search"),
     )  # fmt: skip
     return Searched(prepared, candidates, coarse, fit)
 
@@ -216,23 +223,19 @@ def alternated(
     design: BandedDesign,
     candidates: Sequence[Candidate],
     blocks: Blocks,
-    budget: TimeBudget,
     done: Callable[[float], None],
 ) -> FittedSelection:
     """Alternates search and fit: after each fit, the residual is searched again about its values.
 
-    budget: after which neither continues. done: is called with the share of searches completed.
+    done: is called with the share of searches completed.
     """
     noises = initial_noises(design)
     nuisances = [one for one in candidates if one.nuisance]
     design, candidates = with_proposed_shapes(design, candidates, noises, nuisances)
-    selection = search(design, candidates, nuisances, noises, budget)
+    selection = search(design, candidates, nuisances, noises)
     fit = FittedSelection.of(selection, blocks, design.blocks.rate)
     for number in range(1, MAX_SEARCHES if selection.selected else 1):
         done(number / MAX_SEARCHES)
-        if budget.spent:
-            fit = replace(fit, selection=replace(fit.selection, stopped=True))
-            break
         before = fit.selection.candidates
         candidates = _updated(candidates, before)
         design = with_columns(design, *linearised(fit.model, design.blocks, before))
@@ -240,7 +243,7 @@ def alternated(
         firm = [one for one in before if one.prior is None]
         noises = noises_beside(design, firm, fit.selection.noises)
         design, candidates = with_proposed_shapes(design, candidates, noises, firm)
-        again = search(design, candidates, firm, noises, budget)
+        again = search(design, candidates, firm, noises)
         fit = fit.reselected(replace(again, p_value=selection.p_value))
         if {one.key for one in again.candidates} == {one.key for one in before}:
             break

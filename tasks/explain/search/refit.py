@@ -76,14 +76,39 @@ def fitted(model: Model, blocks: Blocks, noises: Sequence[Noise]) -> Model:
     def scores(columns: Sequence[Column], misfit: np.ndarray) -> tuple[np.ndarray, float]:
         return scores_of(columns, misfit, blocks, noises)
 
-    def settled(model: Model, step: Step) -> bool:
-        # u is as much larger as the model is wrong
-        dispersion = max(1.0, step.misfit / blocks.used)
-        moves = np.abs(step.change) > SETTLED * np.sqrt(dispersion) * step.u + 1e-300
-        return not moves.any() or step.gain < NO_GAIN * dispersion
-
     motion, readings = blocks.motion, blocks.readings
+    settled = _Settled(blocks.used)
     return gauss_newton(model, motion, readings, whiten, settled, MAX_STEPS, scores)[0]
+
+
+class _Settled:
+    """Whether nothing moves any more beside its standard uncertainty, or promises to gain.
+
+    Nor need what is so nearly linear be linearised again that the first step with the columns of
+    the one before it has nothing left to do.
+    """
+
+    def __init__(self, used: int) -> None:
+        """used: number of readings."""
+        self.used = used
+        self.first: Step | None = None  # with the present columns
+        self.tried, self.nearly_linear = 0, False
+
+    def __call__(self, model: Model, step: Step) -> bool:
+        if self.first is None or step.columns is not self.first.columns:
+            self.first, self.tried, self.nearly_linear = step, 0, False
+        elif step.change is self.first.change:
+            return self.nearly_linear or self._small(step)
+        else:
+            self.tried += 1
+            self.nearly_linear = self.tried == 1 and self._small(step, SETTLED**2)
+        return self._small(step)
+
+    def _small(self, step: Step, no_gain: float = NO_GAIN) -> bool:
+        # u is as much larger as the model is wrong
+        dispersion = max(1.0, step.misfit / self.used)
+        moves = np.abs(step.change) > SETTLED * np.sqrt(dispersion) * step.u + 1e-300
+        return not moves.any() or step.gain < no_gain * dispersion
 
 
 def linearised(

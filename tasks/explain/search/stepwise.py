@@ -1,8 +1,6 @@
 """Stepwise selection: effects are added one by one until only noise is left, then pruned."""
 
-import math
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,28 +19,6 @@ from tasks.explain.whitening import Noise
 FALSE_ALARMS = 0.005  # of clean recordings, at most
 MAX_SELECTED = 8
 MAX_EXCHANGES = 3
-# s: ten minutes at 200 Hz may take 30 s in all; motion, events, evidence and consequences need ten.
-SEARCH_BUDGET = 20.0
-
-
-@dataclass(frozen=True)
-class TimeBudget:
-    """The processor time until which a search continues. clock: s of processor time."""
-
-    until: float
-    clock: Callable[[], float] = time.process_time
-
-    @classmethod
-    def of(cls, seconds: float, clock: Callable[[], float] = time.process_time) -> "TimeBudget":
-        """So many seconds from now on."""
-        return cls(clock() + seconds, clock)
-
-    @property
-    def spent(self) -> bool:
-        return self.clock() >= self.until
-
-
-UNLIMITED = TimeBudget(math.inf)
 
 
 @dataclass(frozen=True)
@@ -65,15 +41,13 @@ class Selected:
 class Selection:
     """What a search selected, and the noise beside it.
 
-    p_value: of the strongest candidate at first, Bonferroni-corrected. stopped: by its budget,
-    while there was more to try.
+    p_value: of the strongest candidate at first, Bonferroni-corrected.
     """
 
     selected: tuple[Selected, ...]
     noises: tuple[Noise, ...]
     p_value: float
     equations: NormalEquations
-    stopped: bool = False
 
     @property
     def candidates(self) -> list[Candidate]:
@@ -98,13 +72,12 @@ def search(
     candidates: Sequence[Candidate],
     start: Sequence[Candidate] = (),
     noises: tuple[Noise, ...] | None = None,
-    budget: TimeBudget = UNLIMITED,
 ) -> Selection:
     """The candidates that explain the design's readings.
 
-    start, noises: what an earlier search selected. budget: after which no more are added.
+    start, noises: what an earlier search selected.
     """
-    selected, stopped = list(start), False
+    selected = list(start)
     if noises is None:
         noises = initial_noises(design)
     p_value = 1.0
@@ -118,9 +91,6 @@ def search(
             p_value = corrected
         if corrected > FALSE_ALARMS:
             break
-        stopped = budget.spent
-        if stopped:
-            break
         selected.append(ranked[0].candidate)
         noises = noises_beside(design, selected, noises)
         selected = _revised(normal_equations(design, noises), candidates, selected)
@@ -130,7 +100,7 @@ def search(
         visited.add(_keys(selected))
     equations = normal_equations(design, noises)
     found = _with_gains(equations, candidates, selected)
-    return Selection(found, noises, p_value, equations, stopped)
+    return Selection(found, noises, p_value, equations)
 
 
 def initial_noises(design: BandedDesign) -> tuple[Noise, ...]:

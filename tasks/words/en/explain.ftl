@@ -51,7 +51,6 @@ explain-tip = a tilt of the unit of one size to either side, as the specific for
 explain-lost-motion = a unit that lags behind the encoder of table axis { $axis } by one angle, in whichever direction it last turned
 
 # Where the search ends early.
-explain-search-stopped = The search stopped at its limit of { $seconds } s of processor time: the residual was not searched again around the fitted values, and effects beyond those found were not tried.
 
 # What the findings do to the calibration items.
 explain-items-by-angles = The items of JJF 1536 are computed from accumulated angles, not from the rates analysed here: consequences for them were not estimated.

@@ -27,6 +27,7 @@ report-not-predicted = Segments withheld from the fit are predicted no better ({
 report-times = { $number } times
 report-more-than-times = more than { $number } times
 report-why = It removes { $share } of the mismatch above noise. { $prediction }; ΔBIC = { $bic }: { $evidence } after the penalty for its parameters.
+report-why-over-many = It is too small, or too rare, to remove a share of the mismatch of single readings; it shows in all of them together. { $prediction }; ΔBIC = { $bic }: { $evidence } after the penalty for its parameters.
 report-why-absorbed = The standard's parameters absorb it completely: it shows in their values, not in the residual. ΔBIC = { $bic }: { $evidence } after the penalty for its parameters.
 report-nothing-removes = No catalogue effect and no pattern that was searched for removes it. Remaining χ² per degree of freedom (noise at rest and of the reference = 1): { $channels }.
 report-evidence-very-strong = very strong evidence

@@ -51,7 +51,6 @@ explain-tip = 产品随比力指向（{ $side }）或其反方向而向两侧等
 explain-lost-motion = 产品相对转台第 { $axis } 轴编码器滞后一固定角度，方向取决于最近一次转动的方向
 
 # 搜索提前结束。
-explain-search-stopped = 搜索在{ $seconds } s处理器时间预算处停止：未在已拟合的数值附近对剩余部分再次搜索，也未尝试已发现因素以外的其他因素。
 
 # 所发现因素对各校准项目的影响。
 explain-items-by-angles = JJF 1536 各项由累积角度得到，而非由所解释的角速率得到：未估计其影响。

@@ -27,6 +27,7 @@ report-not-predicted = 未参与拟合的区段预测未见改善（{ $nats } na
 report-times = { $number } 倍
 report-more-than-times = { $number } 倍以上
 report-why = 其消除了高出噪声的失配的 { $share }。{ $prediction }；ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
+report-why-over-many = 其量值过小或过于罕见，在单次读数的失配中占不到可计的份额；只有把全部读数合在一起才显现。{ $prediction }；ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
 report-why-absorbed = 规范模型的参数已将其全部吸收：它体现在参数值中，而不在剩余残差中。ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
 report-nothing-removes = 目录中的效应和所查找的规律均不能消除它；各通道剩余的每自由度 χ²（以静止噪声与参考的噪声为 1）：{ $channels }。
 report-evidence-very-strong = 证据非常强

@@ -10,9 +10,10 @@ from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.channels import ACCELS, CHANNELS
 from tasks.explain.determined import si_unit
 from tasks.explain.events.event import Events
-from tasks.explain.evidence.assemble import explanation_of
+from tasks.explain.evidence.assemble import _verdict, explanation_of
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import JUMPS
+from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.prepared import Prepared
@@ -185,3 +186,14 @@ def test_where_nothing_was_chosen_nothing_is_said() -> None:
 )  # fmt: skip
 def test_a_printed_unit_is_said_in_si(printed: str, si: str) -> None:
     assert si_unit(printed) == si
+
+
+@pytest.mark.parametrize(("of_reference", "verdict"), [(0.5, "no_mismatch"), (0.0, "unexplained")])
+def test_what_the_references_own_errors_may_leave_is_no_mismatch(
+    of_reference: float, verdict: str
+) -> None:
+    """Nothing above chance, and 2.3 times the noise is left; of_reference: of the noise."""
+    squares, none = np.full((100, 6), 2.3), np.zeros((100, 6), bool)
+    noise = np.ones((100, 6))
+    left = LeftOver(squares, squares, none, noise, of_reference * noise, 1)
+    assert _verdict((), 1.0, left) == verdict

@@ -52,6 +52,14 @@ def test_evidence_is_said_in_plain_words() -> None:
     assert "证据非常强" in zh
 
 
+def test_strong_evidence_is_not_said_beside_a_share_of_nothing() -> None:
+    en, zh = texts(answer(explanation(finding(share=0.0, delta_bic=512.3, held_out_gain=250.0))))
+    assert "removes 0 %" not in en
+    assert "it shows in all of them together" in en
+    assert "ΔBIC = 512: very strong evidence" in en
+    assert "只有把全部读数合在一起才显现" in zh
+
+
 def test_a_gain_that_unseen_stretches_do_not_bear_out_is_said() -> None:
     en, zh = texts(answer(explanation(finding(held_out_gain=-3.2))))
     assert "are predicted no better (−3.2 nats)" in en

@@ -8,6 +8,7 @@ from engine_run import GRAVITY, motion
 
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.empirical_terms import LostMotion, Tip, leans, lost_motion, tips
+from tasks.model.term import Inputs
 from tasks.motion.table import TableAxes
 
 RUN = motion()
@@ -25,6 +26,20 @@ def test_a_lean_turns_gravity_near_its_angle_and_keeps_its_size() -> None:
     far = np.cos(angle[:, 0] - centre) < 0.0
     assert turned[far].max() < 0.02 * turned.max()
     assert turned.max() == pytest.approx(1e-3, rel=0.05)
+
+
+def test_the_columns_of_a_lean_are_what_an_ideal_unit_reads_of_a_small_one() -> None:
+    lean = list(leans(0))[5]
+    angle = np.linspace(0.0, 6.0 * np.pi, len(RUN.t))[:, None]
+    spins = np.tile([0.0, 0.0, 1.0], (len(RUN.t), 1, 1))
+    run = replace(RUN, axes=TableAxes(angle, 0 * angle, spins, RUN.north))
+    before = np.hstack([run.rate, run.force])
+    for axis, column in enumerate(lean.columns(run, Inputs.of(run))):
+        moved = lean.moved(run, 1e-4 * np.eye(3)[axis])
+        change = (np.hstack([moved.rate, moved.force]) - before) / 1e-4
+        for channel in range(6):
+            read = column.get(channel, np.zeros(len(run.t)))
+            np.testing.assert_allclose(read, change[:, channel], atol=1e-8)
 
 
 def test_a_tip_is_one_angle_to_either_side() -> None:

@@ -57,6 +57,17 @@ def three(seed: int | None) -> tuple[Model, np.ndarray]:
     return model, made
 
 
+def test_what_is_linear_is_linearised_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = read(RUN, (TEMPERATURE_BIAS, WARM_UP)) + noise(len(RUN.t), 5, NOISY)
+    blocks = observed(made, RUN)
+    start, designs = model_of(chosen(TEMPERATURE_BIAS), blocks), []
+    own = Model.design
+    monkeypatch.setattr(Model, "design", lambda *given: designs.append(given) or own(*given))
+    once = fitted(start, blocks, NOISY)
+    assert len(designs) == 1
+    assert (np.abs(fitted(once, blocks, NOISY).values - once.values) <= 1e-3 * once.u).all()
+
+
 def test_without_noise_the_planted_parameters_come_back_exactly() -> None:
     model, made = three(None)
     for name, true in (("lever_arm", ARM), ("time_offset", DELAY), ("thermal_transient", WARM_UP)):

@@ -22,7 +22,7 @@ from tasks.explain.search.candidates import (
 )
 from tasks.explain.search.design import BandedDesign, banded_design, normal_equations
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER, rank
-from tasks.explain.search.stepwise import FALSE_ALARMS, Selection, TimeBudget, search
+from tasks.explain.search.stepwise import FALSE_ALARMS, Selection, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient
@@ -221,16 +221,3 @@ def test_a_time_constant_that_would_be_negative_finds_nothing() -> None:
     one = asked(made + noise(len(RUN.t), 7, NOISY), (BANDWIDTH, TIME_OFFSET))
     early = search(one.pool, one.candidates, (), NOISY)
     assert [each.candidate.name for each in early.selected] == ["time_offset"]
-
-
-def test_a_search_stops_at_its_budget_and_says_so_only_where_there_was_more(
-    both: Asked, found_in_both: Selection, nothing: Asked
-) -> None:
-    ticks = iter(range(100))
-    once = TimeBudget(until=2.0, clock=lambda: float(next(ticks)) + 1.0)  # spent when asked again
-    stopped = search(both.pool, both.candidates, budget=once)
-    assert [one.name for one in stopped.candidates] == [LEVER_ARM.name]
-    assert stopped.stopped
-    assert not found_in_both.stopped
-    spent = TimeBudget(until=0.0, clock=lambda: 1.0)
-    assert not search(nothing.pool, nothing.candidates, budget=spent).stopped
