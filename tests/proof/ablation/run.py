@@ -1,0 +1,164 @@
+"""Runs the names of kept recordings without each rule; `page` makes the table of it."""
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, replace
+from functools import wraps
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+from zlib import crc32
+
+from schemas.base import Unusable
+from storage.formats.folder import read_folder
+from tasks.explain import explain
+from tasks.explain.evidence import assemble
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.explanation import Explanation
+from tasks.explain.inputs.prepared import Prepared, prepare
+from tasks.explain.progress import silent
+from tasks.explain.search.fitted import Searched, searched
+from tests.proof.ablation.comparisons import COMPARISONS
+from tests.proof.ablation.kept import Kept, kept
+from tests.proof.ablation.page import markdown
+from tests.proof.ablation.switch import Switch, Watch, off
+from tests.proof.ablation.switches import EVIDENCE
+
+SWITCHES = (*EVIDENCE, *COMPARISONS)
+ANSWERS, PAGE = "ablation.jsonl", "ablation.md"
+SELECTION, EXPLANATION = "selection", "explanation"
+# What errors of the reference make is drawn anew only where a rule may change it.
+DRAWN_ANEW = ("evidence.reference_errors", "evidence.scatter", "evidence.evidence")
+
+
+def run_ablation(folder: Path, real: Path | None, minutes: float | None) -> None:
+    """Explains what has no answer in the folder's ablation.jsonl yet, and writes ablation.md.
+
+    minutes: after these no other recording is begun.
+    """
+    recordings, answers = kept(folder, real), folder / ANSWERS
+    if not recordings:
+        raise Unusable(f"--ablation {folder} holds no plain/, rough/ or station/ recordings")
+    lines = answers.read_text(encoding="utf-8").splitlines() if answers.exists() else []
+    done = {(one["kind"], one["label"]) for one in map(json.loads, lines)}
+    until = None if minutes is None else time.monotonic() + 60.0 * minutes
+    for one in recordings:
+        if (one.kind, one.label) in done:
+            continue
+        if until is not None and time.monotonic() > until:
+            break
+        with answers.open("a", encoding="utf-8") as stream:
+            stream.write(json.dumps(_ablated(one), ensure_ascii=False) + "\n")
+    rows = [json.loads(line) for line in answers.read_text(encoding="utf-8").splitlines()]
+    (folder / PAGE).write_text(markdown(rows, SWITCHES), encoding="utf-8")
+
+
+def _ablated(one: Kept) -> dict[str, Any]:
+    """The answer with all rules, and of each that acts there the one without it, judged."""
+    started = time.process_time()
+    said: dict[str, Any] = {"kind": one.kind, "label": one.label}
+    number = crc32(f"{one.kind} {one.label}".encode())
+    switches = [each for each in SWITCHES if number % each.every == 0]
+    said["asked"] = [each.name for each in switches]
+    try:
+        prepared = prepare(read_folder(one.folder), delay_sought=True)
+        begun = time.process_time()
+        found = searched(prepared)
+    except Exception as failure:  # an answer, too
+        return said | {"failed": f"{type(failure).__name__}: {failure}"}
+    said["seconds"] = [begun - started, time.process_time() - begun]
+    watch, drawn = Watch(switches), _Remembered()
+    with watch.on(), drawn.on():
+        watch.stage = SELECTION
+        evidence = explain._selected(found, silent)
+        watch.stage = EXPLANATION
+        answer = response(assemble.explanation_of(prepared, evidence))
+    said["answer"], said["judged"] = answer, asdict(one.judge(answer))
+    said["seconds"].append(time.process_time() - begun - said["seconds"][1])
+    said["without"] = {}
+    for each in switches:
+        if each.name not in watch.acted:
+            continue
+        with off(each), drawn.on() if _remembers(each) else ExitStack():
+            other = _answered(prepared, found, evidence, watch.acted[each.name])
+        if isinstance(other, str):
+            said["without"][each.name] = {"failed": other}
+        elif other == answer:
+            said["without"][each.name] = {}
+        else:
+            said["without"][each.name] = {"answer": other, "judged": asdict(one.judge(other))}
+    return said | {"spent": time.process_time() - started}
+
+
+def _answered(
+    prepared: Prepared, found: Searched, evidence: Evidence, stages: set[str]
+) -> dict[str, Any] | str:
+    """The answer from the stage on in which the rule acts; a failure by what it says."""
+    try:
+        if SELECTION in stages:
+            evidence = explain._selected(found, silent)
+        else:  # what it keeps in mind was worked out by the rule
+            evidence = replace(evidence, scatter=replace(evidence.scatter))
+        return response(assemble.explanation_of(prepared, evidence))
+    except Exception as failure:
+        return f"{type(failure).__name__}: {failure}"
+
+
+def response(explanation: Explanation) -> dict[str, Any]:
+    """What an answer says, as far as rules may change it."""
+    return {
+        "verdict": explanation.verdict,
+        "findings": [
+            {
+                "effect": one.effect,
+                "group": list(one.group),
+                "indistinguishable_from": list(one.indistinguishable),
+                "refused": one.refusal and [one.refusal.kind, one.refusal.name],
+                "channels": list(one.channels),
+                "share": round(one.share, 3),
+                "parameters": [each.model_dump() for each in one.parameters],
+                "common": [each.model_dump() for each in one.common],
+                "follows": None,
+            }
+            for one in explanation.findings
+        ],
+        "small": sorted(one.effect for one in explanation.small),
+    }
+
+
+def _remembers(switch: Switch) -> bool:
+    return switch.attribute.partition(":")[0] not in DRAWN_ANEW
+
+
+class _Remembered:
+    """The two dearest steps of an explanation, worked out once for the same input."""
+
+    def __init__(self) -> None:
+        self._noise: dict[int, tuple[Any, Any]] = {}
+        self._events: dict[bytes, Any] = {}
+
+    @contextmanager
+    def on(self) -> Iterator[None]:
+        noise, events = assemble.fitted_to_reference_noise, assemble.events_in_residual
+
+        @wraps(noise)
+        def by_fit(prepared: Any, standard: Any, evidence: Any) -> Any:
+            if id(evidence.fit) not in self._noise:
+                self._noise[id(evidence.fit)] = evidence.fit, noise(prepared, standard, evidence)
+            return self._noise[id(evidence.fit)][1]
+
+        @wraps(events)
+        def by_residual(before: Any, residual: Any, *rest: Any) -> Any:
+            key = blake2b(residual.tobytes()).digest()
+            if key not in self._events:
+                self._events[key] = events(before, residual, *rest)
+            return self._events[key]
+
+        assemble.fitted_to_reference_noise = by_fit
+        assemble.events_in_residual = by_residual
+        try:
+            yield
+        finally:
+            assemble.fitted_to_reference_noise, assemble.events_in_residual = noise, events
