@@ -5,8 +5,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tests.proof.ablation.switch import Switch
-
 COLUMNS = (
     "rule", "what it is for", "recordings", "where it acts", "right names gained / lost without it",
     "wrong names gained / lost", "other groups", "other intervals",
@@ -109,8 +107,8 @@ def _intervals(answer: Row) -> dict[tuple[str, str], tuple[float, float]]:
     }
 
 
-def markdown(rows: Sequence[Row], switches: Sequence[Switch]) -> str:
-    """The table, a row for each rule."""
+def markdown(rows: Sequence[Row], purposes: Mapping[str, str]) -> str:
+    """The table, a row for each rule. purposes: of each, by its name."""
     answered = [row for row in rows if "failed" not in row]
     kinds = Counter(row["kind"] for row in answered)
     said = Counter[str]()
@@ -124,12 +122,12 @@ def markdown(rows: Sequence[Row], switches: Sequence[Switch]) -> str:
         f"names, {said['wrong']} wrong ones. A rule acts where any of its outcomes would differ "
         "without it; ! marks a wrong name.", "",
         _line(COLUMNS), _line(["---"] * len(COLUMNS)),
-        *(_line(_cells(each, counted(rows, each.name))) for each in switches), "",
+        *(_line([name, why, *_cells(counted(rows, name))]) for name, why in purposes.items()), "",
     ]  # fmt: skip
     return "\n".join(lines)
 
 
-def _cells(switch: Switch, each: Counted) -> list[str]:
+def _cells(each: Counted) -> list[str]:
     if not each.acted:
         moved = ["0", *["–"] * 6]
     else:
@@ -142,7 +140,7 @@ def _cells(switch: Switch, each: Counted) -> list[str]:
             " / ".join(f"{a} of {b}" for a, b in zip(each.inside, each.stated, strict=True)),
             "; ".join(each.examples),
         ]
-    return [switch.name, switch.purpose, f"{each.asked}", *moved]
+    return [f"{each.asked}", *moved]
 
 
 def _line(cells: Iterable[str]) -> str:

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, replace
 from functools import wraps
@@ -24,10 +24,13 @@ from tests.proof.ablation.comparisons import COMPARISONS
 from tests.proof.ablation.kept import Kept, kept
 from tests.proof.ablation.page import markdown
 from tests.proof.ablation.switch import Switch, Watch, off
-from tests.proof.ablation.switches import EVIDENCE
+from tests.proof.ablation.switches import EVIDENCE, TOGETHER
 
 SWITCHES = (*EVIDENCE, *COMPARISONS)
 ANSWERS, PAGE = "ablation.jsonl", "ablation.md"
+PURPOSES = {one.name: one.purpose for one in SWITCHES} | {
+    name: ", ".join(members) for name, members in TOGETHER.items()
+}
 SELECTION, EXPLANATION = "selection", "explanation"
 # What errors of the reference make is drawn anew only where a rule may change it.
 DRAWN_ANEW = ("evidence.reference_errors", "evidence.scatter", "evidence.evidence")
@@ -52,7 +55,9 @@ def run_ablation(folder: Path, real: Path | None, minutes: float | None) -> None
         with answers.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(_ablated(one), ensure_ascii=False) + "\n")
     rows = [json.loads(line) for line in answers.read_text(encoding="utf-8").splitlines()]
-    (folder / PAGE).write_text(markdown(rows, SWITCHES), encoding="utf-8")
+    (folder / PAGE).write_text(
+        markdown(rows, {one.name: one.purpose for one in SWITCHES} | PURPOSES), encoding="utf-8"
+    )
 
 
 def _ablated(one: Kept) -> dict[str, Any]:
@@ -61,7 +66,7 @@ def _ablated(one: Kept) -> dict[str, Any]:
     said: dict[str, Any] = {"kind": one.kind, "label": one.label}
     number = crc32(f"{one.kind} {one.label}".encode())
     switches = [each for each in SWITCHES if number % each.every == 0]
-    said["asked"] = [each.name for each in switches]
+    said["asked"] = [*(each.name for each in switches), *TOGETHER]
     try:
         prepared = prepare(read_folder(one.folder), delay_sought=True)
         begun = time.process_time()
@@ -78,18 +83,31 @@ def _ablated(one: Kept) -> dict[str, Any]:
     said["answer"], said["judged"] = answer, asdict(one.judge(answer))
     said["seconds"].append(time.process_time() - begun - said["seconds"][1])
     said["without"] = {}
-    for each in switches:
-        if each.name not in watch.acted:
-            continue
-        with off(each), drawn.on() if _remembers(each) else ExitStack():
-            other = _answered(prepared, found, evidence, watch.acted[each.name])
+    for name, some in _to_try(switches, watch):
+        stages = set[str]().union(*(watch.acted[each.name] for each in some))
+        with ExitStack() as without:
+            for each in some:
+                without.enter_context(off(each))
+            if all(map(_remembers, some)):
+                without.enter_context(drawn.on())
+            other = _answered(prepared, found, evidence, stages)
         if isinstance(other, str):
-            said["without"][each.name] = {"failed": other}
+            said["without"][name] = {"failed": other}
         elif other == answer:
-            said["without"][each.name] = {}
+            said["without"][name] = {}
         else:
-            said["without"][each.name] = {"answer": other, "judged": asdict(one.judge(other))}
+            said["without"][name] = {"answer": other, "judged": asdict(one.judge(other))}
     return said | {"spent": time.process_time() - started}
+
+
+def _to_try(switches: Sequence[Switch], watch: Watch) -> Iterator[tuple[str, list[Switch]]]:
+    """Each switch that acts, and together those that make up for one another."""
+    acting = {each.name: each for each in switches if each.name in watch.acted}
+    yield from ((name, [each]) for name, each in acting.items())
+    for name, members in TOGETHER.items():
+        some = [acting[member] for member in members if member in acting]
+        if len(some) > 1:
+            yield name, some
 
 
 def _answered(

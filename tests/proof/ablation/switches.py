@@ -207,3 +207,18 @@ NAMED = (
 )  # fmt: skip
 
 EVIDENCE = (*PRUNING, *SCRUTINISED, *NAMED)
+
+# Rules that make up for one another: off together where more than one of them acts.
+TOGETHER: dict[str, tuple[str, ...]] = {
+    "all of what is far stronger": (
+        "leakage", "shadows", "incomplete", "slivers", "form errors", "drift beside memory",
+        "scatter",
+    ),
+    "all look-alikes": (
+        "unseen_turning", "made_by_placing", "jump_at_one_end", "loops_both_ways", "swings",
+        "switching",
+    ),
+    "all of parts and channels": ("inhomogeneous", "channel_worse"),
+    "all of the reference": ("reference's noise", "smoothing error", "bootstrap of the reference"),
+    "all of clipping": ("clipped", "clipped in noise"),
+}  # fmt: skip

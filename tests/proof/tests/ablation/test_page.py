@@ -69,11 +69,11 @@ def test_groups_and_intervals_that_change_are_counted_though_the_names_stay():
 
 
 def test_a_failure_without_the_rule_is_told():
-    text = markdown([_row("1", {"failed": "ValueError: empty"})], [SHADOWS])
+    text = markdown([_row("1", {"failed": "ValueError: empty"})], SHADOWS)
     assert "fails in 1" in text
 
 
 def test_a_recording_that_cannot_be_read_is_in_no_row():
-    text = markdown([{"kind": "rough", "label": "1", "failed": "Unusable: short"}], [SHADOWS])
+    text = markdown([{"kind": "rough", "label": "1", "failed": "Unusable: short"}], SHADOWS)
     assert "0 recordings" in text
     assert "1 could not be read" in text
