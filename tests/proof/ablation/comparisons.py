@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from tasks.explain.confounding.families import FAMILIES
 from tests.proof.ablation.switch import Switch
 from tests.proof.ablation.switches import first, says, second
 
@@ -26,15 +25,8 @@ def _only_clipped(group: Any, *rest: Any) -> tuple[str, ...]:
 
 COMPARISONS = (
     Switch("comparing", "combinations of what compensates", "explain:compared", first),
-    *(
-        Switch(f"family {family[0]}", f"compares {', '.join(family)}", f"{C}:FAMILIES",
-               tuple(one for one in FAMILIES if one is not family), "explain:compared")
-        for family in FAMILIES
-    ),
     Switch("bootstrap of the reference", "may be the truth though it fits worse",
            "confounding.bootstrap:ReferenceBootstrap.rivals", says(())),
-    Switch("bootstrap: FAR", "spares further draws", "confounding.bootstrap:FAR", 0.0,
-           "confounding.bootstrap:ReferenceBootstrap._may_be"),
     Switch("play", "tips from side to side, not bends", "explain:with_play", first),
     Switch("special case fits better", "lever arm in place of size effect",
            f"{FAMILY}._special_case", second),

@@ -32,6 +32,7 @@ PURPOSES = {one.name: one.purpose for one in SWITCHES} | {
     name: ", ".join(members) for name, members in TOGETHER.items()
 }
 SELECTION, EXPLANATION = "selection", "explanation"
+LONGEST = 60.0  # s of processor time on one recording: after it no other rule is switched off
 # What errors of the reference make is drawn anew only where a rule may change it.
 DRAWN_ANEW = ("evidence.reference_errors", "evidence.scatter", "evidence.evidence")
 
@@ -84,6 +85,9 @@ def _ablated(one: Kept) -> dict[str, Any]:
     said["seconds"].append(time.process_time() - begun - said["seconds"][1])
     said["without"] = {}
     for name, some in _to_try(switches, watch):
+        if time.process_time() - started > LONGEST:
+            said["asked"].remove(name)
+            continue
         stages = set[str]().union(*(watch.acted[each.name] for each in some))
         with ExitStack() as without:
             for each in some:

@@ -1,11 +1,8 @@
 """The table counts what a rule gains and loses."""
 
 from tests.proof.ablation.page import counted, markdown
-from tests.proof.ablation.switch import Switch
 
-SHADOWS = Switch(
-    "shadows", "removes less than what stays", "evidence.shares:_named_or_shadow", None
-)
+SHADOWS = {"shadows": "removes less than what stays"}
 
 
 def _answer(effect: str, group: tuple[str, ...] = (), value: float = 1.0, u: float = 0.1) -> dict:
