@@ -104,8 +104,8 @@ def main(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Nothing but the names without each rule in turn, of the trials in DIR/plain, "
-            "DIR/rough and DIR/station, and of --real; goes on where it stopped.",
+            help="Nothing but the names without each rule in turn, of short trials and the station, "
+            "recorded in DIR, and of --real; goes on where it stopped.",
         ),
     ] = None,
     faults: Annotated[
@@ -218,7 +218,7 @@ def main(
         if throughput is not None:
             run_throughput(throughput, write)
         elif ablation is not None:
-            run_ablation(ablation, real, minutes)
+            run_ablation(ablation, seed, real, minutes)
         elif rough:
             run_rough(seed, short, out, engine, minutes)
         else:

@@ -1,23 +1,33 @@
 """The kept recordings: of the sealed trial, the rough trial and the station, and the real ones."""
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, zip_longest
 from pathlib import Path
+from shutil import rmtree
 from typing import Any
 
 from tests.proof.ablation.judge import Answer, Verdict, by_names
+from tests.proof.real.run import write
 from tests.proof.real.stated.judge import judged
 from tests.proof.real.stated.known import KNOWN
 from tests.proof.station import score as station
-from tests.proof.station.case import cases
+from tests.proof.station.case import Case, cases
+from tests.proof.station.record import recording_of
 from tests.proof.trial.compare import compared
+from tests.proof.trial.draw import DWELLS, draw
 from tests.proof.trial.parameters import Truth
+from tests.proof.trial.rough.draw import draw_rough
 from tests.proof.trial.rough.score import scored_rough
-from tests.proof.trial.seal import RECORDINGS, SEALED
+from tests.proof.trial.rough.seal import record_and_seal_rough
+from tests.proof.trial.seal import RECORDINGS, SEALED, record_and_seal
 
-STATION_CASES = 160
+MOST_OF = {"faint": 12, "several": 30, "clean": 20}  # recordings of a kind; of others one each
+MOST_RATE = 100  # Hz
+STATION_CASES = 60
 # What is known to be true of a recording by those who reported it or by hand: names of the
 # catalogue; those in `tests.proof.real.stated.known` are not repeated.
 TRUE_OF: dict[str, set[str]] = {
@@ -45,36 +55,77 @@ TRUE_OF: dict[str, set[str]] = {
 
 @dataclass(frozen=True)
 class Kept:
-    """A recording in a folder, and how an answer about it is judged."""
+    """A recording in a folder, how it is made there and how an answer about it is judged.
+
+    last: the file that is written last; where it is, the recording is whole.
+    """
 
     kind: str
     label: str
     folder: Path
+    last: Path
+    record: Callable[[], None] | None
     judge: Callable[[Answer], Verdict]
 
+    def recorded(self) -> Path:
+        """Its folder, recorded anew if it is not whole. Raises what a case raises that cannot be
+        played.
+        """
+        if self.record is not None and not self.last.exists():
+            for folder in {self.folder, self.last.parent}:
+                rmtree(folder, ignore_errors=True)
+            self.record()
+        return self.folder
 
-def kept(folder: Path, real: Path | None) -> list[Kept]:
-    """All that are there, the kinds in turn, so that the first hundred hold all of them.
 
-    folder: with plain/ and rough/, as a sealed trial leaves them, and station/recordings/.
-    real: with real/, rough/ and field/.
+def kept(folder: Path, seed: int, real: Path | None) -> list[Kept]:
+    """All of them, the kinds in turn, so that the first hundred hold all of them.
+
+    folder: gets plain/ and rough/, as a sealed trial leaves them, and station/. seed: of the
+    trials. real: with real/, rough/ and field/.
     """
-    kinds = [_plain(folder / "plain"), _rough(folder / "rough"), _station(folder / "station")]
+    kinds = [
+        _plain(folder / "plain", seed), _rough(folder / "rough", seed), _station(folder / "station")
+    ]  # fmt: skip
     if real is not None:
         kinds.append(_real(real))
     turns = chain.from_iterable(zip_longest(*kinds))
     return [one for one in turns if one is not None]
 
 
-def _labels(folder: Path) -> list[Path]:
-    return sorted(folder.iterdir()) if folder.is_dir() else []
+def _plain(folder: Path, seed: int) -> Iterator[Kept]:
+    """Of the sealed trial one of each effect and size, as short as its procedure can be."""
+    chosen = Counter[tuple[str, tuple[str, ...], float | None]]()
+    for drawn in draw(seed):
+        effects = tuple(call.name for call in drawn.case.effects)
+        key = drawn.kind, effects if drawn.kind in ("single", "outside") else (), drawn.z
+        chosen[key] += 1
+        if chosen[key] > MOST_OF.get(drawn.kind, 1):
+            continue
+        rate = min(drawn.case.rate_hz, MOST_RATE)
+        case = drawn.case.model_copy(update={"rate_hz": rate, "dwell_s": min(DWELLS)})
+        short = drawn.model_copy(update={"case": case})
+        yield _of_trial("sealed", drawn.label, folder, partial(record_and_seal, short), _by_plain)
 
 
-def _plain(folder: Path) -> Iterator[Kept]:
-    for sealed in _labels(folder / SEALED):
-        if (sealed / "trial.json").exists():
-            yield Kept("sealed", sealed.name, folder / RECORDINGS / sealed.name,
-                       lambda answer, sealed=sealed: _by_plain(sealed, answer))  # fmt: skip
+def _rough(folder: Path, seed: int) -> Iterator[Kept]:
+    for drawn in draw_rough(seed):
+        record = partial(record_and_seal_rough, drawn)
+        yield _of_trial("rough", drawn.label, folder, record, _by_rough)
+
+
+def _of_trial(
+    kind: str,
+    label: str,
+    folder: Path,
+    record: Callable[[Path], None],
+    judge: Callable[[Path, Answer], Verdict],
+) -> Kept:
+    sealed = folder / SEALED / label
+    return Kept(
+        kind, label, folder / RECORDINGS / label, sealed / "trial.json",
+        partial(record, folder), partial(judge, sealed),
+    )  # fmt: skip
 
 
 def _by_plain(sealed: Path, answer: Answer) -> Verdict:
@@ -90,13 +141,6 @@ def _by_plain(sealed: Path, answer: Answer) -> Verdict:
     return by_names(answer, true, (sum(pair.inside for pair in pairs), len(pairs)))
 
 
-def _rough(folder: Path) -> Iterator[Kept]:
-    for sealed in _labels(folder / SEALED):
-        if (sealed / "trial.json").exists():
-            yield Kept("rough", sealed.name, folder / RECORDINGS / sealed.name,
-                       lambda answer, sealed=sealed: _by_rough(sealed, answer))  # fmt: skip
-
-
 def _by_rough(sealed: Path, answer: Answer) -> Verdict:
     declared, trial = _json(sealed / "truth.json"), _json(sealed / "trial.json")
     score = scored_rough(sealed.name, declared, trial, dict(answer), 0.0)
@@ -107,14 +151,19 @@ def _by_rough(sealed: Path, answer: Answer) -> Verdict:
 
 
 def _station(folder: Path) -> Iterator[Kept]:
-    asked = {f"{number:03d}": case for number, case in enumerate(cases(STATION_CASES), start=1)}
-    for each in _labels(folder / RECORDINGS):
-        if (each / "manifest.json").exists():
-            yield Kept("station", each.name, each,
-                       lambda answer, case=asked[each.name]: _by_station(case, answer))  # fmt: skip
+    for number, case in enumerate(cases(STATION_CASES), start=1):
+        own = folder / f"{number:03d}"
+        yield Kept(
+            "station", own.name, own, own / "manifest.json", partial(_record, case, own),
+            partial(_by_station, case),
+        )  # fmt: skip
 
 
-def _by_station(case: Any, answer: Answer) -> Verdict:
+def _record(case: Case, folder: Path) -> None:
+    write(recording_of(case), folder)
+
+
+def _by_station(case: Case, answer: Answer) -> Verdict:
     score = station.score(case, {**answer, "seconds": 0.0})
     named = [one["effect"] for one in answer["findings"] if one["effect"] != station.UNNAMED]
     right = [name for name in named if name not in score.wrong]
@@ -126,10 +175,9 @@ def _by_station(case: Any, answer: Answer) -> Verdict:
 
 def _real(folder: Path) -> Iterator[Kept]:
     for kind in ("rough", "field", "real"):
-        for each in _labels(folder / kind):
-            if (each / "manifest.json").exists():
-                yield Kept(f"real: {kind}", each.name, each,
-                           lambda answer, name=each.name: _by_known(name, answer))  # fmt: skip
+        for manifest in sorted((folder / kind).glob("*/manifest.json")):
+            own, judge = manifest.parent, partial(_by_known, manifest.parent.name)
+            yield Kept(f"real: {kind}", own.name, own, manifest, None, judge)
 
 
 def _by_known(name: str, answer: Answer) -> Verdict:

@@ -37,15 +37,23 @@ LONGEST = 60.0  # s of processor time on one recording: after it no other rule i
 DRAWN_ANEW = ("evidence.reference_errors", "evidence.scatter", "evidence.evidence")
 
 
-def run_ablation(folder: Path, real: Path | None, minutes: float | None) -> None:
-    """Explains what has no answer in the folder's ablation.jsonl yet, and writes ablation.md.
+def run_ablation(folder: Path, seed: int, real: Path | None, minutes: float | None) -> None:
+    """Records and explains what has no answer in the folder's ablation.jsonl yet, and writes
+    ablation.md.
 
-    minutes: after these no other recording is begun.
+    seed: of the trials. minutes: after these no other recording is begun. Raises Unusable for a
+    folder that cannot be written.
     """
-    recordings, answers = kept(folder, real), folder / ANSWERS
-    if not recordings:
-        raise Unusable(f"--ablation {folder} holds no plain/, rough/ or station/ recordings")
-    lines = answers.read_text(encoding="utf-8").splitlines() if answers.exists() else []
+    recordings, answers = kept(folder, seed, real), folder / ANSWERS
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        answers.touch()
+    except OSError as error:
+        raise Unusable(
+            f"--ablation {folder} cannot be used ({error.strerror}); name a folder that can be "
+            "written"
+        ) from error
+    lines = answers.read_text(encoding="utf-8").splitlines()
     done = {(one["kind"], one["label"]) for one in map(json.loads, lines)}
     until = None if minutes is None else time.monotonic() + 60.0 * minutes
     for one in recordings:
@@ -69,7 +77,7 @@ def _ablated(one: Kept) -> dict[str, Any]:
     switches = [each for each in SWITCHES if number % each.every == 0]
     said["asked"] = [*(each.name for each in switches), *TOGETHER]
     try:
-        prepared = prepare(read_folder(one.folder), delay_sought=True)
+        prepared = prepare(read_folder(one.recorded()), delay_sought=True)
         begun = time.process_time()
         found = searched(prepared)
     except Exception as failure:  # an answer, too
