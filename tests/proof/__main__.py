@@ -104,7 +104,7 @@ def main(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Nothing but the names without each rule in turn, of short trials and the station, "
+            help="Nothing but the names without each rule in turn, short trials and the station "
             "recorded in DIR, and of --real; goes on where it stopped.",
         ),
     ] = None,
