@@ -142,6 +142,7 @@ def _put(path: str, value: Any) -> Iterator[None]:
     """Another value in its place, of the same kind of attribute, as long as it lasts."""
     owner, name = _owner(path)
     raw = vars(owner)[name]
+    places: list[Any]
     if isinstance(owner, type):
         places = [owner]
         value = _as_in_class(raw, name, value)
