@@ -5,21 +5,25 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, replace
-from functools import wraps
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 from zlib import crc32
 
+import numpy as np
+
 from schemas.base import Unusable
 from storage.formats.folder import read_folder
 from tasks.explain import explain
+from tasks.explain.events.event import Events
 from tasks.explain.evidence import assemble
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.progress import silent
-from tasks.explain.search.fitted import Searched, searched
+from tasks.explain.search.fitted import FittedSelection, Searched, searched
+from tasks.model.model import Model
+from tasks.motion.whole import Motion
 from tests.proof.ablation.comparisons import COMPARISONS
 from tests.proof.ablation.kept import Kept, kept
 from tests.proof.ablation.page import markdown
@@ -98,10 +102,10 @@ def _ablated(one: Kept) -> dict[str, Any]:
             continue
         stages = set[str]().union(*(watch.acted[each.name] for each in some))
         with ExitStack() as without:
+            if all(map(_remembers, some)):  # below what is switched off
+                without.enter_context(drawn.on())
             for each in some:
                 without.enter_context(off(each))
-            if all(map(_remembers, some)):
-                without.enter_context(drawn.on())
             other = _answered(prepared, found, evidence, stages)
         if isinstance(other, str):
             said["without"][name] = {"failed": other}
@@ -166,24 +170,25 @@ class _Remembered:
     """The two dearest steps of an explanation, worked out once for the same input."""
 
     def __init__(self) -> None:
-        self._noise: dict[int, tuple[Any, Any]] = {}
-        self._events: dict[bytes, Any] = {}
+        self._noise: dict[int, tuple[FittedSelection, set[int]]] = {}
+        self._events: dict[bytes, Events] = {}
 
     @contextmanager
     def on(self) -> Iterator[None]:
-        noise, events = assemble.fitted_to_reference_noise, assemble.events_in_residual
+        drawn, found = assemble.fitted_to_reference_noise, assemble.events_in_residual
 
-        @wraps(noise)
-        def by_fit(prepared: Any, standard: Any, evidence: Any) -> Any:
+        def by_fit(prepared: Prepared, standard: Model, evidence: Evidence) -> set[int]:
             if id(evidence.fit) not in self._noise:
-                self._noise[id(evidence.fit)] = evidence.fit, noise(prepared, standard, evidence)
+                self._noise[id(evidence.fit)] = evidence.fit, drawn(prepared, standard, evidence)
             return self._noise[id(evidence.fit)][1]
 
-        @wraps(events)
-        def by_residual(before: Any, residual: Any, *rest: Any) -> Any:
+        def by_residual(
+            events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion,
+            start: float = 0.0,
+        ) -> Events:  # fmt: skip
             key = blake2b(residual.tobytes()).digest()
             if key not in self._events:
-                self._events[key] = events(before, residual, *rest)
+                self._events[key] = found(events, residual, noise, motion, start)
             return self._events[key]
 
         assemble.fitted_to_reference_noise = by_fit
@@ -191,4 +196,4 @@ class _Remembered:
         try:
             yield
         finally:
-            assemble.fitted_to_reference_noise, assemble.events_in_residual = noise, events
+            assemble.fitted_to_reference_noise, assemble.events_in_residual = drawn, found
