@@ -32,7 +32,12 @@ STATION_CASES = 60
 # catalogue; those in `tests.proof.real.stated.known` are not repeated.
 TRUE_OF: dict[str, set[str]] = {
     "bmi160_board1": {"code_fault"},
-    "openaxes_triangle250_radius": {"axis_mapping", "reference_frame", "time_offset"},
+    "openaxes_triangle250_radius": {
+        "axis_mapping",
+        "reference_frame",
+        "time_offset",
+        "repeated_samples",
+    },  # fmt: skip
     "phone_basic_motions": {"time_offset", "lever_arm", "reference_frame"},
     "ring_trial1_seg5": {"time_offset", "lever_arm", "reference_frame"},
     "sunsided_turns": {"axis_mapping", "timestamp_jitter"},
