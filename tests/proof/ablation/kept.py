@@ -37,7 +37,7 @@ TRUE_OF: dict[str, set[str]] = {
         "reference_frame",
         "time_offset",
         "repeated_samples",
-    },  # fmt: skip
+    },
     "phone_basic_motions": {"time_offset", "lever_arm", "reference_frame"},
     "ring_trial1_seg5": {"time_offset", "lever_arm", "reference_frame"},
     "sunsided_turns": {"axis_mapping", "timestamp_jitter"},
