@@ -172,9 +172,9 @@ def _by_station(case: Case, answer: Answer) -> Verdict:
     score = station.score(case, {**answer, "seconds": 0.0})
     named = [one["effect"] for one in answer["findings"] if one["effect"] != station.UNNAMED]
     right = [name for name in named if name not in score.wrong]
-    told = [each for each in (score.low_pass, score.delay) if each != "absent"]
+    stated = [each for each in (score.low_pass, score.delay) if each != "absent"]
     return Verdict(
-        tuple(right), score.wrong, sum(each in ("right", "group") for each in told), len(told)
+        tuple(right), score.wrong, sum(each in ("right", "group") for each in stated), len(stated)
     )
 
 

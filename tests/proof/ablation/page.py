@@ -114,15 +114,15 @@ def markdown(rows: Sequence[Row], purposes: Mapping[str, str]) -> str:
     size = counts()
     answered = [row for row in rows if "failed" not in row]
     kinds = Counter(row["kind"] for row in answered)
-    said = Counter[str]()
+    names = Counter[str]()
     for row in answered:
         for say in ("right", "wrong"):
-            said[say] += len(row["judged"][say])
+            names[say] += len(row["judged"][say])
     lines = [
         "# Each rule of `explain` switched off in turn", "",
         f"{len(answered)} recordings: {', '.join(f'{n} {kind}' for kind, n in kinds.items())}; "
-        f"{len(rows) - len(answered)} could not be read. With all rules: {said['right']} right "
-        f"names, {said['wrong']} wrong ones. A rule acts where any of its outcomes would differ "
+        f"{len(rows) - len(answered)} could not be read. With all rules: {names['right']} right "
+        f"names, {names['wrong']} wrong ones. A rule acts where any of its outcomes would differ "
         "without it; ! marks a wrong name.", "",
         f"The engine has {size.lines} lines without blanks, {size.constants} numeric constants of "
         f"modules and {size.names} literal names of effects outside of the files that find events, "

@@ -76,29 +76,29 @@ def run_ablation(folder: Path, seed: int, real: Path | None, minutes: float | No
 def _ablated(one: Kept) -> dict[str, Any]:
     """The answer with all rules, and of each that acts there the one without it, judged."""
     started = time.process_time()
-    said: dict[str, Any] = {"kind": one.kind, "label": one.label}
+    row: dict[str, Any] = {"kind": one.kind, "label": one.label}
     number = crc32(f"{one.kind} {one.label}".encode())
     switches = [each for each in SWITCHES if number % each.every == 0]
-    said["asked"] = [*(each.name for each in switches), *TOGETHER]
+    row["asked"] = [*(each.name for each in switches), *TOGETHER]
     try:
         prepared = prepare(read_folder(one.recorded()), delay_sought=True)
         begun = time.process_time()
         found = searched(prepared)
     except Exception as failure:  # an answer, too
-        return said | {"failed": f"{type(failure).__name__}: {failure}"}
-    said["seconds"] = [begun - started, time.process_time() - begun]
+        return row | {"failed": f"{type(failure).__name__}: {failure}"}
+    row["seconds"] = [begun - started, time.process_time() - begun]
     watch, drawn = Watch(switches), _Remembered()
     with watch.on(), drawn.on():
         watch.stage = SELECTION
         evidence = explain._selected(found, silent)
         watch.stage = EXPLANATION
         answer = response(assemble.explanation_of(prepared, evidence))
-    said["answer"], said["judged"] = answer, asdict(one.judge(answer))
-    said["seconds"].append(time.process_time() - begun - said["seconds"][1])
-    said["without"] = {}
+    row["answer"], row["judged"] = answer, asdict(one.judge(answer))
+    row["seconds"].append(time.process_time() - begun - row["seconds"][1])
+    row["without"] = {}
     for name, some in _to_try(switches, watch):
         if time.process_time() - started > LONGEST:
-            said["asked"].remove(name)
+            row["asked"].remove(name)
             continue
         stages = set[str]().union(*(watch.acted[each.name] for each in some))
         with ExitStack() as without:
@@ -108,12 +108,12 @@ def _ablated(one: Kept) -> dict[str, Any]:
                 without.enter_context(off(each))
             other = _answered(prepared, found, evidence, stages)
         if isinstance(other, str):
-            said["without"][name] = {"failed": other}
+            row["without"][name] = {"failed": other}
         elif other == answer:
-            said["without"][name] = {}
+            row["without"][name] = {}
         else:
-            said["without"][name] = {"answer": other, "judged": asdict(one.judge(other))}
-    return said | {"spent": time.process_time() - started}
+            row["without"][name] = {"answer": other, "judged": asdict(one.judge(other))}
+    return row | {"spent": time.process_time() - started}
 
 
 def _to_try(switches: Sequence[Switch], watch: Watch) -> Iterator[tuple[str, list[Switch]]]:
