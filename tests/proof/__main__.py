@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from schemas.base import Unusable
+from tests.proof.ablation.run import run_ablation
 from tests.proof.faults.run import run_faults
 from tests.proof.fleets.run import run_fleets
 from tests.proof.fuzz.run import run_fuzz
@@ -95,7 +96,17 @@ def main(
     ] = None,
     minutes: Annotated[
         float | None,
-        typer.Option(min=0, help="With --rough: begin no explanation after so many minutes."),
+        typer.Option(
+            min=0, help="With --rough, --ablation: begin no explanation after so many minutes."
+        ),
+    ] = None,
+    ablation: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Nothing but the names without each rule in turn, short trials and the station "
+            "recorded in DIR, and of --real; goes on where it stopped.",
+        ),
     ] = None,
     faults: Annotated[
         int | None,
@@ -206,6 +217,8 @@ def main(
                 return
         if throughput is not None:
             run_throughput(throughput, write)
+        elif ablation is not None:
+            run_ablation(ablation, seed, real, minutes)
         elif rough:
             run_rough(seed, short, out, engine, minutes)
         else:

@@ -8,12 +8,12 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.determined import DeterminedModel, DeterminedParameter, unit_of
+from tasks.explain.events.faults import RANGE_SETTING
 from tasks.explain.explanation import UNNAMED, Finding
 from tasks.model.term import Column
 
 MANY = 12  # parameters of a finding, from which on the clauses are not asked for each of them
 NEGLIGIBLE = 1e-5  # of the square of what they all move
-RANGE_SETTING = "range_setting"
 ROUNDING = 1e-12  # of the largest variance
 
 

@@ -29,6 +29,7 @@ from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.settling import find_settling
+from tasks.model.effect import EVENTS
 from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.readings.lattice import Quantiser, quantiser_of
@@ -156,7 +157,7 @@ def events_in_residual(
     left = Residual.of(t, values, level, motion)
     lines = find_lines(left)
     if motion.tracking is not None:
-        mains = tuple(line for line in lines if line.effect == "mains_pickup")
+        mains = tuple(line for line in lines if line.effect in EVENTS)
         return Events((*mains, *events.events), events.masked, events.remarks)
     impacts = find_impacts(left.without(*lines))
     if impacts is not None:  # at even speed they look like lines

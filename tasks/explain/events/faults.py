@@ -32,6 +32,7 @@ NEAR = 0.08  # of a usual factor: as near as working units are
 OWN = 0.01  # of the factor: what scale factors of the unit's own may have in common
 ALIKE = 0.03  # of the factor: how much the axes may differ
 MIN_LOG_ODDS = 12.0  # twice the log of the odds that a claim asks for
+RANGE_SETTING = "range_setting"
 POWERS_OF_TWO = tuple(2.0**n for n in range(-5, 6) if n)
 # By how much each usual mistake multiplies what is read, by triad: gyros, accelerometers.
 BOTH = {
@@ -122,7 +123,7 @@ def find_range_setting(matrix: TriadMatrix, triad: int) -> RangeSetting | None:
         return None
     u = factor * max(abs(common / factor - 1.0), OWN if cause == "counts" else 0.1 * OWN)
     return RangeSetting(
-        "range_setting", TRIADS[triad],
+        RANGE_SETTING, TRIADS[triad],
         (FoundParameter(name="factor", value=factor, unit="1", u=float(u)),),
         float(np.exp(-0.5 * min(log_odds, 1000.0))),
         message(

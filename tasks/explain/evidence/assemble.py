@@ -70,7 +70,7 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
     nuisances = {group.name for group in evidence.groups if group.nuisance}
     if not ordered:
         named = without_shadows(terms, by_term, left, nuisances)
-        terms = without_switching(without_form_errors(named, artefacts.findings))
+        terms = without_switching(without_form_errors(named, artefacts.findings, nuisances))
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     if not ordered:
         findings = without_slivers(findings, nuisances)

@@ -12,19 +12,19 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from tasks.explain.events.saturation import EFFECTS as LIMITS
+from tasks.model.effect import EVENTS
 from tasks.model.term import Inputs
+from tasks.model.terms.gyro import GYRO_SCALE_ASYMMETRY
 from tasks.motion.whole import Motion
 
-BENDING = ("gyro_scale_nonlinearity", "gyro_scale_asymmetry")
-GYRO_CLIPPING = "gyro_saturation"
+CLIPPING = {bend: limit for limit in LIMITS for bend in EVENTS[limit].confused_with}
+GYRO_CLIPPING = LIMITS[0]
+BENDING = (*EVENTS[GYRO_CLIPPING].confused_with, GYRO_SCALE_ASYMMETRY.name)
 SLOW_RATE = 0.3  # of the largest rate about an axis: slower ones show neither
 HELD = 0.05  # of the largest rate in a second: what changes less is held
 ALIKE = 0.05  # relative: rates that differ by less are of one size
 NEARLY_ALL = 0.9
-CLIPPING = {
-    "accel_nonlinearity": "accel_saturation",
-    "gyro_scale_nonlinearity": "gyro_saturation",
-}
 END = 0.1  # of the range of a channel's input
 MOSTLY = 0.7  # of the bend's power at one end: a parabola over an even input has a quarter there
 RESTING = 0.05  # rad/s: what turns faster may vibrate

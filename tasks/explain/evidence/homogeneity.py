@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.stats import f as fisher
 
-from tasks.explain.channels import TRIADS
+from tasks.explain.channels import EVERY, TRIADS
 from tasks.explain.evidence.cells import CellEquations
 from tasks.explain.evidence.scatter import cell_influence
 from tasks.explain.explanation import Partition
@@ -21,7 +21,6 @@ from tasks.model.regression import inverse
 
 DETERMINED = 0.05  # of the whole recording's information on a parameter: less determines nothing
 MIN_DEGREES = 2.0  # of the scatter of the cells
-CHANNEL_COUNT = 6
 
 
 @dataclass(frozen=True)
@@ -148,7 +147,7 @@ def partitions(
     yield "rate", _of_cells(slow, ~slow)
     known = upward.any(axis=1)
     yield "up", _of_cells(*(known & (upward.argmax(axis=1) == axis) for axis in range(3)))
-    channels = np.arange(CHANNEL_COUNT)
+    channels = np.array(EVERY)
     every = np.ones((count, 1), bool)
     yield "triad", np.stack([every & np.isin(channels, triad) for triad in TRIADS])
     yield "axis", np.stack([every & (channels % 3 == axis) for axis in range(3)])
@@ -162,4 +161,4 @@ def _first_half(order: np.ndarray, information: np.ndarray) -> np.ndarray:
 
 
 def _of_cells(*parts: np.ndarray) -> np.ndarray:
-    return np.stack([np.repeat(part[:, None], CHANNEL_COUNT, axis=1) for part in parts])
+    return np.stack([np.repeat(part[:, None], len(EVERY), axis=1) for part in parts])

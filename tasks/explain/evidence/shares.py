@@ -94,19 +94,25 @@ def without_slivers(findings: Sequence[Finding], nuisances: Collection[str]) -> 
 
 
 def without_form_errors(
-    findings: Sequence[Finding], beside: Sequence[Finding] = ()
+    findings: Sequence[Finding],
+    beside: Sequence[Finding] = (),
+    nuisances: Collection[str] = (),
 ) -> list[Finding]:
     """The findings, those without a name that are weak beside something far stronger.
 
     A strong effect whose form is a little different from its equation leaves a residual of its
     square, and that resembles whatever is left in the catalogue. beside: what else was found.
+    nuisances: names that every model of such a recording contains, whatever is beside them.
     Memory has so many published forms, and readings that a logger changed are put right so
     roughly, that a drift weaker than either, in channels that it changes, may be its form's.
     """
     gains = [one.gain for one in (*findings, *beside)]
     strongest = max(gains, default=0.0)
     leaving = [one for one in (*findings, *beside) if one.effect in LEAVING_DRIFTS]
-    return [_drift_beside(_named_beside(one, strongest), leaving) for one in findings]
+    return [
+        one if one.effect in nuisances else _drift_beside(_named_beside(one, strongest), leaving)
+        for one in findings
+    ]
 
 
 def _named_beside(finding: Finding, strongest: float) -> Finding:

@@ -2,10 +2,9 @@
 
 import numpy as np
 
+from tasks.explain.evidence.lookalikes import COVERAGE
 from tasks.explain.search.fitted import FittedSelection
 from tasks.model.term import Term
-
-COVERED = 2.0  # standard deviations by which a step may be moved: k of the stated U
 
 
 def step_time(fit: FittedSelection, step: Term, dispersion: float) -> tuple[float, float]:
@@ -31,8 +30,8 @@ def step_time(fit: FittedSelection, step: Term, dispersion: float) -> tuple[floa
     # Chi-squared if the step comes before block j: what is before it, and after it.
     passed = ((before**2 - after**2) * counted).sum(axis=1)
     cost = np.concatenate([[0.0], passed.cumsum()])
-    possible = np.flatnonzero(cost <= cost[first] + COVERED**2 * dispersion)
+    possible = np.flatnonzero(cost <= cost[first] + COVERAGE**2 * dispersion)
     lowest = blocks.t[max(possible[0] - 1, 0)]
     highest = blocks.t[min(possible[-1], len(blocks.t) - 1)]
     half = float(highest - lowest) / 2.0 + 0.5 / blocks.band
-    return float(lowest + highest) / 2.0, half / COVERED
+    return float(lowest + highest) / 2.0, half / COVERAGE

@@ -170,7 +170,7 @@ def searched_by_name(candidates: Sequence[Candidate]) -> list[Candidate]:
     """
     return [
         one for one in candidates
-        if one.name != "bandwidth" or one.term.parameters == BANDWIDTH.parameters
+        if one.name != BANDWIDTH.name or one.term.parameters == BANDWIDTH.parameters
     ]  # fmt: skip
 
 

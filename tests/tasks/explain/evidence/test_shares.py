@@ -111,6 +111,13 @@ def test_what_every_model_contains_hides_no_other_effect() -> None:
     assert without_slivers([replace(frame, share=0.001)], ("reference_frame",))[0].effect != UNNAMED
 
 
+def test_what_every_model_contains_is_no_form_error_of_what_is_beside_it() -> None:
+    frame = replace(NAMED, effect="reference_frame", gain=60.0, delta_bic=50.0)
+    strong = replace(NAMED, gain=9000.0)
+    assert without_form_errors([frame, strong], (), ("reference_frame",)) == [frame, strong]
+    assert without_form_errors([frame, strong])[0].effect == UNNAMED
+
+
 def test_a_drift_is_the_form_error_of_a_stronger_memory_in_its_channels_only() -> None:
     memory = replace(NAMED, effect="hysteresis", channels=(0, 2), gain=640.0)
     drift = replace(NAMED, effect="bias_random_walk", channels=(0,), gain=430.0, parameters=())
