@@ -10,6 +10,7 @@ from scipy.special import comb
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.search.behaviours import behaviours
 from tasks.explain.search.candidates import (
     Candidate,
     candidates_of,
@@ -41,6 +42,7 @@ from tasks.explain.search.stepwise import (
 from tasks.explain.whitening import Noise
 from tasks.model.catalogue import catalogue
 from tasks.model.model import Model
+from tasks.model.terms.hysteresis import PLAYS
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.timing import TIME_OFFSET
 
@@ -162,7 +164,8 @@ def searched(
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
     listed = catalogue(prepared.recording, coarse.motion)
     if only is None:
-        terms = [*listed, *empirical(coarse.motion)]
+        forms = [term for term in listed if term.source != PLAYS]  # an unlisted form has them all
+        terms = [*forms, *empirical(coarse.motion), *behaviours(coarse.motion)]
     else:
         terms = [term for term in listed if term.name in only]
     candidates, columns = candidates_of(terms, coarse.motion)
