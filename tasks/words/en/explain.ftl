@@ -39,7 +39,6 @@ explain-product-other-forces = an error that follows the product of the specific
 explain-product-own-force = an error that follows products of its own specific force with the others
 explain-product-squared-other-forces = an error that follows the squares of the other specific forces
 explain-product-squared-other-rates = an error that follows the squares of the rates
-explain-product-squared-own-rate = an error that follows the square of its own rate
 explain-product-rates = an error that follows the rates
 explain-product-other-rate-sizes = an error that follows the magnitudes of the other rates
 explain-product-fourth-power = an error that follows the fourth power of the rate

@@ -39,7 +39,6 @@ explain-product-other-forces = 读数随另两轴比力之积变化
 explain-product-own-force = 读数随自身与其他轴比力之积变化
 explain-product-squared-other-forces = 读数随其他轴比力的平方变化
 explain-product-squared-other-rates = 读数随角速率的平方变化
-explain-product-squared-own-rate = 读数随自身轴角速率的平方变化
 explain-product-rates = 读数随角速率变化
 explain-product-other-rate-sizes = 读数随其他轴角速率的大小变化
 explain-product-fourth-power = 读数随角速率的四次方变化
