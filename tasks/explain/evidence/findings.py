@@ -142,7 +142,7 @@ def _finding(
         homogeneity_p=scrutiny.homogeneity_p,
         refusal=scrutiny.refusal,
         group=group.selected[0].group if named else (),
-        unlisted=named and group.unlisted,
+        unlisted=group.unlisted and (named or first.name == UNNAMED),
         common=_common_part(evidence, number, scrutiny),
     )
 

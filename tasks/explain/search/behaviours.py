@@ -2,10 +2,11 @@
 
 A hysteresis is a sum of plays and relays of several widths, which remember rate, angle or specific
 force; a non-linearity a function of the own input that bends at many places; a rectification one
-of the vibration and of the speeds that make it; a late temperature a distribution of lags. Each
-weight is normal about zero, of one variance in a kind: a Gaussian process of the drive, whose
-weights the evidence integrates out (N. Wiener's and Preisach's operators with random weights;
-C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, 2.7).
+of the vibration and of the speeds that make it; a late temperature, or the heat of turning, a
+distribution of lags. Each weight is normal about zero, of one variance in a kind: a Gaussian
+process of the drive, whose weights the evidence integrates out (Preisach's and Prandtl's operators
+with random weights; C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine
+Learning, 2006, 2.7).
 """
 
 from collections.abc import Callable, Iterator
@@ -15,6 +16,7 @@ from functools import partial
 import numpy as np
 
 from tasks.explain.channels import ACCELS, EVERY, GYROS
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.empirical_terms import regression_term
 from tasks.model.hysteresis_states import faded, last_peak, last_sign, stopped
 from tasks.model.parameters import STILL, G, turned
@@ -42,6 +44,8 @@ BENDS = np.arange(-0.9, 0.95, 0.15)  # of the largest input
 SPEEDS = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7)  # of the largest rate: where a rectification bends
 OWN_SPEEDS = (0.0, 0.3, 0.6)
 LAGS = (8.0, 20.0, 45.0, 90.0, 180.0, 400.0, 900.0)  # s
+HEAT_LAGS = (20.0, 45.0, 90.0, 180.0, 400.0)  # s
+FAST_HEATS = 0.4  # of the largest rate
 BENT_LAGS = (45.0, 180.0)  # s
 GIVING_WAY = (0.3, 1.0, 2.5)  # K: radii of plays
 FEW = 0.5  # K: a smaller change of temperature shows no lag
@@ -77,6 +81,7 @@ def _possible(motion: Motion) -> Iterator[Behaviour]:
         yield Behaviour(
             "rectification", "vibration_rectification", "accelerometer", ACCELS, _shaken
         )
+        yield Behaviour("heating", UNNAMED, UNNAMED, EVERY, _heated)
     yield Behaviour("non-linearity", "accel_nonlinearity", "accelerometer", ACCELS, _bent)
     temperature = motion.recorded.get("temperature")
     if temperature is not None and np.nanmax(temperature) - np.nanmin(temperature) > FEW:
@@ -85,7 +90,7 @@ def _possible(motion: Motion) -> Iterator[Behaviour]:
 
 def _term(one: Behaviour, count: int) -> "UnlistedForm":
     title = message(f"explain-unlisted-{one.kind.replace(' ', '-')}")
-    shared = one.bank is _late
+    shared = one.channels == EVERY
     term = regression_term(one.kind, title, one.channels, count, one.bank, shared)
     return UnlistedForm(
         one.name, one.family, "sensor", "Σₖ wₖ·sₖ, wₖ normal", "random function of its own drive",
@@ -153,6 +158,13 @@ def _shaken(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
         *(np.maximum(shares[:, j] - least, 0.0) for j in range(3) for least in OWN_SPEEDS),
         power, np.sqrt(power), power / (power + 0.2),
     ]  # fmt: skip
+
+
+def _heated(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    """Of what turning heats: of its power, and of that of fast turns alone."""
+    speed = _share(np.linalg.norm(np.nan_to_num(motion.rate), axis=1))
+    loads = speed**2, np.maximum(speed - FAST_HEATS, 0.0)
+    return [first_order_lag(load, motion.interval, tau) for load in loads for tau in HEAT_LAGS]
 
 
 def _late(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:

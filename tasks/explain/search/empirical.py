@@ -110,8 +110,6 @@ def _decay(
 def _lags() -> Iterator[Term]:
     signals: list[tuple[str, str, str, tuple[int, ...], bool, Signal]] = [
         ("ω", "own-rate", RATE, GYROS, False, lambda m, u, c: u.rate[:, c]),
-        ("ω²", "squared-rate", RATE_2, EVERY, True, lambda m, u, c: (u.rate**2).sum(axis=1)),
-        ("|ω|", "rate-size", RATE, EVERY, True, lambda m, u, c: np.sqrt((u.rate**2).sum(axis=1))),
         ("f", "own-force", FORCE, EVERY, False, lambda m, u, c: u.force[:, c % 3]),
         ("|f|", "own-force-size", FORCE, ACCELS, False, lambda m, u, c: np.abs(u.force[:, c % 3])),
     ]

@@ -70,7 +70,7 @@ def _same_behaviour(candidate: Candidate, selected: Sequence[Candidate]) -> bool
     return any(
         set(candidate.members) & set(other.members)
         if candidate.unlisted and other.unlisted
-        else candidate.unlisted != other.unlisted and candidate.name == other.name
+        else candidate.unlisted != other.unlisted and candidate.name == other.name != UNNAMED
         for other in selected
     )
 
