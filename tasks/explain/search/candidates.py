@@ -23,6 +23,7 @@ BIAS_FORMS = (WALK, SMOOTH, *RETURNING)
 SCALE_FORMS = (SMOOTH, *RETURNING)
 STRENGTHS = (0.3, 3.0, 30.0, 300.0, 3000.0)
 WEIGHTS = (10.0, 100.0, 1e3, 1e4, 1e5)  # strengths of an unlisted form
+UNSEEN = 1e-12  # of the clearest column's power: less shows nothing of a weight
 STEP_TIMES = 3  # at which a change may happen that are tried
 
 
@@ -66,8 +67,9 @@ class Weights:
 
     def precision(self, column_power: np.ndarray) -> np.ndarray:
         """1/variance (m,) of parameters at unit column size; column_power: (m,) = uᵀS⁻¹u."""
-        power = np.maximum(column_power.reshape(-1, self.columns), 1e-300)
-        return np.asarray(power.max(axis=1, keepdims=True) / (self.strength * power)).ravel()
+        power = column_power.reshape(-1, self.columns)
+        clearest = np.maximum(power.max(axis=1, keepdims=True), 1e-300)
+        return np.asarray(1.0 / (self.strength * np.maximum(power / clearest, UNSEEN))).ravel()
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,7 +93,7 @@ def test_weights_have_one_variance_in_the_readings_units() -> None:
     precision = Weights(100.0, 2).precision(power)
     np.testing.assert_allclose(precision[:2], [0.01, 0.04])
     assert precision[3] == pytest.approx(0.01)
-    assert precision[2] > 1e200
+    assert precision[2] > 1e8
 
 
 def test_a_memory_of_no_listed_form_is_one_finding_of_its_kind(remembered: Selection) -> None:
