@@ -165,7 +165,9 @@ def searched(
     listed = catalogue(prepared.recording, coarse.motion)
     if only is None:
         forms = [term for term in listed if term.source != PLAYS]  # an unlisted form has them all
-        terms = [*forms, *empirical(coarse.motion), *behaviours(coarse.motion)]
+        # What a filter differs by from a delay follows changes of the motion, as memory does.
+        kinds = () if prepared.delay else behaviours(coarse.motion)
+        terms = [*forms, *empirical(coarse.motion), *kinds]
     else:
         terms = [term for term in listed if term.name in only]
     candidates, columns = candidates_of(terms, coarse.motion)
