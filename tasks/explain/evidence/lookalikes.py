@@ -7,6 +7,9 @@ A bias that jumps is the same before and the same after. What the first few cell
 the last, have of their own is no jump for that: a warm-up, or a rest that is unlike all the motion
 after it, sets them apart as well, and too few cells do not tell that their bias is one.
 
+Any loop of a memory is a sum of plays (Prandtl and Ishlinskii), whose weights are of one sign, for
+each takes energy. Weights of both signs are a curvature or a derivative of the drive, no memory.
+
 Where neither encoders nor poses tell the attitude, each rest is as it was placed, and that is off
 by what it is. A law of the attitude with as many parameters as the rests leave values beside the
 standard's would make up for any errors of placing.
@@ -41,6 +44,7 @@ SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
 UNSEEN = 1e-3  # p value of coefficients that the faster rates show
 FAST_THRESHOLDS = 3.0  # thresholds: faster than what the errors of a rest make of it
 FEWEST_CELLS = 3  # cells on either side: two tell a change by themselves
+MEMORY = "hysteresis"
 STANDARD_AT_REST = 12  # accelerometers' matrix and bias
 RESTING = np.radians(0.1)  # rad/s
 OF_ACCELEROMETERS = ("accel_time_constant", "accel_lag")
@@ -124,6 +128,19 @@ def jump_at_one_end(one: Examined) -> Refusal | None:
     if min(before, after) >= FEWEST_CELLS:
         return None
     return Refusal("one_end", group.name, value=float(min(before, after)))
+
+
+def loops_both_ways(one: Examined) -> Refusal | None:
+    """A memory whose widths have weights of both signs, each larger than its U, in one channel."""
+    if one.group.name != MEMORY:
+        return None
+    clear = np.where(np.abs(one.values) > COVERAGE * one.u, np.sign(one.values), 0.0)
+    signs: dict[tuple[str, str], set[float]] = {}
+    for parameter, sign in zip(one.parameters, clear.tolist(), strict=True):
+        channel = parameter.unit, parameter.name.rsplit("_", 1)[-1]
+        signs.setdefault(channel, set()).add(sign)
+    both = any({1.0, -1.0} <= found for found in signs.values())
+    return Refusal("both_ways", MEMORY) if both else None
 
 
 def made_by_placing(one: Examined) -> Refusal | None:

@@ -20,6 +20,7 @@ from tasks.explain.evidence.lookalikes import (
     SIZE,
     Examined,
     jump_at_one_end,
+    loops_both_ways,
     made_by_placing,
     swings,
     unseen_turning,
@@ -73,6 +74,7 @@ class Scrutiny:
             or unseen_turning(one)
             or made_by_placing(one)
             or jump_at_one_end(one)
+            or loops_both_ways(one)
             or swings(one)
         )
         return cls(p, u, refusal)

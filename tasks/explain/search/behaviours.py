@@ -27,16 +27,8 @@ from tasks.motion.whole import Motion
 from tasks.words import message
 
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7)  # of the largest drive: radii of plays
-FAST = (
-    0.0,
-    0.05,
-    0.15,
-    0.25,
-    0.4,
-    0.55,
-    0.7,
-    0.85,
-)  # of the largest rate: slower turns are not remembered
+# Of the largest rate: slower turns are not remembered.
+FAST = (0.0, 0.05, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85)
 ANGLES = (0.03, 0.1, 0.3, 1.0, 3.0)  # rad
 FORGOTTEN = (6.0, 20.0, 60.0)  # s
 LEVELS = (-0.75, -0.3, 0.3, 0.75)  # of the largest specific force: thresholds of relays

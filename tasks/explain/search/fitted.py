@@ -164,9 +164,10 @@ def searched(
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
     listed = catalogue(prepared.recording, coarse.motion)
     if only is None:
-        forms = [term for term in listed if term.source != PLAYS]  # an unlisted form has them all
         # What a filter differs by from a delay follows changes of the motion, as memory does.
-        kinds = () if prepared.delay else behaviours(coarse.motion)
+        kinds = () if prepared.delay else tuple(behaviours(coarse.motion))
+        # A sum of plays is what an unlisted hysteresis is.
+        forms = [term for term in listed if not kinds or term.source != PLAYS]
         terms = [*forms, *empirical(coarse.motion), *kinds]
     else:
         terms = [term for term in listed if term.name in only]

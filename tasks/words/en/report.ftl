@@ -87,6 +87,7 @@ report-refused-undetermined = It resembles “{ $effect }”, but none of that e
 report-refused-reference-noise = It resembles “{ $effect }”, but errors of the reference alone could produce as much; the name is therefore withheld.
 report-refused-placed = It resembles “{ $effect }”, but the unit's orientation is known from labels alone, and that effect has enough parameters to absorb all that the { $placed } rests leave: placement errors would look the same. The name is therefore withheld.
 report-refused-one-end = It resembles “{ $effect }”, but it lies so close to the start or end of the recording that a single rest or a warm-up would look the same; the name is therefore withheld.
+report-refused-both-ways = It resembles “{ $effect }”, but its parts run round their loops in opposite directions, which no memory does: a resonance, or a curvature of the response, looks like that; the name is therefore withheld.
 report-refused-swings = It resembles “{ $effect }”, but the amplitude of fast changes is not what a filter with that lag would leave of them: a mount that swings looks like that; the name is therefore withheld.
 report-refused-switching = It resembles “{ $effect }”, but nearly all of its change lies at two moments, where a random walk changes throughout: a signal that switches to and fro looks like that; the name is therefore withheld.
 report-refused-leakage = It resembles “{ $effect }”, but a finding without a name has { $times } times its evidence, and part of whatever that is may look like this effect; the name is therefore withheld.

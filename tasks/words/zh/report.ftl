@@ -85,6 +85,7 @@ report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个
 report-refused-reference-noise = 其表现类似“{ $effect }”，但参考装置自身的误差即可造成同样大小的变化，故不予此名。
 report-refused-placed = 其表现类似“{ $effect }”，但产品的姿态仅由标注给出，而 { $placed } 个静止位置所余的数据个数不多于该效应的参数个数：摆放误差也会呈现同样的结果，故不予此名。
 report-refused-one-end = 其表现类似“{ $effect }”，但发生时刻过于接近记录的开头或末尾：单独一次静止或预热也会呈现同样的结果，故不予此名。
+report-refused-both-ways = 其表现类似“{ $effect }”，但其各部分的回线方向相反，任何记忆效应都不会如此：共振或响应的弯曲会呈现同样的结果，故不予此名。
 report-refused-swings = 其表现类似“{ $effect }”，但快速变化的幅值与具有该时延的滤波应有的结果不符：弹性支座的摆动会呈现同样的结果，故不予此名。
 report-refused-switching = 其表现类似“{ $effect }”，但其变化几乎全部发生在两个时刻，而随机游走应始终在变化：来回切换的信号会呈现同样的结果，故不予此名。
 report-refused-leakage = 其表现类似“{ $effect }”，但另一项未能定名的发现的证据是它的{ $times }倍，该未知因素的一部分即可呈现同样的结果，故不予此名。

@@ -12,6 +12,7 @@ from scipy.fft import irfft, rfft, rfftfreq
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.lookalikes import (
     Examined,
+    loops_both_ways,
     made_by_placing,
     unseen_turning,
 )
@@ -21,6 +22,7 @@ from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import NormalEquations
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
+from tasks.model.parameters import each_axis
 from tasks.model.term import Term
 from tasks.model.terms.electronics import BANDWIDTH_BY_TRIAD
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
@@ -29,6 +31,10 @@ from tasks.motion.whole import Motion
 
 RUN = motion()
 BAND = gyro_dead_band(0.02)
+PARAMETERS = tuple(
+    one for width in ("0.2", "0.8") for one in each_axis(f"amplitude_{width}", "h", ("m/s2", 1, 1))
+)
+U = np.full(6, 0.01)
 ROWS = 20  # of each segment, and between them
 SHAKEN, NONE = motion(), np.zeros(0)
 
@@ -55,6 +61,33 @@ def test_what_takes_off_the_errors_of_rests_alone_has_no_name(error: float) -> N
     refusal = refused(read(RUN) + noise(len(RUN.t), 61, NOISY), reported)
     assert refusal is not None
     assert refusal.kind == "undetermined"
+
+
+def memory(effect: str, values: np.ndarray) -> Examined:
+    """A finding with the weights of two widths of each axis."""
+    groups = [SimpleNamespace(name=effect)]
+    evidence = SimpleNamespace(groups=groups, parameters=lambda _: PARAMETERS)
+    return Examined(cast(Evidence, evidence), 0, values, U)
+
+
+@pytest.mark.parametrize(
+    ("values", "refused"),
+    [
+        ((0.1, -0.1, 0.0, 0.3, -0.3, 0.2), False),  # each axis has a direction of its own
+        ((0.1, 0.0, 0.0, -0.3, 0.0, 0.0), True),
+        ((0.1, 0.0, 0.0, -0.015, 0.0, 0.0), False),  # within its U
+    ],
+)
+def test_clear_weights_of_both_signs_in_one_channel_are_no_memory(
+    values: tuple[float, ...], refused: bool
+) -> None:
+    found = loops_both_ways(memory("hysteresis", np.array(values)))
+    assert (found is not None and found.kind == "both_ways") == refused
+
+
+def test_other_effects_may_have_parameters_of_both_signs() -> None:
+    values = np.array([0.1, 0.0, 0.0, -0.3, 0.0, 0.0])
+    assert loops_both_ways(memory("temperature_bias", values)) is None
 
 
 def placed(rests: int, term: Term, parameters: int = 6, **motion: Any) -> Examined:

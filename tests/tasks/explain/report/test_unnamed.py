@@ -23,6 +23,7 @@ REFUSALS: dict[str, Refusal] = {
         "inhomogeneous", "time_offset", "delay", "s", smallest=0.008, largest=0.0094, parts="rate"
     ),
     "reference_noise": Refusal("reference_noise", "bandwidth"),
+    "both_ways": Refusal("both_ways", "hysteresis"),
     "swings": Refusal("swings", "bandwidth"),
     "switching": Refusal("switching", "bias_random_walk"),
     "leakage": Refusal("leakage", "encoder_eccentricity", value=34.0),
