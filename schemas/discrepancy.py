@@ -89,7 +89,8 @@ class ReportedFinding(Frozen):
     share: of the mismatch above noise that it removes. homogeneity_p: probability that its
     parameters agree between independent parts of the recording; null if no parts determine them.
     group: names of the catalogue that compensate for one another here, including this one; common:
-    what they have in common. refused: why an unnamed finding does not get the name it resembles.
+    what they have in common. unlisted_form: it is the kind of physics that the name says, in a form
+    that no publication lists. refused: why an unnamed finding does not get the name it resembles.
     jointly_with: numbers, from 1, of the findings that partly compensate for it: its consequences
     are theirs as well. next: what to do.
     """
@@ -105,6 +106,7 @@ class ReportedFinding(Frozen):
     homogeneity_p: Finite | None
     group: tuple[str, ...] | None
     common: tuple[FoundParameter, ...] = ()
+    unlisted_form: bool = False
     refused: Statement | None = None
     equation: str
     source: str

@@ -82,7 +82,8 @@ class Finding:
     that make up for each other here, its own included; common: what their combinations have in
     common. terms: keys of its terms in the explanation's determined model; an event has none.
     refusal: why its name was withdrawn. behaviour: what it is called without a name; empty
-    for physics that is known beforehand. remainder: it is what nothing explains, and removes none.
+    for physics that is known beforehand. unlisted: in a form that no publication lists. remainder:
+    it is what nothing explains, and removes none.
     """
 
     effect: str
@@ -105,6 +106,7 @@ class Finding:
     refusal: Refusal | None = None
     terms: tuple[TermKey, ...] = ()
     behaviour: Sayable = ""
+    unlisted: bool = False
     remainder: bool = False
 
     @property

@@ -51,7 +51,7 @@ def compared(
     whatever fits no worse in its place.
     """
     for family in FAMILIES:
-        own = [one for one in fit.selection.selected if one.candidate.name in family]
+        own = [one for one in fit.selection.selected if one.candidate.is_form_of(family)]
         selected = [one for one in own if not one.candidate.nuisance]
         nuisances = [one for one in own if one.candidate.nuisance]
         if not own or any(one.absorbed_by for one in selected):

@@ -65,7 +65,7 @@ def forms_of(
         found += [own] if own else []
         forms: dict[TermKey, list[Candidate]] = {}
         for one in candidates:
-            if one.name == name and one.term.key not in [other.term.key for other in own]:
+            if one.is_form_of((name,)) and one.term.key not in [other.term.key for other in own]:
                 forms.setdefault(one.term.key, []).append(one)
         found += [_alike(some, selected) for some in forms.values()]
     return found

@@ -142,6 +142,7 @@ def _finding(
         homogeneity_p=scrutiny.homogeneity_p,
         refusal=scrutiny.refusal,
         group=group.selected[0].group if named else (),
+        unlisted=group.unlisted and (named or first.name == UNNAMED),
         common=_common_part(evidence, number, scrutiny),
     )
 
@@ -168,7 +169,7 @@ def _indistinguishable(
         name
         for one in group.selected
         for name in one.rivals
-        if HOLDS.get(group.name) != name  # which the comparison judged
+        if name != UNNAMED and HOLDS.get(group.name) != name  # which the comparison judged
     ]
     names += possibly_clipped(group.name, channels, full.motion)
     names += possibly_clipped_in_noise(group.name, contribution, full.readings, full.motion)

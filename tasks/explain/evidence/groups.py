@@ -27,8 +27,13 @@ class FindingGroup:
 
     @property
     def random(self) -> bool:
-        """Whether it is a random drift."""
+        """Whether it is a random drift, or a random function of its own drive."""
         return self.selected[0].candidate.prior is not None
+
+    @property
+    def unlisted(self) -> bool:
+        """Whether it is a kind of behaviour in a form that no publication lists."""
+        return self.selected[0].candidate.unlisted
 
     @property
     def nuisance(self) -> bool:
@@ -60,7 +65,7 @@ class FindingGroup:
         """Whether it is a bias that steps or wanders, for which any slow drift compensates in
         part.
         """
-        return self.random or self.terms[0].time_course == "jump"
+        return (self.random and not self.unlisted) or self.terms[0].time_course == "jump"
 
 
 def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
@@ -107,8 +112,10 @@ def _is_leakage(
     if group.nuisance or group.known:
         return False
     strongest = max((other for _, other in unnamed), default=0.0)
-    if group.random:  # as leakage of anything slow wanders
+    if group.random and not group.unlisted:  # as leakage of anything slow wanders
         return gain < strongest
+    if group.unlisted:  # free to follow its drive, it leaves nothing of its own kind
+        return strongest > LEAKAGE * gain
     wandering = max((other for each, other in unnamed if each.wandering_bias), default=0.0)
     slow = group.terms[0].time_course in ("drift", "jump")
     return gain < max(LEAKAGE * strongest, wandering if slow else 0.0)
@@ -118,7 +125,8 @@ def _name_of(some: Sequence[Selected]) -> str:
     first = some[0].candidate.term
     times = [one.candidate.term.at[0] for one in some if first.time_course == "jump"]
     several = max(times, default=0.0) - min(times, default=0.0) > SAME_STEP
-    unnamed = several or _at_one_place(some) or _at_bound(first)
+    doubtful = any(one.candidate.unlisted and UNNAMED in one.rivals for one in some)
+    unnamed = several or doubtful or _at_one_place(some) or _at_bound(first)
     return UNNAMED if unnamed else first.name
 
 

@@ -104,6 +104,7 @@ def _published(
         homogeneity_p=finding.homogeneity_p,
         group=finding.group or None,
         common=finding.common,
+        unlisted_form=finding.unlisted,
         refused=statement(refused(finding.refusal, setting))
         if finding.refusal and unnamed
         else None,

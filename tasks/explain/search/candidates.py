@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.channels import EVERY, TRIADS
+from tasks.explain.search.behaviours import UnlistedForm
 from tasks.explain.search.empirical_terms import scale_factor_drift, slow_drift
 from tasks.model.term import Column, Inputs, Term
 from tasks.model.terms.electronics import BANDWIDTH
@@ -21,6 +22,8 @@ WALK, SMOOTH, RETURNING = (2.0, 0.0), (4.0, 0.0), ((2.0, 6.0), (2.0, 15.0))
 BIAS_FORMS = (WALK, SMOOTH, *RETURNING)
 SCALE_FORMS = (SMOOTH, *RETURNING)
 STRENGTHS = (0.3, 3.0, 30.0, 300.0, 3000.0)
+WEIGHTS = (10.0, 100.0, 1e3, 1e4, 1e5)  # strengths of an unlisted form
+UNSEEN = 1e-12  # of the clearest column's power: less shows nothing of a weight
 STEP_TIMES = 3  # at which a change may happen that are tried
 
 
@@ -36,6 +39,11 @@ class Prior:
     strength: float
     corner: float = 0.0
 
+    @property
+    def columns(self) -> int:
+        """In each channel."""
+        return COSINES
+
     def precision(self, column_power: np.ndarray) -> np.ndarray:
         """1/variance (m,) of parameters at unit column size; column_power: (m,) = uᵀS⁻¹u."""
         power = column_power.reshape(-1, COSINES)
@@ -44,6 +52,24 @@ class Prior:
         shape = (self.corner**2 + 16.0) / (self.corner**2 + k**2)
         variance = self.strength / size * shape ** (0.5 * self.power)
         return np.asarray(1.0 / (variance * np.maximum(power, 1e-300))).ravel()
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of one variance: of the columns, as large as they are, that an unlisted form has.
+
+    strength: variance of the weight of the clearest column, in units of that with which it is
+    measured. columns: in each channel.
+    """
+
+    strength: float
+    columns: int
+
+    def precision(self, column_power: np.ndarray) -> np.ndarray:
+        """1/variance (m,) of parameters at unit column size; column_power: (m,) = uᵀS⁻¹u."""
+        power = column_power.reshape(-1, self.columns)
+        clearest = np.maximum(power.max(axis=1, keepdims=True), 1e-300)
+        return np.asarray(1.0 / (self.strength * np.maximum(power / clearest, UNSEEN))).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +87,7 @@ class Candidate:
     members: tuple[int, ...]
     own: tuple[int, ...]
     trials: int
-    prior: Prior | None = None
+    prior: Prior | Weights | None = None
     shape_trials: float = 1.0
     fitted: bool = False
     nuisance: bool = False
@@ -71,7 +97,7 @@ class Candidate:
         return self.term.name
 
     @property
-    def key(self) -> tuple[tuple[str, int], tuple[int, ...], Prior | None]:
+    def key(self) -> tuple[tuple[str, int], tuple[int, ...], Prior | Weights | None]:
         """By which a candidate is recognised, whatever the shape of its term."""
         return self.term.key, self.own, self.prior
 
@@ -79,6 +105,15 @@ class Candidate:
     def on_grid(self) -> bool:
         """Whether it has a continuous shape that no fit has adjusted yet."""
         return self.term.has_continuous_shape and not self.fitted
+
+    @property
+    def unlisted(self) -> bool:
+        """Whether it is a kind of behaviour in a form that no publication lists."""
+        return isinstance(self.prior, Weights)
+
+    def is_form_of(self, names: Collection[str]) -> bool:
+        """Whether it is a listed form of an effect of one of these names."""
+        return self.name in names and not self.unlisted
 
     @property
     def known(self) -> bool:
@@ -142,15 +177,19 @@ def candidates_of(
     columns: list[Column] = []
     for number, variant in enumerate(variants):
         own = columns_of(variant, motion)
-        for part in parts_of(own):
-            members = tuple(len(columns) + p for p in part)
-            candidates.append(Candidate(replace(variant, variant=number), members, part, 1))
+        term = replace(variant, variant=number)
+        if isinstance(term, UnlistedForm):
+            candidates.extend(_unlisted(term, own, len(columns)))
+        else:
+            for part in parts_of(own):
+                members = tuple(len(columns) + p for p in part)
+                candidates.append(Candidate(term, members, part, 1))
         columns.extend(_single(own))
     for drifts in (_bias_drifts(terms), _scale_factor_drifts()):
         candidates.extend(_random_drifts(drifts, len(columns), len(variants)))
         columns.extend(_single(candidates[-1].term.columns(motion, Inputs.of(motion))))
-    names = [candidate.name for candidate in candidates]
-    counted = (replace(candidate, trials=names.count(candidate.name)) for candidate in candidates)
+    names = [(candidate.name, candidate.unlisted) for candidate in candidates]
+    counted = (replace(one, trials=names.count((one.name, one.unlisted))) for one in candidates)
     return tuple(counted), tuple(columns)
 
 
@@ -227,6 +266,19 @@ def _random_drifts(
             members = tuple(first + p for p in own)
             for strength in STRENGTHS:
                 yield Candidate(term, members, own, 1, Prior(power, strength, corner))
+
+
+def _unlisted(term: UnlistedForm, columns: Sequence[Column], first: int) -> Iterator[Candidate]:
+    """An unlisted form in all its channels and in parts of them; first: number of its column."""
+    count = term.per_channel
+    channels = [next(iter(columns[p])) for p in range(0, len(columns), count)]
+    triads = [tuple(c for c in triad if c in channels) for triad in TRIADS]
+    parts = [tuple(channels), *(triad for triad in triads if triad), *((c,) for c in channels)]
+    for part in dict.fromkeys(parts):
+        own = tuple(count * channels.index(c) + k for c in part for k in range(count))
+        members = tuple(first + p for p in own)
+        for strength in WEIGHTS:
+            yield Candidate(term, members, own, 1, Weights(strength, count))
 
 
 def parts_of(columns: Sequence[Collection[int]]) -> Iterator[tuple[int, ...]]:

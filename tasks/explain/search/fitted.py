@@ -10,6 +10,7 @@ from scipy.special import comb
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.search.behaviours import behaviours
 from tasks.explain.search.candidates import (
     Candidate,
     candidates_of,
@@ -40,6 +41,7 @@ from tasks.explain.search.stepwise import (
 from tasks.explain.whitening import Noise
 from tasks.model.catalogue import catalogue
 from tasks.model.model import Model
+from tasks.model.terms.hysteresis import PLAYS
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.timing import TIME_OFFSET
 
@@ -169,7 +171,11 @@ def searched(
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
     listed = catalogue(prepared.recording, coarse.motion)
     if only is None:
-        terms = [*listed, *empirical(coarse.motion)]
+        # What a filter differs by from a delay follows changes of the motion, as memory does.
+        kinds = () if prepared.delay else tuple(behaviours(coarse.motion))
+        # A sum of plays is what an unlisted hysteresis is.
+        forms = [term for term in listed if not kinds or term.source != PLAYS]
+        terms = [*forms, *empirical(coarse.motion), *kinds]
     else:
         terms = [term for term in listed if term.name in only]
     candidates, columns = candidates_of(terms, coarse.motion)

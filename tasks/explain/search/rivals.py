@@ -8,6 +8,7 @@ chi-squared that they gain and by their parameters alone.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import log
 
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.candidates import Candidate
@@ -15,6 +16,8 @@ from tasks.explain.search.design import BandedDesign, normal_equations
 from tasks.explain.search.proposals import with_proposed_shapes
 from tasks.explain.search.scores import INDISTINGUISHABLE, ScoredCandidate, rank
 from tasks.explain.search.stepwise import Selected, Selection
+
+CERTAIN = 99.0  # odds of a share of 0.99
 
 
 def with_rivals(
@@ -34,7 +37,7 @@ def with_rivals(
 def _rivals(
     one: Selected, selection: Selection, design: BandedDesign, candidates: Sequence[Candidate]
 ) -> tuple[str, ...]:
-    """Names other than its own, the best first."""
+    """Names other than its own, the best first; of an unlisted form `unnamed` among them."""
     if one.candidate.nuisance or one.candidate.name == UNNAMED:
         return ()
     rest = [other for other in selection.candidates if other.key != one.candidate.key]
@@ -45,10 +48,15 @@ def _rivals(
     own = next((each for each in ranked if each.candidate.key == one.candidate.key), None)
     if own is None:
         return ()
-    names = [each.candidate.name for each in ranked if _fits_as_well(each, own)]
-    return tuple(name for name in dict.fromkeys(names) if name not in (UNNAMED, own.candidate.name))
+    names = dict.fromkeys(each.candidate.name for each in ranked if _fits_as_well(each, own))
+    doubtful = (own.candidate.name,) if own.candidate.unlisted else (own.candidate.name, UNNAMED)
+    return tuple(name for name in names if name not in doubtful)
 
 
 def _fits_as_well(other: ScoredCandidate, own: ScoredCandidate) -> bool:
-    """By the price of the search, or by the data alone."""
+    """By the price of the search, or by the data alone. An unlisted form has its name where the
+    odds are CERTAIN; what has no name counts among the others.
+    """
+    if own.candidate.unlisted:
+        return own.fit - other.fit < 2.0 * log(CERTAIN)
     return min(own.score - other.score, own.fit - other.fit) < INDISTINGUISHABLE

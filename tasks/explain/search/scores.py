@@ -11,13 +11,15 @@ import numpy as np
 from scipy.special import chdtrc
 
 from tasks.explain.explanation import UNNAMED
-from tasks.explain.search.candidates import COSINES, Candidate, Prior, members_of
+from tasks.explain.search.candidates import Candidate, Prior, Weights, members_of
 from tasks.explain.search.design import NormalEquations
 from tasks.model.regression import inverse
 
 INDISTINGUISHABLE = 6.0  # of score: two that differ by less cannot be told apart
 PER_PARAMETER = 2.0
 OBSERVABLE = 1e-4  # of a column's power: less is left of it beside what was selected
+# Of its gain, a tenth of its size: as well as a published form holds for a unit.
+OF_A_FORM = 0.01
 FREE_FORM = 2e-3  # of its gain: free factors also fit what the reference errs by, in proportion
 SINGULAR = 1e-6  # of a column's power: keeps columns that are the same from dividing by nothing
 
@@ -48,7 +50,9 @@ def rank(
     others = [
         candidate
         for candidate in candidates
-        if candidate.key not in own and (candidate.name == UNNAMED or candidate.name not in whole)
+        if candidate.key not in own
+        and (candidate.name == UNNAMED or candidate.name not in whole)
+        and not _same_behaviour(candidate, selected)
     ]
     fixed = [candidate for candidate in others if candidate.prior is None]
     random = [candidate for candidate in others if candidate.prior is not None]
@@ -57,6 +61,21 @@ def rank(
         *_random_effects(left, random),
     ]
     return sorted(scored, key=lambda entry: -entry.score)
+
+
+def _same_behaviour(candidate: Candidate, selected: Sequence[Candidate]) -> bool:
+    """Whether something selected is of the same kind in an unlisted form, or as a listed one beside
+    an unlisted one: a form and what it lacks are one finding. What a delay or a filter lacks in its
+    linear form follows the motion's changes, as a memory does, until a fit has it in its real one.
+    """
+    if candidate.unlisted and any(other.term.stage == "signal" for other in selected):
+        return True
+    return any(
+        set(candidate.members) & set(other.members)
+        if candidate.unlisted and other.unlisted
+        else candidate.unlisted != other.unlisted and candidate.name == other.name != UNNAMED
+        for other in selected
+    )
 
 
 def projected(equations: NormalEquations, selected: Sequence[Candidate]) -> NormalEquations:
@@ -175,31 +194,42 @@ def _random_effects(
         return []
     drifts = {candidate.key: _drifts(candidate) for candidate in candidates}
     distinct = list(dict.fromkeys(drift for own in drifts.values() for drift in own))
-    members = np.array([channel for _, channel in distinct])
-    power = left.power
-    precision = np.array([prior.precision(power[list(own)]) for prior, own in distinct])
-    root = 1.0 / np.sqrt(precision)
-    blocks = left.normal[members[:, :, None], members[:, None, :]]
-    blocks = np.eye(members.shape[1]) + root[:, :, None] * blocks * root[:, None, :]
-    gains = _quadratic_forms(root * left.right[members], blocks) - np.linalg.slogdet(blocks)[1]
-    gain_of = dict(zip(distinct, gains.tolist(), strict=True))
+    gain_of: dict[tuple[Prior | Weights, tuple[int, ...]], float] = {}
+    for count in {len(channel) for _, channel in distinct}:
+        gain_of |= _gains_of_drifts(left, [each for each in distinct if len(each[1]) == count])
     scored = []
     for candidate in candidates:
         gain = sum(gain_of[drift] for drift in drifts[candidate.key])
         price = 2.0 * PER_PARAMETER + 2.0 * np.log(candidate.trials) + candidate.term.rarity
         # No walk where another drift may explain it as well.
         price += INDISTINGUISHABLE if candidate.name != UNNAMED else 0.0
+        price += OF_A_FORM * max(gain, 0.0) if candidate.unlisted else 0.0
         p_value = float(np.exp(-0.5 * max(gain, 0.0)))
         score = gain - price
-        scored.append(ScoredCandidate(candidate, gain, score, score, p_value))
+        fit = gain if candidate.unlisted else score
+        scored.append(ScoredCandidate(candidate, gain, fit, score, p_value))
     return scored
 
 
-def _drifts(candidate: Candidate) -> list[tuple[Prior, tuple[int, ...]]]:
-    """Prior and parameters of a random drift in each of its channels."""
-    assert candidate.prior is not None
-    starts = range(0, len(candidate.members), COSINES)
-    return [(candidate.prior, candidate.members[start : start + COSINES]) for start in starts]
+def _gains_of_drifts(
+    left: NormalEquations, drifts: Sequence[tuple[Prior | Weights, tuple[int, ...]]]
+) -> dict[tuple[Prior | Weights, tuple[int, ...]], float]:
+    """Of each prior on as many columns of one channel, 2·ln of the ratio of likelihoods."""
+    members = np.array([channel for _, channel in drifts])
+    power = left.power
+    root = 1.0 / np.sqrt([prior.precision(power[list(own)]) for prior, own in drifts])
+    blocks = left.normal[members[:, :, None], members[:, None, :]]
+    blocks = np.eye(members.shape[1]) + root[:, :, None] * blocks * root[:, None, :]
+    gains = _quadratic_forms(root * left.right[members], blocks) - np.linalg.slogdet(blocks)[1]
+    return dict(zip(drifts, gains.tolist(), strict=True))
+
+
+def _drifts(candidate: Candidate) -> list[tuple[Prior | Weights, tuple[int, ...]]]:
+    """Prior and parameters of a random drift or an unlisted form in each of its channels."""
+    prior = candidate.prior
+    assert prior is not None
+    starts = range(0, len(candidate.members), prior.columns)
+    return [(prior, candidate.members[start : start + prior.columns]) for start in starts]
 
 
 def joint_gain(

@@ -15,6 +15,7 @@ from tasks.explain.search.design import (
 )
 from tasks.explain.search.scores import prior_precision, rank
 from tasks.explain.whitening import Noise
+from tasks.model.term import TermKey
 
 FALSE_ALARMS = 0.005  # of clean recordings, at most
 MAX_SELECTED = 8
@@ -77,9 +78,27 @@ def search(
 
     start, noises: what an earlier search selected.
     """
-    selected = list(start)
     if noises is None:
         noises = initial_noises(design)
+    selected, noises, p_value = _stepwise(design, candidates, start, noises)
+    instead = _by_behaviour(design, candidates, selected, noises)
+    if instead is not None:
+        selected, noises, _ = _stepwise(design, candidates, *instead)
+    equations = normal_equations(design, noises)
+    found = _with_gains(equations, candidates, selected)
+    return Selection(found, noises, p_value, equations)
+
+
+def _stepwise(
+    design: BandedDesign,
+    candidates: Sequence[Candidate],
+    start: Sequence[Candidate],
+    noises: tuple[Noise, ...],
+) -> tuple[list[Candidate], tuple[Noise, ...], float]:
+    """What is selected from a start on, the noise beside it, and the p value of the strongest at
+    first.
+    """
+    selected = list(start)
     p_value = 1.0
     visited = {_keys(selected)}
     while len(selected) < MAX_SELECTED:
@@ -98,9 +117,36 @@ def search(
         if _keys(selected) in visited:  # what was added does not stand
             break
         visited.add(_keys(selected))
-    equations = normal_equations(design, noises)
-    found = _with_gains(equations, candidates, selected)
-    return Selection(found, noises, p_value, equations)
+    return selected, noises, p_value
+
+
+def _by_behaviour(
+    design: BandedDesign,
+    candidates: Sequence[Candidate],
+    selected: Sequence[Candidate],
+    noises: tuple[Noise, ...],
+) -> tuple[list[Candidate], tuple[Noise, ...]] | None:
+    """The selection with an unlisted form in the place of what it explains better, and the noise
+    beside it; none where no kind of behaviour does.
+
+    What a published form leaves where the behaviour has another one counts as noise as long as it
+    is selected: so the two are compared by the noise beside the unlisted form.
+    """
+    nuisances = [one for one in selected if one.nuisance]
+    if len(nuisances) == len(selected) or any(one.unlisted for one in selected):
+        return None
+    ranked = rank(normal_equations(design, noises), candidates, nuisances)
+    kinds: dict[TermKey, Candidate] = {}
+    for one in ranked:
+        if one.candidate.unlisted and one.score > 0.0:
+            kinds.setdefault(one.candidate.term.key, one.candidate)
+    for kind in kinds.values():
+        beside = noises_beside(design, [*selected, kind], noises)
+        equations = normal_equations(design, beside)
+        revised = _revised(equations, candidates, [*selected, kind])
+        if any(one.unlisted for one in revised):
+            return revised, noises_beside(design, revised, beside)
+    return None
 
 
 def initial_noises(design: BandedDesign) -> tuple[Noise, ...]:

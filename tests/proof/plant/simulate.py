@@ -33,7 +33,11 @@ class Simulated:
 
 def simulate(case: Case) -> Simulated:
     """Plays a case with noise, limits and rounding. Raises ValueError for an impossible case."""
-    noise_free = without_noise(case)
+    return simulated_from(case, without_noise(case))
+
+
+def simulated_from(case: Case, noise_free: NoiseFree) -> Simulated:
+    """The recording of a case whose readings without noise are known."""
     readings = noise_free.analog + noise_free.shaken + _noise(case, noise_free.truth.shape[1])
     for effect in noise_free.effects:
         if (limits := effect.limits()) is not None:

@@ -39,6 +39,12 @@ def visibility_of(case: Case, effect: str) -> Visibility:
     return _Judge(case, effect).of(_excess(without_noise(case)))
 
 
+def visibility_beside(case: Case, added: np.ndarray) -> Visibility:
+    """The visibility of readings (n, 6) that are added to those of a case."""
+    judge = _Judge(case, "")
+    return judge.of(judge.rest + added)
+
+
 def at_visibility(case: Case, effect: str, z: float) -> Case:
     """The case with the strength of one effect set so that its visibility is z, within 2 %.
 

@@ -1,0 +1,1 @@
+"""Laws of known kinds of behaviour in forms that no catalogue lists, by another hand."""
