@@ -110,6 +110,8 @@ def _decay(
 def _lags() -> Iterator[Term]:
     signals: list[tuple[str, str, str, tuple[int, ...], bool, Signal]] = [
         ("ω", "own-rate", RATE, GYROS, False, lambda m, u, c: u.rate[:, c]),
+        ("ω²", "squared-rate", RATE_2, EVERY, True, lambda m, u, c: (u.rate**2).sum(axis=1)),
+        ("|ω|", "rate-size", RATE, EVERY, True, lambda m, u, c: np.sqrt((u.rate**2).sum(axis=1))),
         ("f", "own-force", FORCE, EVERY, False, lambda m, u, c: u.force[:, c % 3]),
         ("|f|", "own-force-size", FORCE, ACCELS, False, lambda m, u, c: np.abs(u.force[:, c % 3])),
     ]
@@ -146,10 +148,12 @@ def _products() -> Iterator[Term]:
          lambda m, u, c: [u.force[:, j] ** 2 for j in _others(c)]),
         ("ω_j²", "squared-other-rates", RATE_2, GYROS, 2,
          lambda m, u, c: [u.rate[:, j] ** 2 for j in _others(c)]),
+        ("ω_i²", "squared-own-rate", RATE_2, ACCELS, 1,
+         lambda m, u, c: [u.rate[:, c % 3] ** 2]),
         ("ω", "rates", RATE, ACCELS, 3, lambda m, u, c: list(u.rate.T)),
-        ("|ω_j|", "other-rate-sizes", RATE, GYROS, 2,
+        ("|ω_j|", "other-rate-sizes", RATE, EVERY, 2,
          lambda m, u, c: [np.abs(u.rate[:, j]) for j in _others(c)]),
-        ("ω⁴", "fourth-power", "(rad/s)^4", GYROS, 1,
+        ("ω⁴", "fourth-power", "(rad/s)^4", EVERY, 1,
          lambda m, u, c: [(u.rate**2).sum(axis=1) ** 2]),
         ("ω̇", "angular-acceleration", TURNING, ACCELS, 3,
          lambda m, u, c: list(m.acceleration.T)),

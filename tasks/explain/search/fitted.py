@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from scipy.special import comb
 
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.progress import Progress, silent, tell
@@ -41,6 +42,7 @@ from tasks.explain.search.stepwise import (
 from tasks.explain.whitening import Noise
 from tasks.model.catalogue import catalogue
 from tasks.model.model import Model
+from tasks.model.term import Column, Term
 from tasks.model.terms.hysteresis import PLAYS
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.timing import TIME_OFFSET
@@ -170,30 +172,46 @@ def searched(
     tell(progress, "candidates")
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
     listed = catalogue(prepared.recording, coarse.motion)
-    if only is None:
-        # What a filter differs by from a delay follows changes of the motion, as memory does.
-        kinds = () if prepared.delay else tuple(behaviours(coarse.motion))
-        # A sum of plays is what an unlisted hysteresis is.
-        forms = [term for term in listed if not kinds or term.source != PLAYS]
-        terms = [*forms, *empirical(coarse.motion), *kinds]
-    else:
-        terms = [term for term in listed if term.name in only]
-    candidates, columns = candidates_of(terms, coarse.motion)
-    if only is not None:  # and not the random drifts that a search tries besides
-        candidates = tuple(one for one in candidates if one.name in only)
-    if coarse.motion.tracking is not None and only is None:
-        candidates = tuple(with_nuisances(candidates, OF_TRACKING))
-    half = plausible_half_ranges(candidates, len(columns))
-    tell(progress, "search")
     if only is not None:
-        fit = all_fitted(banded_design(coarse, coarse.readings, columns, half), candidates, fine)
+        candidates, columns = candidates_of(
+            [term for term in listed if term.name in only], coarse.motion
+        )
+        # and not the random drifts that a search tries besides
+        candidates = tuple(one for one in candidates if one.name in only)
+        tell(progress, "search")
+        fit = all_fitted(_design(coarse, candidates, columns), candidates, fine)
         return Searched(prepared, candidates, coarse, fit)
+    terms = [*listed, *empirical(coarse.motion)]
+    found = _searched(prepared, terms, coarse, fine, progress)
+    unnamed = [one for one in found.fit.selection.candidates if one.name == UNNAMED]
+    # What a filter differs by from a delay follows changes of the motion, as memory does.
+    if prepared.delay or not any(not one.nuisance for one in unnamed):
+        return found
+    # It may be a kind of behaviour in another form; a sum of plays is what such a hysteresis is.
+    kinds = [*(term for term in terms if term.source != PLAYS), *behaviours(coarse.motion)]
+    return _searched(prepared, kinds, coarse, fine, progress)
+
+
+def _searched(
+    prepared: Prepared, terms: Sequence[Term], coarse: Blocks, fine: Blocks, progress: Progress
+) -> Searched:
+    candidates, columns = candidates_of(terms, coarse.motion)
+    if coarse.motion.tracking is not None:
+        candidates = tuple(with_nuisances(candidates, OF_TRACKING))
+    tell(progress, "search")
     # The design, half a gigabyte of an hour's columns, ends with the search that refines it.
     fit = alternated(
-        banded_design(coarse, coarse.readings, columns, half), searched_by_name(candidates), fine,
+        _design(coarse, candidates, columns), searched_by_name(candidates), fine,
         partial(tell, progress, "search"),
     )  # fmt: skip
     return Searched(prepared, candidates, coarse, fit)
+
+
+def _design(
+    blocks: Blocks, candidates: Sequence[Candidate], columns: Sequence[Column]
+) -> BandedDesign:
+    half = plausible_half_ranges(candidates, len(columns))
+    return banded_design(blocks, blocks.readings, columns, half)
 
 
 def all_fitted(
