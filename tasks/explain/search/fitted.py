@@ -183,9 +183,10 @@ def searched(
         return Searched(prepared, candidates, coarse, fit)
     terms = [*listed, *empirical(coarse.motion)]
     found = _searched(prepared, terms, coarse, fine, progress)
-    unnamed = [one for one in found.fit.selection.candidates if one.name == UNNAMED]
+    selected = found.fit.selection.candidates
+    unnamed = any(one.name == UNNAMED and not one.nuisance for one in selected)
     # What a filter differs by from a delay follows changes of the motion, as memory does.
-    if prepared.delay or not any(not one.nuisance for one in unnamed):
+    if not unnamed or prepared.delay or any(one.term.stage == "signal" for one in selected):
         return found
     # It may be a kind of behaviour in another form; a sum of plays is what such a hysteresis is.
     kinds = [*(term for term in terms if term.source != PLAYS), *behaviours(coarse.motion)]
