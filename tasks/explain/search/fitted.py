@@ -183,12 +183,13 @@ def searched(
         return Searched(prepared, candidates, coarse, fit)
     terms = [*listed, *empirical(coarse.motion)]
     found = _searched(prepared, terms, coarse, fine, progress)
-    selected = found.fit.selection.candidates
-    unnamed = any(one.name == UNNAMED and not one.nuisance for one in selected)
-    # What a filter differs by from a delay follows changes of the motion, as memory does.
-    if not unnamed or prepared.delay or any(one.term.stage == "signal" for one in selected):
+    selected = [one for one in found.fit.selection.candidates if not one.nuisance]
+    # Without a name, it may be a kind of behaviour in another form; a sum of plays is such a
+    # hysteresis. What a filter differs by from a delay follows changes of the motion, as memory.
+    in_doubt = any(one.name == UNNAMED or one.term.source == PLAYS for one in selected)
+    filtered = any(one.term.stage == "signal" for one in found.fit.selection.candidates)
+    if not in_doubt or filtered or prepared.delay:
         return found
-    # It may be a kind of behaviour in another form; a sum of plays is what such a hysteresis is.
     kinds = [*(term for term in terms if term.source != PLAYS), *behaviours(coarse.motion)]
     return _searched(prepared, kinds, coarse, fine, progress)
 
