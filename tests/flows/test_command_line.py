@@ -1,6 +1,7 @@
 """The command line as scripts rely on it: documents, exit codes, one sentence for bad input."""
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -360,10 +361,13 @@ def test_demo_that_cannot_write_says_where(mimucal, home) -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
-def test_an_output_without_room_is_one_sentence() -> None:
+def test_an_output_without_room_is_one_sentence(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "flows.cli", "runs", "--json"]
+    own = os.environ | {"MIMUCAL_HOME": str(tmp_path)}
     with Path("/dev/full").open("w", encoding="utf-8") as full:
-        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, text=True, check=False, env=own
+        )
     assert done.returncode == 2
     assert done.stderr.startswith("the output cannot be written (No space left on device)")
 
