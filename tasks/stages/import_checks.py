@@ -1,5 +1,6 @@
 """Recordings refused on import because no item could be estimated from them."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from storage.formats.convert import Changes
 from storage.verify import StoreFault
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.codes import codes_put_right
+from tasks.readings.implausible import Implausible
 from tasks.readings.plausibility import implausible
 from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
@@ -55,11 +57,18 @@ def doubts_of(recording: Recording) -> tuple[str, ...]:
     """Sentences on what a recording cannot be."""
     rates = as_mean_rates(codes_put_right(with_instants(recording)))
     found = implausible(rates, segments_of(rates))
-    doubts = tuple(say(one.sentence, "en") for one in found) or contradicted_positions(rates)
-    return (*doubts, *overlapping_labels(rates))
+    return (*(say(one.sentence, "en") for one in found), *label_doubts(rates, found))
 
 
-def overlapping_labels(recording: Recording) -> tuple[str, ...]:
+def label_doubts(recording: Recording, found: Sequence[Implausible]) -> tuple[str, ...]:
+    """Sentences on labels that share rows, and on positions that gravity contradicts where nothing
+    that was found wrong with the whole recording may be why.
+    """
+    contradicted = () if found else _contradicted_positions(recording)
+    return (*contradicted, *_overlapping_labels(recording))
+
+
+def _overlapping_labels(recording: Recording) -> tuple[str, ...]:
     """A sentence that names the labels which share more than one row with the one before."""
     labels = sorted(
         (s for s in recording.manifest.segments or () if s.kind in MEASURED),
@@ -81,7 +90,7 @@ def _rows_shared(imu: Stream, first: Segment, second: Segment) -> int:
     return max(rows.stop - rows.start, 0)
 
 
-def contradicted_positions(recording: Recording) -> tuple[str, ...]:
+def _contradicted_positions(recording: Recording) -> tuple[str, ...]:
     """A sentence that names the labelled positions in which gravity shows another axis up."""
     rests = [s for s in recording.manifest.segments or () if s.kind == "static" and s.up]
     shown = [up_of(read) for read in segment_means(recording, rests).accel]

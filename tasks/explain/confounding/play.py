@@ -103,11 +103,8 @@ class _Beside:
                 continue
             signals = [own[q][channel] for q in mine]
             stack = weighted(signals, blocks.weight[:, channel], blocks)
-            tip, rows, which = (
-                whitened(stack, blocks, noise),
-                self.rows[channel],
-                self.which[channel],
-            )
+            tip = whitened(stack, blocks, noise)
+            rows, which = self.rows[channel], self.which[channel]
             place = count + np.array(mine, int)
             normal[np.ix_(place, place)] += tip @ tip.T
             crossed = tip @ rows.T

@@ -69,11 +69,8 @@ class Evidence:
                 mine += [position[p] for p in fitted]
                 values += model.values[fitted].tolist()
             own.append((mine, np.array(values)))
-        misfit, fold, cells = (
-            blocks.readings - prediction,
-            fold_cells(blocks),
-            scatter_cells(blocks),
-        )
+        misfit = blocks.readings - prediction
+        fold, cells = fold_cells(blocks), scatter_cells(blocks)
         by_fold = by_cell = cell_equations(columns, misfit, blocks, fit.noises, fold)
         if not np.array_equal(fold, cells):
             by_cell = cell_equations(columns, misfit, blocks, fit.noises, cells)

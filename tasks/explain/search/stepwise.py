@@ -132,6 +132,8 @@ def _by_behaviour(
     What a published form leaves where the behaviour has another one counts as noise as long as it
     is selected: so the two are compared by the noise beside the unlisted form.
     """
+    if not any(one.unlisted for one in candidates):
+        return None
     nuisances = [one for one in selected if one.nuisance]
     if len(nuisances) == len(selected) or any(one.unlisted for one in selected):
         return None

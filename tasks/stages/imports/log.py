@@ -20,7 +20,7 @@ from tasks.readings.plausibility import implausible
 from tasks.readings.turns import steady_turns
 from tasks.run_validity.site import normal_gravity
 from tasks.segments.find import find_segments
-from tasks.stages.import_checks import contradicted_positions, overlapping_labels
+from tasks.stages.import_checks import label_doubts
 from tasks.stages.import_recording import Imported
 from tasks.stages.stage import stage
 
@@ -98,9 +98,7 @@ def understand(
     labels = recording.manifest.segments or ()
     doubts = implausible(recording, labels) if labels else ()
     notes += _missing_positions(recording)
-    notes += overlapping_labels(recording)
-    if not doubts:
-        notes += contradicted_positions(recording)
+    notes += label_doubts(recording, doubts)
     return LogShown(
         understood, protocol is None, doubts, (*understood.notes, *notes),
         draw_recording(recording, home.path / "understood" / f"{path.stem}.svg"),

@@ -15,7 +15,7 @@ from tasks.readings.plausibility import implausible
 from tasks.readings.segment_means import matrix_of_directions
 from tasks.readings.wrong_axes import wrong_axes
 from tasks.segments.find import segments_of
-from tasks.stages.import_checks import contradicted_positions
+from tasks.stages.import_checks import label_doubts
 from tasks.words import say
 from tests.shared import shared_path
 from tests.tasks.readings.makers import mistakes
@@ -135,7 +135,7 @@ def test_a_position_that_is_labelled_wrongly_is_named_and_no_axis_with_it(
     wrong["up"] = "+z"
     recording = recorded(made, table=table)
     assert found(recording) == ()
-    (sentence,) = contradicted_positions(recording)
+    (sentence,) = label_doubts(recording, ())
     assert f"{wrong['name']} (labelled +z up; gravity shows +x)" in sentence
 
 
