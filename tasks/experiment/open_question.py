@@ -19,7 +19,7 @@ from tasks.model.effect import EVENTS
 from tasks.model.model import Model
 
 COVERAGE = 2.0  # standard uncertainties in U
-SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "incomplete", "reference_noise")
+SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "reference_noise")
 
 
 @dataclass(frozen=True)

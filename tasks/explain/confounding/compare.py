@@ -13,10 +13,11 @@ from functools import cached_property
 import numpy as np
 
 from tasks.explain.confounding.bootstrap import Rivals
-from tasks.explain.confounding.combinations import Combination
+from tasks.explain.confounding.combinations import Combination, chi2_of
 from tasks.explain.confounding.families import FAMILIES, Form, forms_of, group_delays
 from tasks.explain.confounding.linear_forms import (
     DISTINGUISHABLE,
+    FORM,
     LinearForms,
     drifts,
     group_names,
@@ -29,6 +30,7 @@ from tasks.explain.confounding.linear_forms import (
 from tasks.explain.confounding.special_case import HOLDS, with_general
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.refit import fitted
 from tasks.explain.search.scores import INDISTINGUISHABLE
 
 SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
@@ -202,7 +204,7 @@ class _Family:
         least = min(map(self._cost, tried))
         return [
             replace(one, fit=self.prune(one.fit, self.names))
-            if self._cost(one) - least < self._linear.distinguishable
+            if self._cost(one) - least < self._distinguishable
             else one
             for one in tried
         ]
@@ -212,7 +214,7 @@ class _Family:
         fewest parameters that fit as well as the best of them.
         """
         least = min(map(self._cost, tried))
-        near = [one for one in tried if self._cost(one) - least < self._linear.distinguishable]
+        near = [one for one in tried if self._cost(one) - least < self._distinguishable]
         fewest = min(one.effect_count for one in near)
         near = [one for one in near if one.effect_count == fewest]
         least = min(map(self._cost, near))
@@ -293,6 +295,18 @@ class _Family:
     @cached_property
     def _linear(self) -> LinearForms:
         return LinearForms(self.names, self.forms, self.fit)
+
+    @cached_property
+    def _distinguishable(self) -> float:
+        """Chi-squared that separates exact forms, beyond what the form of the whole may leave: of a
+        delay that was taken back the linear forms know the little that was left of it.
+        """
+        if not self._delay_was_taken_back:
+            return self._linear.distinguishable
+        keys = {one.term.key for one in self.present}
+        without = fitted(self.fit.model.without(keys), self.fit.blocks, self.fit.noises)
+        gain = chi2_of(without, self.fit) - chi2_of(self.fit.model, self.fit)
+        return max(self._linear.distinguishable, FORM**2 * gain / self._linear.dispersion)
 
     @cached_property
     def _delay_was_taken_back(self) -> bool:

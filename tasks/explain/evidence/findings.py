@@ -13,7 +13,7 @@ from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_i
 from tasks.explain.evidence.dependence import change_without
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import FindingGroup, leakage
+from tasks.explain.evidence.groups import FindingGroup
 from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.step_time import step_time
@@ -48,11 +48,6 @@ def findings_of(
             scrutinies[number] = replace(scrutinies[number], refusal=refusal)
     groups = evidence.groups
     if not ordered:
-        groups = _without_refused(groups, scrutinies)
-        left = [evidence.scatter.dispersion(n) for n in range(len(groups))]
-        for number, times in leakage(groups, left).items():
-            refusal = Refusal("leakage", groups[number].name, value=times)
-            scrutinies[number] = replace(scrutinies[number], refusal=refusal)
         groups = _without_refused(groups, scrutinies)
     wider = _beside_implausible(evidence, scrutinies)
     return [
