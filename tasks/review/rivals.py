@@ -7,7 +7,8 @@ from scipy.special import chdtrc
 
 from schemas.review import Level
 from tasks.explain.confounding.special_case import HOLDS
-from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
+from tasks.explain.odds import CERTAIN
+from tasks.explain.search.scores import PER_PARAMETER
 from tasks.review.carriers import Carried, carried
 from tasks.review.comparison import explains, gain_beside, usual
 from tasks.review.pool import Pool
@@ -100,7 +101,7 @@ def other_carriers(
     """Where the effect, or one of the other names, is as likely: the first of each carrier."""
     found: dict[tuple[Level, int], Carried] = {}
     for each in some:
-        same = each.effect == best.effect and each.total > best.total - INDISTINGUISHABLE
+        same = each.effect == best.effect and each.total > best.total - CERTAIN
         if same or any(each is one for one in names):
             found.setdefault((each.window.level, each.window.carrier), each)
     found.pop((best.window.level, best.window.carrier), None)

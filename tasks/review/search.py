@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.review import LEVELS
-from tasks.explain.search.scores import INDISTINGUISHABLE
+from tasks.explain.odds import CERTAIN
 from tasks.review.carriers import (
     Carried,
     Change,
@@ -102,7 +102,7 @@ class Found:
 
     values: (m,) SI with their covariance. since, until: None where it was there from the carrier's
     first run, or to its last. pool: what the findings before it have left. carriers: the same
-    effect elsewhere, as likely within INDISTINGUISHABLE, and other effects elsewhere that explain
+    effect elsewhere, as likely within CERTAIN, and other effects elsewhere that explain
     the same runs; others: names that are as likely within CONCLUSIVE.
     """
 
@@ -194,7 +194,7 @@ def _standing_out(
     """What is believed that is not of the usual spread between units, about the best first."""
     own, rest = OwnValues(pool), sorted(believed, key=lambda each: -each.score)
     while rest:
-        near = [each for each in rest if each.score > rest[0].score - 4.0 * INDISTINGUISHABLE]
+        near = [each for each in rest if each.score > rest[0].score - 4.0 * CERTAIN]
         finer = [_finer(pool, each, tried) for each in near]
         for each in sorted(finer, key=lambda each: -each.score):
             if own.stands_out(each, tried, FALSE_ALARMS) and not is_of_a_spread(

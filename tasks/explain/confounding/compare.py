@@ -28,10 +28,10 @@ from tasks.explain.confounding.linear_forms import (
     shapes_signals,
 )
 from tasks.explain.confounding.special_case import HOLDS, with_general
+from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
-from tasks.explain.search.scores import INDISTINGUISHABLE
 
 SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
@@ -142,7 +142,7 @@ class _Family:
         """Plausible effects that fit no worse in their real forms than what is not plausible."""
         tried = self._plausible(self.forms)
         least = min(map(self._cost, (found, *tried)))
-        return [one for one in tried if self._cost(one) - least < INDISTINGUISHABLE]
+        return [one for one in tried if self._cost(one) - least < CERTAIN]
 
     def _special_case(self, found: Combination) -> Combination:
         """The selection, or the special case of it that fits no worse in its exact form: linear
@@ -160,7 +160,7 @@ class _Family:
 
     def _holds(self, chosen: Combination, found: Combination) -> bool:
         """Whether what linear forms prefer is plausible in its real form, and fits better there."""
-        return chosen.plausible and self._cost(found) - self._cost(chosen) > INDISTINGUISHABLE
+        return chosen.plausible and self._cost(found) - self._cost(chosen) > CERTAIN
 
     def _by_real_fits(self) -> FittedSelection:
         """Of one effect each that comes near, then of those that fit best with each other."""

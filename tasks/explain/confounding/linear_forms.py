@@ -9,8 +9,9 @@ import numpy as np
 
 from tasks.explain.confounding.combinations import Combination, chi2_of
 from tasks.explain.confounding.families import Form, shape_count
+from tasks.explain.odds import CERTAIN
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
+from tasks.explain.search.scores import joint_gain
 
 # Chi-squared that tells two apart: where ramps are sharp, smoothing the reference makes twenty.
 DISTINGUISHABLE = 30.0
@@ -62,8 +63,8 @@ class LinearForms:
         What follows a temperature or its rate of change is known no better than these are.
         """
         if not drifts(members) or len({one.name for one in members}) > 1:
-            return INDISTINGUISHABLE
-        return max(INDISTINGUISHABLE, THERMOMETER**2 * self.largest_gain / self.dispersion)
+            return CERTAIN
+        return max(CERTAIN, THERMOMETER**2 * self.largest_gain / self.dispersion)
 
     @cached_property
     def largest_gain(self) -> float:

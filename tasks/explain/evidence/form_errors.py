@@ -15,8 +15,8 @@ import numpy as np
 
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
+from tasks.explain.odds import CERTAIN
 
-CERTAIN = 9.2  # 2·ln(99): odds of a name whose share is 0.99
 PUBLISHED = 0.03  # relative: by which units depart from a published equation
 UNPUBLISHED = 0.12  # the same of what is called by its behaviour, or not found
 

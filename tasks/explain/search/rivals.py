@@ -8,16 +8,14 @@ chi-squared that they gain and by their parameters alone.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import log
 
 from tasks.explain.explanation import UNNAMED
+from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import BandedDesign, normal_equations
 from tasks.explain.search.proposals import with_proposed_shapes
-from tasks.explain.search.scores import INDISTINGUISHABLE, ScoredCandidate, rank
+from tasks.explain.search.scores import ScoredCandidate, rank
 from tasks.explain.search.stepwise import Selected, Selection
-
-CERTAIN = 99.0  # odds of a share of 0.99
 
 
 def with_rivals(
@@ -58,5 +56,5 @@ def _fits_as_well(other: ScoredCandidate, own: ScoredCandidate) -> bool:
     odds are CERTAIN; what has no name counts among the others.
     """
     if own.candidate.unlisted:
-        return own.fit - other.fit < 2.0 * log(CERTAIN)
-    return min(own.score - other.score, own.fit - other.fit) < INDISTINGUISHABLE
+        return own.fit - other.fit < CERTAIN
+    return min(own.score - other.score, own.fit - other.fit) < CERTAIN

@@ -11,11 +11,11 @@ import numpy as np
 from scipy.special import chdtrc
 
 from tasks.explain.explanation import UNNAMED
+from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate, Prior, Weights, members_of
 from tasks.explain.search.design import NormalEquations
 from tasks.model.regression import inverse
 
-INDISTINGUISHABLE = 6.0  # of score: two that differ by less cannot be told apart
 PER_PARAMETER = 2.0
 OBSERVABLE = 1e-4  # of a column's power: less is left of it beside what was selected
 # Of its gain, a tenth of its size: as well as a published form holds for a unit.
@@ -147,7 +147,7 @@ def _fixed_effect(
     price += FREE_FORM * gain if candidate.name == UNNAMED else 0.0
     # What is known to be there needs no other that imitates it, as a sensitivity to the field of
     # Earth does its rotation.
-    price -= INDISTINGUISHABLE if candidate.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
+    price -= CERTAIN if candidate.known and gain > 2.0 * CERTAIN else 0.0
     return ScoredCandidate(candidate, gain, fit, gain - price, p_value)
 
 
@@ -202,7 +202,7 @@ def _random_effects(
         gain = sum(gain_of[drift] for drift in drifts[candidate.key])
         price = 2.0 * PER_PARAMETER + 2.0 * np.log(candidate.trials) + candidate.term.rarity
         # No walk where another drift may explain it as well.
-        price += INDISTINGUISHABLE if candidate.name != UNNAMED else 0.0
+        price += CERTAIN if candidate.name != UNNAMED else 0.0
         price += OF_A_FORM * max(gain, 0.0) if candidate.unlisted else 0.0
         p_value = float(np.exp(-0.5 * max(gain, 0.0)))
         score = gain - price

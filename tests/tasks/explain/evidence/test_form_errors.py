@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from tasks.explain.evidence.form_errors import (
-    CERTAIN,
     PUBLISHED,
     UNPUBLISHED,
     named_beside,
 )
 from tasks.explain.explanation import UNNAMED, Finding
+from tasks.explain.odds import CERTAIN
 
 NOISE, NOTHING = np.ones(6), np.zeros(6)
 EVERYWHERE = np.ones((1000, 6))
