@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from schemas.review import Level
-from tasks.explain.confounding.special_case import HOLDS
+from tasks.explain.search.special_case import HOLDS
 from tasks.explain.odds import CERTAIN
 from tasks.explain.search.scores import PER_PARAMETER
 from tasks.review.carriers import Carried, carried

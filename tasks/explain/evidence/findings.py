@@ -7,7 +7,6 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.confounding.families import common_part
-from tasks.explain.confounding.special_case import HOLDS
 from tasks.explain.determined import DeterminedModel, unit_of
 from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
 from tasks.explain.evidence.dependence import change_without
@@ -160,12 +159,7 @@ def _indistinguishable(
     group: FindingGroup, channels: tuple[int, ...], contribution: np.ndarray, full: FullRate
 ) -> tuple[str, ...]:
     """Catalogue names that fit as well, so that the data cannot distinguish them."""
-    names = [
-        name
-        for one in group.selected
-        for name in one.rivals
-        if name != UNNAMED and HOLDS.get(group.name) != name  # which the comparison judged
-    ]
+    names = [name for one in group.selected for name in one.rivals if name != UNNAMED]
     names += possibly_clipped(group.name, channels, full.motion)
     names += possibly_clipped_in_noise(group.name, contribution, full.readings, full.motion)
     return tuple(dict.fromkeys(names))

@@ -15,10 +15,7 @@ import numpy as np
 
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
-from tasks.explain.odds import CERTAIN
-
-PUBLISHED = 0.03  # relative: by which units depart from a published equation
-UNPUBLISHED = 0.12  # the same of what is called by its behaviour, or not found
+from tasks.explain.odds import CERTAIN, PUBLISHED, UNPUBLISHED
 
 
 def named_beside(

@@ -234,13 +234,10 @@ def _drifts(candidate: Candidate) -> list[tuple[Prior | Weights, tuple[int, ...]
 
 def joint_gain(
     equations: NormalEquations, together: Sequence[Candidate], selected: Sequence[Candidate]
-) -> tuple[float, int]:
-    """Chi-squared that some candidates gain together beside others that are selected, and of how
-    many parameters that the readings determine.
-    """
+) -> float:
+    """Chi-squared that some candidates gain together beside others that are selected."""
     left, members = projected(equations, selected), np.array(members_of(together))
     block = left.normal[np.ix_(members, members)]
     observable = (left.scale[members] > 0) & (np.diag(block) > OBSERVABLE)
     block = block * observable[:, None] * observable + np.diag(np.where(observable, SINGULAR, 1.0))
-    gains = _quadratic_forms((left.right[members] * observable)[None], block[None])
-    return float(gains[0]), int(observable.sum())
+    return float(_quadratic_forms((left.right[members] * observable)[None], block[None])[0])

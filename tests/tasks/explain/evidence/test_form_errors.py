@@ -5,13 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.explain.evidence.form_errors import (
-    PUBLISHED,
-    UNPUBLISHED,
-    named_beside,
-)
+from tasks.explain.evidence.form_errors import named_beside
 from tasks.explain.explanation import UNNAMED, Finding
-from tasks.explain.odds import CERTAIN
+from tasks.explain.odds import CERTAIN, PUBLISHED, UNPUBLISHED
 
 NOISE, NOTHING = np.ones(6), np.zeros(6)
 EVERYWHERE = np.ones((1000, 6))
