@@ -35,8 +35,8 @@ from tasks.experiment.separation import (
 from tasks.experiment.temperature import ThermalResponse
 from tasks.experiment.track import planned_recording
 from tasks.explain.confounding.linear_forms import DISTINGUISHABLE
-from tasks.explain.search.special_case import HOLDS, SHOWN
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.search.special_case import HOLDS, SHOWN
 from tasks.explain.whitening import Noise
 from tasks.model.model import Model
 from tasks.station.plan import plan

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.explanation import UNNAMED
-from tasks.explain.odds import CERTAIN, PUBLISHED
+from tasks.explain.odds import CERTAIN, as_likely_within
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import BandedDesign, NormalEquations, normal_equations
 from tasks.explain.search.proposals import with_proposed_shapes
@@ -82,5 +82,4 @@ def _fits_as_well(other: ScoredCandidate, own: ScoredCandidate) -> bool:
     better = own.fit - other.fit
     if own.candidate.unlisted:
         return better < CERTAIN
-    form_error = 1.0 + PUBLISHED**2 * max(own.gain, 0.0)
-    return min(own.score - other.score, better / form_error) < CERTAIN
+    return own.score - other.score < CERTAIN or better < as_likely_within(own.gain)
