@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.experiment.choose import NOTHING
-from tasks.explain.confounding.families import DELAYING, GYROS_ALONE
+from tasks.explain.confounding.delays import DELAYING, GYROS_ALONE
 from tasks.explain.evidence.determination import undetermined
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import UNNAMED, Explanation

@@ -15,7 +15,7 @@ import numpy as np
 
 from tasks.explain.confounding.bootstrap import Rivals
 from tasks.explain.confounding.combinations import Combination, chi2_of
-from tasks.explain.confounding.families import DELAYING, Form, forms_of, group_delays
+from tasks.explain.confounding.delays import DELAYING, Form, forms_of, group_delays
 from tasks.explain.confounding.linear_forms import (
     DISTINGUISHABLE,
     FORM,

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from tasks.explain.confounding.combinations import Combination, chi2_of
-from tasks.explain.confounding.families import Form
+from tasks.explain.confounding.delays import Form
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import joint_gain
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.confounding.families import common_part
+from tasks.explain.confounding.delays import common_part
 from tasks.explain.determined import DeterminedModel, unit_of
 from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
 from tasks.explain.evidence.dependence import change_without
