@@ -39,9 +39,10 @@ def _asking_for_less(
     one: Selected, found: Combination, candidates: Sequence[Candidate]
 ) -> Iterator[Candidate]:
     """Rivals in whole forms: special cases of it, and any where it is not plausible."""
-    if one.candidate.nuisance or one.candidate.prior is not None or one.absorbed_by:
+    candidate = one.candidate
+    if candidate.nuisance or candidate.known or candidate.prior is not None or one.absorbed_by:
         return
     plausible = found.plausible
     for name in one.rivals:
-        if HOLDS.get(name) == one.candidate.name or not plausible:
+        if HOLDS.get(name) == candidate.name or not plausible:
             yield from [each for each in candidates if each.is_form_of((name,))][:1]

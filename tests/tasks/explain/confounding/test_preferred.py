@@ -13,9 +13,10 @@ from tasks.explain.search.stepwise import Selected, search
 from tasks.model.term import Term
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
 from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
+from tasks.model.terms.site import earth_rotation
 from tasks.motion.whole import Motion
 
-RUN = motion()
+RUN, EARTH = motion(), earth_rotation(0.7)
 
 
 def found_as(
@@ -65,3 +66,8 @@ def test_what_is_not_plausible_gives_way_to_what_fits_as_well_and_is() -> None:
     made = made + noise(len(RUN.t), 4, NOISY)
     assert preferred(made, warming, THERMAL_GRADIENT, TEMPERATURE_BIAS)[0] == "temperature_bias"
     assert preferred(made, warming, TEMPERATURE_BIAS, THERMAL_GRADIENT)[0] == "temperature_bias"
+
+
+def test_known_physics_has_no_parameter_that_might_be_implausible() -> None:
+    earth = read(RUN, (EARTH, ())) + noise(len(RUN.t), 6, NOISY)
+    assert preferred(earth, RUN, EARTH, LEVER_ARM)[0] == "earth_rotation"
