@@ -23,12 +23,13 @@ def found_as(
     made: np.ndarray, run: Motion, first: Term, second: Term
 ) -> tuple[FittedSelection, list[Candidate]]:
     """Readings (n, 6) found as the first of two terms, the second as likely."""
-    blocks, columns = observed(made, run), [*columns_of(first, run), *columns_of(second, run)]
-    own, others = (tuple(range(len(term.parameters))) for term in (first, second))
+    blocks, of_each = observed(made, run), [columns_of(term, run) for term in (first, second)]
+    own, others = (tuple(range(len(columns))) for columns in of_each)
     whole = [
         Candidate(first, own, own, 1),
         Candidate(second, tuple(len(own) + k for k in others), others, 1),
     ]
+    columns = [column for each in of_each for column in each]
     design = banded_design(blocks, made, columns, np.full(len(columns), np.inf))
     selection = search(design, whole, (), NOISY)
     selection = replace(selection, selected=(Selected(whole[0], 1.0, 1.0, (second.name,)),))
