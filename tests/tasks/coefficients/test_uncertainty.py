@@ -33,7 +33,9 @@ def uncertainty_of(calibration: Calibration) -> tuple[Coefficients, ReadingUncer
     return known, found
 
 
-@pytest.mark.parametrize("specification", [JJF2003, JOINT], ids=["jjf2003", "joint"])
+@pytest.mark.parametrize(
+    "specification", [JJF2003, pytest.param(JOINT, marks=pytest.mark.rehearsal)]
+)
 def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_says(
     specification,
 ) -> None:
