@@ -15,10 +15,11 @@ import pytest
 from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
 from schemas.decision import Decision
-from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from storage.catalogue import database
 from storage.catalogue.run_index import Run
 from storage.home import Home
+from tests.manifests import manifest_of
 
 AT_ONCE = """
 import json
@@ -65,13 +66,8 @@ def small() -> Callable[..., Recording]:
     """Builds a recording of three seconds; `start` makes its content another one."""
 
     def build(start: float = 0.0, name: str = "small", serial: str = "1") -> Recording:
-        manifest = Manifest.model_validate(
-            {
-                "format": FORMAT,
-                "recording_id": name,
-                "unit": {"manufacturer": "Maker", "model": "U", "serial": serial},
-                "station": {"id": "T1"},
-            }
+        manifest = manifest_of(
+            name, {"id": "T1"}, unit={"manufacturer": "Maker", "model": "U", "serial": serial}
         )
         t = np.round(np.arange(300) / 100, 9)
         values = {n: np.sin(start + t + k) for k, n in enumerate(GYRO + ACCEL)}

@@ -7,22 +7,13 @@ import pytest
 from mcap.writer import CompressionType, Writer
 
 from schemas.base import Unusable
-from schemas.recording import FORMAT, Manifest, Station, TableAxis, Unit
+from schemas.recording import Station
 from storage.formats.mcap.cdr import encode
 from storage.formats.mcap.definitions import schema_text
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.topics import IMU, JOINTS, TEMPERATURE
 
 EPOCH = 1_700_000_000_123_456_789  # ns
-
-
-def manifest() -> Manifest:
-    return Manifest(
-        format=FORMAT,
-        recording_id="small",
-        unit=Unit(manufacturer="M", model="U", serial="1"),
-        station=Station(id="T1", table_axes=(TableAxis(name="outer", direction=(0, 0, 1)),)),
-    )
 
 
 class Bag:
