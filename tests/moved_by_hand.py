@@ -114,7 +114,7 @@ def readings(
 
 def recording(imu: Stream | None = None, reference: Stream | None = None, **more) -> Recording:
     """A recording with a tracked body and nothing else."""
-    manifest = manifest_of("by_hand", {"gravity_m_s2": GRAVITY}, **more)
+    manifest = manifest_of("by_hand", **{"station": {"gravity_m_s2": GRAVITY}} | more)
     return Recording(manifest, imu or readings(), reference=reference or poses())
 
 
