@@ -5,10 +5,10 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
-from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.joint import JOINT
 from tasks.specifications.joint.zero_correction import Solved, least_squares, zero_corrected
 from tests.manifests import manifest_of
+from tests.tasks.items_only import items_only
 
 GRAVITY = 9.8
 RATES = (20.0, 60.0, 150.0, 300.0)
@@ -71,7 +71,7 @@ def codes(calibration: Calibration) -> set[str]:
 
 def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims() -> None:
     planted = unit()
-    found = calibrate(JOINT, patent_run(planted), run="r", code_version="v")
+    found = items_only(JOINT, patent_run(planted))
     named = {
         "gyro_g_sensitivity": np.degrees(planted["G"]),
         "accel_rate_sensitivity": -planted["P"],
@@ -90,9 +90,9 @@ def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims() ->
 
 
 def test_too_few_or_falling_rates_are_remarked() -> None:
-    few = calibrate(JOINT, patent_run(unit(), (20.0, 300.0)), run="r", code_version="v")
+    few = items_only(JOINT, patent_run(unit(), (20.0, 300.0)))
     assert "number_of_rates" in codes(few)
-    falling = calibrate(JOINT, patent_run(unit(), RATES[::-1]), run="r", code_version="v")
+    falling = items_only(JOINT, patent_run(unit(), RATES[::-1]))
     assert "rates_not_rising" in codes(falling)
 
 
