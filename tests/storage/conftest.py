@@ -19,6 +19,7 @@ from schemas.recording import ACCEL, GYRO, Recording, Stream
 from storage.catalogue import database
 from storage.catalogue.run_index import Run
 from storage.home import Home
+from tests import postgres
 from tests.manifests import manifest_of
 
 AT_ONCE = """
@@ -59,6 +60,22 @@ def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
     """A home in which nothing was kept yet; its folder does not exist."""
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     return Home(tmp_path / "home")
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[str]:
+    """The connection of a PostgreSQL."""
+    with postgres.running() as connection:
+        yield connection
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def either(request: pytest.FixtureRequest, fresh: Home, monkeypatch: pytest.MonkeyPatch) -> Home:
+    """A fresh home whose catalogue is a file of its own, or an empty database on a server."""
+    if request.param == "postgresql":
+        server = request.getfixturevalue("server")
+        monkeypatch.setenv("MIMUCAL_DATABASE", postgres.empty_database(server))
+    return fresh
 
 
 @pytest.fixture

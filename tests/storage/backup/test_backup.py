@@ -4,7 +4,7 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -45,13 +45,6 @@ def files(home: Home) -> dict[str, tuple[bytes, int]]:
         if path.is_file() and not name.startswith(("catalog.sqlite", "columns/", "locks/")):
             found[name] = (path.read_bytes(), path.stat().st_mode)
     return found
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[str]:
-    """The connection of a PostgreSQL."""
-    with postgres.running() as connection:
-        yield connection
 
 
 @pytest.mark.parametrize("databases", [("sqlite", "sqlite"), ("sqlite", "postgresql"),

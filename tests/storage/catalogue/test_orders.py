@@ -62,12 +62,14 @@ def test_another_content_under_a_number_is_refused_and_nothing_beside_it_is_kept
 
 
 def test_of_four_processes_that_claim_twenty_orders_each_order_has_one(
-    fresh: Home, at_once: Callable[..., list[str]]
+    either: Home, at_once: Callable[..., list[str]]
 ) -> None:
-    orders.add([order(str(number)) for number in range(20)], fresh)
-    claimed = [eval(text) for text in at_once(CLAIM, fresh, processes=4)]
+    orders.add([order(str(number)) for number in range(20)], either)
+    claimed = [eval(text) for text in at_once(CLAIM, either, processes=4)]
     assert sorted(chain(*claimed), key=int) == [str(number) for number in range(20)]
-    assert {each.attempts for each in orders.listed(fresh)} == {1}
+    assert {each.attempts for each in orders.listed(either)} == {1}
+    orders.put_back("T1", either)
+    assert [each.is_interrupted for each in orders.waiting(either)] == [True] * 20
 
 
 def test_an_order_that_runs_or_has_ended_is_neither_claimed_nor_cancelled(fresh: Home) -> None:

@@ -107,17 +107,17 @@ def test_result_of_a_run_that_is_not_kept_is_refused(
 
 
 def test_results_saved_at_once_form_one_line(
-    fresh: Home, small: Build, calibrated: Calibrate, at_once: Callable[..., list[str]]
+    either: Home, small: Build, calibrated: Calibrate, at_once: Callable[..., list[str]]
 ) -> None:
-    run = runs.add(small(), fresh)[0]
+    run = runs.add(small(), either)[0]
     script = """
 import os
 from schemas.calibration import AdoptedTerm, Calibration
 document = Calibration.model_validate_json(arguments[0])
 print(results.save(document.model_copy(update={"code_version": str(os.getpid())}), home))
 """
-    at_once(script, fresh, calibrated(run).model_dump_json(), processes=3)
-    kept = results.of_run(run, fresh)
+    at_once(script, either, calibrated(run).model_dump_json(), processes=3)
+    kept = results.of_run(run, either)
     assert [result.supersedes for result in kept] == [None, kept[0].id, kept[1].id]
 
 

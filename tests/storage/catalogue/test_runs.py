@@ -62,18 +62,18 @@ def test_digest_that_a_recording_claims_is_not_believed(fresh: Home, small: Buil
 
 
 def test_concurrent_imports_of_the_same_content_are_one_run(
-    fresh: Home, small: Build, tmp_path: Path, at_once: Callable[..., list[str]]
+    either: Home, small: Build, tmp_path: Path, at_once: Callable[..., list[str]]
 ) -> None:
     write_columns(small(), tmp_path / "source")
     script = """
 path = Path(arguments[0])
 print(runs.add(recordings.read(path), home, source=path)[0].id)
 """
-    text = at_once(script, fresh, str(tmp_path / "source"), processes=3)
-    (run,) = run_index.all_runs(fresh)
+    text = at_once(script, either, str(tmp_path / "source"), processes=3)
+    (run,) = run_index.all_runs(either)
     assert text == [f"{run.id}\n"] * 3
-    assert [path.name for path in fresh.raw.iterdir()] == [f"{run.digest}.mcap"]
-    assert [path.name for path in fresh.columns.iterdir()] == [run.digest]
+    assert [path.name for path in either.raw.iterdir()] == [f"{run.digest}.mcap"]
+    assert [path.name for path in either.columns.iterdir()] == [run.digest]
 
 
 def test_raw_recording_is_read_only(fresh: Home, small: Build) -> None:
