@@ -117,6 +117,13 @@ def _as_migrated() -> Iterator[None]:
 
 
 @pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+    """A home in which nothing was kept yet; its folder does not exist."""
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
+
+
+@pytest.fixture
 def unprinted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Certificates whose PDF is not typeset, for tests of what is done with them."""
 

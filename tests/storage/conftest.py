@@ -6,7 +6,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from datetime import date
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -53,13 +52,6 @@ for line in sys.stdin:
         answers = pool.map(run, range(processes), chunksize=1)
     print(json.dumps(answers), flush=True)
 """
-
-
-@pytest.fixture
-def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    """A home in which nothing was kept yet; its folder does not exist."""
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
 
 
 @pytest.fixture(scope="session")

@@ -19,7 +19,7 @@ from storage.formats.columns import write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.verify import StoreFault, verify
-from tests.keep import keep, take_number
+from tests.keep import by_force, keep, take_number
 
 Build = Callable[..., Recording]
 
@@ -192,17 +192,8 @@ def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(
     assert "mimucal import --salvage" in fault.why
 
 
-def change(home: Home, *statements: sql.Executable) -> None:
-    """What somebody does who may do everything to the database."""
-    with database.changing(home) as connection:
-        for trigger in ("trail_no_update", "trail_no_delete"):
-            connection.exec_driver_sql(f"DROP TRIGGER {trigger}")
-        for statement in statements:
-            connection.execute(statement)
-
-
 def test_a_trail_that_was_changed_is_found(fresh: Home, filled: Run) -> None:
-    change(fresh, sql.update(tables.trail).values(person="another"))
+    by_force(fresh, sql.update(tables.trail).values(person="another"))
     fault = only_fault(fresh)
     assert fault.what == "trail"
     assert "entry 1 was changed" in fault.why
@@ -231,7 +222,7 @@ def test_a_file_changed_together_with_its_hash_is_found(fresh: Home, filled: Run
 
 def test_a_certificate_that_the_trail_does_not_know_is_found(fresh: Home, filled: Run) -> None:
     end = sql.update(tables.trail_end).values(number=0, hash=trail.NOTHING_BEFORE)
-    change(fresh, sql.delete(tables.trail), end)
+    by_force(fresh, sql.delete(tables.trail), end)
     assert "A-1 is in the register, and the trail does not know it" in only_fault(fresh).why
 
 
