@@ -6,7 +6,6 @@ from datetime import date
 import pytest
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Replaced
 from schemas.recording import Recording
 from schemas.text import Remark
@@ -20,17 +19,15 @@ from storage.catalogue import (
 )
 from storage.home import Home
 from tests.keep import keep, take_number
+from tests.storage.small import calibrated, certified, small
 
-Build = Callable[..., Recording]
-Calibrate = Callable[..., Calibration]
-Certify = Callable[..., Certificate]
 Keep = Callable[..., Certificate]
 
 PDF = b"%PDF made up"
 
 
 @pytest.fixture
-def kept(fresh: Home, small: Build, calibrated: Calibrate, certified: Certify) -> Keep:
+def kept(fresh: Home) -> Keep:
     """Keeps a certificate of a unit and gives it."""
 
     def build(number: str, serial: str = "1", **changes: object) -> Certificate:
@@ -137,9 +134,7 @@ def _recording(home: Home) -> Recording:
     return runs.load(run_index.all_runs(home)[0], home)
 
 
-def test_certificate_points_to_the_result_that_it_prints(
-    fresh: Home, small: Build, calibrated: Calibrate, certified: Certify
-) -> None:
+def test_certificate_points_to_the_result_that_it_prints(fresh: Home) -> None:
     recording = small()
     run = runs.add(recording, fresh)[0]
     one = results.save(calibrated(run), fresh)

@@ -10,10 +10,11 @@ import pytest
 from schemas.base import Unusable
 from schemas.certificate import Order
 from schemas.production import ProductionOrder
-from schemas.recording import Recording, Unit
+from schemas.recording import Unit
 from storage.catalogue import orders, runs, trail
 from storage.home import Home
 from storage.order_lock import only_worker_of
+from tests.storage.small import small
 
 NOW = datetime(2026, 11, 27, 8, tzinfo=UTC)
 CLIENT = Order.model_validate({
@@ -102,9 +103,7 @@ def test_a_cancelled_order_waits_no_more_until_it_is_repeated(fresh: Home) -> No
         orders.cancel("3", "Zhao", fresh)
 
 
-def test_an_order_whose_process_died_waits_again_and_goes_on_where_it_was(
-    fresh: Home, small: Callable[..., Recording]
-) -> None:
+def test_an_order_whose_process_died_waits_again_and_goes_on_where_it_was(fresh: Home) -> None:
     orders.add([order(), order("2", station="T2")], fresh)
     begun = orders.claim("1", fresh)
     orders.claim("2", fresh)

@@ -5,10 +5,7 @@ from datetime import UTC, date, datetime
 
 import pytest
 
-from schemas.calibration import Calibration
-from schemas.certificate import Certificate
 from schemas.orders import Selection
-from schemas.recording import Recording
 from storage import dataframes, verify
 from storage.catalogue import (
     certificates,
@@ -25,8 +22,8 @@ from storage.catalogue.unchanged import version
 from storage.home import Home
 from tests import postgres
 from tests.keep import keep, take_number
+from tests.storage.small import calibrated, certified, small
 
-Build = Callable[..., Recording]
 AtOnce = Callable[..., list[str]]
 
 
@@ -50,12 +47,7 @@ def test_looking_makes_no_folder_with_postgresql(shared_catalogue: Home) -> None
     assert not shared_catalogue.path.exists()
 
 
-def test_store_works_the_same_on_postgresql(
-    shared_catalogue: Home,
-    small: Build,
-    calibrated: Callable[..., Calibration],
-    certified: Callable[..., Certificate],
-) -> None:
+def test_store_works_the_same_on_postgresql(shared_catalogue: Home) -> None:
     home, recording = shared_catalogue, small()
     run = runs.add(recording, home)[0]
     assert runs.add(recording, home)[0] == run == run_index.find(run.id[:4], home)
@@ -75,11 +67,7 @@ def test_store_works_the_same_on_postgresql(
 
 
 def test_a_reminder_asked_for_at_once_on_postgresql_is_sent_by_one(
-    shared_catalogue: Home,
-    small: Build,
-    calibrated: Callable[..., Calibration],
-    certified: Callable[..., Certificate],
-    at_once: AtOnce,
+    shared_catalogue: Home, at_once: AtOnce
 ) -> None:
     recording = small()
     run = runs.add(recording, shared_catalogue)[0]
@@ -104,9 +92,7 @@ def test_a_row_says_whether_it_is_new_on_postgresql(shared_catalogue: Home) -> N
     assert new == [True, False]
 
 
-def test_history_is_made_again_and_asked_for_as_in_sqlite(
-    shared_catalogue: Home, small: Build, calibrated: Callable[..., Calibration]
-) -> None:
+def test_history_is_made_again_and_asked_for_as_in_sqlite(shared_catalogue: Home) -> None:
     run = runs.add(small(), shared_catalogue)[0]
     before = results.save(calibrated(run, code_version="0.1.0+a"), shared_catalogue)
     chosen = Selection(station="T1", code_version="0.1.0", since=run.imported_at.date())
