@@ -14,6 +14,7 @@ import yaml
 from schemas.base import Unusable
 from schemas.correction import Coefficient, Correction
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.coefficients.correct import coefficients, correct
 from tasks.coefficients.kalibr import as_kalibr
@@ -52,7 +53,7 @@ def recording(plant) -> Recording:
 
 @pytest.fixture(scope="module")
 def calibration(recording: Recording):
-    return items_only(JJF2003, recording)
+    return calibrate(JJF2003, recording, run="r", code_version="v")
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from schemas.calibration import Calibration
 from schemas.discrepancy import FoundParameter
 from schemas.recording import Recording
 from schemas.text import Statement
+from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.information.earth import WITHOUT_EARTH
 from tasks.explain.correction import sensitivity
 from tasks.explain.correction.adopt import adopt, corrected
@@ -163,12 +165,13 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
 
 def test_the_site_is_judged_by_readings_that_have_earths_rotation(plant) -> None:
     """Less Earth's rotation they show none of it, which says nothing of latitude and heading."""
-    whole = plant("plant_earth_rotation")
-    recording = replace(whole, imu=whole.imu.at(FIFTH), table=whole.table.at(FIFTH))
+    full = plant("plant_earth_rotation")
+    recording = replace(full, imu=full.imu.at(FIFTH), table=full.table.at(FIFTH))
     latitude = math.radians(recording.manifest.station.latitude_deg or 0.0)
     term = earth_rotation(latitude)
     found = finding(added_by(term, recording, ()), "earth_rotation", parameters=())
-    adopted, plain = adopt(recording, [found], calibrated, None), calibrated(recording)
+    whole = partial(calibrate, JJF2003, run="r", code_version="v")
+    adopted, plain = adopt(recording, [found], whole, None), whole(recording)
     codes = {remark.code for remark in adopted.remarks}
     assert "earth_not_shown" not in codes | {remark.code for remark in plain.remarks}
     assert "earth_not_shown" in {
