@@ -14,10 +14,6 @@ from tests.tasks.stages.test_acquire import PROCEDURE
 from tests.tasks.station.in_memory import InMemoryStation
 
 
-def test_a_home_with_room_and_a_catalogue_is_ready(fresh: Home) -> None:
-    ready_to_acquire("T1", fresh)
-
-
 def test_every_obstacle_is_named_at_once_and_nothing_turns(fresh: Home, monkeypatch) -> None:
     station = InMemoryStation(VirtualStation(unit=draw_unit(7))).file
     monkeypatch.setattr(acquire, "acquire", pytest.fail)
