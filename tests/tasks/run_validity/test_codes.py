@@ -8,16 +8,16 @@ import pytest
 from schemas.calibration import Calibration
 from schemas.recording import Recording, Stream
 from storage.formats.folder import read_folder
+from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.register import specification_for
 from tests.shared import shared_path
-from tests.tasks.items_only import items_only
 
 SIZE = 256
 
 
 def calibrated(recording: Recording) -> Calibration:
     specification = specification_for(recording.manifest.standard)
-    return items_only(specification, recording)
+    return calibrate(specification, recording, run="", code_version="")
 
 
 def with_numbers(change: "object", step: float) -> Recording:
