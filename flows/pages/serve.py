@@ -5,6 +5,7 @@ import logging
 from ipaddress import ip_address
 from typing import Any
 
+from flows.logs import set_up
 from flows.pages.app import make_app
 from flows.printing import stdout
 from schemas.base import Unusable
@@ -18,6 +19,7 @@ THREADS = 8  # requests answered at the same time; further ones wait
 
 def serve(home: Home, host: str, port: int) -> None:
     """Serve the pages of a home; raises Unusable for an address that cannot be listened on."""
+    set_up(errors_at_least=True)
     server = listening(home, host, port)
     stdout(markup=False).print(
         f"http://{host}:{server.effective_port}/ (Ctrl-C ends it)", highlight=False

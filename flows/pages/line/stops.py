@@ -13,7 +13,7 @@ from schemas.base import Unusable
 from storage.home import Home
 from storage.station_stop import release
 
-LOG = logging.getLogger(__name__)
+LOG = logging.getLogger("mimucal.pages.stop")
 
 
 class Stops:

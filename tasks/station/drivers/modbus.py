@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     Client: TypeAlias = AsyncModbusSerialClient | AsyncModbusTcpClient
 
+LOG = logging.getLogger("mimucal.station.connection")
 ATTEMPTS = 3
 PAUSE_S = 0.3
 CANCEL_AGAIN_S = 0.05  # asyncio.wait_for may swallow a cancellation
@@ -179,6 +180,8 @@ class ModbusLink:
     async def _ask(self, what: str, request: Request) -> "ModbusPDU":
         async with self._one_at_a_time:
             for attempt in range(ATTEMPTS):
+                if attempt:
+                    LOG.warning("no answer", extra={"of": self.url, "request": what})
                 if attempt > 1:  # at first perhaps the connection alone was cut
                     await asyncio.sleep(PAUSE_S)
                 answer = await self._answer(request)
@@ -240,6 +243,7 @@ class ModbusLink:
         self._is_closed, self._client = False, self._new_client()
         if not await self._client.connect() or self._is_closed:
             raise ConnectionError(f"{self._where} cannot be connected to")
+        LOG.info("connected", extra={"of": self.url})
 
     def _new_client(self) -> "Client":
         from pymodbus import FramerType

@@ -1,6 +1,7 @@
 """A device that takes lines of text, read and commanded by its description."""
 
 import asyncio
+import logging
 import re
 import string
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ from schemas.described import Query, TextDevice
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Values
 
+LOG = logging.getLogger("mimucal.station.connection")
 ATTEMPTS = 3
 MOST_BYTES = 4096  # of an answer
 NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"  # with one way to read each
@@ -49,6 +51,7 @@ class TextLink:
             answer = await self._in_thread(line, True)
             if answer is not None:
                 return answer
+            LOG.warning("no answer", extra={"of": self.url, "request": line})
         raise Unusable(
             f"the device at {self.url} does not answer “{line}” ({ATTEMPTS} attempts): check that "
             f"it is switched on and connected, and that url, baudrate and terminators in the "
@@ -101,6 +104,7 @@ class TextLink:
                 timeout=line.timeout_s,
                 write_timeout=line.timeout_s,
             )
+            LOG.info("connected", extra={"of": line.url})
         return self._port
 
     def _hang_up(self) -> None:
