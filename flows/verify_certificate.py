@@ -4,6 +4,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 import typer
+from cryptography import x509
+from cryptography.hazmat.primitives.serialization import Encoding
 
 from flows.printing import print_json
 from schemas.base import Unusable
@@ -21,9 +23,6 @@ def run_verify_certificate(path: Path, trust: Path | None, as_json: bool) -> Non
 
 
 def _certificates(path: Path) -> list[bytes]:
-    from cryptography import x509
-    from cryptography.hazmat.primitives.serialization import Encoding
-
     try:
         every = x509.load_pem_x509_certificates(path.read_bytes())
     except (OSError, ValueError) as error:

@@ -47,6 +47,7 @@ from schemas.orders import (
 )
 from schemas.recall import DueUnit
 from storage.catalogue import run_index
+from tasks.stages import alert as alerting
 from tasks.stages import remind as reminding
 from tasks.stages.stage import without_loss
 
@@ -143,8 +144,6 @@ def submit(order: SubmitOrder) -> None:
 @flow(name="alert", flow_run_name="alert")
 def alert(order: AlertOrder) -> None:
     """Send a sentence to whoever operates the line; BrokenOff where a channel did not take it."""
-    from tasks.stages import alert as alerting
-
     sent = alerting.alert(run_orders.home_of(order), order.sentence)
     if faults := [f"{each.channel}: {each.fault}" for each in sent if each.fault]:
         raise BrokenOff("; ".join(faults))

@@ -26,6 +26,7 @@ from storage.order_lock import no_order_at, one_order_at, only_worker_of
 from storage.station_stop import lockout_of
 from storage.stations import file_named, file_of
 from tasks.stages.left_run import left_runs
+from tasks.stages.procedure_input import procedure_named
 from tasks.stages.ready import ready_to_acquire
 from tasks.station.drivers.identity import confirm
 
@@ -178,8 +179,6 @@ def _production(
 
 def _is_left(kept: ProductionOrder, station: StationFile, home: Home) -> bool:
     """Whether every unit of an order has an interrupted run that began for this order."""
-    from tasks.stages.procedure_input import procedure_named
-
     assert kept.began_at is not None
     try:
         left = left_runs(station.with_units(kept.units), procedure_named(kept.procedure), home)

@@ -5,6 +5,8 @@ import logging
 from ipaddress import ip_address
 from typing import Any
 
+from waitress.server import create_server
+
 from flows.logs import set_up
 from flows.pages.app import make_app
 from flows.printing import stdout
@@ -29,8 +31,6 @@ def serve(home: Home, host: str, port: int) -> None:
 
 def listening(home: Home, host: str, port: int) -> Any:
     """A server of the pages that listens already; `run` answers, `close` ends it."""
-    from waitress.server import create_server
-
     _check_reach(home, host)
     app = make_app(home).server
     gc.freeze()  # what was imported lives to the end: no collection walks over it again

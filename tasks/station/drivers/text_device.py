@@ -9,6 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractAsyncContextManager
 from typing import Any
 
+import serial
+
 from schemas.base import Unusable
 from schemas.described import Query, TextDevice
 from tasks.station.clock import wall_s
@@ -64,8 +66,6 @@ class TextLink:
 
     def _exchange(self, line: str, is_answered: bool) -> str | None:
         """The answer; None if there was none in time."""
-        import serial
-
         try:
             port = self._connected()
             if is_answered:
@@ -92,8 +92,6 @@ class TextLink:
         return text.removeprefix(line.strip()).strip() if self._described.echoes else text
 
     def _connected(self) -> Any:
-        import serial
-
         if self._port is None:
             line = self._described
             self._port = serial.serial_for_url(

@@ -8,6 +8,8 @@ import time
 from pathlib import Path
 from typing import Any, Protocol
 
+import serial
+
 from schemas.base import Unusable
 from schemas.unit_link import UnitLink
 from tasks.station.drivers.modbus import host_and_port
@@ -91,8 +93,6 @@ class _Serial:
     """A serial line or a TCP connection, whatever pyserial opens."""
 
     def __init__(self, link: UnitLink) -> None:
-        import serial
-
         self._port: Any = serial.serial_for_url(
             link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
         )
