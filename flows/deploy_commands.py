@@ -72,7 +72,11 @@ def add(
             "--schedule needs a Prefect server, which carries it out: set PREFECT_API_URL"
         )
     id_ = settings.read(Path(station_file), StationFile).station.id
-    _check_name(id_)
+    if not re.fullmatch(r"[\w.-]+", id_):
+        raise Unusable(
+            f"station.id is {id_!r}: give it letters, digits, dots, hyphens and underscores "
+            "alone, for it names a work pool, a file and a service"
+        )
     kept = keep(Path(station_file), place)
     print(f"station {id_}: {kept}")
     if not server_named():
@@ -106,14 +110,6 @@ def remove(station: options.Added) -> None:
     kept.unlink()
     _unit_file(station, place).unlink(missing_ok=True)
     print(f"station {station} removed")
-
-
-def _check_name(station: str) -> None:
-    if not re.fullmatch(r"[\w.-]+", station):
-        raise Unusable(
-            f"station.id is {station!r}: give it letters, digits, dots, hyphens and underscores "
-            "alone, for it names a work pool, a file and a service"
-        )
 
 
 def _connect(home: "Home") -> None:

@@ -89,20 +89,15 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     theirs.
     """
     with lasting_output(), accepted("produce", order):
-        _check_pool(order)
+        context = FlowRunContext.get()
+        pool = context and context.flow_run and context.flow_run.work_pool_name
+        station = station_of(order, run_orders.home_of(order)).station.id
+        if pool and pool.startswith(POOL) and pool != pool_of(station):
+            raise Unusable(
+                f"the order is for station {station}, and this worker is one of pool {pool}: run "
+                f"produce/{station}"
+            )
         return run_orders.produce(order, lambda draft: show(lambda: show_certificate(draft)))
-
-
-def _check_pool(order: ProduceOrder) -> None:
-    """Raises Unusable where the worker is one of another station's pool."""
-    context = FlowRunContext.get()
-    pool = context and context.flow_run and context.flow_run.work_pool_name
-    station = station_of(order, run_orders.home_of(order)).station.id
-    if pool and pool.startswith(POOL) and pool != pool_of(station):
-        raise Unusable(
-            f"the order is for station {station}, and this worker is one of pool {pool}: run "
-            f"produce/{station}"
-        )
 
 
 @flow(name="reprocess")

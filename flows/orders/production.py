@@ -75,7 +75,12 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
     home = run_orders.home_of(order)
     station = station_of(order, home)
     if order.number is not None:
-        _check_station(order.number, station.station.id, home)
+        ordered = orders.find(order.number, home).station
+        if ordered != station.station.id:
+            raise Unusable(
+                f"order {order.number} is for station {ordered}, and this is "
+                f"{station.station.id}: let a worker of {ordered} take it"
+            )
     with one_order_at(station.station.id, home):
         left = orders.put_back(station.station.id, home)
         number = order.number or _own_order(order, station, home)
@@ -150,15 +155,6 @@ def _own_order(order: ProduceOrder, station: StationFile, home: Home) -> str:
     )  # fmt: skip
     orders.add([made], home)
     return made.number
-
-
-def _check_station(number: str, station: str, home: Home) -> None:
-    ordered = orders.find(number, home).station
-    if ordered != station:
-        raise Unusable(
-            f"order {number} is for station {ordered}, and this is {station}: let a worker of "
-            f"{ordered} take it"
-        )
 
 
 def _production(

@@ -37,7 +37,21 @@ def write_columns(recording: Recording, folder: Path) -> None:
     with drafted(folder) as draft:
         draft.mkdir()
         for name, stream in streams.items():
-            _write(stream, draft / files[name], marks)
+            path = draft / files[name]
+            columns: Mapping[str, np.ndarray] = {"t": stream.t, **stream.columns}
+            schema = pa.schema(
+                [pa.field(name, pa.float64(), nullable=False) for name in columns], marks
+            )
+            table = pa.table([from_numpy(values) for values in columns.values()], schema=schema)
+            pq.write_table(
+                table,
+                path,
+                compression="none",
+                use_dictionary=False,
+                write_statistics=False,
+                row_group_size=max(1, len(stream)),
+                data_page_size=2**20,
+            )
         (draft / MANIFEST).write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
 
 
@@ -62,21 +76,6 @@ def read_columns(folder: Path) -> Recording:
     if (check_sum(recording) if written else fingerprint(recording)) != (written or content_digest):
         raise Unusable(f"{folder} is not what was written there; make the columns again.")
     return replace(recording, digest=content_digest)
-
-
-def _write(stream: Stream, path: Path, marks: Mapping[bytes, str]) -> None:
-    columns: Mapping[str, np.ndarray] = {"t": stream.t, **stream.columns}
-    schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in columns], marks)
-    table = pa.table([from_numpy(values) for values in columns.values()], schema=schema)
-    pq.write_table(
-        table,
-        path,
-        compression="none",
-        use_dictionary=False,
-        write_statistics=False,
-        row_group_size=max(1, len(stream)),
-        data_page_size=2**20,
-    )
 
 
 def _read(path: Path) -> tuple[Stream, tuple[str, str]]:

@@ -25,7 +25,6 @@ from tasks.stages.stage import stage
 
 if TYPE_CHECKING:
     from tasks.explain.explanation import Explanation
-    from tasks.review.pool import ReviewedRun
 
 
 @stage("explain-together")
@@ -47,7 +46,7 @@ def explain_together(
     )
     # In the order asked for, in which the answer names them.
     pool = pooled([
-        (_at(who[run.id], number), statistics_of(each))
+        (replace(who[run.id], at=f"{number:06d}"), statistics_of(each))
         for number, (run, each) in enumerate(zip(which, recordings, strict=True))
     ])  # fmt: skip
     found, p_value = found_together(pool)
@@ -63,10 +62,6 @@ def explain_together(
         found, fitted = gained, alone
     title = f"{unit.manufacturer} {unit.model} {unit.serial}"
     return Explained(discrepancy_together(title, found, p_value, alone, fitted))
-
-
-def _at(run: "ReviewedRun", number: int) -> "ReviewedRun":
-    return replace(run, at=f"{number:06d}")
 
 
 def _answer(explanation: "Explanation") -> Discrepancy:

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from pathlib import Path
 
 from schemas.capability import Capability
 from schemas.history import Change, Difference, Failure, Plan, Reprocessing, Touched
@@ -82,7 +81,9 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
         }
     )
     if out is not None:
-        _write(report, out)
+        for name, text in report_texts(report).items():
+            with written_out(out / name) as draft:
+                draft.write_text(text, encoding="utf-8")
     return report
 
 
@@ -170,12 +171,6 @@ def _most_first(change: Change) -> tuple[bool, float, str, str, str]:
         change.item,
         change.element,
     )
-
-
-def _write(report: Reprocessing, folder: Path) -> None:
-    for name, text in report_texts(report).items():
-        with written_out(folder / name) as draft:
-            draft.write_text(text, encoding="utf-8")
 
 
 def _touched(done: Sequence[Outcome], home: Home) -> Iterator[Touched]:
