@@ -82,4 +82,7 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
     )  # fmt: skip
     fit = with_play(fit, candidates)
     fit = found.resolved(fit)
-    return evidence if fit is evidence.fit else pruned(fit, trials)
+    if fit is not evidence.fit:
+        evidence = pruned(fit, trials)
+    by_poses = evidence.fit.by_poses()
+    return evidence if by_poses is evidence.fit else Evidence.of(by_poses)

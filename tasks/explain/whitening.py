@@ -1,12 +1,16 @@
 """Noise in frequency bands, S(f) = w + b/f for each channel, and its effect on sums.
 
+Beside poses, whose noise their derivatives raise, S(f) = (w + b/f)·(1 + (f/r)ᵏ): the rates of an
+attitude with the square of the frequency, the accelerations of a place with its fourth power. What
+smoothing loses of the motion rises no less.
+
 Even reflection and Fourier transform are one real transform, the DCT: in it noise is nearly
 independent from coefficient to coefficient, whitening is a division, and a band of frequencies
 is a slice. Odd reflection would hang the whole pad on one noisy sample; even reflection does not.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.fft import dct, idct, next_fast_len
@@ -22,6 +26,7 @@ FLICKER_RANGE = (0.006, 1.0)  # Hz: where flicker is read off
 WHITE_ABOVE = 0.5  # of the band, from where up noise is white
 # Hz: corners b/w that a unit may have, all equally likely on a log scale
 CORNERS = np.geomspace(1e-4, 15.0, 80)
+RISES = np.geomspace(0.3, 60.0, 40)  # Hz: from where the noise of derivatives may rise
 CORNER_SPREAD = 0.35  # standard deviation of ln(corner) among a triad's sensors
 OUTLIER = 1e-4  # chance that one of them is nothing like the others
 MIN_FREE = 0.25  # a band of which less is free says nothing of the noise
@@ -126,13 +131,22 @@ def _compared(padded: int, observed: Blocks) -> int:
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of one channel's blocks: variance of a coefficient at f is w + b/f."""
+    """Noise of one channel's blocks: variance of a coefficient at f is w + b/f, and rises with the
+    power `order` of the frequency from `rises` Hz on.
+    """
 
     white: float
     flicker: float
+    rises: float = np.inf
+    order: int = 0
 
     def variance(self, frequency: np.ndarray) -> np.ndarray:
-        return self.white + self.flicker / frequency
+        level = self.white + self.flicker / frequency
+        return np.asarray(level * self.rise(frequency))
+
+    def rise(self, frequency: np.ndarray) -> np.ndarray:
+        """By what the noise of derivatives raises the variance at some frequencies, Hz."""
+        return np.asarray(1.0 + (frequency / self.rises) ** self.order if self.order else 1.0)
 
     def of_coefficients(self, bands: Bands) -> np.ndarray:
         """(n,) variance of every coefficient, the same within a band."""
@@ -140,7 +154,7 @@ class Noise:
 
     def at_rate(self, factor: float) -> "Noise":
         """The same spectrum for blocks of `factor` times the rate."""
-        return Noise(self.white * factor, self.flicker * factor)
+        return replace(self, white=self.white * factor, flicker=self.flicker * factor)
 
 
 def flicker_over_gaps(gap_ratio: float) -> float:
@@ -179,11 +193,12 @@ class CornerPosterior:
 
 
 def triad_noises(
-    lefts: Sequence[ChannelResidual], bands: Bands, floors: Sequence[float]
+    lefts: Sequence[ChannelResidual], bands: Bands, floors: Sequence[float], order: int = 0
 ) -> tuple[Noise, ...]:
     """White and flicker noise of what a fit left in a triad's channels.
 
-    floors: variance that rounding has at least in each channel.
+    floors: variance that rounding has at least in each channel. order: of the power of frequency
+    with which the noise of the reference rises; 0: it does not.
 
     White from the upper half of the band; flicker from the middle, by its posterior mean
     (Whittle's likelihood) over bands whose power is a median: lines and steps of physics not yet
@@ -191,6 +206,17 @@ def triad_noises(
     does not exclude flicker. Sensors of a triad are built alike: the corner of one is expected
     near those of the others, within CORNER_SPREAD.
     """
+    if order:
+        rising = _rising(lefts, bands, order)
+        rise = rising.rise(bands.frequency)
+        lefts = [
+            replace(left, coefficients=left.coefficients / np.sqrt(np.repeat(rise, bands.sizes)))
+            for left in lefts
+        ]
+        return tuple(
+            replace(rising, white=one.white, flicker=one.flicker)
+            for one in triad_noises(lefts, bands, floors)
+        )
     posteriors = [_posterior(left, bands, floor) for left, floor in zip(lefts, floors, strict=True)]
     near = np.exp(-0.5 * (np.log(CORNERS[:, None] / CORNERS) / CORNER_SPREAD) ** 2) + OUTLIER
     expected = [near @ posterior.odds for posterior in posteriors]
@@ -203,6 +229,25 @@ def triad_noises(
         flicker = posterior.white / (1.0 + corner / top) * corner
         found.append(Noise(posterior.white - flicker / top, flicker))
     return tuple(found)
+
+
+def _rising(lefts: Sequence[ChannelResidual], bands: Bands, order: int) -> Noise:
+    """Unit noise that rises from where a triad's likeliest does, by Whittle's likelihood above the
+    flicker; all of a triad have the same reference.
+    """
+    least, most = np.inf, Noise(1.0, 0.0)
+    for corner in (np.inf, *RISES):
+        rising = Noise(1.0, 0.0, corner, order)
+        shape, cost = rising.rise(bands.frequency), 0.0
+        for left in lefts:
+            used = (bands.frequency > FLICKER_RANGE[1]) & (left.free > MIN_FREE)
+            powers = np.add.reduceat(left.coefficients**2, bands.edges[:-1])[used] / left.free[used]
+            count = bands.sizes[used].sum()
+            white = (powers / shape[used]).sum() / max(count, 1)
+            cost += count * np.log(max(white, 1e-300)) + bands.sizes[used] @ np.log(shape[used])
+        if cost < least:
+            least, most = cost, rising
+    return most
 
 
 def _posterior(left: ChannelResidual, bands: Bands, floor: float) -> CornerPosterior:
@@ -264,7 +309,7 @@ def scores_of(
         own, signals = of_channel(columns, misfit, channel)
         stack = weighted(signals[-1:], weight, observed)
         left = in_band(stack, observed)[0]
-        whitened = left / noise.variance(_frequencies(len(left), stack.shape[1], observed.rate))
+        whitened = left / noise.variance(frequencies(len(left), stack.shape[1], observed.rate))
         chi2 += float(left @ whitened)
         score = at_blocks(in_time(whitened, stack.shape[1])[None], observed)[0][rows] * weight[rows]
         for q, signal in zip(own.tolist(), signals[:-1], strict=True):
@@ -274,7 +319,7 @@ def scores_of(
     return right, chi2
 
 
-def _frequencies(count: int, padded: int, rate: float) -> np.ndarray:
+def frequencies(count: int, padded: int, rate: float) -> np.ndarray:
     """(count,) Hz of the first of `padded` coefficients; of the mean half that of the second."""
     return np.maximum(np.arange(count), 0.5) * rate / (2 * padded)
 
@@ -288,5 +333,5 @@ def whitened_gram(stack: np.ndarray, observed: Blocks, noise: Noise) -> np.ndarr
 def whitened(stack: np.ndarray, observed: Blocks, noise: Noise) -> np.ndarray:
     """(k, m) coefficients of weighted rows (k, padded n) of signals, divided by the noise."""
     rows = in_band(stack, observed)
-    rows /= np.sqrt(noise.variance(_frequencies(rows.shape[1], stack.shape[1], observed.rate)))
+    rows /= np.sqrt(noise.variance(frequencies(rows.shape[1], stack.shape[1], observed.rate)))
     return rows
