@@ -12,6 +12,7 @@ from tasks.explain.inputs.labels import with_usable_labels
 from tasks.explain.inputs.recorded_signals import recorded_signals
 from tasks.explain.inputs.remarks import clock_remarks, reference_remarks
 from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps, vibration
+from tasks.explain.inputs.seen_places import with_seen_places
 from tasks.motion.reference_noise import EXACT, ReferenceNoise, reference_noise
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import find_segments
@@ -66,7 +67,8 @@ def full_rate(recording: Recording) -> FullRate:
         )
     readings = recording.imu.stack(CHANNELS)
     recording, on_labels = with_usable_labels(recording)
-    motion = with_gyro_acceleration(whole_motion(recording), readings)
+    motion = with_seen_places(recording, whole_motion(recording))
+    motion = with_gyro_acceleration(motion, readings)
     if not motion.felt.any():
         raise Unusable(
             f"recording {name} does not show how the unit moved: it has no table stream with "
