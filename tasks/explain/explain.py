@@ -85,4 +85,4 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
     if fit is not evidence.fit:
         evidence = pruned(fit, trials)
     by_poses = evidence.fit.by_poses()
-    return evidence if by_poses is evidence.fit else Evidence.of(by_poses)
+    return evidence if by_poses is evidence.fit else pruned(by_poses, trials)
