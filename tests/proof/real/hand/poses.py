@@ -20,11 +20,16 @@ from schemas.recording import ACCEL, GYRO, Recording
 from tests.proof.real.hand.measured import Measured
 
 GAP = 3.5  # intervals between frames that belong together
+SLOW, FAST = (3.0, 4.0, 5.0, 6.0), (4.0, 6.0, 8.0, 10.0)  # Hz: bands that are tried
+FAST_FRAMES = 1.0 / 50.0  # s between frames
 FINEST = 0.01  # s between frames that are used
 SHORTEST = 3.0  # s of a stretch without a gap
 EDGE = 0.5  # s at either end of a stretch, where the filter still settles
 PARTS = 4  # of a recording, each fitted by itself
 MOST = 0.1  # s, lag
+# Usual sizes: errors of the accelerometers' matrix, biases m/s², lever arm m, lean rad.
+USUAL = np.array([0.02] * 9 + [0.5] * 3 + [1.0] * 3 + [0.02] * 2)
+POSE, PLACE = ("qw", "qx", "qy", "qz"), ("px", "py", "pz")
 NAMES = ("r_x", "r_y", "r_z")
 
 
@@ -63,8 +68,10 @@ def stretches(recording: Recording) -> list[Stretch]:
         if b - a < 8 or pose.t[b - 1] - pose.t[a] < SHORTEST:
             continue
         own, t = pose.at(slice(a, b)), np.arange(pose.t[a], pose.t[b - 1], max(interval, FINEST))
-        attitude = Rotation.from_quat(own.stack(("qw", "qx", "qy", "qz")), scalar_first=True)
-        place = CubicSpline(own.t, own.stack(("px", "py", "pz")))(t) if "px" in own.columns else None
+        attitude = Rotation.from_quat(own.stack(POSE), scalar_first=True)
+        place = (
+            CubicSpline(own.t, own.stack(("px", "py", "pz")))(t) if "px" in own.columns else None
+        )
         found.append(Stretch(t, RotationSpline(own.t, attitude)(t), place))
     return found
 
@@ -96,7 +103,7 @@ class _Fit:
         self, recording: Recording, whole: Sequence[Stretch], edge: float, low: float, high: float
     ) -> None:
         imu = recording.imu
-        self.whole, self.low, self.high = whole, low, high
+        self.whole, self.edge, self.low, self.high = whole, edge, low, high
         self.interval = float(whole[0].t[1] - whole[0].t[0])
         self.filter = butter(4, edge, fs=1.0 / self.interval, output="sos")
         self.gravity = recording.manifest.station.gravity_m_s2
@@ -147,9 +154,18 @@ class _Fit:
             left.append(y[rows].ravel())
             right.append(np.stack(columns, axis=2)[rows].reshape(-1, len(columns)))
         A, y = np.vstack(right), np.concatenate(left)
-        found = np.linalg.lstsq(A, y, rcond=None)[0]
-        lean = np.degrees(np.array([-found[16], found[15]]))
-        return found[12:15], lean, float(np.sqrt(((y - A @ found) ** 2).mean()))
+        u, _, v = np.linalg.svd(matrix)
+        first = np.zeros(A.shape[1])
+        first[:9] = (u @ v).ravel()
+        y = y - A @ first
+        # A body that hardly turns does not tell scale factors and biases: they are as of any unit.
+        free = np.linalg.lstsq(A, y, rcond=None)[0]
+        scatter = float((y - A @ free).std()) / np.sqrt(2.0 * self.edge * self.interval)
+        known = np.linalg.lstsq(
+            np.vstack([A, np.diag(scatter / USUAL)]), np.append(y, np.zeros(len(USUAL))), rcond=None
+        )[0]
+        lean = np.degrees(np.array([-known[16], known[15]]))
+        return known[12:15], lean, float(np.sqrt(((y - A @ known) ** 2).mean()))
 
     def _as_differences(self, values: np.ndarray, fine: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(n, 3) as second differences of positions show an acceleration; filtered as they are."""
@@ -180,11 +196,14 @@ def _cross(v: np.ndarray) -> np.ndarray:
     return np.stack([o, -z, y, z, o, -x, -y, x, o], axis=1).reshape(-1, 3, 3)
 
 
-def by_poses(recording: Recording, edges: Sequence[float]) -> dict[str, Measured]:
-    """Delay, turn, lever arm and lean of a recording; edges: bands, Hz, that are tried.
+def by_poses(recording: Recording) -> dict[str, Measured]:
+    """Delay, turn, lever arm and lean of a recording.
 
     u: of the parts' scatter in the middle band, and of the bands'.
     """
+    pose = recording.reference
+    assert pose is not None
+    edges = SLOW if np.median(np.diff(pose.t)) > FAST_FRAMES else FAST
     whole = [_flat(on_body(recording, edge)) for edge in edges]
     spans = pairwise(np.linspace(0.0, 1.0, PARTS + 1).tolist())
     middle = edges[len(edges) // 2]
