@@ -32,9 +32,10 @@ from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.model.terms.axes import turned_by
 from tasks.model.terms.standard import GYRO_MATRIX
-from tasks.motion.pose import motion_smoothed_twice
+from tasks.motion.pose import TrackedMotion, motion_smoothed_twice
 from tasks.motion.smoothing_error import lost_acceleration
 from tasks.motion.table import TableAxes
+from tasks.motion.whole import Motion
 
 OWED = 1 / 9  # of a finding's gain, a third of its size: what errors of the reference may make
 DRAWS = 4  # of those errors: what they bring forth by chance alone differs
@@ -112,7 +113,7 @@ def with_smoothing_error(evidence: Evidence, prepared: Prepared) -> Evidence:
     if not evidence.groups:
         return evidence
     axes = evidence.fit.blocks.motion.axes
-    turned = 0.0
+    turned = np.zeros(len(evidence.prior))
     if prepared.full.motion.tracking is not None and prepared.recording.reference is not None:
         normal, right = _lost_of_poses(evidence, prepared, prepared.recording.reference)
         turned = _by_axes(evidence)
@@ -152,9 +153,8 @@ def _lost_of_poses(
     """Normal matrix and right side of the columns on what a second smoothing takes of readings."""
     full = prepared.full
     tracking, t = full.motion.tracking, full.motion.t + full.start
-    if tracking is None or tracking.place is None:
-        again = motion_smoothed_twice(prepared.recording, pose, t)
-    else:
+    again: Motion | TrackedMotion = motion_smoothed_twice(prepared.recording, pose, t)
+    if tracking is not None and tracking.place is not None:
         again = smoothed_motion(full.motion, pose, t, tracking, twice=True)
     twice = replace(
         full.motion, up=again.up, north=again.north, rate=again.rate,

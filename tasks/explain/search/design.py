@@ -13,15 +13,13 @@ import numpy as np
 
 from tasks.explain.channels import TRIADS
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.residual_noise import ChannelResidual, flicker_over_gaps, triad_noises
 from tasks.explain.whitening import (
     Bands,
-    ChannelResidual,
     Noise,
     compared_bands,
-    flicker_over_gaps,
     in_band,
     known_share,
-    triad_noises,
     weighted,
 )
 from tasks.model.regression import inverse, of_channel

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import comb
 
 from tasks.explain.explanation import UNNAMED
-from tasks.explain.inputs.blocks import Blocks, well_known
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.progress import Progress, silent, tell
 from tasks.explain.search.behaviours import behaviours
@@ -24,7 +24,6 @@ from tasks.explain.search.design import (
     BandedDesign,
     banded_design,
     normal_equations,
-    residual_noises,
     with_columns,
 )
 from tasks.explain.search.empirical import empirical
@@ -48,7 +47,6 @@ from tasks.model.terms.hysteresis import PLAYS
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.timing import TIME_OFFSET
 
-DERIVATIVES = (2, 4)  # powers of frequency by which noise of poses rises in rates and in forces
 OF_TRACKING = (TIME_OFFSET.name, REFERENCE_FRAME.name)  # nuisances of poses
 SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
 MAX_RESOLVED = 40_000  # blocks that may be halved
@@ -94,27 +92,6 @@ class FittedSelection:
     def reselected(self, selection: Selection) -> "FittedSelection":
         """Another selection, fitted from the values of this one."""
         return FittedSelection.of(selection, self.blocks, self.search_rate, self.model)
-
-    def by_poses(self) -> "FittedSelection":
-        """The same fitted once more where poses tell the motion as it was, each frequency by what
-        their derivatives' noise leaves there; as it is where the motion is not from poses.
-
-        What is selected stays: as long as something is missing, it lies where the motion is and
-        would be taken for noise that does not rise.
-        """
-        tracking = self.blocks.motion.tracking
-        if tracking is None:
-            return self
-        fit = replace(self, blocks=replace(self.blocks, band=well_known(tracking)))
-        for _ in range(NOISE_ROUNDS):
-            model, blocks = fit.model, fit.blocks
-            columns = model.design(blocks.motion).columns
-            misfit = blocks.readings - model.prediction(blocks.motion)
-            design = banded_design(blocks, misfit, columns, np.ones(len(columns)))
-            left = residual_noises(design, range(len(columns)), fit.noises, DERIVATIVES)
-            noises = _at_rate(left, fit.search_rate / blocks.rate)
-            fit = fit.reselected(replace(fit.selection, noises=noises))
-        return fit
 
     def without(self, selected: Sequence[Selected]) -> "FittedSelection":
         """The same selection without some members, fitted again."""

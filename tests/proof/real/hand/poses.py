@@ -57,7 +57,7 @@ class OnBody:
     left: tuple[float, float]
 
 
-def stretches(recording: Recording) -> list[Stretch]:
+def spans_of(recording: Recording) -> list[Stretch]:
     """Those that are long enough, put on an even grid of the frames' interval."""
     pose = recording.reference
     assert pose is not None
@@ -78,7 +78,7 @@ def stretches(recording: Recording) -> list[Stretch]:
 
 def on_body(recording: Recording, edge: float, part: tuple[float, float] = (0.0, 1.0)) -> OnBody:
     """The fit below `edge` Hz to a part of the recording, from and to as shares of its time."""
-    whole = stretches(recording)
+    whole = spans_of(recording)
     t0, t1 = whole[0].t[0], whole[-1].t[-1]
     low, high = t0 + part[0] * (t1 - t0), t0 + part[1] * (t1 - t0)
     fit = _Fit(recording, whole, edge, low, high)

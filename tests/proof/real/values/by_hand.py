@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 from schemas.recording import ACCEL, GYRO, Recording
@@ -16,6 +17,7 @@ from tests.proof.real.hand.poses import by_poses
 from tests.proof.real.hand.rests import vertical_earth_rate
 from tests.proof.real.hand.shaft import delay_by_angle, delay_by_phase
 
+UNKNOWN_SCALE = 0.01  # of accelerometers of which gravity was taken
 FIT = "least squares on the poses, four parts in four bands"
 Key = tuple[str, str]  # effect, parameter
 
@@ -77,7 +79,7 @@ def _lever_by_gyros(recording: Recording) -> Iterator[tuple[Key, ByHand]]:
     rate = 1.0 / float(np.median(np.diff(imu.t)))
     low = butter(4, 5.0, fs=rate, output="sos")
     gyro = imu.stack(GYRO)
-    change = np.gradient(gyro, 1.0 / rate, axis=0)
+    change = CubicSpline(imu.t, gyro)(imu.t, 1)
     made = [np.cross(change, r) + np.cross(gyro, np.cross(gyro, r)) for r in np.eye(3)]
     ones = np.ones(len(gyro))
     columns = np.stack([*made, *(np.outer(ones, axis) for axis in np.eye(3))], axis=2)
@@ -89,7 +91,8 @@ def _lever_by_gyros(recording: Recording) -> Iterator[tuple[Key, ByHand]]:
     ]
     for k, name in enumerate(("r_x", "r_y", "r_z")):
         each = [part[k] for part in parts]
-        u = float(np.std(each, ddof=1) / np.sqrt(len(each)))
+        scatter = float(np.std(each, ddof=1) / np.sqrt(len(each)))
+        u = float(np.hypot(scatter, UNKNOWN_SCALE * np.mean(each)))
         yield ("lever_arm", name), ByHand(Measured(float(np.mean(each)), u, "m"),
                                           "least squares on the gyros")  # fmt: skip
 

@@ -9,7 +9,6 @@ from tests.proof.real.values.by_hand import ByHand, Key
 COVERAGE = 2.0
 Holds = Literal["yes", "both", "no", "—"]
 IN = {"rad": ("deg", 57.29578), "m": ("mm", 1e3), "s": ("ms", 1e3)}
-SIMPLE = ("deg", "Hz", "1", "deg/h", "m/s2", "rad/s")
 
 
 @dataclass(frozen=True)
