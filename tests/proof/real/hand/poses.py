@@ -27,6 +27,7 @@ SHORTEST = 3.0  # s of a stretch without a gap
 EDGE = 0.5  # s at either end of a stretch, where the filter still settles
 PARTS = 4  # of a recording, each fitted by itself
 MOST = 0.1  # s, lag
+NEAR = 1.5e-3  # s, of delays that differ
 # Usual sizes: errors of the accelerometers' matrix, biases m/s², lever arm m, lean rad.
 USUAL = np.array([0.02] * 9 + [0.5] * 3 + [1.0] * 3 + [0.02] * 2)
 POSE, PLACE = ("qw", "qx", "qy", "qz"), ("px", "py", "pz")
@@ -213,7 +214,21 @@ def by_poses(recording: Recording) -> dict[str, Measured]:
         scatter = np.std([each[name][0] for each in parts], ddof=1) / np.sqrt(PARTS)
         bands = np.std([each[name][0] for each in whole], ddof=1)
         found[name] = Measured(value, float(np.hypot(scatter, bands)), unit)
+    if np.isfinite(found["r_x"].value):  # gyros and accelerometers need not be equally late
+        late, other = found["seconds"], _delay_of_forces(recording, middle, found["seconds"].value)
+        half = 0.5 * (other - late.value)
+        found["seconds"] = Measured(late.value + half, float(np.hypot(late.u, half)), "s")
     return found
+
+
+def _delay_of_forces(recording: Recording, edge: float, about: float) -> float:
+    """The delay, s, by which the accelerometers alone are late, near that of the gyros."""
+    fit = _Fit(recording, spans_of(recording), edge, -np.inf, np.inf)
+    _, matrix, bias = fit.rates(about)
+    steps = NEAR * np.array([-1.0, 0.0, 1.0])
+    left = [fit.forces(about + step, matrix, bias)[2] ** 2 for step in steps]
+    bend, slope, _ = np.polyfit(steps, left, 2)
+    return about - 0.5 * float(slope / bend) if bend > 0.0 else about
 
 
 def _flat(one: OnBody) -> dict[str, tuple[float, str]]:
