@@ -15,6 +15,7 @@ from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.search.by_poses import fitted_by_poses
 from tasks.explain.search.fitted import FittedSelection, Searched, searched
 from tasks.model.terms.timing import TIME_OFFSET
 
@@ -83,4 +84,7 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
     )  # fmt: skip
     fit = with_play(with_preferred(fit, candidates), candidates)
     fit = found.resolved(fit)
-    return evidence if fit is evidence.fit else pruned(fit, trials)
+    if fit is not evidence.fit:
+        evidence = pruned(fit, trials)
+    by_poses = fitted_by_poses(evidence.fit)
+    return evidence if by_poses is evidence.fit else pruned(by_poses, trials)
