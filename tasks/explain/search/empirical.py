@@ -4,7 +4,7 @@ Each is a term named `unnamed` whose title describes its regressors: relaxations
 harmonics of the table's angle, products and powers, sinusoids, and everything recorded.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
 import numpy as np
@@ -31,6 +31,9 @@ HARMONICS = range(1, 7)
 SINUSOIDS = 2  # periods that are tried for each set of channels
 RECORDED = {"humidity": "%", "pressure": "hPa", "air_temperature": "K"}  # with their units
 RATE, RATE_2, TURNING, FORCE, FORCE_2 = "rad/s", "(rad/s)^2", "rad/s^2", "m/s2", "(m/s2)^2"
+# What a kind of behaviour has among its forms, and in which channels: shaking grows with the rates,
+# heat with their squares.
+OF_KINDS = {"ω_i²": ACCELS, "|ω_j|": ACCELS, "ω⁴": ACCELS, "lag(ω²)": EVERY, "lag(|ω|)": EVERY}
 Signal = Callable[[Motion, Inputs, int], np.ndarray]
 TURNING_UP = 0.02  # of a unit vector in a second: gravity's direction changes
 AT_REST = 1e-3  # rad/s: slower is not a motion
@@ -83,10 +86,13 @@ EVENTS = {
 }
 
 
-def empirical(motion: Motion) -> tuple[Term, ...]:
-    """Every empirical term that a recording could need."""
+def empirical(motion: Motion, beside_kinds: bool = False) -> tuple[Term, ...]:
+    """Every empirical term that a recording could need; beside kinds of behaviour without what
+    these have among their forms, so that classes are compared.
+    """
+    left_out = OF_KINDS if beside_kinds else {}
     return (
-        *_relaxations(), *_lags(), *_products(), *_recorded(motion), *_sinusoids(),
+        *_relaxations(), *_lags(left_out), *_products(left_out), *_recorded(motion), *_sinusoids(),
         *_of_table(motion), *tips(),
     )  # fmt: skip
 
@@ -107,7 +113,7 @@ def _decay(
     return [np.exp(-time_since(motion, detect(motion)) / tau)]
 
 
-def _lags() -> Iterator[Term]:
+def _lags(left_out: Mapping[str, tuple[int, ...]]) -> Iterator[Term]:
     signals: list[tuple[str, str, str, tuple[int, ...], bool, Signal]] = [
         ("ω", "own-rate", RATE, GYROS, False, lambda m, u, c: u.rate[:, c]),
         ("ω²", "squared-rate", RATE_2, EVERY, True, lambda m, u, c: (u.rate**2).sum(axis=1)),
@@ -116,6 +122,8 @@ def _lags() -> Iterator[Term]:
         ("|f|", "own-force-size", FORCE, ACCELS, False, lambda m, u, c: np.abs(u.force[:, c % 3])),
     ]
     for key, name, unit, channels, shared, signal in signals:
+        if f"lag({key})" in left_out:
+            continue
         for tau in LAGS:
             title = message("explain-lag", signal=message(f"explain-signal-{name}"), tau=f"{tau:g}")
             lag = partial(_lag, signal, tau)
@@ -134,7 +142,7 @@ def _others(channel: int) -> tuple[int, int]:
     return (axis + 1) % 3, (axis + 2) % 3
 
 
-def _products() -> Iterator[Term]:
+def _products(left_out: Mapping[str, tuple[int, ...]]) -> Iterator[Term]:
     products: list[tuple[str, str, str, tuple[int, ...], int, Regressors]] = [
         ("ω_j·ω_k", "other-rates", RATE_2, EVERY, 1,
          lambda m, u, c: [u.rate[:, _others(c)[0]] * u.rate[:, _others(c)[1]]]),
@@ -160,7 +168,10 @@ def _products() -> Iterator[Term]:
         ("|ω̇|", "angular-acceleration-size", TURNING, EVERY, 1,
          lambda m, u, c: [np.sqrt((m.acceleration**2).sum(axis=1))]),
     ]  # fmt: skip
-    for key, name, unit, channels, number, regressors in products:
+    for key, name, unit, every, number, regressors in products:
+        channels = tuple(c for c in every if c not in left_out.get(key, ()))
+        if not channels:
+            continue
         title = message(f"explain-product-{name}")
         yield regression_term(key, title, channels, number, regressors, units=per(unit))
 
