@@ -183,7 +183,7 @@ def searched(
     found = _searched(prepared, terms, coarse, fine, progress)
     if prepared.delay:
         return found
-    kinds = with_kinds(listed, found.fit.selection.candidates, found.fit.model, coarse.motion)
+    kinds = with_kinds(listed, found.fit.selection.selected, found.fit.model, coarse.motion)
     if not kinds:
         return found
     again = _searched(prepared, kinds, coarse, fine, progress)

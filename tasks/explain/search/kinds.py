@@ -11,6 +11,7 @@ from tasks.explain.inputs.remarks import COVERAGE
 from tasks.explain.search.behaviours import behaviours
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.empirical import empirical
+from tasks.explain.search.stepwise import Selected
 from tasks.model.model import Model
 from tasks.model.term import Term
 from tasks.model.terms.hysteresis import PLAYS
@@ -18,35 +19,40 @@ from tasks.motion.whole import Motion
 
 
 def with_kinds(
-    listed: Sequence[Term], selected: Sequence[Candidate], model: Model, motion: Motion
+    listed: Sequence[Term], selected: Sequence[Selected], model: Model, motion: Motion
 ) -> tuple[Term, ...]:
     """The terms to search with kinds of behaviour; none where none is in question.
 
     listed: terms of the catalogue. selected: what a search of them and of empirical terms selected,
-    model: fitted to it. Kinds are in question where something has no name, or a form in doubt.
+    model: fitted to it. Kinds are in question where something has no name, or a form in doubt; but
+    not where a delay or a filter is as clear, or in every model: what one differs by from the other
+    follows changes of the motion, as memory does.
     """
-    in_doubt = {one.term.equation for one in selected if _in_doubt(one.term, model)}
-    unnamed = any(one.name == UNNAMED and not one.nuisance for one in selected)
-    # What a filter differs by from a delay follows changes of the motion, as memory does.
-    filtered = any(one.term.stage == "signal" for one in selected)
-    if filtered or not (unnamed or in_doubt):
+    doubtful = [one for one in selected if _in_doubt(one.candidate, model)]
+    signal = [one for one in selected if one.candidate.term.stage == "signal"]
+    least = max((one.gain for one in signal), default=0.0)
+    clear = any(one.gain > least for one in doubtful)
+    if not clear or any(one.candidate.nuisance for one in signal):
         return ()
+    forms = {one.candidate.term.equation for one in doubtful}
     return (
-        *(term for term in listed if term.source != PLAYS and term.equation not in in_doubt),
+        *(term for term in listed if term.source != PLAYS and term.equation not in forms),
         *empirical(motion, beside_kinds=True),
         *behaviours(motion),
     )
 
 
-def _in_doubt(term: Term, model: Model) -> bool:
-    """Whether its behaviour may have another form: any hysteresis is a sum of plays; and what can
-    only take off, as friction, does not add.
+def _in_doubt(one: Candidate, model: Model) -> bool:
+    """Whether it may be a behaviour in another form: it has no name; or it is a sum of plays, which
+    any hysteresis is; or it can only take off, as friction, and would add.
     """
-    if term.source == PLAYS:
+    if one.nuisance:
+        return False
+    if one.name == UNNAMED or one.term.source == PLAYS:
         return True
-    place = model.places[term.key]
+    place = model.places[one.term.key]
     for parameter, value, u in zip(
-        term.parameters, model.values[place], model.u[place], strict=True
+        one.term.parameters, model.values[place], model.u[place], strict=True
     ):
         low, high = parameter.plausible
         if (low == 0.0 and value < -COVERAGE * u) or (high == 0.0 and value > COVERAGE * u):

@@ -12,6 +12,7 @@ from tasks.explain.search.behaviours import UnlistedForm
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.kinds import with_kinds
+from tasks.explain.search.stepwise import Selected
 from tasks.model.model import Model
 from tasks.model.term import Inputs, Term
 from tasks.model.terms import hysteresis as memories
@@ -28,17 +29,19 @@ LISTED: tuple[Term, ...] = (PLAYS, MEMORY, DEAD_BAND, TEMPERATURE_BIAS, TIME_OFF
 FOLLOWS = empirical(RUN)[0]
 
 
-def tried(*selected: Term, size: float = 0.0, nuisance: bool = False) -> tuple[Term, ...]:
+def tried(
+    *selected: Term, size: float = 0.0, nuisance: bool = False, gains: tuple[float, ...] = ()
+) -> tuple[Term, ...]:
     """Terms of the second search after a first one selected some, every value of one size."""
     whole = Model.of(selected)
     count = len(whole.values)
     model = replace(whole, values=np.full(count, size), covariance=U**2 * np.eye(count))
     own = [tuple(range(len(term.parameters))) for term in selected]
-    candidates = [
-        Candidate(term, numbers, numbers, 1, nuisance=nuisance)
-        for term, numbers in zip(selected, own, strict=True)
+    found = [
+        Selected(Candidate(term, numbers, numbers, 1, nuisance=nuisance), gain, gain)
+        for term, numbers, gain in zip(selected, own, gains or count * (50.0,), strict=False)
     ]
-    return with_kinds(LISTED, candidates, model, RUN)
+    return with_kinds(LISTED, found, model, RUN)
 
 
 def kinds(terms: tuple[Term, ...]) -> set[str]:
@@ -60,8 +63,10 @@ def test_what_every_model_has_asks_for_no_kind() -> None:
     assert not tried(FOLLOWS, nuisance=True)
 
 
-def test_beside_a_delay_no_kind_is_tried() -> None:
-    assert not tried(FOLLOWS, TIME_OFFSET)
+def test_a_delay_leaves_what_looks_like_memory_and_is_smaller() -> None:
+    assert not tried(FOLLOWS, TIME_OFFSET, gains=(50.0, 2000.0))
+    assert tried(FOLLOWS, TIME_OFFSET, gains=(600.0, 5.0))
+    assert not tried(TIME_OFFSET, FOLLOWS, gains=(5.0, 600.0), nuisance=True)
 
 
 def test_a_sum_of_plays_gives_way_to_an_unlisted_hysteresis() -> None:
