@@ -34,25 +34,43 @@ def with_kinds(
     clear = any(one.gain > least for one in doubtful)
     if not clear or any(one.candidate.nuisance for one in signal):
         return ()
-    forms = {one.candidate.term.equation for one in doubtful}
+    kinds = tuple(behaviours(motion))
+    names = {kind.name for kind in kinds}
+    forms = {one.candidate.term.equation for one in doubtful if one.candidate.name in names}
     return (
         *(term for term in listed if term.source != PLAYS and term.equation not in forms),
         *empirical(motion, beside_kinds=True),
-        *behaviours(motion),
+        *kinds,
     )
 
 
 def _in_doubt(one: Candidate, model: Model) -> bool:
-    """Whether it may be a behaviour in another form: it has no name; or it is a sum of plays, which
-    any hysteresis is; or it can only take off, as friction, and would add.
+    """Whether it may be a behaviour in another form: it has no name; it is a sum of plays, which
+    any hysteresis is; or its shape or its size is driven to where its own form ends.
     """
     if one.nuisance:
         return False
-    if one.name == UNNAMED or one.term.source == PLAYS:
-        return True
-    place = model.places[one.term.key]
+    return (
+        one.name == UNNAMED
+        or one.term.source == PLAYS
+        or _at_bound(one.term)
+        or _of_other_sign(one.term, model)
+    )
+
+
+def _at_bound(term: Term) -> bool:
+    """Whether a continuous shape was driven out of what is plausible: another form fits better."""
+    if not term.has_continuous_shape or term.shapes[0].unit == "deg":
+        return False
+    low, high = term.shapes[0].plausible
+    return not 1.01 * low < term.at[0] < 0.99 * high
+
+
+def _of_other_sign(term: Term, model: Model) -> bool:
+    """Whether what can only take off, as friction, would add."""
+    place = model.places[term.key]
     for parameter, value, u in zip(
-        one.term.parameters, model.values[place], model.u[place], strict=True
+        term.parameters, model.values[place], model.u[place], strict=True
     ):
         low, high = parameter.plausible
         if (low == 0.0 and value < -COVERAGE * u) or (high == 0.0 and value > COVERAGE * u):

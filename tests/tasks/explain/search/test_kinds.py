@@ -77,6 +77,13 @@ def test_a_sum_of_plays_gives_way_to_an_unlisted_hysteresis() -> None:
     assert DEAD_BAND in terms
 
 
+@pytest.mark.parametrize(("angle", "questioned"), [(0.1, False), (0.0101, True), (6.0, True)])
+def test_a_form_that_is_driven_to_its_end_is_another(angle: float, questioned: bool) -> None:
+    terms = tried(memories.hysteresis(angle))
+    assert bool(terms) is questioned
+    assert MEMORY not in terms
+
+
 @pytest.mark.parametrize(("size", "questioned"), [(-0.5, False), (U, False), (4.0 * U, True)])
 def test_friction_that_would_add_is_another_form(size: float, questioned: bool) -> None:
     terms = tried(DEAD_BAND, size=size)
