@@ -36,10 +36,12 @@ def with_kinds(
         return ()
     kinds = tuple(behaviours(motion))
     names = {kind.name for kind in kinds}
+    of_kinds = [kind.form_of for kind in kinds]
+    left_out = {follows: one.channels for one in of_kinds for follows in one.empirical}
     forms = {one.candidate.term.equation for one in doubtful if one.candidate.name in names}
     return (
         *(term for term in listed if term.source != PLAYS and term.equation not in forms),
-        *empirical(motion, beside_kinds=True),
+        *empirical(motion, left_out),
         *kinds,
     )
 
