@@ -65,11 +65,8 @@ def rank(
 
 def _same_behaviour(candidate: Candidate, selected: Sequence[Candidate]) -> bool:
     """Whether something selected is of the same kind in an unlisted form, or as a listed one beside
-    an unlisted one: a form and what it lacks are one finding. What a delay or a filter lacks in its
-    linear form follows the motion's changes, as a memory does, until a fit has it in its real one.
+    an unlisted one: a form and what it lacks are one finding.
     """
-    if candidate.unlisted and any(other.term.stage == "signal" for other in selected):
-        return True
     return any(
         set(candidate.members) & set(other.members)
         if candidate.unlisted and other.unlisted
