@@ -13,4 +13,4 @@ def test_what_is_remembered_does_not_hide_what_is_switched_off():
 
 
 def test_a_rule_within_what_is_remembered_has_it_worked_out_anew():
-    assert not _remembers(Switch("OWED", "", "evidence.reference_errors:OWED", 1.0))
+    assert not _remembers(Switch("REFERENCE_SHARE", "", "evidence.reference_errors:REFERENCE_SHARE", 1.0))
