@@ -3,7 +3,7 @@
 import pytest
 
 from flows.progress import remaining
-from tasks.explain.progress import BEHIND
+from tasks.explain.progress import BEHIND, report_progress
 
 
 def test_the_time_left_follows_from_what_is_behind() -> None:
