@@ -9,9 +9,8 @@ from pydantic import ValidationError
 from pydantic.json_schema import models_json_schema
 
 from flows.pages import orders_api
-from flows.pages.json_answers import json_answer, refusal
-from flows.pages.models.line import Released, StopPressed, StopShown
-from flows.pages.models.unanswered import Unanswered
+from flows.pages.json_answers import Unanswered, json_answer, refusal
+from flows.pages.line.models import Released, StopPressed, StopShown
 from flows.pages.numbers import Row, csv_of
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
@@ -27,6 +26,16 @@ REFUSALS = {
     401: "Nobody said who is asking (HTTP basic authentication, or a session).",
     503: "The catalogue cannot be reached just now.",
 }
+PRESS_REFUSALS = {
+    400: "The document names no station.",
+    403: "The role does not allow it.",
+    401: REFUSALS[401],
+}
+PRESSES = (  # on the card of a station
+    ("stop", "Stop a station's table now", StopShown),
+    ("release", "Let the orders of a stopped station go on", Released),
+)
+REFERENCE = "#/components/schemas/{model}"
 
 
 def endpoints(home: Home) -> Blueprint:
@@ -68,116 +77,88 @@ def _answering(
 
 def openapi() -> dict[str, Any]:
     """The description of all endpoints (OpenAPI 3.1), made of the models of the pages."""
-    models: list[tuple[type[Frozen], Any]] = [(page.answer, "serialization") for page in PAGES]
-    of_acts: list[tuple[type[Frozen], Any]] = [
-        (OrderRequest, "validation"), (ProductionOrder, "serialization"),
-        (ProductionOrders, "serialization"), (StopPressed, "validation"),
-        (StopShown, "serialization"), (Released, "serialization"),
-    ]  # fmt: skip
-    _, schemas = models_json_schema(
-        [*models, *of_acts, (Unanswered, "serialization")],
-        ref_template="#/components/schemas/{model}",
-    )
-    return {
-        "openapi": "3.1.0",
-        "info": {"title": "mimucal", "version": code_version()},
-        "paths": {f"{PREFIX}/{page.name}": {"get": _operation(page)} for page in PAGES}
-        | {
-            f"{PREFIX}/{page.name}/{part}.csv": {"get": _numbers(page, part)}
-            for page in PAGES
-            for part in page.numbers
-        }
-        | {
-            f"{PREFIX}/orders": {"get": _orders_listed(), "post": _order_given()},
-            f"{PREFIX}/stop": {"post": _pressed("stop", "Stop a station's table now", StopShown)},
-            f"{PREFIX}/release": {
-                "post": _pressed("release", "Let the orders of a stopped station go on", Released)
-            },
-        },
-        "components": {"schemas": schemas["$defs"]},
-    }
-
-
-def _operation(page: Page) -> dict[str, Any]:
-    return {
-        "operationId": page.name,
-        "summary": page.about(View()),
-        "parameters": list(_parameters(page.question)),
-        "responses": _answers({200: ("What the page shows.", page.answer)}, REFUSALS),
-    }
-
-
-def _numbers(page: Page, part: str) -> dict[str, Any]:
-    """A table or chart of a page as CSV."""
-    refused = _answers({}, REFUSALS)
-    text = {"text/csv": {"schema": {"type": "string"}}}
-    return {
-        "operationId": f"{page.name}-{part}",
-        "summary": f"{page.about(View())}, {part} as CSV",
-        "parameters": list(_parameters(page.question)),
-        "responses": {"200": {"description": "A row for each.", "content": text}} | refused,
-    }
-
-
-def _pressed(name: str, summary: str, answer: type[Frozen]) -> dict[str, Any]:
-    """What is pressed on the card of a station."""
-    refused = {400: "The document names no station.", 403: "The role does not allow it.",
-               401: REFUSALS[401]}  # fmt: skip
-    return {
-        "operationId": name,
-        "summary": summary,
-        "requestBody": {"required": True, "content": _content(StopPressed)},
-        "responses": _answers({200: ("What became of it.", answer)}, refused),
-    }
-
-
-def _orders_listed() -> dict[str, Any]:
-    return {
-        "operationId": "orders",
-        "summary": "Production orders, the oldest first, and what became of them",
-        "parameters": list(_parameters(OrdersQuestion)),
-        "responses": _answers({200: ("The orders.", ProductionOrders)}, REFUSALS),
-    }
-
-
-def _order_given() -> dict[str, Any]:
+    paths: dict[str, dict[str, Any]] = {}
+    for page in PAGES:
+        about, address = page.about(View()), f"{PREFIX}/{page.name}"
+        shown = {200: ("What the page shows.", page.answer)}
+        paths[address] = {"get": _operation(page.name, about, shown, asks=page.question)}
+        for part in page.numbers:
+            name, what = f"{page.name}-{part}", f"{about}, {part} as CSV"
+            rows = {200: ("A row for each.", None)}
+            paths[f"{address}/{part}.csv"] = {
+                "get": _operation(name, what, rows, asks=page.question)
+            }
+    listed = {200: ("The orders.", ProductionOrders)}
     given = {
         201: ("The order is in the queue of its station.", ProductionOrder),
         200: ("It was there already: the same content under the same number.", ProductionOrder),
     }
-    refused = REFUSALS | {
+    refused = {
         400: "The order cannot be carried out; every fault of the document is named.",
         403: "The role does not allow orders.",
     }
+    paths[f"{PREFIX}/orders"] = {
+        "get": _operation(
+            "orders", "Production orders, the oldest first, and what became of them", listed,
+            asks=OrdersQuestion,
+        ),
+        "post": _operation(
+            "order", "Order the calibration of a unit, by HTTP basic authentication", given,
+            REFUSALS | refused, takes=OrderRequest,
+        ),
+    }  # fmt: skip
+    for name, what, answer in PRESSES:
+        became = {200: ("What became of it.", answer)}
+        pressed = _operation(name, what, became, PRESS_REFUSALS, takes=StopPressed)
+        paths[f"{PREFIX}/{name}"] = {"post": pressed}
+    answers = (*(page.answer for page in PAGES), ProductionOrders, ProductionOrder, StopShown,
+               Released, Unanswered)  # fmt: skip
+    _, schemas = models_json_schema(
+        [
+            *((model, "serialization") for model in answers),
+            *((model, "validation") for model in (OrderRequest, StopPressed)),
+        ],
+        ref_template=REFERENCE,
+    )
     return {
-        "operationId": "order",
-        "summary": "Order the calibration of a unit, by HTTP basic authentication",
-        "requestBody": {"required": True, "content": _content(OrderRequest)},
-        "responses": _answers(given, refused),
+        "openapi": "3.1.0",
+        "info": {"title": "mimucal", "version": code_version()},
+        "paths": paths,
+        "components": {"schemas": schemas["$defs"]},
     }
 
 
-def _answers(
-    given: Mapping[int, tuple[str, type[Frozen]]], refused: Mapping[int, str]
+def _operation(
+    name: str,
+    summary: str,
+    answers: Mapping[int, tuple[str, type[Frozen] | None]],
+    refusals: Mapping[int, str] = REFUSALS,
+    *,
+    asks: type[Frozen] | None = None,
+    takes: type[Frozen] | None = None,
 ) -> dict[str, Any]:
-    every: dict[int, tuple[str, type[Frozen]]] = {**given} | {
-        status: (text, Unanswered) for status, text in refused.items()
-    }
-    return {
-        str(status): {"description": text, "content": _content(model)}
-        for status, (text, model) in every.items()
-    }
+    """asks: the model of the query; takes: that of the document. An answer without is CSV."""
+    schema = asks.model_json_schema() if asks else {}
+    refused = {status: (text, Unanswered) for status, text in refusals.items()}
+    described: dict[str, Any] = {
+        "operationId": name,
+        "summary": summary,
+        "parameters": [
+            {"name": name, "in": "query", "required": name in schema.get("required", ()),
+             "schema": field}
+            for name, field in schema.get("properties", {}).items()
+        ],
+        "responses": {
+            str(status): {"description": text, "content": _content(model)}
+            for status, (text, model) in {**answers, **refused}.items()
+        },
+    }  # fmt: skip
+    if takes:
+        described["requestBody"] = {"required": True, "content": _content(takes)}
+    return described
 
 
-def _parameters(question: type[Frozen]) -> list[dict[str, Any]]:
-    schema = question.model_json_schema()
-    required = schema.get("required", ())
-    return [
-        {"name": name, "in": "query", "required": name in required, "schema": field}
-        for name, field in schema.get("properties", {}).items()
-    ]
-
-
-def _content(model: type[Frozen]) -> dict[str, Any]:
-    reference = {"$ref": f"#/components/schemas/{model.__name__}"}
-    return {"application/json": {"schema": reference}}
+def _content(model: type[Frozen] | None) -> dict[str, Any]:
+    if model is None:
+        return {"text/csv": {"schema": {"type": "string"}}}
+    return {"application/json": {"schema": {"$ref": REFERENCE.format(model=model.__name__)}}}

@@ -3,9 +3,9 @@
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.models.run import BudgetQuestion, BudgetShown
 from flows.pages.page import Page, View
 from flows.pages.parts import table
+from flows.pages.run.models import BudgetQuestion, BudgetShown
 from schemas.base import Unusable
 from schemas.text import Statement
 from storage.catalogue import results

@@ -2,7 +2,7 @@
 
 from flask import Blueprint, Response
 
-from flows.pages.run_data import pdf_of
+from flows.pages.run.data import pdf_of
 from schemas.base import Unusable
 from storage.catalogue.discrepancies import report_of
 from storage.catalogue.run_index import find

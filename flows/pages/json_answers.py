@@ -2,7 +2,13 @@
 
 from flask import Response
 
-from flows.pages.models.unanswered import Unanswered
+from schemas.base import Frozen
+
+
+class Unanswered(Frozen):
+    """Why there is no answer, as one sentence."""
+
+    error: str
 
 
 def refusal(status: int, sentence: str) -> Response:

@@ -4,8 +4,8 @@ from flask import Response, g, request
 from pydantic import ValidationError
 
 from flows.orders import order_queue
+from flows.pages.do.orders import check_may
 from flows.pages.json_answers import json_answer, refusal
-from flows.pages.orders import check_may
 from schemas.access import Visitor
 from schemas.base import Unusable, first_fault
 from schemas.production import OrderRequest, OrdersQuestion, ProductionOrders

@@ -8,12 +8,8 @@ import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash import Dash, Input, Output
 from dash.development.base_component import Component
+from pydantic import Field
 
-from flows.pages.models.runs import (
-    AT_ONCE,
-    RunsQuestion,
-    RunsShown,
-)
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.parts import GRID_OPTIONS, locale
 from flows.pages.states import (
@@ -23,7 +19,7 @@ from flows.pages.states import (
     validity_state,
     verdict_state,
 )
-from schemas.base import Unusable
+from schemas.base import Frozen, Unusable
 from schemas.certificate import State
 from schemas.decision import Verdict
 from schemas.text import RunVerdict
@@ -31,6 +27,8 @@ from storage.catalogue.run_states import Comparison, Condition, ResultState, Run
 from storage.home import Home
 from tasks.words import Sayable, message
 
+AT_ONCE = 100
+MOST_AT_ONCE = 1000
 EARLIEST, LATEST = date(1970, 1, 1), date(2999, 12, 31)  # where a question names no day
 EQUALS = ("id", "manufacturer", "model", "serial", "station", "procedure", "method", "validity",
           "result_state", "state", "verdict", "certificate")  # fmt: skip
@@ -52,6 +50,40 @@ WORDED = {  # columns of states: their filter is on the words that are shown
         lambda code: message(f"conformity-verdict.{code}" if code else "pages-verdict-missing"),
     ),
 }
+
+
+class RunsQuestion(Frozen):
+    """Which rows of the list: `count` of them after the first `start`.
+
+    sort: a column of the rows; since, until: days of the recording, both included. The others
+    are what a column must be equal to, without regard to case.
+    """
+
+    start: int = Field(default=0, ge=0, le=2**31)
+    count: int = Field(default=AT_ONCE, ge=0, le=MOST_AT_ONCE)
+    sort: str = Field(default="imported_at", max_length=40)
+    descending: bool = True
+    since: date | None = None
+    until: date | None = None
+    id: str | None = None
+    manufacturer: str | None = None
+    model: str | None = None
+    serial: str | None = None
+    station: str | None = None
+    procedure: str | None = None
+    method: str | None = None
+    validity: RunVerdict | None = None
+    result_state: ResultState | None = None
+    state: State | None = None
+    verdict: Verdict | None = None
+    certificate: str | None = None
+
+
+class RunsShown(Frozen):
+    """Rows of the list, and how many runs meet the question in all."""
+
+    total: int
+    runs: tuple[RunLine, ...]
 
 
 def data(question: RunsQuestion, home: Home) -> RunsShown:

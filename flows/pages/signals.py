@@ -7,9 +7,9 @@ import dash_mantine_components as dmc
 from dash import Dash, Input, Output, State, dcc, no_update
 from dash.development.base_component import Component
 
-from flows.pages.models.run import SignalsQuestion, SignalsShown
 from flows.pages.page import Page, View, view_of_request
 from flows.pages.pictures import GRAPH, figure
+from flows.pages.run.models import SignalsQuestion, SignalsShown
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream
 from storage.catalogue import runs

@@ -2,7 +2,7 @@
 
 from flows.pages.line.data import data
 from flows.pages.line.layout import layout
-from flows.pages.models.line import LineNow, LineQuestion
+from flows.pages.line.models import LineNow, LineQuestion
 from flows.pages.page import Page
 
 REFRESH_S = 2.0

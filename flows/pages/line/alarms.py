@@ -6,7 +6,7 @@ Of stations, of their files, of orders, of messages to clients and of Prefect's 
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
 
-from flows.pages.models.line import AlarmShown, FlowRun, Flows, StationNow
+from flows.pages.line.models import AlarmShown, FlowRun, Flows, StationNow
 from schemas.production import ProductionState
 from schemas.run_log import Alarm
 from schemas.text import Statement

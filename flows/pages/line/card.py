@@ -7,9 +7,9 @@ import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
 
+from flows.pages.line.models import AlarmShown, Queued, StationNow
 from flows.pages.line.stop_button import outcome_of_stop, release_button, stop_button
 from flows.pages.local_time import hour_of, second_of
-from flows.pages.models.line import AlarmShown, Queued, StationNow
 from flows.pages.page import View
 from flows.pages.states import Kind
 from schemas.run_log import RunStatus

@@ -8,9 +8,7 @@ import sqlalchemy as sql
 
 from flows.pages.line import alarms
 from flows.pages.line.flow_runs import flow_runs
-from flows.pages.line.stops import stops_of
-from flows.pages.local_time import today
-from flows.pages.models.line import (
+from flows.pages.line.models import (
     LineNow,
     LineQuestion,
     Output,
@@ -18,6 +16,8 @@ from flows.pages.models.line import (
     StationNow,
     StationState,
 )
+from flows.pages.line.stops import stops_of
+from flows.pages.local_time import today
 from schemas.base import Unusable
 from schemas.production import OPEN, ProductionOrder
 from schemas.run_log import RunStatus, State

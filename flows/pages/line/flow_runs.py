@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from flows.on_prefect.prefect_server import server_named
-from flows.pages.models.line import FlowRun, Flows
+from flows.pages.line.models import FlowRun, Flows
 from storage.environment import environment
 from tasks.stages import prefect_api
 

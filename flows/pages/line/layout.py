@@ -6,8 +6,8 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.line.card import card
+from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued
 from flows.pages.local_time import hour_of
-from flows.pages.models.line import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued
 from flows.pages.page import View
 from flows.pages.parts import facts, table
 from flows.pages.states import Kind, StepState, badge

@@ -10,9 +10,9 @@ from flask import Blueprint, Response, request
 from pydantic import ValidationError
 
 from flows.pages.json_answers import json_answer, refusal
+from flows.pages.line.models import StationNow, StopPressed, StopShown
 from flows.pages.line.stops import stops_of
 from flows.pages.local_time import second_of
-from flows.pages.models.line import StationNow, StopPressed, StopShown
 from flows.pages.page import View, view_of_request
 from schemas.access import MAY, Visitor
 from schemas.base import Frozen, Unusable, first_fault

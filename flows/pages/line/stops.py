@@ -6,8 +6,8 @@ from functools import cache
 from pathlib import Path
 from threading import Lock
 
-from flows.pages.models.line import Released, StopShown
-from flows.pages.orders import check_may
+from flows.pages.do.orders import check_may
+from flows.pages.line.models import Released, StopShown
 from schemas.access import Visitor
 from schemas.base import Unusable
 from storage.home import Home

@@ -7,8 +7,8 @@ import dash_mantine_components as dmc
 from dash import ClientsideFunction, Dash, Input, Output, State, dcc
 from dash.development.base_component import Component
 
-from flows.pages.models.quality import QualityQuestion, QualityShown
 from flows.pages.page import View
+from flows.pages.quality.models import QualityQuestion, QualityShown
 from storage.home import Home
 from tasks.specifications.items import symbol
 from tasks.words import message

@@ -8,7 +8,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from flows.pages.models.quality import (
+from flows.pages.quality.element import between, of_element
+from flows.pages.quality.models import (
     Choices,
     Counted,
     Failing,
@@ -18,7 +19,6 @@ from flows.pages.models.quality import (
     QualityShown,
     Yield,
 )
-from flows.pages.quality.element import between, of_element
 from flows.pages.specification_order import place
 from schemas.base import Unusable
 from storage import settings

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from flows.pages.models.quality import (
+from flows.pages.quality.models import (
     CapabilityShown,
     Cause,
     ChartShown,

@@ -6,7 +6,12 @@ from typing import Any
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.models.quality import (
+from flows.pages.numbers import csv_link
+from flows.pages.page import View
+from flows.pages.parts import facts, table
+from flows.pages.pictures import picture
+from flows.pages.quality.choices import choices
+from flows.pages.quality.models import (
     CapabilityShown,
     ChartShown,
     GoldenShown,
@@ -15,11 +20,6 @@ from flows.pages.models.quality import (
     StationShown,
     Yield,
 )
-from flows.pages.numbers import csv_link
-from flows.pages.page import View
-from flows.pages.parts import facts, table
-from flows.pages.pictures import picture
-from flows.pages.quality.choices import choices
 from flows.pages.quality.pictures import (
     BARS,
     chart_figure,

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from flows.pages.models.quality import QualityShown
 from flows.pages.numbers import Numbers, Row, rows_of
+from flows.pages.quality.models import QualityShown
 from tasks.quality.charts import RULES
 
 

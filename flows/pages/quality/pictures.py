@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from datetime import timedelta
 
-from flows.pages.models.quality import (
+from flows.pages.page import View
+from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
+from flows.pages.quality.models import (
     ChartShown,
     Failing,
     GoldenPoint,
@@ -12,8 +14,6 @@ from flows.pages.models.quality import (
     QualityShown,
     StationShown,
 )
-from flows.pages.page import View
-from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
 from tasks.words import message
 from tasks.words.quantities import unit_text
 

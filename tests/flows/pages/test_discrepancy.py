@@ -9,8 +9,8 @@ import pytest
 
 from flows.pages.app import make_app
 from flows.pages.discrepancy import PAGE
-from flows.pages.discrepancy_data import data
-from flows.pages.models.discrepancy import DiscrepancyQuestion
+from flows.pages.discrepancy.data import data
+from flows.pages.discrepancy.models import DiscrepancyQuestion
 from flows.pages.page import View
 from schemas.discrepancy import (
     Consequence,

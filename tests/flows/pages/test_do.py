@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from flows.pages.do import answer, data, layout, step_answer
-from flows.pages.models.do import DoQuestion
-from flows.pages.orders import FIELDS, Orders
+from flows.pages.do.layout import answer, data, layout, step_answer
+from flows.pages.do.models import DoQuestion
+from flows.pages.do.orders import FIELDS, Orders
 from flows.pages.page import View
 from schemas.access import MAY, ROLES, Action, Role, Visitor
 from schemas.base import Unusable

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from flows.pages import due_data
 from flows.pages.due import PAGE
-from flows.pages.due_data import data, due_state
-from flows.pages.models.due import DueQuestion, DueShown
+from flows.pages.due.data import data, due_state
+from flows.pages.due.models import DueQuestion, DueShown
 from flows.pages.page import View
 from schemas.base import Unusable
 from storage.catalogue import certificates, equipment, reminders
@@ -38,7 +37,7 @@ def home(line_store: tuple[Home, Line], tmp_path_factory: pytest.TempPathFactory
 def at_a_day_between_the_two(home: Home, monkeypatch: pytest.MonkeyPatch) -> date:
     """One unit is overdue by a day and the other is due later."""
     day = due_units(home)[0].due + timedelta(days=1)
-    monkeypatch.setattr(due_data, "today", lambda: day)
+    monkeypatch.setitem(data.__globals__, "today", lambda: day)
     return day
 
 

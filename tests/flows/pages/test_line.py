@@ -16,7 +16,7 @@ from flows.pages.app import make_app
 from flows.pages.line import PAGE, flow_runs
 from flows.pages.line.card import KINDS
 from flows.pages.line.data import SILENT, output
-from flows.pages.models.line import LineNow, LineQuestion, StationNow
+from flows.pages.line.models import LineNow, LineQuestion, StationNow
 from flows.pages.page import View
 from schemas.access import ROLES, Visitor
 from schemas.base import Unusable

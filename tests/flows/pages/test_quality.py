@@ -14,12 +14,12 @@ import pandas as pd
 import pytest
 
 from flows.pages.app import make_app
-from flows.pages.models.quality import QualityQuestion, QualityShown
 from flows.pages.numbers import csv_of
 from flows.pages.page import View
 from flows.pages.passwords import hashed
 from flows.pages.quality import PAGE
 from flows.pages.quality.data import data
+from flows.pages.quality.models import QualityQuestion, QualityShown
 from schemas.base import Unusable
 from storage import dataframes
 from storage.catalogue import certificates, results, run_index, users

@@ -9,10 +9,10 @@ from flask.testing import FlaskClient
 from plotly.utils import PlotlyJSONEncoder
 
 from flows.pages.app import make_app
-from flows.pages.models.run import RunQuestion, RunShown, SignalsQuestion
 from flows.pages.page import View
-from flows.pages.run_data import data
-from flows.pages.run_lineage import lineage
+from flows.pages.run.data import data
+from flows.pages.run.lineage import lineage
+from flows.pages.run.models import RunQuestion, RunShown, SignalsQuestion
 from flows.pages.shell import page_at
 from flows.pages.signals import data as signals
 from schemas.base import Unusable

@@ -7,9 +7,8 @@ from typing import get_args
 
 import pytest
 
-from flows.pages.models.runs import RunsQuestion
 from flows.pages.page import View
-from flows.pages.runs import conditions_from, conditions_of, data, filter_model, row
+from flows.pages.runs import RunsQuestion, conditions_from, conditions_of, data, filter_model, row
 from flows.pages.states import result_state, validity_state, verdict_state
 from schemas.base import Unusable
 from schemas.certificate import State

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from flows.pages.models.run import RunQuestion
 from flows.pages.run import data
+from flows.pages.run.models import RunQuestion
 from storage import dataframes
 from storage.catalogue import database, tables
 from storage.home import Home

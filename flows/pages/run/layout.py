@@ -1,4 +1,4 @@
-"""The page of one run: signals, segments, items, certificates, log and lineage."""
+"""Lays the page of one run out, and draws its signals."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,7 +9,10 @@ from dash.development.base_component import Component
 
 from flows.pages import budget, signals
 from flows.pages.local_time import day_of
-from flows.pages.models.run import (
+from flows.pages.page import View, parameters, view_of_request
+from flows.pages.parts import facts, link, table
+from flows.pages.run.lineage import certificate_table, lineage, log
+from flows.pages.run.models import (
     BudgetQuestion,
     ElementShown,
     LimitShown,
@@ -17,10 +20,6 @@ from flows.pages.models.run import (
     RunShown,
     SegmentShown,
 )
-from flows.pages.page import Page, View, parameters, view_of_request
-from flows.pages.parts import facts, link, table
-from flows.pages.run_data import data
-from flows.pages.run_lineage import certificate_table, lineage, log
 from flows.pages.states import (
     badge,
     certificate_state,
@@ -186,6 +185,3 @@ def callbacks(app: Dash, home: Home) -> None:
         item, _, element = chosen.partition(" ")
         question = BudgetQuestion(run=run, item=item, element=element)
         return budget.layout(budget.data(question, home), view, question)
-
-
-PAGE = Page("run", RunQuestion, RunShown, data, layout, in_navigation=False, callbacks=callbacks)

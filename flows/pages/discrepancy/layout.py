@@ -1,4 +1,4 @@
-"""The Mismatch page: which physics is missing, on which station, unit and model, and since when."""
+"""Lays the Mismatch page out."""
 
 from collections.abc import Sequence
 
@@ -6,9 +6,7 @@ import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
 
-from flows.pages.discrepancy_data import data
-from flows.pages.local_time import second_of
-from flows.pages.models.discrepancy import (
+from flows.pages.discrepancy.models import (
     Carried,
     DiscrepancyQuestion,
     DiscrepancyShown,
@@ -20,7 +18,8 @@ from flows.pages.models.discrepancy import (
     Shown,
     UncertainTime,
 )
-from flows.pages.page import Page, View
+from flows.pages.local_time import second_of
+from flows.pages.page import View
 from flows.pages.parts import Cell, facts, link, table
 from flows.pages.query_controls import asks
 from flows.pages.states import StepState, badge
@@ -262,6 +261,3 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
         dmc.Stack(found, gap=2) if found else None,
         report,
     )
-
-
-PAGE = Page("mismatch", DiscrepancyQuestion, DiscrepancyShown, data, layout)

@@ -1,4 +1,4 @@
-"""The Due page: recalibration calendar, messages to clients, and the laboratory's equipment."""
+"""Lays the Due page out."""
 
 from typing import Any
 
@@ -6,10 +6,10 @@ import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.due_data import data, due_state
+from flows.pages.due.data import due_state
+from flows.pages.due.models import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue
 from flows.pages.local_time import minute_of
-from flows.pages.models.due import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue
-from flows.pages.page import Page, View
+from flows.pages.page import View
 from flows.pages.parts import GRID_OPTIONS, locale, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
 from flows.pages.query_controls import asks
@@ -184,6 +184,3 @@ def _standard(each: StandardDue, shown: DueShown, view: View) -> tuple[Any, ...]
         str(each.valid_until or "–"),
         badge(due_state(each.valid_until, shown.today), view),
     )
-
-
-PAGE = Page("due", DueQuestion, DueShown, data, layout, has_grid=True)

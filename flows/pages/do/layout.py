@@ -1,4 +1,4 @@
-"""The Do page: start a run, re-process, draft, check, issue and withdraw, as the role allows."""
+"""Lays the Do page out, and carries out what is pressed there."""
 
 from functools import cache
 from typing import Any
@@ -10,10 +10,10 @@ from dash.development.base_component import Component
 
 from flows.access_log import LOGGER, plain
 from flows.orders import order_queue
+from flows.pages.do.models import DoQuestion, DoShown, GivenOrder, WaitingCertificate
+from flows.pages.do.orders import FIELDS, Orders, tolerance_files
 from flows.pages.local_time import second_of
-from flows.pages.models.do import DoQuestion, DoShown, GivenOrder, WaitingCertificate
-from flows.pages.orders import FIELDS, Orders, tolerance_files
-from flows.pages.page import Page, View, view_of_request
+from flows.pages.page import View, view_of_request
 from flows.pages.parts import table
 from flows.pages.states import Kind, StepState, badge
 from schemas.access import MAY, Action
@@ -254,6 +254,3 @@ def step_answer(button: dict[str, str], view: View, home: Home) -> Component:
     return dmc.Alert(
         view.say(message("pages-do-done", action=step, subject=subject)), color="green"
     )
-
-
-PAGE = Page("do", DoQuestion, DoShown, data, layout, callbacks=callbacks)

@@ -7,7 +7,7 @@ from typing import Any
 
 import sqlalchemy as sql
 
-from flows.pages.models.discrepancy import (
+from flows.pages.discrepancy.models import (
     Carried,
     DiscrepancyQuestion,
     DiscrepancyShown,

@@ -18,7 +18,7 @@ from flows.access_log import UNKNOWN, refused
 from flows.orders import order_queue
 from flows.orders.order_files import client_order_named, request_of
 from flows.orders.signed_orders import carry_out_signed
-from flows.pages.models.do import GivenOrder, OrderState
+from flows.pages.do.models import GivenOrder, OrderState
 from schemas.access import MAY, Action, Visitor
 from schemas.base import Unusable
 from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder

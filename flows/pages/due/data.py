@@ -6,8 +6,7 @@ from datetime import date, timedelta
 
 from dateutil.relativedelta import relativedelta
 
-from flows.pages.local_time import today
-from flows.pages.models.due import (
+from flows.pages.due.models import (
     ClientDue,
     DueQuestion,
     DueShown,
@@ -17,6 +16,7 @@ from flows.pages.models.due import (
     StandardDue,
     UnitDue,
 )
+from flows.pages.local_time import today
 from flows.pages.states import StepState
 from schemas.recall import DueUnit
 from storage.catalogue import equipment, reminders

@@ -1,4 +1,4 @@
-"""The page of one unit: every coefficient over the years, drift, certificates and next due date."""
+"""Lays the page of one unit, or the list of units, out."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,21 +7,20 @@ import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.due_data import due_state
-from flows.pages.models.unit import (
+from flows.pages.due.data import due_state
+from flows.pages.page import View
+from flows.pages.parts import GRID_OPTIONS, facts, link, locale, table
+from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
+from flows.pages.query_controls import asks
+from flows.pages.run.lineage import certificate_table
+from flows.pages.states import StepState, badge
+from flows.pages.unit.models import (
     AsMeasured,
     ElementHistory,
     Reading,
     UnitQuestion,
     UnitShown,
 )
-from flows.pages.page import Page, View
-from flows.pages.parts import GRID_OPTIONS, facts, link, locale, table
-from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
-from flows.pages.query_controls import asks
-from flows.pages.run_lineage import certificate_table
-from flows.pages.states import StepState, badge
-from flows.pages.unit_data import data
 from storage.catalogue.units import UnitLine
 from tasks.conformity.limits import interval_text
 from tasks.quality.charts import DriftRate
@@ -283,6 +282,3 @@ def _limit(edge: float, end: str) -> dict[str, Any]:
         "type": "line", "xref": f"x{end} domain", "x0": 0, "x1": 1, "yref": f"y{end}", "y0": edge,
         "y1": edge, "line": {"color": RED, "width": 1, "dash": "dot"},
     }  # fmt: skip
-
-
-PAGE = Page("unit", UnitQuestion, UnitShown, data, layout, has_grid=True)

@@ -6,7 +6,7 @@ from functools import partial
 import sqlalchemy as sql
 from pydantic import TypeAdapter, ValidationError
 
-from flows.pages.models.run import (
+from flows.pages.run.models import (
     CertificateShown,
     ElementShown,
     LimitShown,

@@ -6,9 +6,9 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.local_time import minute_of, second_of
-from flows.pages.models.run import CertificateShown, RunShown
 from flows.pages.page import View
 from flows.pages.parts import facts, link, table
+from flows.pages.run.models import CertificateShown, RunShown
 from flows.pages.states import badge, certificate_state
 from storage.catalogue.lineage import MANIFEST
 from tasks.certificate.settings import setting

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from flows.pages.models.unit import (
+from flows.pages.run.data import certificate_shown
+from flows.pages.specification_order import place
+from flows.pages.unit.models import (
     LISTED,
     AdjustmentShown,
     AsMeasured,
@@ -17,8 +19,6 @@ from flows.pages.models.unit import (
     UnitQuestion,
     UnitShown,
 )
-from flows.pages.run_data import certificate_shown
-from flows.pages.specification_order import place
 from schemas.base import Unusable
 from storage import settings
 from storage.catalogue import certificates, units

@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from flows.pages.models.run import CertificateShown
+from flows.pages.run.models import CertificateShown
 from schemas.base import Finite, Frozen
 from schemas.text import Statement
 from storage.catalogue.units import UnitLine

@@ -1,1 +1,0 @@
-"""The content of the operations pages: the question and the answer of each, as in its JSON."""
