@@ -7,6 +7,7 @@ from schemas.recording import Recording
 from tasks.explain.confounding.bootstrap import ReferenceBootstrap
 from tasks.explain.confounding.compare import compared
 from tasks.explain.confounding.play import with_play
+from tasks.explain.confounding.preferred import with_preferred
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.pruning import pruned, with_absorbed
@@ -81,7 +82,7 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
         evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit,
         ReferenceBootstrap(found.prepared).rivals,
     )  # fmt: skip
-    fit = with_play(fit, candidates)
+    fit = with_play(with_preferred(fit, candidates), candidates)
     fit = found.resolved(fit)
     if fit is not evidence.fit:
         evidence = pruned(fit, trials)

@@ -2,19 +2,13 @@
 
 import pytest
 
-from flows.progress import describe, remaining, working
+from flows.progress import remaining
 from tasks.explain.progress import BEHIND, tell
 
 
 def test_the_time_left_follows_from_what_is_behind() -> None:
     assert remaining(10.0, 0.25) == ", about 30 s left"
     assert remaining(10.0, 0.01) == ""
-
-
-def test_describing_without_anything_under_way_does_nothing() -> None:
-    describe("search", 0.5)
-    with working("explain"):
-        describe("search", 0.5)
 
 
 def test_each_step_of_explain_is_further_than_the_one_before() -> None:

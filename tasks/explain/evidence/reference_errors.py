@@ -27,6 +27,7 @@ from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.inputs.seen_places import smoothed_motion
 from tasks.explain.inputs.simulated_reading import simulated_reading
+from tasks.explain.odds import CERTAIN
 from tasks.explain.whitening import equations_of, scores_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
@@ -39,7 +40,6 @@ from tasks.motion.whole import Motion
 
 OWED = 1 / 9  # of a finding's gain, a third of its size: what errors of the reference may make
 DRAWS = 4  # of those errors: what they bring forth by chance alone differs
-CLEAR = 10.0  # ΔBIC that has to stay when evidence is counted against that chance, too
 SURE = 2.0  # standard deviations of how well so few draws tell how large it is
 SEED = 20
 
@@ -87,7 +87,7 @@ def made_by_chance(evidence: Evidence, number: int, gains: float, draws: int) ->
     known_by = 1.0 + SURE * np.sqrt(2.0 / (count * draws))
     larger = 1.0 + known_by * max(gains, 0.0) / (draws * count)
     price = evidence.evidence(number) - evidence.delta_bic(number)
-    return bool(evidence.gain(number) / larger - price < CLEAR)
+    return bool(evidence.gain(number) / larger - price < CERTAIN)
 
 
 def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -51,6 +51,7 @@ def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart() -> None:
     assert np.abs(off).max() < 3.0
 
 
+@pytest.mark.rehearsal  # of an encoder in test_low_pass
 def test_a_slow_filter_of_the_unit_is_not_called_a_delay_alone() -> None:
     """Before poses a delay is nothing of the unit's for certain; a filter is as late."""
     corner, imu, reference = 4.0, readings(seconds=32.0), poses(seconds=32.0)
