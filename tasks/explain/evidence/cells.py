@@ -17,7 +17,7 @@ from tasks.explain.whitening import Noise, at_blocks, frequencies, in_band, in_t
 from tasks.model.regression import WhitenedEquations, of_channel
 from tasks.model.term import Column
 
-CELL_LENGTH = 30.0  # s of what has no segments
+CELL_LENGTH = 30.0  # s of what has no segments, or a body moved by hand
 MIN_CELLS, MAX_CELLS = 24, 120  # by which the scatter of residuals is judged
 FOLDS = 4
 HiddenChannel = tuple[float, np.ndarray, np.ndarray]  # misfit, gradient (q,), normal (q, q)
@@ -101,7 +101,7 @@ def _low_passed(
 def fold_cells(observed: Blocks) -> np.ndarray:
     """(n,) number of the segment of each row; a move belongs to the segment after it."""
     number = observed.segment
-    if (number < 0).all():
+    if (number < 0).all() or observed.motion.tracking is not None:  # a hand rests nowhere for long
         return np.asarray((observed.t / CELL_LENGTH).astype(int))
     rows = np.flatnonzero(number >= 0)
     following = rows[np.minimum(np.searchsorted(rows, np.arange(len(number))), len(rows) - 1)]

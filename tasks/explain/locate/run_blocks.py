@@ -6,11 +6,11 @@ from typing import Self
 import numpy as np
 
 from schemas.recording import Recording
+from tasks.explain.inputs.shown_segments import shown_segments
 from tasks.explain.locate.partitions import Partition, partitions_of
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion, whole_motion
-from tasks.segments.find import segments_of
 from tasks.words.rounding import MINUS
 
 BLOCK = 0.04  # s: the finest resolution
@@ -79,7 +79,7 @@ class BlockedRun:
     def of(cls, recording: Recording) -> Self:
         """The run of a recording; where segments carry no labels they are found."""
         motion = whole_motion(recording)
-        segments = segments_of(recording)
+        segments = shown_segments(recording)
         interval = motion.interval if len(motion.t) > 1 else BLOCK
         starts = np.arange(0, len(motion.t), max(1, int(BLOCK / interval + 1e-6)))
         middle = (starts + np.append(starts[1:], len(motion.t))) // 2

@@ -9,8 +9,8 @@ import numpy as np
 from schemas.recording import Segment
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
+from tasks.explain.inputs.shown_segments import shown_segments
 from tasks.readings.robust import TO_SIGMA
-from tasks.segments.find import segments_of
 
 FINEST = 240  # cells over the run where no segment asks for more
 SLIVER = 0.25  # of a cell; nearer edges are taken as one
@@ -46,7 +46,7 @@ class ExcessCells:
 def cells_of(explanation: Explanation) -> ExcessCells:
     """The cells of an explanation: cut at the ends of segments, and finely in between."""
     t = explanation.recording.imu.t
-    segments = segments_of(explanation.recording)
+    segments = shown_segments(explanation.recording)
     edges = _edges(t, segments)
     middles = 0.5 * (edges[:-1] + edges[1:])
     rows = np.searchsorted(t, edges)

@@ -127,7 +127,7 @@ DOCUMENTED: tuple[tuple[str, str, str, float, float, str, str], ...] = (
     ("gyro_z_inverted_labels_only", "axis_mapping", "zz", -1.0, 0.0, "1", SETTING),
     ("vn200_57630_six_position", "axis_mapping", "xx", -1.0, 0.0, "1", "means of the rests"),
     ("vn200_57630_six_position", "axis_mapping", "yy", -1.0, 0.0, "1", "means of the rests"),
-    *(("sunsided_turns", "axis_mapping", f"accel_{a}{a}", -1.0, 0.0, "1", SETTING) for a in "xyz"),
+    *(("sunsided_turns", "axis_mapping", f"{a}{a}", -1.0, 0.0, "1", SETTING) for a in "xyz"),
     *((name, "coarse_quantisation", "accel", 0.0980665, 1e-7, "m/s2", "values that occur")
       for name in ("encoder_mpu6050_pitch_slow", "encoder_roll_slow", "encoder_yaw_fast")),
 )  # fmt: skip
