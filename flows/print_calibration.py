@@ -8,7 +8,7 @@ from rich.text import Text
 
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
-from schemas.text import RunVerdict, Validity
+from schemas.text import RunVerdict, Validity, texts_of
 from tasks.specifications.items import item_title
 from tasks.words import say
 from tasks.words.quantities import unit_text
@@ -26,17 +26,17 @@ def print_calibration(calibration: Calibration) -> None:
     console = stdout()
     table = _results_table(f"{calibration.recording_id} · {calibration.procedure}", "item")
     for name, item in calibration.items.items():
-        _add_item(table, say(item_title(name), "en"), item)
+        _add_item(table, say(item_title(name)), item)
     console.print(table)
     console.print(WORDS[calibration.validity.verdict], style="bold")
     _print_information(console, calibration)
     for name, reason in calibration.unavailable.items():
         console.print("[yellow]not determined[/] ", end="")
-        console.print(f"{say(item_title(name), 'en')}: {reason}", markup=False)
+        console.print(f"{say(item_title(name))}: {reason}", markup=False)
     for remark in calibration.remarks:
         mark = "[red]![/]" if remark.blocks_pass else "[dim]·[/]"
         console.print(f"{mark} ", end="")
-        console.print(remark.en, markup=False)
+        console.print(say(remark), markup=False)
 
 
 def _print_information(console: Console, calibration: Calibration) -> None:
@@ -50,7 +50,7 @@ def _print_information(console: Console, calibration: Calibration) -> None:
     console.print(table)
     for shown in calibration.information.values():
         console.print(f"[dim]· {shown.title}:[/] ", end="")
-        console.print(shown.en, markup=False)
+        console.print(say(shown), markup=False)
 
 
 def _results_table(title: str, of: str) -> Table:
@@ -85,4 +85,7 @@ def summary(validity: Validity) -> dict[str, Any]:
 
 def lines(validity: Validity) -> list[str]:
     """The validity, and a line for each reason."""
-    return [WORDS[validity.verdict], *(f"  {reason}" for reason in validity.reasons)]
+    return [
+        WORDS[validity.verdict],
+        *(f"  {say(reason)}" for reason in texts_of(validity, "reasons")),
+    ]

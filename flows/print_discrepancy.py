@@ -33,7 +33,7 @@ def print_discrepancy(explained: Explained) -> None:
     verdict = discrepancy.verdict.replace("_", " ")
     console.print(f"[bold {COLOURS[discrepancy.verdict]}]{verdict}[/] ", end="")
     console.print(f"({discrepancy.recording_id})", markup=False)
-    console.print(discrepancy.statement.en, markup=False)
+    console.print(say(discrepancy.statement), markup=False)
     if discrepancy.findings:
         console.print(_table(discrepancy))
     for number, finding in enumerate(discrepancy.findings, 1):
@@ -44,7 +44,7 @@ def print_discrepancy(explained: Explained) -> None:
         console.print(f"left over, χ² per degree of freedom: {', '.join(left)}", markup=False)
     for remark in discrepancy.remarks:
         console.print("[dim]·[/] ", end="")
-        console.print(remark.en, markup=False)
+        console.print(say(remark), markup=False)
     for path in explained.files:
         print(path)
 
@@ -78,12 +78,12 @@ def _parameters(finding: ReportedFinding | ReviewFinding) -> Sequence[tuple[str,
 
 def _print_finding(console: Console, finding: ReportedFinding) -> None:
     """Print the sentence of a finding, and the certificate elements that it changes most."""
-    console.print(finding.statement.en, markup=False)
+    console.print(say(finding.statement), markup=False)
     listed = sorted(finding.consequences, key=moved_by, reverse=True)
     for moved in listed[:MAX_CONSEQUENCES]:
         made = names.before_and_after(moved)
         before, after = (made.text(k) if made.values[k] else "–" for k in range(2))
-        element = say(names.element_title(moved.item, moved.element), "en")
+        element = say(names.element_title(moved.item, moved.element))
         line = f"  {element}: {before} → {after}"
         times = names.shift_text(moved)
         console.print(f"{line}, {times} U" if times else line, markup=False)
@@ -92,7 +92,7 @@ def _print_finding(console: Console, finding: ReportedFinding) -> None:
         console.print(f"  and {left} elements more, in the report", style="dim")
     for change in finding.verdict_changes:
         item, verdicts = names.element_title(change.item, ""), names.change_title(change)
-        line = f"  verdict of {say(item, 'en')}: {say(verdicts, 'en')}"
+        line = f"  verdict of {say(item)}: {say(verdicts)}"
         console.print(line, style="bold", markup=False)
 
 
@@ -100,13 +100,13 @@ def print_review(reviewed: Reviewed) -> None:
     """Print the verdict, the common effects with their parameters, and the runs left out."""
     review, console = reviewed.review, stdout()
     console.print(f"{review.verdict.replace('_', ' ')} ({review.runs} runs)", markup=False)
-    console.print(review.statement.en, markup=False)
+    console.print(say(review.statement), markup=False)
     if review.findings:
         console.print(_review_table(review))
     for statement in [one.statement for one in review.findings] + [
         one.statement for one in review.sites
     ]:
-        console.print(statement.en, markup=False)
+        console.print(say(statement), markup=False)
     for skipped in review.skipped:
         console.print(f"left out: {skipped.run}: {skipped.why}", markup=False)
     for path in reviewed.files:

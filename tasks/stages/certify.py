@@ -125,6 +125,7 @@ def certify(
         as_found=found,
         budgets=inputs.budget,
         validation=(named.en, named.zh),
+        validation_message=named.message,
         curves=curves_of_run(recording, calibration),
         steps=(drafted,) if drafted else (),
         replaces=replaces,

@@ -5,7 +5,9 @@ from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from schemas.base import Unusable
+from schemas.certificate import Party
 from schemas.recall import DueUnit, RecallClient, RecallFile
+from schemas.text import text_of
 from storage import settings
 from storage.catalogue import certificates, reminders
 from storage.catalogue.certificates import Entry
@@ -15,7 +17,7 @@ from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
 from tasks.stages.events import logger_of
 from tasks.stages.stage import announce
-from tasks.words import Message, message
+from tasks.words import MAIN, Message, message, statement
 
 LOG = logger_of("remind")
 Send = Callable[[str, str, str, bytes | None], str | None]
@@ -41,11 +43,16 @@ def due_units(home: Home, until: date = date.max) -> list[DueUnit]:
                     certificate=due.certificate,
                     issued_on=terms.issued_on,
                     due=due.due,
-                    client=(order.client.name, order.client.name_zh),
-                    laboratory=(party.name, party.name_zh) if party else ("", ""),
+                    client=_names(order.client),
+                    laboratory=_names(party),
                 )
             )
     return found
+
+
+def _names(party: Party | None) -> tuple[str, ...]:
+    named = text_of(party, "name") if party else None
+    return tuple((named or statement("")).words.values())
 
 
 def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
@@ -112,7 +119,7 @@ def feed(home: Home, name: str, now: datetime) -> bytes:
             f"No client {name!r} stands in recall.toml or on an issued certificate with an agreed "
             "interval; give the name as the orders have it."
         )
-    return calendar(own, client.language if client else "en", now)
+    return calendar(own, client.language if client else MAIN, now)
 
 
 def _client_of(due_unit: DueUnit, asked: RecallFile) -> RecallClient | None:

@@ -2,12 +2,13 @@
 
 from schemas.base import Unusable
 from schemas.calibration import OF_NO_STANDARD, OF_STANDARD
-from schemas.text import Validity
+from schemas.text import Validity, texts_fields
 from storage import settings
 from storage.catalogue import results, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.version import code_version
+from tasks.words import statement
 
 
 def validity_of(run: Run, home: Home) -> Validity:
@@ -38,5 +39,5 @@ def validity_of(run: Run, home: Home) -> Validity:
             own_latitude_deg=laboratory.latitude_deg if laboratory else None,
         )  # fmt: skip
     except Unusable as fault:
-        return Validity(verdict="remarks", reasons=(str(fault),), reasons_zh=(str(fault),))
+        return Validity(verdict="remarks", **texts_fields("reasons", (statement(str(fault)),)))
     return calibration.validity

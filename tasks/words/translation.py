@@ -2,13 +2,21 @@
 
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache, lru_cache
 from importlib.resources import files
 from threading import Lock
 from typing import Any
 
-from schemas.text import Remark, RunVerdict, Statement
-from tasks.words.message import Argument, Message, Sayable
+from schemas.text import (
+    CONTRACTED,
+    Argument,
+    Message,
+    Remark,
+    RunVerdict,
+    Sayable,
+    Statement,
+)
 
 COMMON = "common.ftl"  # every language has it
 IDENTIFIER = re.compile(r"^([a-zA-Z][\w-]*) *=", re.MULTILINE)
@@ -17,8 +25,12 @@ WORD = re.compile(r"[a-zA-Z][\w-]*")
 LONG = 1000  # characters; the formatter takes no argument of more than 2500
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
 FOLDER = files("tasks.words")
+MAIN = CONTRACTED[0]  # of the terminal, the logs, and where nobody chooses
 LANGUAGES: tuple[str, ...] = tuple(
-    sorted(each.name for each in FOLDER.iterdir() if (each / COMMON).is_file())
+    sorted(
+        (each.name for each in FOLDER.iterdir() if (each / COMMON).is_file()),
+        key=lambda name: (name != MAIN, name),
+    )
 )
 
 
@@ -112,16 +124,20 @@ def identifiers(prefix: str) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
-def say(sayable: Sayable, language: str) -> str:
+def say(sayable: Sayable, language: str = MAIN) -> str:
     """A message or statement in one language; mere text is the same in all.
 
-    Raises KeyError for a message that the catalogue lacks, or that asks for an argument it has
-    not got.
+    A statement is rendered from its message; in the words that it was kept in where it has none, or
+    one that the catalogues do not have any more. Raises KeyError for a message that the catalogue
+    lacks, or that asks for an argument it has not got.
     """
     if isinstance(sayable, str):
         return sayable
     if isinstance(sayable, Statement):
-        return str(getattr(sayable, language, sayable.en))
+        if sayable.message is not None:
+            with suppress(KeyError):
+                return say(sayable.message, language)
+        return sayable.words.get(language) or sayable.words[MAIN]
     bundle, pattern = _pattern(language, sayable.id)
     if pattern is None:
         raise KeyError(f"the {language} catalogue has no message {sayable.id}")
@@ -146,9 +162,14 @@ def texts(sayable: Sayable) -> Mapping[str, str]:
 
 def statement(sayable: Sayable) -> Statement:
     """A message rendered for publication, in every language."""
+    return Statement(**worded(sayable))
+
+
+def worded(sayable: Sayable) -> dict[str, Any]:
+    """A message as the fields of a statement: in every language, and as it is."""
     if isinstance(sayable, Statement):
-        return sayable
-    return Statement(**texts(sayable))
+        return {**texts(sayable), **sayable.words, "message": sayable.message}
+    return {**texts(sayable), "message": sayable if isinstance(sayable, Message) else None}
 
 
 def remark(
@@ -160,10 +181,7 @@ def remark(
     run: RunVerdict = "valid",
 ) -> Remark:
     """A message as a remark of a calibration."""
-    words = statement(sayable)
-    return Remark(
-        code=code, en=words.en, zh=words.zh, segments=segments, blocks_pass=blocks_pass, run=run
-    )
+    return Remark(**worded(sayable), code=code, segments=segments, blocks_pass=blocks_pass, run=run)
 
 
 def _argument(value: Argument, language: str) -> object:

@@ -10,7 +10,7 @@ from functools import lru_cache, partial
 from schemas.text import Statement
 from tasks.words.message import Argument, message
 from tasks.words.rounding import MINUS
-from tasks.words.translation import say
+from tasks.words.translation import LANGUAGES, say
 
 NO_BREAK = "\u00a0"
 FULL_STOPS = ".\u3002"  # Latin and Chinese
@@ -52,7 +52,7 @@ def clause(text: str, specification: str = "") -> Statement:
     """A clause in every language, without the name of the specification that is meant anyway."""
     short = text.removeprefix(specification).strip(" ,")
     short = re.sub(rf"(eq\. {_NUMBER})-(?={_NUMBER})", r"\1–", short)
-    return Statement(en=_clause(short, "en"), zh=_clause(short, "zh"))
+    return Statement(**{language: _clause(short, language) for language in LANGUAGES})
 
 
 def _clause(text: str, language: str) -> str:

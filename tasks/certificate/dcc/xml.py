@@ -8,12 +8,11 @@ from lxml.builder import ElementMaker
 
 from schemas.text import Statement
 from tasks.certificate.fields import literal
-from tasks.words import Sayable, say
+from tasks.words import LANGUAGES, Sayable, say
 from tasks.words.typography import typeset
 
 DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"
 NAMES = {"dcc": DCC, "si": SI}
-LANGUAGES = ("zh", "en")  # that of the specifications first
 
 Element = Any  # lxml's element, which has no public type
 

@@ -196,7 +196,7 @@ def draw_recording(recording: Recording, path: Path) -> Path:
             axes.tick_params(colors=GREY)
             axes.legend(loc="upper right", ncols=3)
         every[-1].set_xlim(imu.t[0], imu.t[-1])
-        time_axis(every[-1], "en")
+        time_axis(every[-1])
 
     with writing_in_home(path):
         path.write_text(
