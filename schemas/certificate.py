@@ -17,7 +17,7 @@ from schemas.decision import Decision
 from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
 from schemas.recording import Manifest
 from schemas.signature import SigningSettings
-from schemas.text import CONTRACTED, AnyMessage, Language, Statement
+from schemas.text import BOTH, CONTRACTED, AnyMessage, Language, Statement
 from schemas.tolerance import Tolerance
 
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
@@ -27,7 +27,6 @@ State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 LIVE: tuple[State, ...] = ("draft", "checked", "issued")  # valid, or may become valid
 INVALID_RUN = "invalid-run"  # ends the purpose of a report of an invalid run
 StepName = Literal["draft", "check", "issue"]
-BOTH = "both"  # languages: those that the contracts name, that of the specifications first
 # Conditions of a specification without which no unit passes, unless the client waives them.
 ConditionName = Literal["largest_rate", "environment"]
 

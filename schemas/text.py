@@ -56,7 +56,7 @@ class Statement(Frozen):
     """
 
     model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, str]
+    __pydantic_extra__: dict[str, str] = Field(init=False)
 
     en: str
     zh: str
@@ -67,10 +67,16 @@ class Statement(Frozen):
         """The words by language."""
         return {each: getattr(self, each) for each in CONTRACTED} | (self.__pydantic_extra__ or {})
 
+    @property
+    def pair(self) -> tuple[str, str]:
+        """The words in the languages of the contracts."""
+        return self.en, self.zh
+
 
 # The languages that the contracts name: the main one, and that of the specifications.
 CONTRACTED = tuple(name for name in Statement.model_fields if name != "message")
 PARTS = (*CONTRACTED, "message")
+BOTH = "both"  # of them on one certificate, that of the specifications first
 
 
 class Remark(Statement):
@@ -124,7 +130,7 @@ def text_in(words: Sequence[str | None], message: Message | None = None) -> Stat
     usual = next(filter(None, stated), None)
     if usual is None:
         return None
-    filled = {name: each or usual for name, each in zip_longest(CONTRACTED, stated)}
+    filled: dict[str, Any] = {name: each or usual for name, each in zip_longest(CONTRACTED, stated)}
     return Statement(**filled, message=message)
 
 

@@ -16,7 +16,7 @@ from schemas.certificate import Certificate, Laboratory
 from tasks.certificate.content import content, in_languages
 from tasks.certificate.dcc import dcc_of, record_of
 from tasks.certificate.figures import drawn
-from tasks.words import identifiers, message
+from tasks.words import MAIN, identifiers, message, say
 
 LAYOUT = {path.name: path.read_bytes() for path in Path(__file__).parent.glob("*.typ")}
 HOUSE, ENTRY = "certificate.typ", "main.typ"  # ENTRY: what the typesetter begins with
@@ -46,6 +46,8 @@ def render(
     appearance = (laboratory and laboratory.appearance) or Appearance()
     printed = {
         "languages": tuple(languages),
+        "script": say(message("typography-script"), languages[0]),
+        "region": say(message("typography-script.region"), languages[0]),
         "labels": _labels(certificate.laboratory, languages),
         "pictures": tuple(appearance.pictures),
         **asdict(in_languages(content(certificate), languages)),
@@ -105,7 +107,7 @@ def _labels(laboratory: Laboratory | None, languages: Sequence[str]) -> dict[str
     if unknown := sorted(own.keys() - set(names)):
         raise Unusable(
             f"laboratory.toml: wording names {unknown[0]!r}, which no certificate has; the names "
-            "are those of `certificate-label-…` in tasks/words/{MAIN}/certificate.ftl."
+            f"are those of `certificate-label-…` in tasks/words/{MAIN}/certificate.ftl."
         )
     return {
         name: in_languages(own.get(name) or message(f"{LABEL}{name}", **PAGE), languages)

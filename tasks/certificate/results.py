@@ -4,6 +4,7 @@ Numbers are texts by JJF 1059.1, in units of 10^exponent.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 from schemas.calibration import Calibration, Item
 from schemas.decision import Decision, LimitDecision
@@ -172,7 +173,8 @@ def _missing(
 
 
 def _without_stop(why: Statement) -> Statement:
-    return Statement(**{name: words.rstrip(FULL_STOPS) for name, words in texts(why).items()})
+    bare: dict[str, Any] = {name: words.rstrip(FULL_STOPS) for name, words in texts(why).items()}
+    return Statement(**bare)
 
 
 def _matrices(

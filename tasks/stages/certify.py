@@ -124,7 +124,7 @@ def certify(
         report=inputs.report,
         as_found=found,
         budgets=inputs.budget,
-        validation=(named.en, named.zh),
+        validation=named.pair,
         validation_message=named.message,
         curves=curves_of_run(recording, calibration),
         steps=(drafted,) if drafted else (),

@@ -50,9 +50,9 @@ def due_units(home: Home, until: date = date.max) -> list[DueUnit]:
     return found
 
 
-def _names(party: Party | None) -> tuple[str, ...]:
+def _names(party: Party | None) -> tuple[str, str]:
     named = text_of(party, "name") if party else None
-    return tuple((named or statement("")).words.values())
+    return (named or statement("")).pair
 
 
 def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:

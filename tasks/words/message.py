@@ -1,8 +1,11 @@
 """A message that is not yet put into a language."""
 
+import re
 from collections.abc import Hashable, Sequence
 
 from schemas.text import Argument, Message, Sayable, Statement
+
+CHOICE = re.compile("[a-z]{3,}")  # no name of a segment, and no symbol
 
 
 def message(id_: str, /, **arguments: Argument) -> Message:
@@ -24,15 +27,18 @@ def clauses(parts: Sequence[Sayable], by: str = "clause-sequence") -> Sayable:
 
 
 def kind_of(said: Argument) -> Hashable:
-    """What sentences share that differ in names, figures and axes alone: their messages, with those
-    inside them. A statement without a message is of a kind of its own.
+    """What sentences share that differ in names, figures and axes alone: their messages with those
+    inside them, and the words by which a message chooses what it says. A statement without a
+    message is of a kind of its own.
     """
     if isinstance(said, Statement):
         return tuple(said.words.items()) if said.message is None else kind_of(said.message)
     if isinstance(said, Message):
         id_ = said.id.removesuffix("x").removesuffix("y").removesuffix("z")
         return id_, *((name, kind_of(value)) for name, value in said.arguments)
-    return frozenset(map(kind_of, said)) if isinstance(said, tuple) else None
+    if isinstance(said, tuple):
+        return frozenset(map(kind_of, said))
+    return said if isinstance(said, str) and CHOICE.fullmatch(said) else None
 
 
 def argument(said: Argument, name: str) -> Argument | None:

@@ -1,14 +1,16 @@
 """The message catalogues, and messages rendered in one language."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from importlib.resources import files
 from threading import Lock
 from typing import Any
 
+from schemas.base import Unusable
 from schemas.text import (
+    BOTH,
     CONTRACTED,
     Argument,
     Message,
@@ -22,7 +24,7 @@ COMMON = "common.ftl"  # every language has it
 IDENTIFIER = re.compile(r"^([a-zA-Z][\w-]*) *=", re.MULTILINE)
 PLAIN = re.compile(r"(?:[a-zA-Z][\w-]*|    \.(?P<attribute>[\w-]+)) *= *(?P<text>[^{}]*[^{}\s])")
 WORD = re.compile(r"[a-zA-Z][\w-]*")
-LONG = 1000  # characters; the formatter takes no argument of more than 2500
+LONG = 2400  # characters; the formatter takes no argument of more than 2500
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
 FOLDER = files("tasks.words")
 MAIN = CONTRACTED[0]  # of the terminal, the logs, and where nobody chooses
@@ -38,8 +40,13 @@ LANGUAGES: tuple[str, ...] = tuple(
 def _file_of(language: str) -> Mapping[str, str]:
     """Where each message of a language stands: its identifier, and the name of its file.
 
-    Raises ValueError where an identifier stands twice.
+    Raises ValueError where an identifier stands twice, Unusable for a language without catalogues.
     """
+    if language not in LANGUAGES:
+        raise Unusable(
+            f"language = {language!r} in an order, laboratory.toml or recall.toml has no catalogue: "
+            f"give one of {', '.join(LANGUAGES)} (of certificates also {BOTH!r})."
+        )
     found: dict[str, str] = {}
     catalogues = (each for each in (FOLDER / language).iterdir() if each.name.endswith(".ftl"))
     for source in catalogues:
@@ -58,7 +65,14 @@ def _bundle(language: str) -> Any:
     # Late: a command that says nothing needs no parser.
     from fluent.runtime import FluentBundle
 
-    return FluentBundle([language], use_isolating=False)
+    functions = {"CAPITAL": partial(_initial, str.upper), "LOWER": partial(_initial, str.lower)}
+    return FluentBundle([language], use_isolating=False, functions=functions)
+
+
+def _initial(change: Callable[[str], str], text: str) -> str:
+    """A text with another initial; a symbol stays as it is."""
+    is_word = text[1:2].islower() or text.startswith("a ")
+    return change(text[:1]) + text[1:] if is_word else text
 
 
 class _File:
