@@ -44,7 +44,7 @@ def _file_of(language: str) -> Mapping[str, str]:
     """
     if language not in LANGUAGES:
         raise Unusable(
-            f"language = {language!r} in an order, laboratory.toml or recall.toml has no catalogue: "
+            f"language {language!r} of an order, laboratory.toml or recall.toml has no catalogue: "
             f"give one of {', '.join(LANGUAGES)} (of certificates also {BOTH!r})."
         )
     found: dict[str, str] = {}
@@ -65,7 +65,10 @@ def _bundle(language: str) -> Any:
     # Late: a command that says nothing needs no parser.
     from fluent.runtime import FluentBundle
 
-    functions = {"CAPITAL": partial(_initial, str.upper), "LOWER": partial(_initial, str.lower)}
+    functions: dict[str, Any] = {
+        "CAPITAL": partial(_initial, str.upper),
+        "LOWER": partial(_initial, str.lower),
+    }
     return FluentBundle([language], use_isolating=False, functions=functions)
 
 
