@@ -38,6 +38,8 @@ class Message:
     rendered in the same language, a tuple of them as a list.
     """
 
+    __pydantic_config__ = ConfigDict(extra="forbid")  # not that of the model it is a field of
+
     id: str
     arguments: Arguments = ()
 

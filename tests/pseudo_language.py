@@ -1,8 +1,8 @@
-"""A language made of English, each of its texts between ⟦ and ⟧: what is not so is of no catalogue."""
+"""A language made of English, each text between ⟦ and ⟧: what is not so is of no catalogue."""
 
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -13,10 +13,11 @@ from tasks.rendering.page import _environment
 from tasks.words import LANGUAGES, MAIN, say, texts, translation
 from tasks.words.typography import typeset
 
-NAME = "qps"  # a code for private use (ISO 639-2)
+NAME = "xx"  # a code that no language has
 BEGIN, END = "⟦", "⟧"
 WRAPPED = re.compile(f"{BEGIN}[^{BEGIN}{END}]*{END}")
-PHRASE = re.compile(r"[A-Za-z’']{2,}(?:[ \u00a0][A-Za-z’']{2,})+")
+WORD = r"(?<!\w)[A-Za-z’']{2,}(?!\w)"
+PHRASE = re.compile(rf"{WORD}(?:[ \u00a0]{WORD})+")
 BY_WORD = ("typography-",)  # what a layout chooses by, and marks inside of sentences
 CACHES = (
     translation._file_of, translation._bundle, translation._catalogue_file, say, texts, typeset,
@@ -70,8 +71,13 @@ def _wrapped(catalogue: str) -> str:
 
 
 def bare(text: str) -> str:
-    """What of a text stands outside of the marks, inner ones first."""
-    left = None
+    """What of a text stands outside of the marks."""
     while (outer := WRAPPED.sub(" ", text)) != text:
         text = outer
     return text
+
+
+def phrases(texts_: Iterable[str], words: int = 2) -> set[str]:
+    """What stands outside of the marks and has so many words one after the other."""
+    outside = (found for text in texts_ for found in PHRASE.findall(bare(text)))
+    return {found for found in outside if len(found.split()) >= words}

@@ -64,7 +64,7 @@ def discrepancy_together(
         findings=findings,
         held_out=_held_out([one.held_out for one in fitted]),
         remarks=tuple(statement(each) for each in own),
-        statement=sentence(words),
+        statement=statement(sentence(words)),
     )
 
 

@@ -17,7 +17,7 @@ from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
 from tasks.stages.events import logger_of
 from tasks.stages.stage import announce
-from tasks.words import MAIN, Message, message, statement
+from tasks.words import MAIN, Message, message, say, statement
 
 LOG = logger_of("remind")
 Send = Callable[[str, str, str, bytes | None], str | None]
@@ -137,10 +137,18 @@ def _side(days: int) -> str:
     return "before" if days < 0 else "after"
 
 
+class NoAdvice(Unusable):
+    """Certificates that say nothing of an interval."""
+
+    def __init__(self, why: Message) -> None:
+        super().__init__(say(why))
+        self.why = why
+
+
 def interval_advice(serial: str, home: Home) -> tuple[str, int, IntervalAdvice]:
     """The unit, its agreed interval in days, and the advice on it.
 
-    Raises Unusable for a serial number without such a certificate, of several products, or
+    Raises NoAdvice for a serial number without such a certificate, of several products, or
     whose last certificate has no agreed date.
     """
     entries = [entry for entry in certificates.register(home) if entry.serial == serial]
@@ -156,10 +164,9 @@ def advice_by(of_unit: Sequence[Entry], serial: str, home: Home) -> tuple[str, i
     entries = [entry for entry in of_unit if entry.state == "issued" and entry.calibrated_on]
     units = {f"{entry.manufacturer} {entry.model} {entry.serial}" for entry in entries}
     if len(units) != 1:
-        found = "there is none" if not units else f"{' and '.join(sorted(units))} have"
-        raise Unusable(
-            f"The interval of {serial!r} needs issued certificates of one unit with the day of "
-            f"calibration; {found}: see `mimucal table certificates`."
+        kind = "several" if units else "none"
+        raise NoAdvice(
+            message(f"reminder-no-advice.{kind}", serial=serial, units=tuple(sorted(units)))
         )
     dated = sorted(entries, key=_day)
     verdicts = [_verdict_found(entry, home) for entry in dated]
@@ -170,10 +177,7 @@ def advice_by(of_unit: Sequence[Entry], serial: str, home: Home) -> tuple[str, i
     ]
     last = dated[-1]
     if last.due is None:
-        raise Unusable(
-            f"Certificate {last.number} has no recalibration date to start from: agree on one in "
-            "the order (recalibration_agreed = true)."
-        )
+        raise NoAdvice(message("reminder-no-advice.not-agreed", certificate=last.number))
     agreed = (last.due - _day(last)).days
     return units.pop(), agreed, advise(history, agreed)
 

@@ -10,7 +10,14 @@ CHOICE = re.compile("[a-z]{3,}")  # no name of a segment, and no symbol
 
 def message(id_: str, /, **arguments: Argument) -> Message:
     """A message by its identifier, `room-what` or `room-what.attribute`, and its arguments."""
-    return Message(id_, tuple(arguments.items()))
+    return Message(id_, tuple((name, _unsaid(value)) for name, value in arguments.items()))
+
+
+def _unsaid(value: Argument) -> Argument:
+    """What a message keeps of an argument: of a statement the message that it was made of."""
+    if isinstance(value, tuple):
+        return tuple(map(_unsaid, value))  # type: ignore[arg-type]
+    return value.message or value if isinstance(value, Statement) else value
 
 
 def clauses(parts: Sequence[Sayable], by: str = "clause-sequence") -> Sayable:
