@@ -13,16 +13,12 @@ from schemas.text import texts_of
 from storage.catalogue import trail
 from storage.catalogue.trail import Entry
 from storage.home import home
-from tasks.words import say
+from tasks.words import known, message, say
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
 
 COLOURS: dict[Verdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
-NEXT = {
-    "draft": "next: mimucal check {number} --by NAME, then mimucal issue {number} --by NAME",
-    "checked": "next: mimucal issue {number} --by NAME",
-}
 
 
 def print_certificate(published: "Published", as_json: bool) -> None:
@@ -58,12 +54,12 @@ def print_verdict(published: "Published") -> None:
     for sentence in published.missing:
         console.print(f"  {say(sentence)}", markup=False)
     if published.due:
-        console.print(f"recalibration due {published.due}")
+        console.print(say(message("flows-due", day=f"{published.due}")))
     for path in (published.pdf, published.dcc, published.record, published.evidence):
         if path:
             print(path)
-    if published.state in NEXT:
-        print(NEXT[published.state].format(number=certificate.number))
+    if known(following := f"flows-next.{published.state}"):
+        print(say(message(following, number=certificate.number)))
 
 
 def _document(published: "Published") -> dict[str, Any]:

@@ -17,7 +17,7 @@ from schemas.decision import Decision
 from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
 from schemas.recording import Manifest
 from schemas.signature import SigningSettings
-from schemas.text import BOTH, CONTRACTED, AnyMessage, Language, Statement
+from schemas.text import BOTH, CONTRACTED, AnyMessage, Language, Statement, Wording
 from schemas.tolerance import Tolerance
 
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
@@ -81,7 +81,7 @@ class Laboratory(Frozen):
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
     capabilities: tuple[Capability, ...] = ()
     latitude_deg: float | None = Field(default=None, ge=-90, le=90)
-    wording: dict[str, Statement] = Field(default_factory=dict)
+    wording: dict[str, Wording] = Field(default_factory=dict)
     logo: str | None = Field(default=None, exclude=True)
     seal: str | None = Field(default=None, exclude=True)
     template: str | None = Field(default=None, exclude=True)

@@ -50,19 +50,14 @@ Messages = Annotated[
 ]
 
 
-class Statement(Frozen):
-    """A name, a sentence or a paragraph in words, in each language by its code.
-
-    message: that it was made of, which can be rendered in any other language; null for a text of
-    the user.
-    """
+class Wording(Frozen):
+    """A name, a sentence or a paragraph in words, in each language by its code."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, str] = Field(init=False)
 
     en: str
     zh: str
-    message: AnyMessage = None
 
     @property
     def words(self) -> dict[str, str]:
@@ -76,7 +71,17 @@ class Statement(Frozen):
 
 
 # The languages that the contracts name: the main one, and that of the specifications.
-CONTRACTED = tuple(name for name in Statement.model_fields if name != "message")
+CONTRACTED = tuple(Wording.model_fields)
+
+
+class Statement(Wording):
+    """What the program says, in words, and the message that these were made of, which can be
+    rendered in any other language; null for a text of the user.
+    """
+
+    message: AnyMessage = None
+
+
 PARTS = (*CONTRACTED, "message")
 BOTH = "both"  # of them on one certificate, that of the specifications first
 

@@ -16,7 +16,7 @@ from schemas.certificate import Certificate, Laboratory
 from tasks.certificate.content import content, in_languages
 from tasks.certificate.dcc import dcc_of, record_of
 from tasks.certificate.figures import drawn
-from tasks.words import MAIN, identifiers, message, say
+from tasks.words import MAIN, identifiers, message, say, statement
 
 LAYOUT = {path.name: path.read_bytes() for path in Path(__file__).parent.glob("*.typ")}
 HOUSE, ENTRY = "certificate.typ", "main.typ"  # ENTRY: what the typesetter begins with
@@ -110,7 +110,9 @@ def _labels(laboratory: Laboratory | None, languages: Sequence[str]) -> dict[str
             f"are those of `certificate-label-…` in tasks/words/{MAIN}/certificate.ftl."
         )
     return {
-        name: in_languages(own.get(name) or message(f"{LABEL}{name}", **PAGE), languages)
+        name: in_languages(
+            statement(own[name]) if name in own else message(f"{LABEL}{name}", **PAGE), languages
+        )
         for name in names
     }
 

@@ -18,6 +18,7 @@ from schemas.text import (
     RunVerdict,
     Sayable,
     Statement,
+    Wording,
 )
 
 COMMON = "common.ftl"  # every language has it
@@ -177,15 +178,17 @@ def texts(sayable: Sayable) -> Mapping[str, str]:
     return {language: say(sayable, language) for language in LANGUAGES}
 
 
-def statement(sayable: Sayable) -> Statement:
+def statement(sayable: Sayable | Wording) -> Statement:
     """A message rendered for publication, in every language."""
     return Statement(**worded(sayable))
 
 
-def worded(sayable: Sayable) -> dict[str, Any]:
+def worded(sayable: Sayable | Wording) -> dict[str, Any]:
     """A message as the fields of a statement: in every language, and as it is."""
     if isinstance(sayable, Statement):
         return {**texts(sayable), **sayable.words, "message": sayable.message}
+    if isinstance(sayable, Wording):
+        return dict(sayable.words)
     return {**texts(sayable), "message": sayable if isinstance(sayable, Message) else None}
 
 
