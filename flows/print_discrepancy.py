@@ -94,8 +94,8 @@ def _print_finding(console: Console, finding: ReportedFinding) -> None:
         console.print(f"  {say(more)}", style="dim")
     for change in finding.verdict_changes:
         item, verdicts = names.element_title(change.item, ""), names.change_title(change)
-        line = message("flows-verdict-of", item=item, change=verdicts)
-        console.print(f"  {say(line)}", style="bold", markup=False)
+        sentence = say(message("flows-verdict-of", item=item, change=verdicts))
+        console.print(f"  {sentence}", style="bold", markup=False)
 
 
 def print_review(reviewed: Reviewed) -> None:

@@ -10,7 +10,7 @@ import pytest
 from fluent.syntax import FluentSerializer, ast, parse
 
 from tasks.rendering.page import _environment
-from tasks.words import LANGUAGES, MAIN, say, texts, translation
+from tasks.words import LANGUAGES, MAIN, translation
 from tasks.words.typography import typeset
 
 NAME = "xx"  # a code that no language has
@@ -20,7 +20,8 @@ WORD = r"(?<!\w)[A-Za-z’']{2,}(?!\w)"
 PHRASE = re.compile(rf"{WORD}(?:[ \u00a0]{WORD})+")
 BY_WORD = ("typography-",)  # what a layout chooses by, and marks inside of sentences
 CACHES = (
-    translation._file_of, translation._bundle, translation._catalogue_file, say, texts, typeset,
+    translation._file_of, translation._bundle, translation._catalogue_file,
+    translation._rendered, typeset,
     _environment,
 )  # fmt: skip
 

@@ -17,7 +17,9 @@ def _unsaid(value: Argument) -> Argument:
     """What a message keeps of an argument: of a statement the message that it was made of."""
     if isinstance(value, tuple):
         return tuple(map(_unsaid, value))  # type: ignore[arg-type]
-    return value.message or value if isinstance(value, Statement) else value
+    if isinstance(value, Statement):
+        return value.message or Statement(**dict(value.words))
+    return value
 
 
 def clauses(parts: Sequence[Sayable], by: str = "clause-sequence") -> Sayable:

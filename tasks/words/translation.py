@@ -141,7 +141,6 @@ def identifiers(prefix: str) -> tuple[str, ...]:
     return tuple(sorted(id_ for id_ in _file_of(LANGUAGES[0]) if id_.startswith(prefix)))
 
 
-@lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
 def say(sayable: Sayable, language: str = MAIN) -> str:
     """A message or statement in one language; mere text is the same in all.
 
@@ -156,6 +155,11 @@ def say(sayable: Sayable, language: str = MAIN) -> str:
             with suppress(KeyError):
                 return say(sayable.message, language)
         return sayable.words.get(language) or sayable.words[MAIN]
+    return _rendered(sayable, language)
+
+
+@lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
+def _rendered(sayable: Message, language: str) -> str:
     bundle, pattern = _pattern(language, sayable.id)
     if pattern is None:
         raise KeyError(f"the {language} catalogue has no message {sayable.id}")
@@ -172,7 +176,6 @@ def say(sayable: Sayable, language: str = MAIN) -> str:
     return str(text)
 
 
-@lru_cache(maxsize=4096)
 def texts(sayable: Sayable) -> Mapping[str, str]:
     """A message in every language, by language: the fields of a `Remark`, for one."""
     return {language: say(sayable, language) for language in LANGUAGES}

@@ -7,7 +7,7 @@ from schemas.text import text_of
 from tasks.certificate.cover import party_address, party_name, signatures
 from tasks.certificate.dcc.equipment import identification
 from tasks.certificate.dcc.software import software
-from tasks.certificate.dcc.xml import LANGUAGES, Element, dcc, described, named, plain
+from tasks.certificate.dcc.xml import Element, dcc, described, languages, named, plain
 from tasks.certificate.fields import given
 from tasks.words import message, say
 
@@ -45,8 +45,8 @@ def _core(certificate: Certificate) -> Element:
     """If no day of calibration is given, that of issue replaces it, as in `due`."""
     order = certificate.order
     performed = day(certificate.calibrated_on or certificate.issued_on)
-    used = [dcc.usedLangCodeISO639_1(language) for language in LANGUAGES]
-    mandatory = [dcc.mandatoryLangCodeISO639_1(language) for language in LANGUAGES]
+    used = [dcc.usedLangCodeISO639_1(language) for language in languages()]
+    mandatory = [dcc.mandatoryLangCodeISO639_1(language) for language in languages()]
     return dcc.coreData(
         dcc.countryCodeISO3166_1(COUNTRY),
         *used,

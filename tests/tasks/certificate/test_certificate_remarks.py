@@ -10,6 +10,7 @@ from schemas.recording import Segment
 from schemas.text import Remark
 from tasks.certificate.remarks import alike
 from tasks.run_validity.remark import run_remark
+from tasks.words import remark
 
 NAMES = [f"rate_{axis}_{rate:+d}" for axis in "xyz" for rate in (-300, -100, -10, 10, 100, 300)]
 MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
@@ -29,7 +30,7 @@ def test_what_is_so_of_one_segment_after_the_other_is_told_once_with_the_list() 
     (row,) = made.remarks
     zh, en = row.text
     assert en.startswith("rate_x_-300: according to ")
-    assert en.endswith("to 17 more segments.")
+    assert en.endswith("to 17 more segments. This prevents a pass.")
     assert row.segments == ", ".join(NAMES[1:])
     assert "另有 17 段" in zh
 
@@ -55,8 +56,8 @@ def test_of_many_segments_only_number_and_kind_stand_in_the_remark() -> None:
 
 
 def test_remarks_that_differ_in_more_than_figures_stay_apart() -> None:
-    other = run_remark("rate_not_held", NAMES[0])
-    blocking = unsteady(NAMES[1], 1, blocks_pass=True)
+    other = remark("unsteady_rate", "Something else.", NAMES[:1], blocks_pass=True, run="remarks")
+    blocking = unsteady(NAMES[1], 1, blocks_pass=False)
     whole = Remark(code="unsteady_rate", en="A.", zh="A.")
     groups = alike([unsteady(NAMES[0], 1), other, blocking, whole, whole])
     assert [len(group) for group in groups] == [1, 1, 1, 1, 1]
