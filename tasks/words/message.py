@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Hashable, Sequence
+from typing import Any
 
 from schemas.text import Argument, Message, Sayable, Statement
 
@@ -18,7 +19,8 @@ def _unsaid(value: Argument) -> Argument:
     if isinstance(value, tuple):
         return tuple(map(_unsaid, value))  # type: ignore[arg-type]
     if isinstance(value, Statement):
-        return value.message or Statement(**dict(value.words))
+        words: dict[str, Any] = value.words
+        return value.message or Statement(**words)
     return value
 
 
