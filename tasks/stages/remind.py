@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from schemas.base import Unusable
 from schemas.certificate import Party
-from schemas.recall import DueUnit, RecallClient, RecallFile
+from schemas.recall import DueUnit, RecallFile
 from schemas.text import text_of
 from storage import settings
 from storage.catalogue import certificates, reminders
@@ -77,7 +77,7 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
     today = now.astimezone().date()
     for each in due_units(home, today - timedelta(days=OCCASIONS[0])):
         days = occasion(each.due, each.issued_on, today)
-        client = _client_of(each, asked)
+        client = next((client for client in asked.clients if client.name in each.client), None)
         if client is None or days is None:
             continue
         for name in client.channels:
@@ -120,10 +120,6 @@ def feed(home: Home, name: str, now: datetime) -> bytes:
             "interval; give the name as the orders have it."
         )
     return calendar(own, client.language if client else MAIN, now)
-
-
-def _client_of(due_unit: DueUnit, asked: RecallFile) -> RecallClient | None:
-    return next((client for client in asked.clients if client.name in due_unit.client), None)
 
 
 def _sent(
