@@ -3,7 +3,7 @@
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -37,6 +37,11 @@ from tests.surroundings import leave_production
 UNUSABLE = 2
 
 
+def only(what: str, *names: str, most: int | None = None) -> Any:
+    """An option that holds nothing but N of something."""
+    return typer.Option(*names, metavar="N", min=1, max=most, help=f"Nothing but N {what}")
+
+
 def main(
     seed: Annotated[int, typer.Option(min=0, help="Which trial.")] = 1,
     short: Annotated[
@@ -54,36 +59,12 @@ def main(
         ),
     ] = None,
     station: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            max=160,
-            help="Nothing but N short recordings of the virtual station.",
-        ),
+        int | None, only("short recordings of the virtual station.", most=160)
     ] = None,
-    load: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Nothing but N demonstrations with every core busy."),
-    ] = None,
-    kills: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="Nothing but N acquisitions killed at random moments."
-        ),
-    ] = None,
-    resumes: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="Nothing but N acquisitions that are killed and go on."
-        ),
-    ] = None,
-    stops: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="Nothing but N stops at random moments, parts being down."
-        ),
-    ] = None,
+    load: Annotated[int | None, only("demonstrations with every core busy.")] = None,
+    kills: Annotated[int | None, only("acquisitions killed at random moments.")] = None,
+    resumes: Annotated[int | None, only("acquisitions that are killed and go on.")] = None,
+    stops: Annotated[int | None, only("stops at random moments, parts being down.")] = None,
     rough: Annotated[
         bool, typer.Option("--rough", help="Rough recordings in place of the catalogue's.")
     ] = False,
@@ -118,52 +99,23 @@ def main(
             "stay in DIR, where it goes on.",
         ),
     ] = None,
-    faults: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Nothing but N runs, each with a random fault."),
-    ] = None,
-    fuzz: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Nothing but N damaged inputs for each parser."),
-    ] = None,
+    faults: Annotated[int | None, only("runs, each with a random fault.")] = None,
+    fuzz: Annotated[int | None, only("damaged inputs for each parser.")] = None,
     throughput: Annotated[
         float | None,
         typer.Option(metavar="SECONDS", min=1, help="Nothing but fast stations, each for so long."),
     ] = None,
-    history: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="Nothing but N recordings made again, here and by a cluster."
-        ),
-    ] = None,
-    fleets: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Nothing but N fleets of many runs each."),
-    ] = None,
-    next_: Annotated[
-        int | None,
-        typer.Option(
-            "--next", metavar="N", min=1, help="Nothing but N open cases and what decides them."
-        ),
-    ] = None,
+    history: Annotated[int | None, only("recordings made again, here and by a cluster.")] = None,
+    fleets: Annotated[int | None, only("fleets of many runs each.")] = None,
+    next_: Annotated[int | None, only("open cases and what decides them.", "--next")] = None,
     next_on_station: Annotated[
         int | None,
         typer.Option(
             metavar="MINUTES", min=1, help="Nothing but what decides on the virtual station."
         ),
     ] = None,
-    issue: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="Nothing but N certificates issued at once, and kills."
-        ),
-    ] = None,
-    pages: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="Nothing but N random questions to each endpoint of the pages."
-        ),
-    ] = None,
+    issue: Annotated[int | None, only("certificates issued at once, and kills.")] = None,
+    pages: Annotated[int | None, only("random questions to each endpoint of the pages.")] = None,
     hostile: Annotated[
         int | None,
         typer.Option(

@@ -6,6 +6,7 @@ from pathlib import Path
 from tasks.rendering import page
 from tests.proof.peers.score import PeerScore
 from tests.proof.peers.table import Duties, duties_of
+from tests.proof.report import table
 from tests.proof.text import Text, bilingual
 from tests.proof.trial.evidence import rate_words
 
@@ -59,9 +60,8 @@ def markdown(scores: Sequence[PeerScore]) -> str:
     """The same table; empty where no peer answered."""
     if not scores:
         return ""
-    lines = ["| " + " | ".join(COLUMNS) + " |", "|---" * len(COLUMNS) + "|"]
-    lines += ["| " + " | ".join(cells(each)) + " |" for each in duties_of(scores)]
-    return "\n".join([f"## {TITLE.en}", "", METHOD.en, "", *lines, "", RULES.en, ""])
+    rows = table(COLUMNS, map(cells, duties_of(scores)))
+    return "\n".join([f"## {TITLE.en}", "", METHOD.en, "", *rows, "", RULES.en, ""])
 
 
 def cells(duties: Duties) -> list[str]:

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, field
 from statistics import median
 from typing import Any
 
+from tests.proof.report import table
 from tests.proof.trial.failures import Failure, failures
 from tests.proof.trial.figures import costs, figures
 from tests.proof.trial.machine import Machine, this_machine
@@ -90,35 +91,17 @@ def as_markdown(trial: Trial) -> str:
         failure_cells(each, "; ".join(cause.en for cause in each.causes))
         for each in failures(trial.scores)
     ]
-    return "\n".join(
-        [
-            f"# The sealed trial, seed {trial.seed}",
-            "",
-            f"{len(trial.scores)} recordings, {trial.code_version}, {trial.seconds:.0f} s; SHA-256 "
-            f"of the seals {trial.seals}. Intervals in brackets are Wilson's, 95 %.",
-            "",
-            *_lines(("", "asked", "reached", "of"), asked),
-            "",
-            *_lines(("what it costs to miss it", "as the clauses give it", "with explain"), cost),
-            "",
-            *(f"- {what}: {figure}" for what, figure in besides(trial)),
-            "",
-            *_lines(COLUMNS, [cells(r, True) for r in totals_of(trial.scores).values()]),
-            "",
-            *_lines(COLUMNS, [cells(each, False) for each in rows_of(trial.scores)]),
-            "",
-            *_lines(COSTS, [cost_cells(each) for each in by_effect(trial.scores)]),
-            "",
-            *_lines(FAILURES, failed),
-            "",
-        ]
-    )
-
-
-def _lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """A table of Markdown."""
-    made = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
-    return made + ["| " + " | ".join(each) + " |" for each in rows]
+    return "\n".join([
+        f"# The sealed trial, seed {trial.seed}", "",
+        f"{len(trial.scores)} recordings, {trial.code_version}, {trial.seconds:.0f} s; SHA-256 "
+        f"of the seals {trial.seals}. Intervals in brackets are Wilson's, 95 %.", "",
+        *table(("", "asked", "reached", "of"), asked), "",
+        *table(("what it costs to miss it", "as the clauses give it", "with explain"), cost), "",
+        *(f"- {what}: {figure}" for what, figure in besides(trial)), "",
+        *table(COLUMNS, (cells(each, True) for each in totals_of(trial.scores).values())), "",
+        *table(COLUMNS, (cells(each, False) for each in rows_of(trial.scores))), "",
+        *table(COSTS, map(cost_cells, by_effect(trial.scores))), "", *table(FAILURES, failed), "",
+    ])  # fmt: skip
 
 
 def failure_cells(failure: Failure, cause: str) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tasks.rendering import page
+from tests.proof.report import table
 from tests.proof.text import Text, bilingual
 from tests.proof.trial.rough.score import RoughScore
 from tests.proof.trial.rough.table import AGREE, CASES, COLUMNS, agreement, cases, rows_rough
@@ -41,15 +42,10 @@ def rough_markdown(seed: int, seals: str, answers: Answers) -> str:
     """The same tables."""
     lines = [f"# {TITLE.en}, seed {seed}", "", RULES.en, "", f"SHA-256 of the seals: {seals}", ""]
     for engine, scores in answers.items():
-        lines += [f"## {engine}", "", *_table(COLUMNS, _rows(scores)), ""]
-        lines += [*_table(AGREE, agreement(scores)), "", *_table(CASES, cases(scores)), ""]
+        lines += [f"## {engine}", "", *table(COLUMNS, _rows(scores)), ""]
+        lines += [*table(AGREE, agreement(scores)), "", *table(CASES, cases(scores)), ""]
     return "\n".join(lines)
 
 
 def _rows(scores: Sequence[RoughScore]) -> list[list[str]]:
     return [row.cells() for row in rows_rough(scores)]
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    made = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
-    return made + ["| " + " | ".join(each).replace("\n", " ") + " |" for each in rows]
