@@ -1,6 +1,17 @@
 """All pages, in the order of the navigation."""
 
-from flows.pages import budget, discrepancy, do, due, line, quality, run, runs, signals, unit
+from flows.pages import (
+    budget,
+    discrepancy,
+    do,
+    due,
+    line,
+    quality,
+    run,
+    runs,
+    signals,
+    unit,
+)
 from flows.pages.page import Page
 
 PAGES: tuple[Page, ...] = (

@@ -9,7 +9,6 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,12 +31,10 @@ from storage.formats.logger import clocks
 from storage.formats.logger.columns import find_columns, several_sensors
 from storage.formats.logger.scales import scale_of
 from storage.formats.logger.sheet import Sheet, read_sheet
+from storage.formats.logger.tables import readers
 from storage.formats.logger.timing import timed
 from storage.formats.logger.units import Scale, is_in_g, plain
 from storage.formats.manifest import check_controls
-
-if TYPE_CHECKING:
-    pass
 
 STANDARD_G = (
     f"g is the standard {STANDARD_GRAVITY} m/s², for the local one was not given: biases in m/s² "
@@ -47,7 +44,6 @@ NO_GRAVITY = (
     "local gravity was not given: scale factors of accelerometers, which are ratios to it, are not "
     "determined; give --gravity"
 )
-KINDS = (".csv", ".tsv", ".txt", ".log", ".dat", ".lvm", ".xlsx", ".xlsm", ".parquet", ".pq")
 
 
 @dataclass(frozen=True)
@@ -77,7 +73,7 @@ class Understood:
 
 def is_log(path: Path) -> bool:
     """Whether a path is a table of a logger by its name."""
-    return path.suffix.lower() in KINDS and not path.is_dir()
+    return path.suffix.lower() in readers() and not path.is_dir()
 
 
 def read_log(

@@ -1,6 +1,8 @@
 """A logger's table as columns: preamble, header, units and separators found, whatever wrote it."""
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from io import StringIO
 from pathlib import Path
@@ -14,14 +16,12 @@ from storage.formats.logger.lines import (
     NUMBER,
     SPACES,
     decimal_comma,
-    decoded,
     fields_of,
     is_value,
-    joined,
     plain_line,
 )
+from storage.formats.logger.tables import Lines, content
 from storage.formats.logger.units import quantity_of
-from storage.formats.logger.xlsx import read_cells
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -100,32 +100,23 @@ class Sheet:
 
 
 def read_sheet(path: Path) -> Sheet:
-    """Reads csv, tsv, txt, xlsx or parquet; raises Unusable for what holds no table of numbers."""
-    import pandas as pd
-
-    try:
-        if path.suffix.lower() in (".parquet", ".pq"):
-            return _of_frame(path, pd.read_parquet(path))
-        if path.suffix.lower() in (".xlsx", ".xlsm"):
-            return _of_lines(path, [joined(cells) for cells in read_cells(path)], "\t")
-        return _of_lines(path, decoded(path).splitlines())
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise Unusable(f"{path} cannot be read as a table ({reason}); export it again.") from error
+    """Reads a table of a kind in `tables`; raises Unusable for what holds no table of numbers."""
+    with _as_unusable(path):
+        found = content(path)
+        if isinstance(found, Lines):
+            return _of_lines(path, found.lines, found.separator)
+        return _of_frame(path, found)
 
 
 def read_protocol(path: Path) -> Sheet:
     """A table whose first line that is no comment names its columns, every value as text."""
     import pandas as pd
 
-    if path.suffix.lower() in (".parquet", ".pq"):
-        return read_sheet(path)
-    try:
-        is_book = path.suffix.lower() in (".xlsx", ".xlsm")
-        lines = [joined(c) for c in read_cells(path)] if is_book else decoded(path).splitlines()
-    except OSError as error:
-        raise Unusable(f"{path} cannot be read ({error.strerror}).") from error
-    kept = [(n, line) for n, line in enumerate(lines, start=1) if line.strip()]
+    with _as_unusable(path):
+        found = content(path)
+    if not isinstance(found, Lines):
+        return _of_frame(path, found)
+    kept = [(n, line) for n, line in enumerate(found.lines, start=1) if line.strip()]
     kept = [(n, line) for n, line in kept if not line.lower().startswith(("sep=", *COMMENTS))]
     if len(kept) < 2:
         raise Unusable(f"{path} holds no line below its header; write one for each position.")
@@ -135,6 +126,15 @@ def read_protocol(path: Path) -> Sheet:
     rows = [_bare(fields_of(line, separator), len(names)) for _, line in kept[1:]]
     frame = pd.DataFrame(rows, columns=range(len(names)), dtype=str)
     return Sheet(path, names, [""] * len(names), frame, np.array([n for n, _ in kept[1:]]))
+
+
+@contextmanager
+def _as_unusable(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise Unusable(f"{path} cannot be read as a table ({reason}); export it again.") from error
 
 
 def _of_frame(path: Path, frame: "pd.DataFrame") -> Sheet:

@@ -8,7 +8,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from schemas.base import Unusable
+from storage.formats.logger.lines import joined
+from storage.formats.logger.tables import Lines
 
+SUFFIXES = (".xlsx", ".xlsm")
 MAX_BYTES = 2**30  # of a sheet unpacked: more is no table of a logger
 DAY_ZERO = datetime(1899, 12, 30)  # of Excel's days, after its 29 February 1900
 DATES = {*range(14, 23), *range(45, 48)}  # built-in formats of dates and times
@@ -16,7 +19,12 @@ DATE_LETTERS = re.compile(r"[ydhs]", re.IGNORECASE)
 QUOTED = re.compile(r'"[^"]*"|\[[^\]]*\]|\\.')
 
 
-def read_cells(path: Path) -> list[list[str]]:
+def read(path: Path) -> Lines:
+    """A line for each row of the first sheet that holds a table, tabs between its cells."""
+    return Lines([joined(cells) for cells in _rows(path)], "\t")
+
+
+def _rows(path: Path) -> list[list[str]]:
     """The rows of the first sheet with more than one cell in a row; dates as ISO 8601.
 
     Raises Unusable for what is no workbook.

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from schemas.base import Unusable
-from storage.formats.logger.xlsx import read_cells
+from storage.formats.logger.tables.xlsx import read
 
 NAME = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 SHEET = (
@@ -31,7 +31,7 @@ def book(path: Path, sheet: str) -> Path:
 
 
 def test_texts_gaps_formulas_and_dates_are_read(tmp_path: Path) -> None:
-    rows = read_cells(book(tmp_path / "log.xlsx", SHEET))
+    rows = [line.split("\t") for line in read(book(tmp_path / "log.xlsx", SHEET)).lines]
     assert rows == [
         ["Time", "", "gyro x"],
         ["2026-03-02 12:00:01.000002", "1.5", "2"],
@@ -42,6 +42,6 @@ def test_texts_gaps_formulas_and_dates_are_read(tmp_path: Path) -> None:
 def test_what_is_no_workbook_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "log.xlsx").write_text("t,gx")
     with pytest.raises(Unusable, match="no xlsx workbook"):
-        read_cells(tmp_path / "log.xlsx")
+        read(tmp_path / "log.xlsx")
     with pytest.raises(Unusable, match="no sheet holds a table"):
-        read_cells(book(tmp_path / "empty.xlsx", ""))
+        read(book(tmp_path / "empty.xlsx", ""))
