@@ -99,7 +99,7 @@ def _made(
 def _wait(client: Client, futures: list[Future]) -> None:
     """Until one of them is done, or for ANSWER_S; raises ConnectionError without the scheduler."""
     with suppress(TimeoutError):
-        wait(futures, timeout=ANSWER_S, return_when="FIRST_COMPLETED")
+        wait(futures, timeout=min(ANSWER_S, PATIENCE_S), return_when="FIRST_COMPLETED")
     if client.status != "running":
         raise ConnectionError("the connection to the scheduler was lost")
 

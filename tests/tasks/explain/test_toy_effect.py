@@ -5,13 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.explain import explain
 from tasks.explain.locate.where import locate
 from tasks.explain.report.discrepancy import discrepancy_of
 from tasks.model import terms
 from tasks.words import say
+from tests.manifests import manifest_of
 
 TOY = Path(__file__).parent / "toy"
 TRUE = np.array([2e-3, -3e-3, 1e-3])
@@ -38,11 +39,9 @@ def recording() -> Recording:
                     **({"kind": "rate", "axis": AXES[axis], "rate_deg_s": rate} if rate
                        else {"kind": "static"}),
                 })  # fmt: skip
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "toy", "standard": "JJF 2003-2022",
-        "unit": {"manufacturer": "test", "model": "m", "serial": "1"},
-        "station": {"id": "t", "gravity_m_s2": GRAVITY}, "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of(
+        "toy", {"gravity_m_s2": GRAVITY}, standard="JJF 2003-2022", segments=segments
+    )
     values = np.concatenate(rows)
     columns = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))
     return Recording(manifest, Stream(np.arange(len(values)) / RATE_HZ, columns), digest="0" * 64)
