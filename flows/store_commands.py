@@ -54,10 +54,11 @@ def verify(
     from flows.progress import counting
 
     if path is not None:
-        from flows.verify_certificate import run_verify_certificate
-        from tasks.certificate.verify_file import is_certificate
+        from tasks.certificate.documents import is_certificate
 
         if is_certificate(path):
+            from flows.verify_certificate import run_verify_certificate
+
             run_verify_certificate(path, trust, as_json)
         from tasks.stages.import_checks import faults_of  # late: a certificate needs no store
 

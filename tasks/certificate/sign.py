@@ -9,6 +9,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from pkcs11 import PKCS11Error
+from pyhanko.pdf_utils.incremental_writer import IncrementalPdfFileWriter
+from pyhanko.sign import fields, signers
+from pyhanko.sign.pkcs11 import PKCS11Signer, TokenCriteria, open_pkcs11_session
+from pyhanko.sign.timestamps import HTTPTimeStamper, TimestampRequestError
+
 from schemas.base import Unusable
 from schemas.signature import SigningSettings, Token
 
@@ -69,9 +75,6 @@ def sign_pdf(pdf: bytes, signing: Signing) -> bytes:
 
     Raises Unusable where the time-stamping service does not answer.
     """
-    from pyhanko.pdf_utils.incremental_writer import IncrementalPdfFileWriter
-    from pyhanko.sign import fields, signers
-    from pyhanko.sign.timestamps import TimestampRequestError
 
     class _AtGivenTime(signers.PdfSigner):
         def init_signing_session(self, *arguments: Any, **options: Any) -> Any:
@@ -99,8 +102,6 @@ def sign_pdf(pdf: bytes, signing: Signing) -> bytes:
 
 
 def _of_file(path: Path, passphrase: str | None) -> Any:
-    from pyhanko.sign import signers
-
     secret = None if passphrase is None else passphrase.encode()
     if not path.is_file():
         raise Unusable(
@@ -119,9 +120,6 @@ def _of_file(path: Path, passphrase: str | None) -> Any:
 
 
 def _of_token(token: Token, pin: str | None) -> Any:
-    from pkcs11 import PKCS11Error
-    from pyhanko.sign.pkcs11 import PKCS11Signer, TokenCriteria, open_pkcs11_session
-
     try:
         session = open_pkcs11_session(
             token.module, token_criteria=TokenCriteria(label=token.token), user_pin=pin
@@ -142,6 +140,5 @@ def _of_token(token: Token, pin: str | None) -> Any:
 def _time_stamper(address: str | None) -> Any:
     if address is None:
         return None
-    from pyhanko.sign.timestamps import HTTPTimeStamper
 
     return HTTPTimeStamper(address)

@@ -3,7 +3,10 @@
 import asyncio
 from typing import Any
 
+from cryptography import x509
 from lxml import etree
+from signxml import DigestAlgorithm, SignatureMethod, methods
+from signxml.xades import XAdESDataObjectFormat, XAdESSigner
 
 from tasks.certificate.dcc.xml import canonical
 from tasks.certificate.sign import DIGEST, Signing
@@ -23,9 +26,6 @@ class _Key:
 
 def sign_xml(dcc: bytes, signing: Signing) -> bytes:
     """The DCC with a signature over all of it, in canonical form."""
-    from cryptography import x509
-    from signxml import DigestAlgorithm, SignatureMethod, methods
-    from signxml.xades import XAdESDataObjectFormat, XAdESSigner
 
     class _AtGivenTime(XAdESSigner):
         def add_signing_time(self, properties: Any, sig_root: Any, signing_settings: Any) -> None:

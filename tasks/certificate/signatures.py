@@ -7,9 +7,16 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+from asn1crypto.cms import ContentInfo, SignedData, SignerInfo
+from asn1crypto.x509 import Certificate
 from cryptography import x509
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.serialization import Encoding
+from pyhanko.sign.validation import validate_pdf_signature
+from pyhanko.sign.validation.settings import KeyUsageConstraints
+from pyhanko.sign.validation.status import SignatureCoverageLevel
+from pyhanko_certvalidator import ValidationContext
+from signxml.xades import XAdESSignatureConfiguration, XAdESVerifier
 
 from tasks.certificate.dcc.xml import Element
 from tasks.certificate.sign import DIGEST
@@ -39,11 +46,6 @@ def check_pdf_signature(pdf: bytes, embedded: Any, trusted: Sequence[bytes]) -> 
     embedded: pyHanko's. trusted: certificates (DER), one of which must have issued the signer's;
     empty: any issuer. Raises Broken.
     """
-    from pyhanko.sign.validation import validate_pdf_signature
-    from pyhanko.sign.validation.settings import KeyUsageConstraints
-    from pyhanko.sign.validation.status import SignatureCoverageLevel
-    from pyhanko_certvalidator import ValidationContext
-
     if embedded.md_algorithm != DIGEST:
         raise Broken(f"its digest is {embedded.md_algorithm}, not {DIGEST}")
     _check_contents(pdf, embedded)
@@ -51,8 +53,8 @@ def check_pdf_signature(pdf: bytes, embedded: Any, trusted: Sequence[bytes]) -> 
     at = embedded.self_reported_timestamp
     signed, root = _signed([embedded.signer_cert.dump(), *others], at, trusted)
     context = ValidationContext(
-        trust_roots=[_asn1(root)],
-        other_certs=[_asn1(each) for each in others],
+        trust_roots=[Certificate.load(root)],
+        other_certs=[Certificate.load(each) for each in others],
         moment=at,
         best_signature_time=at,
         allow_fetching=False,
@@ -75,8 +77,6 @@ def check_pdf_signature(pdf: bytes, embedded: Any, trusted: Sequence[bytes]) -> 
 
 def check_xml_signature(root: Element, trusted: Sequence[bytes]) -> Signed | None:
     """Checks the signature over a whole DCC; None if there is none. Raises Broken."""
-    from signxml.xades import XAdESSignatureConfiguration, XAdESVerifier
-
     found = root.findall(f".//{DS}Signature")
     if not found:
         return None
@@ -155,8 +155,6 @@ def _check_contents(pdf: bytes, embedded: Any) -> None:
     What it does not sign in itself (versions, the digests it announces, tags and lengths) is made
     again of what it does sign, of the certificates and of the signature proper.
     """
-    from asn1crypto.cms import ContentInfo, SignedData, SignerInfo
-
     of = embedded.signer_info
     parts = ("sid", "digest_algorithm", "signed_attrs", "signature_algorithm", "signature",
              "unsigned_attrs")  # fmt: skip
@@ -175,12 +173,6 @@ def _check_contents(pdf: bytes, embedded: Any) -> None:
     digits = pdf[length:after]
     if digits != f"<{made.hex().upper():0<{len(digits) - 2}}>".encode():
         raise Broken("the bytes of its signature are not written as they should be")
-
-
-def _asn1(certificate: bytes) -> Any:
-    from asn1crypto.x509 import Certificate
-
-    return Certificate.load(certificate)
 
 
 def _name(name: x509.Name) -> str:

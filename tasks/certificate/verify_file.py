@@ -14,12 +14,14 @@ from pathlib import Path
 
 from lxml import etree
 from pydantic import ValidationError
+from pyhanko.pdf_utils.reader import PdfFileReader
 
 from schemas.base import Unusable
 from schemas.certificate import Certificate
 from tasks.certificate.dcc import dcc_of
 from tasks.certificate.dcc.statements import RECORD
 from tasks.certificate.dcc.xml import DCC, SI, Element, canonical
+from tasks.certificate.documents import EVIDENCE, HEAD
 from tasks.certificate.pdf import render
 from tasks.certificate.signatures import (
     DS,
@@ -29,7 +31,6 @@ from tasks.certificate.signatures import (
     check_xml_signature,
 )
 
-EVIDENCE, HEAD = b'"mimu-evidence/', 100  # bytes in which a file of that format names it
 UNSIGNED = (
     "nobody signed it, and its bytes are not those that this version of mimucal makes of its "
     "record; where another version made it, hold it against the catalogue"
@@ -58,15 +59,6 @@ class _Found:
     signatures: tuple[Signed, ...]
 
 
-def is_certificate(path: Path) -> bool:
-    """Whether a file is one of a certificate, by its name; JSON by its format."""
-    suffix = path.suffix.lower()
-    if suffix == ".json" and path.is_file():
-        content = path.read_bytes()
-        return b"mimu-certificate-record/" in content or EVIDENCE in content[:HEAD]
-    return suffix in (".pdf", ".xml")
-
-
 def verify_file(path: Path, trusted: Sequence[bytes] = ()) -> VerifiedFile:
     """Everything that can be found out about a file of a certificate without the store.
 
@@ -89,8 +81,6 @@ def verify_file(path: Path, trusted: Sequence[bytes] = ()) -> VerifiedFile:
 
 def _pdf(pdf: bytes, trusted: Sequence[bytes]) -> _Found:
     """The PDF, the DCC in it, and the record in that."""
-    from pyhanko.pdf_utils.reader import PdfFileReader
-
     try:
         reader = PdfFileReader(io.BytesIO(pdf))
         embedded = list(reader.embedded_signatures)

@@ -6,6 +6,7 @@ leaves a certificate issued whole, or not at all and its number still to be give
 
 import unicodedata
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING
 
 import sqlalchemy as sql
 
@@ -21,7 +22,6 @@ from storage.home import Home
 from storage.whole_files import is_as_kept
 from tasks.certificate.documents import faces_of
 from tasks.certificate.mandatory import title_of
-from tasks.certificate.sign import Signing, signing_of
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.authority import check_authorised
 from tasks.stages.certificate_inputs import day_of_moment
@@ -29,6 +29,9 @@ from tasks.stages.certify import due_date
 from tasks.stages.issuable import check_issuable
 from tasks.stages.published import Published, published
 from tasks.stages.stage import announce, stage
+
+if TYPE_CHECKING:
+    from tasks.certificate.sign import Signing
 
 DONE: dict[StepName, str] = {"draft": "drafted", "check": "checked", "issue": "issued"}
 
@@ -192,7 +195,7 @@ def _replace(
     entry: Entry,
     certificate: Certificate,
     draft: str | None = None,
-    signing: Signing | None = None,
+    signing: "Signing | None" = None,
 ) -> list[str]:
     """The next version of a draft in the place of the one before; gives its files' names."""
     keep_certificate.remove(connection, entry)
@@ -233,9 +236,11 @@ def _plain(name: str) -> str:
     return " ".join(unicodedata.normalize("NFKC", name).split()).casefold()
 
 
-def signing_for(home: Home, at: datetime) -> Signing | None:
+def signing_for(home: Home, at: datetime) -> "Signing | None":
     """The key of `[signing]` in the home's laboratory.toml, opened; None where it names none."""
     laboratory = settings.laboratory(home)
     if laboratory is None or laboratory.signing is None:
         return None
+    from tasks.certificate.sign import signing_of
+
     return signing_of(laboratory.signing, home.path, environment().signing_passphrase, at)

@@ -7,13 +7,13 @@ from concurrent.futures import CancelledError
 from contextlib import suppress
 from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
+
+from distributed import Client, Future, wait
+from distributed.scheduler import KilledWorker
 
 from schemas.base import Unusable
 from tasks.version import code_version
-
-if TYPE_CHECKING:
-    from distributed import Client, Future
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -73,16 +73,13 @@ def _while_connected(
 
 
 def _made(
-    client: "Client",
+    client: Client,
     work: Callable[[T], R],
     things: dict[int, T],
     batches: Iterator[list[int]],
     most: Callable[[], int],
 ) -> Iterator[tuple[list[int], tuple[float, list[R]] | None]]:
     """Each batch with its seconds and results, None where workers die at it; most: at a time."""
-    from distributed import Future
-    from distributed.scheduler import KilledWorker
-
     running = dict[Future, list[int]]()
     while True:
         for batch in islice(batches, max(0, most() - len(running))):
@@ -99,10 +96,8 @@ def _made(
             yield running.pop(future), made
 
 
-def _wait(client: "Client", futures: "list[Future]") -> None:
+def _wait(client: Client, futures: list[Future]) -> None:
     """Until one of them is done, or for ANSWER_S; raises ConnectionError without the scheduler."""
-    from distributed import wait
-
     with suppress(TimeoutError):
         wait(futures, timeout=min(ANSWER_S, PATIENCE_S), return_when="FIRST_COMPLETED")
     if client.status != "running":
@@ -143,9 +138,7 @@ def _each(work: Callable[[T], R], batch: Sequence[T]) -> tuple[float, list[R]]:
     return time.monotonic() - began, done
 
 
-def _connected(scheduler: str) -> "Client":
-    from distributed import Client
-
+def _connected(scheduler: str) -> Client:
     try:
         return Client(scheduler, timeout=ANSWER_S)
     except ValueError as fault:
@@ -154,7 +147,7 @@ def _connected(scheduler: str) -> "Client":
         raise TimeoutError("dask's thread did not start in time") from busy
 
 
-def _check_workers(client: "Client", scheduler: str) -> None:
+def _check_workers(client: Client, scheduler: str) -> None:
     """Raises Unusable where no worker comes, or one is without this version of mimucal."""
     asked, gives_up = client.submit(*VERSION_QUERY, pure=False), time.monotonic() + PATIENCE_S
     while asked.status == "pending":  # a cluster may start its workers for the first work
@@ -173,6 +166,6 @@ def _check_workers(client: "Client", scheduler: str) -> None:
             )
 
 
-def _at_a_time(client: "Client") -> int:
+def _at_a_time(client: Client) -> int:
     """How many batches, of the workers that there are now."""
     return QUEUED * max(1, sum(client.nthreads().values()))

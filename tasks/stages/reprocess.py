@@ -18,7 +18,6 @@ from storage.whole_files import report_folder, written_out
 from tasks.history import appeared_or_disappeared, difference, report_texts
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.make_again import Job, Outcome, circumstances, make_again, store_of, with_fault
-from tasks.stages.on_cluster import on_cluster
 from tasks.stages.stage import stage
 from tasks.version import code_version
 
@@ -109,6 +108,7 @@ def _carried_out(jobs: Sequence[Job], order: ReprocessOrder) -> Iterator[Outcome
 
     if order.scheduler is None:
         return fan_out(make_again, jobs, order.workers or processors(), died)
+    from tasks.stages.on_cluster import on_cluster
 
     return on_cluster(make_again, jobs, order.scheduler, died)
 
