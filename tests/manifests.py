@@ -1,9 +1,10 @@
 """Manifests of made-up recordings: what a test of them does not care about stands here once."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from schemas.recording import FORMAT, Manifest
+from schemas.recording import FORMAT, Manifest, Recording, Segment
 
 Axes = Mapping[str, Sequence[float]]
 THREE_AXES: Axes = {"outer": (0, 0, 1), "middle": (1, 0, 0), "inner": (0, 0, 1)}
@@ -24,3 +25,22 @@ def manifest_of(
         "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
         "station": {"id": "test", **(station or {}), **table}, **more,
     })  # fmt: skip
+
+
+def described(recording: Recording, **changes: Any) -> Recording:
+    """The recording with other fields of its manifest."""
+    return replace(recording, manifest=recording.manifest.model_copy(update=changes))
+
+
+def at_station(recording: Recording, **changes: Any) -> Recording:
+    """The recording with other facts of its station."""
+    return described(recording, station=recording.manifest.station.model_copy(update=changes))
+
+
+def relabelled(
+    recording: Recording, change: Callable[[Segment], dict[str, Any] | None]
+) -> Recording:
+    """The recording with changes of each segment; those with None are left out."""
+    kept = [(one, change(one)) for one in recording.manifest.segments or ()]
+    labels = (one.model_copy(update=new) for one, new in kept if new is not None)
+    return described(recording, segments=tuple(labels))

@@ -1,7 +1,6 @@
 """The latitude of a recording against that of the laboratory."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +10,7 @@ from storage.catalogue import runs
 from storage.home import Home
 from tasks.stages.estimate import estimate
 from tasks.stages.validity import validity_of
+from tests.manifests import at_station
 
 LABORATORY = """
 format = "mimu-laboratory/1"
@@ -22,9 +22,7 @@ SENTENCE = "The recording states a latitude of 39.9°, but that of the laborator
 
 @pytest.fixture
 def at_39_9(ideal_run: Callable[..., Recording]) -> Recording:
-    ideal = ideal_run(dwell=1.0)
-    station = ideal.manifest.station.model_copy(update={"latitude_deg": 39.9})
-    return replace(ideal, manifest=ideal.manifest.model_copy(update={"station": station}))
+    return at_station(ideal_run(dwell=1.0), latitude_deg=39.9)
 
 
 @pytest.mark.parametrize(("own", "contradicted"), [(39.9, 0), (39.95, 0), (-39.9, 1)])

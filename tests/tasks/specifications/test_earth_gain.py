@@ -11,6 +11,7 @@ from tasks.specifications.earth_gain import EarthRotationGain, earth_rotation_me
 from tasks.specifications.gather import gather
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import texts
+from tests.manifests import at_station
 
 
 def seen_in(recording: Recording) -> EarthRotationGain:
@@ -70,11 +71,7 @@ def test_states_follow_from_three_standard_uncertainties(gain, u, state) -> None
 
 
 def test_without_a_latitude_there_is_no_gain(ideal_run) -> None:
-    recording = ideal_run()
-    station = recording.manifest.station.model_copy(update={"latitude_deg": None})
-    manifest = recording.manifest.model_copy(update={"station": station})
-    blind = Recording(manifest, recording.imu)
-    assert gather(blind).earth is None
+    assert gather(at_station(ideal_run(), latitude_deg=None)).earth is None
 
 
 @pytest.mark.parametrize("name", ["plant_clean", "plant_earth_rotation"])

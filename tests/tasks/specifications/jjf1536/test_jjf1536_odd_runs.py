@@ -10,6 +10,7 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import ANGLE, Mount, Recording, Segment, Station, Stream
 from tasks.specifications.jjf1536 import JJF1536
+from tests.manifests import described, relabelled
 from tests.tasks.items_only import items_only
 
 AXES = "xyz"
@@ -28,18 +29,8 @@ def codes(calibration: Calibration) -> set[str]:
     return {remark.code for remark in calibration.remarks} - NOT_RECORDED
 
 
-def with_segments(recording: Recording, segments) -> Recording:
-    manifest = recording.manifest.model_copy(update={"segments": tuple(segments)})
-    return replace(recording, manifest=manifest)
-
-
 def without(recording: Recording, unwanted) -> Recording:
-    return with_segments(recording, (s for s in recording.manifest.segments if not unwanted(s)))
-
-
-def relabelled(recording: Recording, change) -> Recording:
-    labels = (s.model_copy(update=change(s)) for s in recording.manifest.segments)
-    return with_segments(recording, labels)
+    return relabelled(recording, lambda s: None if unwanted(s) else {})
 
 
 def with_angles(recording: Recording, angles: np.ndarray) -> Recording:
@@ -379,8 +370,7 @@ def test_a_wrong_rate_label_does_not_spoil_the_uncertainty_of_other_values(plant
 
 def test_without_labels_an_axis_that_the_mount_does_not_tell_is_not_made_up(plant) -> None:
     recording = plant("ahrs_clean")
-    manifest = recording.manifest.model_copy(update={"segments": None})
-    calibration = result(replace(recording, manifest=manifest))
+    calibration = result(described(recording, segments=None))
     scale = calibration.items["ahrs_scale_factor"].value
     assert (scale["x"], scale["y"]) == (None, None)
     assert scale["z"] == pytest.approx(0.9997259, abs=1e-5)

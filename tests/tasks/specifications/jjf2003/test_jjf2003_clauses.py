@@ -8,6 +8,7 @@ import pytest
 from schemas.calibration import Calibration
 from schemas.recording import Recording
 from tasks.specifications.jjf2003 import JJF2003
+from tests.manifests import at_station, relabelled
 from tests.tasks.items_only import items_only
 
 AXES = "xyz"
@@ -102,11 +103,7 @@ def test_rate_sensitivity_by_eq_12_has_the_opposite_sign_of_model_2(ideal_run, i
 
 def test_the_largest_rate_is_the_one_of_the_rate_sensitivity(ideal_run) -> None:
     recording = ideal_run(P=planted(1, 0, 0.0005))
-    slow = [
-        s for s in recording.manifest.segments if s.rate_deg_s is None or abs(s.rate_deg_s) < 60
-    ]
-    manifest = recording.manifest.model_copy(update={"segments": tuple(slow)})
-    trimmed = Recording(manifest, recording.imu, digest="0" * 64)
+    trimmed = relabelled(recording, lambda s: {} if abs(s.rate_deg_s or 0.0) < 60 else None)
     value = result(trimmed).items["accel_rate_sensitivity"]
     full = result(recording).items["accel_rate_sensitivity"]
     assert value.value["yx"] == pytest.approx(full.value["yx"], rel=1e-3)
@@ -114,9 +111,7 @@ def test_the_largest_rate_is_the_one_of_the_rate_sensitivity(ideal_run) -> None:
 
 def test_a_missing_position_leaves_null_and_says_which(ideal_run) -> None:
     recording = ideal_run()
-    kept = tuple(s for s in recording.manifest.segments if s.up not in ("+y", "-y"))
-    manifest = recording.manifest.model_copy(update={"segments": kept})
-    calibration = result(Recording(manifest, recording.imu, digest="0" * 64))
+    calibration = result(relabelled(recording, lambda s: None if s.up in ("+y", "-y") else {}))
     item = calibration.items["gyro_g_sensitivity"]
     assert item.value["xy"] is None
     assert item.u["xy"] is None
@@ -127,11 +122,8 @@ def test_a_missing_position_leaves_null_and_says_which(ideal_run) -> None:
 
 def test_too_few_rates_are_warned_of(ideal_run) -> None:
     recording = ideal_run()
-    kept = tuple(
-        s for s in recording.manifest.segments if s.rate_deg_s is None or abs(s.rate_deg_s) > 60
-    )
-    manifest = recording.manifest.model_copy(update={"segments": kept})
-    calibration = result(Recording(manifest, recording.imu, digest="0" * 64))
+    quick = relabelled(recording, lambda s: {} if abs(s.rate_deg_s or 99.0) > 60 else None)
+    calibration = result(quick)
     warned = [r for r in calibration.remarks if r.code == "number_of_rates"]
     assert len(warned) == 3
     assert all(r.blocks_pass and "6 rates" in r.en for r in warned)
@@ -139,9 +131,7 @@ def test_too_few_rates_are_warned_of(ideal_run) -> None:
 
 def test_unknown_gravity_leaves_the_ratio_to_gravity_null_but_not_the_bias(ideal_run) -> None:
     recording = ideal_run(Ba=np.array([0.05, 0.0, 0.0]))
-    station = recording.manifest.station.model_copy(update={"gravity_m_s2": None})
-    manifest = recording.manifest.model_copy(update={"station": station})
-    calibration = result(Recording(manifest, recording.imu, digest="0" * 64))
+    calibration = result(at_station(recording, gravity_m_s2=None))
     assert calibration.items["accel_scale_factor"].value == {"x": None, "y": None, "z": None}
     assert "gravity" in calibration.unavailable["accel_scale_factor"]
     assert calibration.items["accel_bias"].value["x"] == pytest.approx(0.05, abs=1e-7)
@@ -149,9 +139,7 @@ def test_unknown_gravity_leaves_the_ratio_to_gravity_null_but_not_the_bias(ideal
 
 def test_unknown_latitude_leaves_the_value_without_earth_rotation_null(ideal_run) -> None:
     recording = ideal_run()
-    station = recording.manifest.station.model_copy(update={"latitude_deg": None})
-    manifest = recording.manifest.model_copy(update={"station": station})
-    calibration = result(Recording(manifest, recording.imu, digest="0" * 64))
+    calibration = result(at_station(recording, latitude_deg=None))
     item = calibration.items["gyro_g_sensitivity"]
     assert set(item.value_without_earth_rotation.values()) == {None}
     assert "latitude" in calibration.unavailable["gyro_g_sensitivity"]

@@ -21,6 +21,7 @@ from tasks.specifications.readings import READINGS
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.examples import acquisition, combine_as_example
 from tasks.words import say
+from tests.manifests import at_station
 from tests.tasks.items_only import items_only
 
 AXES = "xyz"
@@ -54,9 +55,7 @@ def off_diagonal(matrix: np.ndarray) -> dict[str, float]:
 
 
 def at_latitude(recording: Recording, latitude: float) -> Recording:
-    station = recording.manifest.station.model_copy(update={"latitude_deg": latitude})
-    manifest = recording.manifest.model_copy(update={"station": station})
-    return Recording(manifest, recording.imu, environment=recording.environment, digest="0" * 64)
+    return at_station(recording, latitude_deg=latitude)
 
 
 def printed_readings(calibration: Calibration) -> str:

@@ -11,6 +11,7 @@ from schemas.recording import ACCEL, GYRO, Recording, Segment, Stream
 from tasks.specifications.jjf2003 import CONDITIONS, JJF2003
 from tasks.specifications.readings import READINGS
 from tasks.station import procedures
+from tests.manifests import described, relabelled
 from tests.tasks.items_only import items_only
 
 GRAVITY = 9.78
@@ -24,18 +25,6 @@ def result(recording: Recording) -> Calibration:
 
 def codes(calibration: Calibration) -> set[str]:
     return {remark.code for remark in calibration.remarks}
-
-
-def with_segments(recording: Recording, segments: tuple[Segment, ...]) -> Recording:
-    manifest = recording.manifest.model_copy(update={"segments": segments})
-    return replace(recording, manifest=manifest)
-
-
-def relabelled(recording: Recording, change) -> Recording:
-    segments = tuple(
-        s.model_copy(update=change(s)) if change(s) else s for s in recording.manifest.segments
-    )
-    return with_segments(recording, segments)
 
 
 def appended(recording: Recording, held: list[tuple[dict[str, Any], list[float]]]) -> Recording:
@@ -53,7 +42,7 @@ def appended(recording: Recording, held: list[tuple[dict[str, Any], list[float]]
         end += DWELL
     t = np.round(np.arange(len(values[0])) / RATE_HZ, 9)
     imu = Stream(t, dict(zip(GYRO + ACCEL, values, strict=True)))
-    return with_segments(replace(recording, imu=imu), tuple(segments))
+    return described(replace(recording, imu=imu), segments=tuple(segments))
 
 
 def test_turning_with_the_axis_down_takes_the_rests_with_the_axis_down(ideal_run) -> None:
@@ -84,13 +73,17 @@ def test_a_lever_arm_does_not_hide_which_axis_is_up(ideal_run) -> None:
 def test_one_direction_of_turning_is_said_of_p(ideal_run) -> None:
     recording = ideal_run()
     kept = tuple(s for s in recording.manifest.segments if (s.rate_deg_s or 1) > 0)
-    assert {"p_one_direction", "one_direction"} <= codes(result(with_segments(recording, kept)))
+    assert {"p_one_direction", "one_direction"} <= codes(
+        result(described(recording, segments=kept))
+    )
 
 
 def test_a_rest_on_one_side_only_is_said_of_p(ideal_run) -> None:
     recording = ideal_run()
     kept = tuple(s for s in recording.manifest.segments if not s.name.startswith("rest2"))
-    text = [r for r in result(with_segments(recording, kept)).remarks if r.code.startswith("p_")]
+    text = [
+        r for r in result(described(recording, segments=kept)).remarks if r.code.startswith("p_")
+    ]
     assert len(text) == 3
     assert "no rest after the rotation" in text[0].en
 
@@ -152,7 +145,7 @@ def test_segments_without_rows_are_named_and_left_out(ideal_run) -> None:
     nothing = Segment(name="beyond", kind="static", t_start=end + 1, t_end=end + 31, up="+x")
     one_row = Segment(name="a_row", kind="static", t_start=end, t_end=end + 0.05, up="+x")
     segments = (*recording.manifest.segments, nothing, one_row)
-    calibration = result(with_segments(recording, segments))
+    calibration = result(described(recording, segments=segments))
     (remark,) = [r for r in calibration.remarks if r.code == "without_rows"]
     assert remark.segments == ("beyond", "a_row")
 
@@ -169,7 +162,7 @@ def test_one_row_alone_is_a_result_without_values(ideal_run) -> None:
 def test_earth_is_removed_with_scale_factor_one_only_if_that_is_said(ideal_run) -> None:
     recording = ideal_run()
     kept = tuple(s for s in recording.manifest.segments if s.kind != "rate")
-    assert "scale_factor_assumed" in codes(result(with_segments(recording, kept)))
+    assert "scale_factor_assumed" in codes(result(described(recording, segments=kept)))
     assert "scale_factor_assumed" not in codes(result(recording))
 
 

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from schemas.recording import ACCEL, AXES, GYRO, Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
+from tests.manifests import at_station
 from tests.tasks.items_only import items_only
 
 TRUTH_KEYS = {
@@ -38,8 +38,7 @@ def codes(calibration: Calibration) -> set[str]:
 
 
 def without_latitude(recording: Recording) -> Recording:
-    station = recording.manifest.station.model_copy(update={"latitude_deg": None})
-    return replace(recording, manifest=recording.manifest.model_copy(update={"station": station}))
+    return at_station(recording, latitude_deg=None)
 
 
 @pytest.fixture(scope="module")
@@ -127,8 +126,7 @@ def test_where_the_rests_refute_earth_rotation_it_is_not_taken_off(results, plan
 
 
 def without_heading(recording: Recording) -> Recording:
-    station = recording.manifest.station.model_copy(update={"heading_deg": None})
-    return replace(recording, manifest=recording.manifest.model_copy(update={"station": station}))
+    return at_station(recording, heading_deg=None)
 
 
 def test_the_horizontal_part_of_earth_rotation_is_no_scatter_where_north_is_not_told(
