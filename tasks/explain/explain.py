@@ -14,7 +14,7 @@ from tasks.explain.evidence.pruning import pruned, with_absorbed
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.inputs.reference import ReferencePrediction
-from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.progress import Progress, report_progress, silent
 from tasks.explain.search.by_poses import fitted_by_poses
 from tasks.explain.search.fitted import FittedSelection, Searched, searched
 from tasks.model.terms.timing import TIME_OFFSET
@@ -51,7 +51,7 @@ def explained(
         evidence = _selected(found, progress)
     else:
         evidence = Evidence.of(found.as_stamped(found.fit))
-    tell(progress, "evidence")
+    report_progress(progress, "evidence")
     return explanation_of(prepared, evidence, ordered=only is not None)
 
 
@@ -77,7 +77,7 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
     evidence = with_absorbed(pruned(found.fit, trials), candidates, found.blocks)
     if found.prepared.delay:
         evidence = pruned(found.as_stamped(evidence.fit), trials)
-    tell(progress, "combinations")
+    report_progress(progress, "combinations")
     fit = compared(
         evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit,
         ReferenceBootstrap(found.prepared).rivals,

@@ -31,7 +31,7 @@ from tasks.review.rivals import (
     spreads_most,
     with_the_same_runs,
 )
-from tasks.review.screening import Worth, screened, worth_a_look
+from tasks.review.screening import Worth, promising, screened
 from tasks.review.window_sums import WindowSums, window_sums
 from tasks.review.windows import LevelWindows, Window, all_windows, rows_of
 
@@ -135,7 +135,7 @@ def _next(
 ) -> tuple[Found | None, float]:
     tried = tried_of(pool, [level.windows for level in levels])
     looked = screened(pool, levels, sums, tried)
-    worth = worth_a_look(pool, looked)
+    worth = promising(pool, looked)
     if not worth:
         return None, looked[0].p_value if looked else 1.0
     every = [each for one in worth for each in carried(pool, one, one.windows, tried)]

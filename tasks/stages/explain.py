@@ -25,7 +25,7 @@ from tasks.explain.explain import explained
 from tasks.explain.inputs.prepared import prepare
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.locate.where import locate
-from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.progress import Progress, report_progress, silent
 from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
 from tasks.model.simulate import predict
 from tasks.model.terms.standard import STANDARD_TERMS
@@ -81,12 +81,12 @@ def explain_run(
     limits = limits_in_use(recording.manifest, home, settings.laboratory(home))
     prepared = prepare(recording, reference, progress=progress)
     explanation = explained(prepared, progress=progress)
-    tell(progress, "consequences")
+    report_progress(progress, "consequences")
     effects = consequences(recording, explanation, tolerance, limits)
     explanation = replace(explanation, remarks=(*doubts, *explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
     discrepancy = discrepancy_of(explanation, wheres, effects)
-    tell(progress, "report")
+    report_progress(progress, "report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
     if reference is None:
         html = report_html(discrepancy, explanation, pictures_of(discrepancy, explanation))

@@ -14,7 +14,7 @@ from storage.home import Home
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.explain import explain
 from tasks.explain.locate.where import locate
-from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.progress import Progress, report_progress, silent
 from tasks.explain.report import discrepancy_of
 from tasks.review.pool import pooled
 from tasks.review.run_statistics import statistics_of
@@ -51,7 +51,7 @@ def explain_together(
     ])  # fmt: skip
     found, p_value = found_together(pool)
     alone = [_answer(explain(each, progress=progress)) for each in recordings]
-    tell(progress, "report")
+    report_progress(progress, "report")
     fitted = alone
     while found:
         names = list(dict.fromkeys(one.effect.name for one in found))

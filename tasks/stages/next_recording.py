@@ -24,7 +24,7 @@ from tasks.experiment.open_question import open_question
 from tasks.experiment.rehearsal import rivals_of
 from tasks.experiment.separation import UnitNoise
 from tasks.experiment.temperature import ThermalResponse
-from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.progress import Progress, report_progress, silent
 from tasks.model.effect import effect_name, separating_recording
 from tasks.stages.procedure_input import procedure_named
 from tasks.stages.stage import stage
@@ -70,7 +70,7 @@ def next_recording(
             "so nothing is open: name with --for EFFECT,EFFECT what is to be told apart."
         )
     _refuse_taken(_file(order, question.names))
-    tell(progress, "search")
+    report_progress(progress, "search")
     abilities = _abilities(recording, station)
     like = recording.manifest
     if station is not None:

@@ -38,7 +38,9 @@ from tasks.motion.smoothing_error import lost_acceleration
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion
 
-OWED = 1 / 9  # of a finding's gain, a third of its size: what errors of the reference may make
+REFERENCE_SHARE = (
+    1 / 9
+)  # of a finding's gain, a third of its size: what errors of the reference may make
 DRAWS = 4  # of those errors: what they bring forth by chance alone differs
 SURE = 2.0  # standard deviations of how well so few draws tell how large it is
 SEED = 20
@@ -69,7 +71,7 @@ def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evi
         owed = {
             number
             for number, gain in enumerate(made)
-            if gain - len(evidence.own[number][0]) / draws > OWED * evidence.gain(number)
+            if gain - len(evidence.own[number][0]) / draws > REFERENCE_SHARE * evidence.gain(number)
             or made_by_chance(evidence, number, float(by_chance[number]), draws)
         }
         if not owed:

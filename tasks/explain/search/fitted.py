@@ -9,7 +9,7 @@ from scipy.special import comb
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
-from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.progress import Progress, report_progress, silent
 from tasks.explain.search.candidates import (
     Candidate,
     candidates_of,
@@ -167,7 +167,7 @@ def searched(
 
     only: names of the catalogue that are fitted instead, without a search.
     """
-    tell(progress, "candidates")
+    report_progress(progress, "candidates")
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
     listed = catalogue(prepared.recording, coarse.motion)
     if only is not None:
@@ -176,7 +176,7 @@ def searched(
         )
         # and not the random drifts that a search tries besides
         candidates = tuple(one for one in candidates if one.name in only)
-        tell(progress, "search")
+        report_progress(progress, "search")
         fit = all_fitted(_design(coarse, candidates, columns), candidates, fine)
         return Searched(prepared, candidates, coarse, fit)
     terms = [*listed, *empirical(coarse.motion)]
@@ -196,11 +196,11 @@ def _searched(
     candidates, columns = candidates_of(terms, coarse.motion)
     if coarse.motion.tracking is not None:
         candidates = tuple(with_nuisances(candidates, OF_TRACKING))
-    tell(progress, "search")
+    report_progress(progress, "search")
     # The design, half a gigabyte of an hour's columns, ends with the search that refines it.
     fit = alternated(
         _design(coarse, candidates, columns), searched_by_name(candidates), fine,
-        partial(tell, progress, "search"),
+        partial(report_progress, progress, "search"),
     )  # fmt: skip
     return Searched(prepared, candidates, coarse, fit)
 
