@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from flows import certificate_options, options
+from schemas.base import Unusable
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
@@ -118,7 +119,6 @@ def trail(form: options.TrailForm = "table", as_json: options.Json = False) -> N
 def _step(work: Callable[[Any], "Published"], kind: Any, as_json: bool, **fields: Any) -> None:
     from flows.carry_out import carry_out
     from flows.print_certificate import print_certificate
-    from schemas.base import Unusable
     from schemas.orders import order_of
 
     if not (fields["by"] or "").strip():

@@ -30,6 +30,8 @@ from flows.imports import commands as import_commands
 from flows.logs import set_up
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
+from storage.environment import environment
+from tasks.version import code_version
 
 GC_THRESHOLD = 300_000  # new objects between two collections; few commands make as many
 INTERRUPTED = 130  # exit code of typer for Ctrl-C
@@ -109,8 +111,6 @@ def _fault_of(fault: TyperException) -> str:
 
 
 def _fail(failure: Exception) -> None:
-    from storage.environment import environment
-
     if environment().debug:
         raise failure
     _say_and_leave(
@@ -142,8 +142,6 @@ def about(
 ) -> None:
     """Calibrate inertial units on turntables: from the station to the certificate."""
     if version:
-        from tasks.version import code_version
-
         print(f"mimucal {code_version()}")
         raise typer.Exit
 

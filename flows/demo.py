@@ -47,7 +47,13 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     if as_json:
         print(json.dumps(made, ensure_ascii=False, indent=1))
         return
-    _print(draft, made)
+    print_calibration(draft.certificate.calibration)
+    print_verdict(draft)
+    reminders = [(due["unit"], due["due"]) for due in made["reminders"]]
+    print_rows("Recalibration, once it is issued", ("unit", "due"), reminders)
+    for name, path in made["paths"].items():
+        print(f"{name:<12} {path}")
+    print(f"{made['seconds']} s")
 
 
 def _write(path: Path, text: str) -> None:
@@ -88,13 +94,3 @@ def _made(draft: Published, folder: Home) -> dict[str, Any]:
             "truth": str(folder.demo / "truth.json"),
         },
     }
-
-
-def _print(draft: Published, made: dict[str, Any]) -> None:
-    print_calibration(draft.certificate.calibration)
-    print_verdict(draft)
-    reminders = [(due["unit"], due["due"]) for due in made["reminders"]]
-    print_rows("Recalibration, once it is issued", ("unit", "due"), reminders)
-    for name, path in made["paths"].items():
-        print(f"{name:<12} {path}")
-    print(f"{made['seconds']} s")

@@ -13,6 +13,9 @@ import typer
 
 from flows import options
 from schemas.base import Unusable
+from storage.environment import environment
+from storage.home import home
+from storage.whole_files import drafted, writing_in_home
 
 if TYPE_CHECKING:
     from storage.home import Home
@@ -27,8 +30,6 @@ def deploy(timezone: options.Timezone = None) -> None:
 
     Those of a station come with `mimucal station add`.
     """
-    from storage.home import home
-
     zone = _zone(timezone)
     _connect(home())
     from flows.on_prefect.deployments import deploy_line
@@ -45,7 +46,6 @@ def work() -> None:
     That of a station is `mimucal station work ID`.
     """
     from flows.on_prefect.worker import work_for_line
-    from storage.home import home
 
     _named_server()
     work_for_line(home())
@@ -64,7 +64,6 @@ def add(
     from flows.on_prefect.prefect_server import server_named
     from schemas.station import StationFile
     from storage import settings
-    from storage.home import home
     from storage.stations import keep
 
     place, zone = home(), _zone(timezone)
@@ -73,7 +72,11 @@ def add(
             "--schedule needs a Prefect server, which carries it out: set PREFECT_API_URL"
         )
     id_ = settings.read(Path(station_file), StationFile).station.id
-    _check_name(id_)
+    if not re.fullmatch(r"[\w.-]+", id_):
+        raise Unusable(
+            f"station.id is {id_!r}: give it letters, digits, dots, hyphens and underscores "
+            "alone, for it names a work pool, a file and a service"
+        )
     kept = keep(Path(station_file), place)
     print(f"station {id_}: {kept}")
     if not server_named():
@@ -92,7 +95,6 @@ def remove(station: options.Added) -> None:
     What it measured stays.
     """
     from flows.on_prefect.prefect_server import server_named
-    from storage.home import home
     from storage.station_lock import is_held
     from storage.stations import file_of
 
@@ -108,14 +110,6 @@ def remove(station: options.Added) -> None:
     kept.unlink()
     _unit_file(station, place).unlink(missing_ok=True)
     print(f"station {station} removed")
-
-
-def _check_name(station: str) -> None:
-    if not re.fullmatch(r"[\w.-]+", station):
-        raise Unusable(
-            f"station.id is {station!r}: give it letters, digits, dots, hyphens and underscores "
-            "alone, for it names a work pool, a file and a service"
-        )
 
 
 def _connect(home: "Home") -> None:
@@ -149,9 +143,6 @@ def _of_this_computer() -> str:
 
 def _write_unit(station: str, home: "Home") -> Path:
     """The systemd unit of a station's worker, which finds its secrets by the name of the line."""
-    from storage.environment import environment
-    from storage.whole_files import drafted, writing_in_home
-
     text = (files("flows.on_prefect") / "systemd" / "mimucal-station.service").read_text(
         encoding="utf-8"
     )

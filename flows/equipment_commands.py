@@ -4,9 +4,12 @@ from datetime import date
 from typing import TYPE_CHECKING
 
 import typer
+from pydantic import ValidationError
 
 from flows import equipment_options, options
-from schemas.base import Unusable
+from schemas.base import Unusable, first_fault
+from storage.home import home
+from storage.whole_files import written_out
 
 if TYPE_CHECKING:
     from schemas.equipment import MeasurementStandard
@@ -20,7 +23,6 @@ def add(file: options.EquipmentFile, by: options.By = None) -> None:
     from schemas.equipment import EquipmentFile
     from storage import settings
     from storage.catalogue import equipment
-    from storage.home import home
 
     given = settings.read(file, EquipmentFile).equipment
     equipment.add(given, home(), _person(by))
@@ -36,7 +38,6 @@ def renew(file: options.EquipmentFile, by: options.By = None) -> None:
     from schemas.equipment import EquipmentFile
     from storage import settings
     from storage.catalogue import equipment
-    from storage.home import home
 
     given = settings.read(file, EquipmentFile).equipment
     equipment.renew(given, home(), _person(by))
@@ -57,7 +58,6 @@ def import_(
     """
     from schemas.equipment import EquipmentFile
     from storage.formats.standard_dcc import read_standard
-    from storage.whole_files import written_out
 
     entry = EquipmentFile(equipment=(read_standard(file, deviation),))
     with written_out(out) as draft:
@@ -81,12 +81,8 @@ def check(
     by: options.By = None,
 ) -> None:
     """Record an intermediate check of a standard; one beyond its limit prevents every pass."""
-    from pydantic import ValidationError
-
-    from schemas.base import first_fault
     from schemas.equipment import IntermediateCheck
     from storage.catalogue import equipment
-    from storage.home import home
 
     day = on.date() if on else date.today()
     try:
@@ -105,7 +101,6 @@ def list_(as_json: options.Json = False) -> None:
     """List the standards with the certificates valid today."""
     from flows.printing import print_json, print_rows
     from storage.catalogue import equipment
-    from storage.home import home
 
     today = date.today()
     standards = list(equipment.on_day(home(), today).values())

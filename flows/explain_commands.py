@@ -5,6 +5,7 @@ import sys
 import typer
 
 from flows import options
+from schemas.base import Unusable
 
 app = typer.Typer()
 
@@ -57,7 +58,6 @@ def next_recording(
     """
     from flows import run_orders
     from flows.carry_out import carry_out
-    from schemas.base import Unusable
     from schemas.orders import NextOrder
 
     names = tuple(name.strip() for name in (effects or "").split(",") if name.strip())

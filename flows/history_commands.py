@@ -1,8 +1,13 @@
 """Commands over the history of a store: `reprocess`, `table`, `impact`; and `dashboard`."""
 
+from contextlib import suppress
+
 import typer
 
 from flows import options
+from schemas.base import BrokenOff
+from storage.home import home
+from storage.whole_files import report_folder
 
 app = typer.Typer()
 
@@ -28,15 +33,11 @@ def reprocess(
 
     New results are stored beside the old ones. After an interruption, the same command continues.
     """
-    from contextlib import suppress
-
     from flows import print_history, run_orders
     from flows.carry_out import as_flow_run
-    from schemas.base import BrokenOff
     from schemas.orders import ReprocessOrder, order_of
     from storage.catalogue.connection import Busy
     from storage.catalogue.selection import check_known
-    from storage.whole_files import report_folder
 
     order = order_of(
         ReprocessOrder,
@@ -110,7 +111,6 @@ def impact(
     from flows.print_history import print_impact
     from schemas.orders import Selection, order_of
     from storage.catalogue.selection import impact_of
-    from storage.home import home
 
     first, last = since.date() if since else None, until.date() if until else None
     selection = order_of(Selection, equipment=equipment, since=first, until=last)
@@ -128,6 +128,5 @@ def dashboard(host: options.Host = "127.0.0.1", port: options.PagesPort = 8765) 
     Line, runs, units, quality, mismatch and due dates, in Chinese and English.
     """
     from flows.pages.serve import serve
-    from storage.home import home
 
     serve(home(), host, port)

@@ -3,6 +3,10 @@
 import typer
 
 from flows import options
+from schemas.base import Unusable
+from storage.environment import environment, unknown
+from storage.home import home
+from tasks.version import code_version
 
 app = typer.Typer()
 
@@ -17,8 +21,6 @@ def backup(folder: options.BackupFolder, as_json: options.Json = False) -> None:
     from flows.printing import print_json
     from flows.progress import counting
     from storage.backup.back_up import back_up
-    from storage.home import home
-    from tasks.version import code_version
 
     with counting("backing up") as report:
         name, manifest = back_up(home(), folder, code_version(), report)
@@ -50,7 +52,6 @@ def restore(
     from flows.printing import print_json
     from flows.progress import counting
     from storage.backup.restore import restore as restore_into
-    from storage.home import home
     from storage.verify import verify
 
     with counting("restoring") as report:
@@ -81,7 +82,6 @@ def upgrade(
     """
     from flows.printing import print_json
     from flows.upgrading import confirmed, upgraded, went_back
-    from schemas.base import Unusable
 
     if confirm and back:
         raise Unusable("--confirm gives up the way back that --back takes: give one of them.")
@@ -101,7 +101,6 @@ def settings(as_json: options.Json = False) -> None:
     """
     from flows.printing import print_json, print_rows
     from schemas.environment import in_rows
-    from storage.environment import environment, unknown
 
     rows, strange = in_rows(environment()), unknown()
     if as_json:
@@ -131,7 +130,6 @@ def alert(text: options.AlertText, as_json: options.Json = False) -> None:
     Exits with 1 if a channel did not take it.
     """
     from flows.printing import print_json
-    from storage.home import home
     from tasks.stages.alert import alert as send_to_operators
 
     sent = send_to_operators(home(), text)

@@ -9,6 +9,7 @@ import typer
 
 from flows import options, order_options
 from schemas.base import Unusable
+from storage.home import home
 
 if TYPE_CHECKING:
     from flows.orders.order_queue import GivenProduction
@@ -38,7 +39,6 @@ def add(
     """
     from flows.orders.order_files import client_order_named, request_of
     from flows.orders.order_queue import give
-    from storage.home import home
 
     units = [{"serial": each, "model": model, "manufacturer": manufacturer} for each in serial]
     request = request_of(
@@ -62,7 +62,6 @@ def import_(
     """
     from flows.orders.order_files import read_orders
     from flows.orders.order_queue import give_all
-    from storage.home import home
 
     person = _person(by)
     requests, faults = read_orders(file, person, home())
@@ -84,7 +83,6 @@ def scan(
     """
     from flows.orders.order_files import scanned
     from flows.orders.order_queue import give
-    from storage.home import home
 
     person, given, refused = _person(by), [], 0
     for line in filter(str.strip, sys.stdin):
@@ -113,7 +111,6 @@ def list_(
     from schemas.orders import order_of
     from schemas.production import OrdersQuestion, ProductionOrders
     from storage.catalogue import orders
-    from storage.home import home
 
     asked = order_of(OrdersQuestion, station=station, state=state)
     states = [asked.state] if asked.state else []
@@ -148,7 +145,6 @@ def cancel(
     """Cancel an order that waits."""
     from flows.orders.order_queue import GivenProduction
     from flows.orders.order_queue import cancel as cancel_order
-    from storage.home import home
 
     order = cancel_order(number, _person(by), home())
     _print_given([GivenProduction(order, is_new=False)], as_json)
@@ -164,7 +160,6 @@ def retry(
     repeated. To measure a unit anew, give a new order.
     """
     from flows.orders.order_queue import retry as retry_order
-    from storage.home import home
 
     _print_given([retry_order(number, _person(by), home())], as_json)
 

@@ -27,7 +27,14 @@ def print_json(document: Any) -> None:
 def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
     """Print a plain table; thousands of rows as columns without lines, which is fast."""
     if len(rows) > FRAMED:
-        _print_columns(title, [columns, *rows])
+        lines = [columns, *rows]
+        widths = [max(map(cell_len, column)) for column in zip(*lines, strict=True)]
+        print(title)
+        for line in lines:
+            padded = (
+                text + " " * (w - cell_len(text)) for text, w in zip(line, widths, strict=True)
+            )
+            print("  ".join(padded).rstrip())
         return
     table = Table()
     for number, name in enumerate(columns):
@@ -36,11 +43,3 @@ def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, .
         table.add_row(*map(Text, row))
     print(title)
     stdout().print(table)
-
-
-def _print_columns(title: str, lines: Sequence[tuple[str, ...]]) -> None:
-    widths = [max(map(cell_len, column)) for column in zip(*lines, strict=True)]
-    print(title)
-    for line in lines:
-        padded = (text + " " * (w - cell_len(text)) for text, w in zip(line, widths, strict=True))
-        print("  ".join(padded).rstrip())

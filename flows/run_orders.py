@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flows import refix_prompt
 from flows.progress import counting, describe
 from flows.signals import ending_as_ctrl_c, pausing, stopping
 from schemas.base import BrokenOff, Unusable
@@ -30,9 +31,14 @@ from schemas.orders import (
     ReviewOrder,
     SimulateOrder,
 )
+from schemas.station import StationFile
 from storage import settings
 from storage.home import Home, home
+from storage.station_stop import release
 from storage.stations import file_named
+from tasks.stages.authority import authorised_operator
+from tasks.stages.import_recording import run_of
+from tasks.stages.procedure_input import procedure_named
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,7 +50,6 @@ if TYPE_CHECKING:
     from schemas.next_recording import NextRecording
     from schemas.orders import Estimation
     from schemas.procedure import Procedure
-    from schemas.station import StationFile
     from tasks.stages.acquire import AcquiredRuns
     from tasks.stages.certificate_inputs import CertificateInputs
     from tasks.stages.correct import Corrected, Simulated
@@ -60,7 +65,6 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
     from flows.on_prefect.lasting_output import lasting_output
     from flows.on_prefect.oversight import overseen
     from tasks.stages.acquire import acquire_run
-    from tasks.stages.authority import authorised_operator
     from tasks.station.stopping import StopSwitch
 
     station, procedure, ask = _acquisition(order)
@@ -80,7 +84,6 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
 
 def check_acquisition(order: AcquireOrder) -> None:
     """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
-    from tasks.stages.authority import authorised_operator
     from tasks.station.acquisition import check_run
 
     station, procedure, ask = _acquisition(order)
@@ -90,18 +93,12 @@ def check_acquisition(order: AcquireOrder) -> None:
 
 def release_station(order: AcquireOrder) -> None:
     """Whoever starts a run by hand has seen that the station may turn after a stop."""
-    from schemas.station import StationFile
-    from storage.station_stop import release
-
     place = home_of(order)
     release(settings.read(file_named(order.station, place), StationFile).station.id, place)
 
 
 def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":
     """The station, the procedure, and how to prompt the operator."""
-    from flows import refix_prompt
-    from schemas.station import StationFile
-
     file = file_named(order.station, home_of(order))
     station, procedure = settings.read(file, StationFile), procedure_of(order)
     if order.units:
@@ -155,7 +152,6 @@ def _produced(
 def calibrate(order: CalibrateOrder) -> "Calibration":
     """Estimate every item that a run (an id, or a path imported on the fly) allows."""
     from tasks.stages.estimate import estimate
-    from tasks.stages.import_recording import run_of
 
     place = home_of(order)
     return estimate(run_of(order.run, place), place, order)
@@ -164,7 +160,6 @@ def calibrate(order: CalibrateOrder) -> "Calibration":
 def explain(order: ExplainOrder) -> "Explained":
     """Find where model and run differ, which physics was left out, and how much it matters."""
     from tasks.stages.explain import explain_run
-    from tasks.stages.import_recording import run_of
 
     place = home_of(order)
     if order.others:
@@ -186,7 +181,6 @@ def review(order: ReviewOrder) -> "Reviewed":
 def next_recording(order: NextOrder) -> "NextRecording":
     """Propose the recording that settles what the explanations of some runs left open."""
     from tasks.stages import next_recording as stage
-    from tasks.stages.import_recording import run_of
 
     place = home_of(order)
     every = [run_of(each, place) for each in order.runs]
@@ -196,7 +190,6 @@ def next_recording(order: NextOrder) -> "NextRecording":
 def simulate(order: SimulateOrder) -> "Simulated":
     """Simulate the readings of a calibrated unit for the motion of a run."""
     from tasks.stages.correct import simulate_run
-    from tasks.stages.import_recording import run_of
 
     place = home_of(order)
     return simulate_run(run_of(order.run, place), place, order)
@@ -205,7 +198,6 @@ def simulate(order: SimulateOrder) -> "Simulated":
 def apply(order: ApplyOrder) -> "Corrected":
     """Write a run corrected for its unit's errors."""
     from tasks.stages.correct import apply_correction
-    from tasks.stages.import_recording import run_of
 
     place = home_of(order)
     return apply_correction(run_of(order.run, place), place, order)
@@ -240,7 +232,6 @@ def _certified(
 ) -> "Published":
     from tasks.stages import certify as stage
     from tasks.stages.estimate import estimate
-    from tasks.stages.import_recording import run_of
 
     if inputs.order and inputs.order.axes:
         how = how.model_copy(update={"axes": inputs.order.axes})
@@ -294,6 +285,4 @@ def home_of(order: OrderModel) -> Home:
 
 def procedure_of(order: AcquireOrder) -> "Procedure":
     """A procedure by name, or from a file of that name."""
-    from tasks.stages.procedure_input import procedure_named
-
     return procedure_named(order.procedure)

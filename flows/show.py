@@ -84,8 +84,6 @@ def show_log(reference: str, as_json: bool) -> None:
 
 def print_acquired(acquired: "AcquiredRuns", home: Home, as_json: bool) -> bool:
     """Print the runs and their validity; returns whether none is invalid."""
-    from tasks.stages.validity import validity_of
-
     judged = [(run, made, validity_of(run, home)) for run, made in acquired.kept]
     if as_json:
         first, *others = (_as_data(*each) for each in judged)

@@ -10,6 +10,7 @@ import typer
 from flows import deploy_commands, options, order_options
 from flows.signals import stopping
 from schemas.base import BrokenOff, Unusable
+from storage.home import home
 
 if TYPE_CHECKING:
     from schemas.production import ProductionOrder
@@ -74,7 +75,6 @@ def check(
     from flows.printing import print_json, print_rows
     from schemas.station import StationFile
     from storage import settings
-    from storage.home import home
     from tasks.stages.stoppable import stoppable
     from tasks.station.check_devices import check_station
     from tasks.station.stopping import StopRequested, StopSwitch
@@ -106,7 +106,6 @@ def load(
     from schemas.orders import ExportOrder, order_of
     from schemas.station import StationFile
     from storage import settings
-    from storage.home import home
     from storage.station_lock import one_run_on
     from tasks.stages.correct import export_correction
     from tasks.station.load_coefficients import load_correction
@@ -128,7 +127,6 @@ def status(as_json: options.Json = False) -> None:
     """Show the state of the latest run on each station."""
     from flows.acquisition_view import facts
     from flows.printing import print_json, print_rows
-    from storage.home import home
     from storage.station_lock import end_dead_statuses, statuses
 
     end_dead_statuses(home())
@@ -154,7 +152,6 @@ def work(station: order_options.OrderedStation) -> None:
     """
     from flows.on_prefect.prefect_server import server_named
     from flows.orders.production import work_at
-    from storage.home import home
 
     if server_named():
         from flows.on_prefect.worker import work_at_station
@@ -179,7 +176,6 @@ def stop(
     folder of this computer. The recording is kept; `acquire --resume` continues the run.
     Exits with 1 where it could not be confirmed that the table is at rest.
     """
-    from storage.home import home
     from tasks.stages.stop import stop_station, whoever
 
     stopped = stop_station(station, by or whoever(), home())
@@ -205,7 +201,6 @@ def release(station: order_options.OrderedStation) -> None:
     A run that is started by hand, with `mimucal acquire`, releases it, too.
     """
     from storage import station_stop
-    from storage.home import home
 
     stop = station_stop.lockout_of(station, home())
     if stop is None:
@@ -227,7 +222,6 @@ def page(
     Only this computer reaches it. It works with everything else down.
     """
     from flows.station_page import serve_page
-    from storage.home import home
     from tasks.stages.stop import whoever
 
     serve_page(station, port, by or whoever(), home())

@@ -1,8 +1,12 @@
 """The commands of the store: list, show, verify, doctor, prune, remind, validate."""
 
+from dataclasses import asdict
+
 import typer
 
 from flows import options
+from schemas.base import Unusable
+from storage.home import home
 
 app = typer.Typer()
 
@@ -12,7 +16,6 @@ def runs(as_json: options.Json = False) -> None:
     """List the runs in the store."""
     from flows.printing import print_json, print_rows
     from storage.catalogue import run_index
-    from storage.home import home
 
     listed = run_index.all_runs(home())
     if as_json:
@@ -60,7 +63,6 @@ def verify(
 
         checked, faults = 1, faults_of(path)
     else:
-        from storage.home import home
         from storage.verify import verify as verify_store
 
         with counting("verifying") as report:
@@ -82,7 +84,6 @@ def doctor(as_json: options.Json = False) -> None:
     Exits with 1 if any are found.
     """
     from flows.printing import print_rows
-    from storage.home import home
     from tasks.stages.doctor import diagnose
 
     diagnosis = diagnose(home())
@@ -109,10 +110,8 @@ def prune(
     """
     from flows.print_history import print_pruned
     from flows.progress import counting
-    from schemas.base import Unusable
     from schemas.history import Pruned
     from storage import retention
-    from storage.home import home
 
     if delete and not (by or "").strip():
         raise Unusable("Say who deletes: --by NAME, or set MIMUCAL_USER to the person's name.")
@@ -156,10 +155,7 @@ def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
 
     Uses the reliability method (NCSLI RP-1, ILAC-G24): 95 % within limits at its end.
     """
-    from dataclasses import asdict
-
     from flows.printing import print_json
-    from storage.home import home
     from tasks.stages.remind import interval_advice, sentence
     from tasks.words import say
 

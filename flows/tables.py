@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from schemas.base import Unusable
+from storage.dataframes import TABLES, records, written
 from storage.home import home
 from storage.whole_files import drafted, written_out
 
@@ -19,8 +20,6 @@ def print_table(what: str, form: str, out: Path | None) -> None:
     """Write a table as `write_table` does, and say so in one JSON document; without a file the
     document has the rows themselves.
     """
-    from storage.dataframes import TABLES, records
-
     if out is None and form != "csv":
         raise Unusable(f"--json shows no {form}; leave --as out, or give a file with --out")
     if out is not None or what not in TABLES:
@@ -34,8 +33,6 @@ def print_table(what: str, form: str, out: Path | None) -> None:
 
 def write_table(what: str, form: str, out: Path | None) -> None:
     """Write a table to a file, to a folder of Parquet files, or to standard output."""
-    from storage.dataframes import TABLES, written
-
     if what not in TABLES:
         raise Unusable(f"{what!r} is not a table; choose one of {', '.join(TABLES)}.")
     if form not in ("csv", "parquet"):

@@ -6,6 +6,7 @@ import typer
 
 from flows import options
 from schemas.base import Unusable
+from storage.home import home
 
 app = typer.Typer(help="Who may log in to the operations pages, and in which role.")
 SHORTEST = 10  # characters of a password
@@ -21,7 +22,6 @@ def add(name: options.UserName, role: options.UserRole, by: options.By = None) -
     from flows.pages.passwords import hashed
     from schemas.access import ROLES
     from storage.catalogue import users
-    from storage.home import home
 
     chosen = next((each for each in ROLES if each == role), None)
     if chosen is None:
@@ -40,7 +40,6 @@ def list_(as_json: options.Json = False) -> None:
     """List the users and their roles."""
     from flows.printing import print_json, print_rows
     from storage.catalogue import users
-    from storage.home import home
 
     every = users.users(home()).values()
     if as_json:
@@ -55,7 +54,6 @@ def list_(as_json: options.Json = False) -> None:
 def remove(name: options.UserName, by: options.By = None) -> None:
     """Remove a user and end that user's sessions."""
     from storage.catalogue import users
-    from storage.home import home
 
     users.remove(name, home(), _person(by))
     print(f"{name} removed")

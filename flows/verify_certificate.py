@@ -4,6 +4,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 import typer
+from cryptography import x509
+from cryptography.hazmat.primitives.serialization import Encoding
 
 from flows.printing import print_json
 from schemas.base import Unusable
@@ -14,16 +16,27 @@ def run_verify_certificate(path: Path, trust: Path | None, as_json: bool) -> Non
     """Prints what was found; exits with 1 if there are faults. Does not use the store."""
     found = verify_file(path, _certificates(trust) if trust else ())
     if as_json:
-        _print_json(found)
+        print_json(
+            {
+                "format": "mimu-verify/1",
+                "checked": 1,
+                "faults": [{"what": str(found.path), "why": why} for why in found.faults],
+                "certificate": {
+                    "number": found.number,
+                    "state": found.state,
+                    "record_sha256": found.record_sha256,
+                    "signatures": [
+                        asdict(each) | {"at": each.at.isoformat()} for each in found.signatures
+                    ],
+                },
+            }
+        )
     else:
         _print(found, trusted=trust is not None)
     raise typer.Exit(1 if found.faults else 0)
 
 
 def _certificates(path: Path) -> list[bytes]:
-    from cryptography import x509
-    from cryptography.hazmat.primitives.serialization import Encoding
-
     try:
         every = x509.load_pem_x509_certificates(path.read_bytes())
     except (OSError, ValueError) as error:
@@ -31,24 +44,6 @@ def _certificates(path: Path) -> list[bytes]:
             f"--trust {path} cannot be read; give a file with certificates as PEM."
         ) from error
     return [each.public_bytes(Encoding.DER) for each in every]
-
-
-def _print_json(found: VerifiedFile) -> None:
-    print_json(
-        {
-            "format": "mimu-verify/1",
-            "checked": 1,
-            "faults": [{"what": str(found.path), "why": why} for why in found.faults],
-            "certificate": {
-                "number": found.number,
-                "state": found.state,
-                "record_sha256": found.record_sha256,
-                "signatures": [
-                    asdict(each) | {"at": each.at.isoformat()} for each in found.signatures
-                ],
-            },
-        }
-    )
 
 
 def _print(found: VerifiedFile, trusted: bool) -> None:

@@ -41,9 +41,15 @@ class Environment(Frozen):
         description="Person who drafts, checks, issues, amends, withdraws or deletes where --by "
         "names none.",
     )  # fmt: skip
-    log: Literal["json"] | None = Field(
+    log: Literal["json", "text"] | None = Field(
         default=None, alias="MIMUCAL_LOG",
-        description="json: events as one line of JSON each on standard error; unset: none.",
+        description="json or text: events on standard error, each as a line of JSON or of text; "
+        "unset: none, or text where MIMUCAL_LOG_LEVEL is set.",
+    )  # fmt: skip
+    log_level: Literal["debug", "info", "warning", "error"] | None = Field(
+        default=None, alias="MIMUCAL_LOG_LEVEL",
+        description="Least level of the events that are written; debug has each command to a "
+        "device of the station; unset: info.",
     )  # fmt: skip
     debug: str | None = Field(
         default=None, alias="MIMUCAL_DEBUG",

@@ -1,7 +1,7 @@
 """Measuring equipment of a laboratory: standards, their certificates and their error limits."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from datetime import date
 from itertools import pairwise
 from typing import Annotated, Literal, Self
@@ -236,16 +236,13 @@ def _check_argument(name: LimitName, function: ErrorFunction) -> None:
     if over is not None and None in at:
         raise ValueError(f"functions.{name}: a row needs `at`, the {over}")
     if over == "rate":
-        _without_sign([*filter(None, at), *(part.lowest for part in function.polynomials)])
-
-
-def _without_sign(rates: Iterable[float]) -> None:
-    for rate in rates:
-        if rate < 0.0:
-            raise ValueError(
-                f"functions.rate at {rate:g} °/s: rates are stated without a sign, of both "
-                "directions; where they differ, state the mean with a U that holds both"
-            )
+        rates = [*filter(None, at), *(part.lowest for part in function.polynomials)]
+        for rate in rates:
+            if rate < 0.0:
+                raise ValueError(
+                    f"functions.rate at {rate:g} °/s: rates are stated without a sign, of both "
+                    "directions; where they differ, state the mean with a U that holds both"
+                )
 
 
 class EquipmentFile(Frozen):

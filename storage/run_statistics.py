@@ -7,16 +7,13 @@ runs share, and the arrays.
 import json
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
 
+from schemas.review import Layout, RunStatistics
 from storage.blobs import blobs_of
 from storage.home import Home
-
-if TYPE_CHECKING:
-    from schemas.review import Layout, RunStatistics
 
 FOLDER = "statistics"
 CODEC = "zstd"
@@ -28,7 +25,7 @@ def name_of(digest: str) -> str:
     return f"{FOLDER}/{digest}"
 
 
-def load(digest: str, version: int, home: Home) -> "RunStatistics | None":
+def load(digest: str, version: int, home: Home) -> RunStatistics | None:
     """The statistics of a recording; None where they are not kept, were made by another version
     of what makes them, or are damaged: they can be made again.
     """
@@ -42,7 +39,7 @@ def load(digest: str, version: int, home: Home) -> "RunStatistics | None":
             return None
 
 
-def keep(digest: str, version: int, statistics: "RunStatistics", home: Home) -> None:
+def keep(digest: str, version: int, statistics: RunStatistics, home: Home) -> None:
     """Keeps the statistics of a recording in the place of those of another version."""
     blobs, name = blobs_of(home), name_of(digest)
     if load(digest, version, home) is None:
@@ -50,11 +47,11 @@ def keep(digest: str, version: int, statistics: "RunStatistics", home: Home) -> 
     blobs.keep(name, partial(_write, statistics, version))
 
 
-def _write(statistics: "RunStatistics", version: int, path: Path) -> None:
+def _write(statistics: RunStatistics, version: int, path: Path) -> None:
     path.write_bytes(encoded(statistics, version))
 
 
-def encoded(statistics: "RunStatistics", version: int) -> bytes:
+def encoded(statistics: RunStatistics, version: int) -> bytes:
     """The statistics as one file."""
     layout = statistics.layout.model_dump_json().encode()
     arrays = (
@@ -74,12 +71,10 @@ def encoded(statistics: "RunStatistics", version: int) -> bytes:
     return b"".join([json.dumps(head).encode(), b"\n", *packed])
 
 
-def decoded(content: bytes, version: int) -> "RunStatistics":
+def decoded(content: bytes, version: int) -> RunStatistics:
     """The statistics of a file. Raises ValueError, KeyError or OSError where it is damaged, or was
     made by another version.
     """
-    from schemas.review import RunStatistics
-
     line, _, rest = content.partition(b"\n")
     head = json.loads(line)
     if head["version"] != version:
@@ -97,8 +92,6 @@ def decoded(content: bytes, version: int) -> "RunStatistics":
 
 
 @lru_cache(maxsize=256)
-def _layout(key: str, content: bytes, size: int) -> "Layout":
-    from schemas.review import Layout
-
+def _layout(key: str, content: bytes, size: int) -> Layout:
     text = pa.decompress(content, size, codec=CODEC, asbytes=True)
     return Layout.model_validate_json(text)

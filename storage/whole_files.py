@@ -27,7 +27,12 @@ def drafted(path: Path) -> Iterator[Path]:
     draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         yield draft
-        _rename(draft, path)
+        try:
+            draft.replace(path)
+        except OSError as error:
+            if draft.is_dir():
+                raise FileExistsError(f"{path} is already there") from error
+            raise
     finally:
         if draft.is_dir():
             shutil.rmtree(draft, ignore_errors=True)
@@ -129,15 +134,6 @@ def report_folder(name: str | None) -> Path | None:
             f"{folder} cannot be made a folder ({error.strerror}); name another with --out."
         ) from error
     return folder
-
-
-def _rename(draft: Path, path: Path) -> None:
-    try:
-        draft.replace(path)
-    except OSError as error:
-        if draft.is_dir():
-            raise FileExistsError(f"{path} is already there") from error
-        raise
 
 
 def to_disk(path: Path) -> None:

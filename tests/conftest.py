@@ -9,6 +9,7 @@ import signal
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from datetime import date
+from itertools import chain, groupby
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,7 @@ from tests.surroundings import leave_production
 settings.register_profile("unhurried", deadline=None)  # machines are busy; pytest limits tests
 settings.load_profile("unhurried")
 
+SPREAD = 0.8  # of the files, among which those that wait are laid
 ENDINGS = tuple((one, signal.SIG_DFL) for one in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM))
 
 
@@ -71,8 +73,18 @@ def pytest_collection() -> Generator[None, object, object]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files that wait for the wall clock come first: at the end one worker would wait alone."""
-    items.sort(key=lambda item: not waits(item.getparent(pytest.Module)))
+    """Files that wait for the wall clock lie evenly among the others.
+
+    So one worker waits while two compute: all at once they would leave the processors idle, and at
+    the end, which is free of them, one worker would wait alone.
+    """
+    files = [list(own) for _, own in groupby(items, lambda item: item.getparent(pytest.Module))]
+    others = [own for own in files if not waits(own[0].getparent(pytest.Module))]
+    waiting = [own for own in files if waits(own[0].getparent(pytest.Module))]
+    apart = int(SPREAD * len(others)) // max(len(waiting), 1)
+    for number, own in enumerate(waiting):
+        others.insert(number * (apart + 1), own)
+    items[:] = chain.from_iterable(others)
 
 
 def waits(file: pytest.Module | None) -> bool:
@@ -102,6 +114,13 @@ def _as_migrated() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(database, "_migrate", as_migrated)
         yield
+
+
+@pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+    """A home in which nothing was kept yet; its folder does not exist."""
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
 
 
 @pytest.fixture

@@ -9,12 +9,13 @@ from schemas.calibration import Calibration, EnvironmentSeen, Item
 from schemas.certificate import Certificate, Laboratory, Order, Party, Step
 from schemas.decision import Decision, LimitDecision
 from schemas.equipment import MeasurementStandard
-from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import results, runs
 from storage.home import Home
 from tasks.stages.draft import DRAFT, keep_draft
 from tasks.stages.published import Published
+from tests.manifests import manifest_of
 
 MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
 PARTY = Party(name="Lab", name_zh="实验室", address="1 Road", address_zh="路 1 号")
@@ -42,11 +43,11 @@ DECIDED = Decision(verdict="pass", rule="simple", document="Data sheet", limits=
 
 def recording_of(serial: str) -> Recording:
     """Three seconds of a unit."""
-    manifest = Manifest.model_validate({
-        "format": FORMAT, "recording_id": f"run of {serial}",
-        "unit": {"manufacturer": "Maker", "model": "U", "serial": serial},
-        "station": {"id": "T1"},
-    })  # fmt: skip
+    manifest = manifest_of(
+        f"run of {serial}",
+        {"id": "T1"},
+        unit={"manufacturer": "Maker", "model": "U", "serial": serial},
+    )
     t = np.round(np.arange(300) / 100, 9)
     phase = float(sum(serial.encode()))
     return Recording(

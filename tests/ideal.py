@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
+from tests.manifests import manifest_of
 
 GRAVITY = 9.78
 AXES = "xyz"
@@ -74,12 +75,12 @@ def ideal_run(
             hold(label, up * np.radians(rate), up * gravity)
         hold({"name": f"rest2_{AXES[j]}", **rest}, np.zeros(3), up * gravity)
     values = np.concatenate(rows)
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "ideal", "standard": "JJF 2003-2022",
-        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-        "station": {"id": "test", "latitude_deg": 0.0, "gravity_m_s2": gravity},
-        "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of(
+        "ideal",
+        {"latitude_deg": 0.0, "gravity_m_s2": gravity},
+        standard="JJF 2003-2022",
+        segments=segments,
+    )
     columns = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))
     columns["temperature"] = np.full(len(values), 28.0)
     times = np.round(np.arange(len(values)) / rate_hz, 9)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import sqlalchemy as sql
+
 from schemas.certificate import Certificate
 from storage.catalogue import certificates, database, keep_certificate, trail
 from storage.home import Home
@@ -34,3 +36,12 @@ def take_number(home: Home, prefix: str = "MIMU", year: int = 2026) -> str:
     with database.changing(home) as connection:
         series = certificates.series_of("{prefix}-{year}-{serial:04d}", prefix, year)
         return certificates.next_number(connection, series)
+
+
+def by_force(home: Home, *statements: sql.Executable) -> None:
+    """What somebody does who may do everything to the database."""
+    with database.changing(home) as connection:
+        for trigger in ("trail_no_update", "trail_no_delete"):
+            connection.exec_driver_sql(f"DROP TRIGGER {trigger}")
+        for statement in statements:
+            connection.execute(statement)

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
+from tests.manifests import manifest_of
 
 GRAVITY = 9.81
 SECONDS, RATE, FRAMES = 60.0, 200.0, 120.0  # s, Hz, Hz
@@ -113,11 +114,7 @@ def readings(
 
 def recording(imu: Stream | None = None, reference: Stream | None = None, **more) -> Recording:
     """A recording with a tracked body and nothing else."""
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "by_hand",
-        "unit": {"manufacturer": "", "model": "", "serial": ""},
-        "station": {"id": "s", "gravity_m_s2": GRAVITY, "table_axes": None}, **more,
-    })  # fmt: skip
+    manifest = manifest_of("by_hand", **{"station": {"gravity_m_s2": GRAVITY}} | more)
     return Recording(manifest, imu or readings(), reference=reference or poses())
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from tests.manifests import manifest_of
 
 T = np.arange(0.0, 60.0, 0.01)
 ANGLE = 0.3 * np.sin(2.0 * np.pi * 0.25 * T) ** 3 * (T > 20.0)
@@ -11,14 +12,7 @@ ANGLE = 0.3 * np.sin(2.0 * np.pi * 0.25 * T) ** 3 * (T > 20.0)
 
 def shaft_manifest(*direction: float) -> Manifest:
     """Of a shaft along a direction; its encoder is `a`."""
-    return Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "shaft",
-        "unit": {"manufacturer": "", "model": "", "serial": ""},
-        "station": {
-            "id": "s", "gravity_m_s2": 9.8,
-            "table_axes": [{"name": "a", "direction": list(direction)}],
-        },
-    })  # fmt: skip
+    return manifest_of("shaft", {"gravity_m_s2": 9.8}, {"a": direction})
 
 
 def swinging(encoder_noise: float, low_pass: float = np.inf) -> Recording:

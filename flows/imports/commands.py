@@ -8,6 +8,8 @@ import typer
 
 from flows import options
 from flows.imports import options as import_options
+from schemas.base import Unusable
+from storage.home import home
 
 if TYPE_CHECKING:
     from storage.formats.convert import Changes
@@ -44,7 +46,6 @@ def import_(
     from storage.formats import convert
     from storage.formats.logger.columns import CHANNELS
     from storage.formats.logger.read import is_log
-    from storage.home import home
     from tasks.stages.import_recording import import_recording
 
     named = convert.pairs("--columns", columns, CHANNELS)
@@ -81,8 +82,6 @@ def import_(
 
 
 def _refuse_for_recording(path: Path, protocol: Path | None, columns: str | None) -> None:
-    from schemas.base import Unusable
-
     for option, given in (("--protocol", protocol), ("--columns", columns)):
         if given is not None:
             raise Unusable(f"{option} is for a logger's table, and {path} is none; leave it out.")

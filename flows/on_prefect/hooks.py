@@ -4,12 +4,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flows.orders.production import take_up_left
 from schemas.base import Unusable
 from schemas.station import StationFile
 from storage import settings
 from storage.home import Home, home
 from storage.station_lock import statuses
 from storage.stations import file_named
+from tasks.stages.stop import stop_station
 
 if TYPE_CHECKING:
     from prefect.client.schemas.objects import FlowRun
@@ -21,9 +23,6 @@ def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
     order goes back into the queue. A run that is still active at the station is another one, and is
     left alone.
     """
-    from flows.orders.production import take_up_left
-    from tasks.stages.stop import stop_station
-
     order = flow_run.parameters.get("order", {})
     place = Home(Path(order["home"])) if order.get("home") else home()
     with suppress(Unusable):

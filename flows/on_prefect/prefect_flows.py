@@ -47,6 +47,7 @@ from schemas.orders import (
 )
 from schemas.recall import DueUnit
 from storage.catalogue import run_index
+from tasks.stages import alert as alerting
 from tasks.stages import remind as reminding
 from tasks.stages.stage import without_loss
 
@@ -88,20 +89,15 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     theirs.
     """
     with lasting_output(), accepted("produce", order):
-        _check_pool(order)
+        context = FlowRunContext.get()
+        pool = context and context.flow_run and context.flow_run.work_pool_name
+        station = station_of(order, run_orders.home_of(order)).station.id
+        if pool and pool.startswith(POOL) and pool != pool_of(station):
+            raise Unusable(
+                f"the order is for station {station}, and this worker is one of pool {pool}: run "
+                f"produce/{station}"
+            )
         return run_orders.produce(order, lambda draft: show(lambda: show_certificate(draft)))
-
-
-def _check_pool(order: ProduceOrder) -> None:
-    """Raises Unusable where the worker is one of another station's pool."""
-    context = FlowRunContext.get()
-    pool = context and context.flow_run and context.flow_run.work_pool_name
-    station = station_of(order, run_orders.home_of(order)).station.id
-    if pool and pool.startswith(POOL) and pool != pool_of(station):
-        raise Unusable(
-            f"the order is for station {station}, and this worker is one of pool {pool}: run "
-            f"produce/{station}"
-        )
 
 
 @flow(name="reprocess")
@@ -143,8 +139,6 @@ def submit(order: SubmitOrder) -> None:
 @flow(name="alert", flow_run_name="alert")
 def alert(order: AlertOrder) -> None:
     """Send a sentence to whoever operates the line; BrokenOff where a channel did not take it."""
-    from tasks.stages import alert as alerting
-
     sent = alerting.alert(run_orders.home_of(order), order.sentence)
     if faults := [f"{each.channel}: {each.fault}" for each in sent if each.fault]:
         raise BrokenOff("; ".join(faults))

@@ -61,7 +61,19 @@ def _lines(path: Path) -> list[tuple[int, dict[str, str]]]:
     )
     try:
         names = [name.strip() for name in reader.fieldnames or ()]
-        _check_columns(path, names)
+        unknown = [name for name in names if name not in COLUMNS]
+        missing = [name for name in NEEDED if name not in names]
+        twice = [name for name in names if names.count(name) > 1]
+        for what, which in (
+            ("has no", missing),
+            ("has an unknown", unknown),
+            ("names twice the", twice),
+        ):
+            if which:
+                raise Unusable(
+                    f"{path} line 1 {what} column {which[0]!r}: the columns are "
+                    f"{', '.join(COLUMNS)}, with commas between them"
+                )
         reader.fieldnames = names
         return [
             (reader.line_num, _stripped(path, reader.line_num, row))
@@ -70,22 +82,6 @@ def _lines(path: Path) -> list[tuple[int, dict[str, str]]]:
         ]
     except csv.Error as error:
         raise Unusable(f"{path} line {reader.line_num}: {error}; save it as CSV.") from error
-
-
-def _check_columns(path: Path, names: Sequence[str]) -> None:
-    unknown = [name for name in names if name not in COLUMNS]
-    missing = [name for name in NEEDED if name not in names]
-    twice = [name for name in names if names.count(name) > 1]
-    for what, which in (
-        ("has no", missing),
-        ("has an unknown", unknown),
-        ("names twice the", twice),
-    ):
-        if which:
-            raise Unusable(
-                f"{path} line 1 {what} column {which[0]!r}: the columns are {', '.join(COLUMNS)}, "
-                "with commas between them"
-            )
 
 
 def _stripped(path: Path, line: int, row: Mapping[str, Any]) -> dict[str, str]:

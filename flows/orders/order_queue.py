@@ -79,7 +79,13 @@ def checked(request: OrderRequest, person: str, home: Home) -> ProductionOrder:
     if Path(procedure).suffix in settings.READERS:  # it is carried out from another folder
         procedure = str(Path(procedure).absolute())
     file = file_of(request.station, home)
-    units = _mounted(request.units, settings.read(file, StationFile))
+    station = settings.read(file, StationFile)
+    # What an order does not say of a unit, the station file says of the one at its place.
+    places = [each.unit for each in station.per_unit()]
+    units = tuple(
+        _unit(unit, places[min(number, len(places) - 1)])
+        for number, unit in enumerate(request.units)
+    )
     run = AcquireOrder(
         home=str(home.path), station=str(file), procedure=procedure, units=units,
         attended=False, by=person,
@@ -96,14 +102,6 @@ def checked(request: OrderRequest, person: str, home: Home) -> ProductionOrder:
 def drawn_number(now: datetime) -> str:
     """A number for an order that has none."""
     return f"{now:%Y%m%d-%H%M%S}-{token_hex(3)}"
-
-
-def _mounted(ordered: Sequence[OrderedUnit], station: StationFile) -> tuple[Unit, ...]:
-    """The units of an order, with what the station file says of the model at the same place."""
-    places = [each.unit for each in station.per_unit()]
-    return tuple(
-        _unit(unit, places[min(number, len(places) - 1)]) for number, unit in enumerate(ordered)
-    )
 
 
 def _unit(ordered: OrderedUnit, there: Unit) -> Unit:

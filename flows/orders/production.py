@@ -26,6 +26,7 @@ from storage.order_lock import no_order_at, one_order_at, only_worker_of
 from storage.station_stop import lockout_of
 from storage.stations import file_named, file_of
 from tasks.stages.left_run import left_runs
+from tasks.stages.procedure_input import procedure_named
 from tasks.stages.ready import ready_to_acquire
 from tasks.station.drivers.identity import confirm
 
@@ -74,7 +75,12 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
     home = run_orders.home_of(order)
     station = station_of(order, home)
     if order.number is not None:
-        _check_station(order.number, station.station.id, home)
+        ordered = orders.find(order.number, home).station
+        if ordered != station.station.id:
+            raise Unusable(
+                f"order {order.number} is for station {ordered}, and this is "
+                f"{station.station.id}: let a worker of {ordered} take it"
+            )
     with one_order_at(station.station.id, home):
         left = orders.put_back(station.station.id, home)
         number = order.number or _own_order(order, station, home)
@@ -151,15 +157,6 @@ def _own_order(order: ProduceOrder, station: StationFile, home: Home) -> str:
     return made.number
 
 
-def _check_station(number: str, station: str, home: Home) -> None:
-    ordered = orders.find(number, home).station
-    if ordered != station:
-        raise Unusable(
-            f"order {number} is for station {ordered}, and this is {station}: let a worker of "
-            f"{ordered} take it"
-        )
-
-
 def _production(
     kept: ProductionOrder, order: ProduceOrder, station: StationFile, home: Home
 ) -> Production:
@@ -178,8 +175,6 @@ def _production(
 
 def _is_left(kept: ProductionOrder, station: StationFile, home: Home) -> bool:
     """Whether every unit of an order has an interrupted run that began for this order."""
-    from tasks.stages.procedure_input import procedure_named
-
     assert kept.began_at is not None
     try:
         left = left_runs(station.with_units(kept.units), procedure_named(kept.procedure), home)

@@ -53,7 +53,8 @@ def _answering(
             question = page.question.model_validate(request.args.to_dict())
             found = page.data(question, home)
             if rows is not None:
-                return _csv(csv_of(rows(found)))
+                attached = {"Content-Disposition": "attachment"}
+                return Response(csv_of(rows(found)), mimetype="text/csv", headers=attached)
             return json_answer(found.model_dump_json())
         except ValidationError as error:
             return refusal(400, first_fault(error))
@@ -63,11 +64,6 @@ def _answering(
             return refusal(400, str(error))
 
     return answer
-
-
-def _csv(text: str) -> Response:
-    disposition = {"Content-Disposition": "attachment"}
-    return Response(text, mimetype="text/csv", headers=disposition)
 
 
 def openapi() -> dict[str, Any]:

@@ -142,17 +142,13 @@ def _moment(moment: Moment | None, view: View) -> str | None:
     if moment is None:
         return None
     at, earliest, latest, without = (
-        _day(each) for each in (moment.at, moment.earliest, moment.latest, moment.without)
+        str(stated_day(each) or each or "")
+        for each in (moment.at, moment.earliest, moment.latest, moment.without)
     )
     if not without:
         return f"{at} (95 %: {earliest} … {latest})"
     low, high = (without, latest) if without < earliest else (earliest, without)
     return view.say(message("pages-mismatch-between", at=at, low=low, high=high))
-
-
-def _day(moment: str | None) -> str:
-    """The day of a moment; a recording of unknown day by its name, nothing where there is none."""
-    return str(stated_day(moment) or moment or "")
 
 
 def _uncertain(time: UncertainTime, view: View) -> Component:

@@ -38,31 +38,19 @@ def give(home: Home) -> Response:
     except Unusable as error:
         return refusal(403, str(error))
     try:
-        asked = _asked()
+        if (request.content_length or 0) > LONGEST:
+            raise Unusable(f"the order has more than {LONGEST} bytes; give one order at a time")
+        asked = OrderRequest.model_validate_json(request.get_data())
+        if asked.number is None:
+            raise Unusable("number is missing: by it an order that is sent twice is one order")
         procedures.load(asked.procedure)  # and no file of this computer
         given = order_queue.give(asked, visitor.name, home)
     except ValidationError as error:
-        return refusal(400, "; ".join(_faults(error)))
+        faults = error.errors(include_url=False, include_input=False)
+        said = (f"{'.'.join(map(str, at['loc'])) or 'document'}: {at['msg']}" for at in faults)
+        return refusal(400, "; ".join(said))
     except Busy as error:
         return refusal(503, str(error))
     except Unusable as error:
         return refusal(400, str(error))
     return json_answer(given.order.model_dump_json(), 201 if given.is_new else 200)
-
-
-def _asked() -> OrderRequest:
-    """The order of the request; raises Unusable or ValidationError for what is none."""
-    if (request.content_length or 0) > LONGEST:
-        raise Unusable(f"the order has more than {LONGEST} bytes; give one order at a time")
-    asked = OrderRequest.model_validate_json(request.get_data())
-    if asked.number is None:
-        raise Unusable("number is missing: by it an order that is sent twice is one order")
-    return asked
-
-
-def _faults(error: ValidationError) -> list[str]:
-    """Every fault of a document, with its place."""
-    return [
-        f"{'.'.join(map(str, each['loc'])) or 'document'}: {each['msg']}"
-        for each in error.errors(include_url=False, include_input=False)
-    ]

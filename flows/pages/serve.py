@@ -5,6 +5,9 @@ import logging
 from ipaddress import ip_address
 from typing import Any
 
+from waitress.server import create_server
+
+from flows.logs import set_up
 from flows.pages.app import make_app
 from flows.printing import stdout
 from schemas.base import Unusable
@@ -18,6 +21,7 @@ THREADS = 8  # requests answered at the same time; further ones wait
 
 def serve(home: Home, host: str, port: int) -> None:
     """Serve the pages of a home; raises Unusable for an address that cannot be listened on."""
+    set_up(errors_at_least=True)
     server = listening(home, host, port)
     stdout(markup=False).print(
         f"http://{host}:{server.effective_port}/ (Ctrl-C ends it)", highlight=False
@@ -27,8 +31,6 @@ def serve(home: Home, host: str, port: int) -> None:
 
 def listening(home: Home, host: str, port: int) -> Any:
     """A server of the pages that listens already; `run` answers, `close` ends it."""
-    from waitress.server import create_server
-
     _check_reach(home, host)
     app = make_app(home).server
     gc.freeze()  # what was imported lives to the end: no collection walks over it again

@@ -92,7 +92,7 @@ def say_fault(error: Exception) -> None:
         set_props("again", {"disabled": False, "interval": int(RETRY_S * 1000)})
     words = "pages-not-answered" if isinstance(error, Unusable) else "pages-failed"
     if not isinstance(error, Unusable):
-        logging.getLogger(__name__).error("a callback failed", exc_info=error)
+        logging.getLogger("mimucal.pages").error("a callback failed", exc_info=error)
     sentence = str(error) if isinstance(error, Unusable) else type(error).__name__
     set_props("fault", {"children": notice(view, words, "red", sentence)})
 

@@ -3,7 +3,6 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from datetime import date
 from itertools import pairwise
 from typing import Any
 
@@ -128,15 +127,11 @@ def _reading(run: tuple[Any, ...], numbers: tuple[Any, ...]) -> Reading:
 
 
 def _drift(readings: list[Reading], u: Mapping[str, float | None]) -> DriftRate | None:
-    years = [_years(each.day) for each in readings]
+    years = [each.day.toordinal() / YEAR_D for each in readings]
     values = [_number(each.value) for each in readings]
     adjustments = np.cumsum([each.state == "left" for each in readings], dtype=int)
     stated = [_number(u[each.run]) for each in readings]
     return drift(np.array(years), np.array(values), np.array(stated), adjustments)
-
-
-def _years(day: date) -> float:
-    return day.toordinal() / YEAR_D
 
 
 def _number(number: float | None) -> float:

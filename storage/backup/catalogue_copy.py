@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import sqlalchemy as sql
+import zstandard
 
 from schemas.backup import KeptTable
 from schemas.base import Unusable
@@ -20,8 +21,6 @@ def copied(connection: sql.Connection, objects: Objects) -> tuple[KeptTable, ...
 
 
 def _copied(connection: sql.Connection, table: sql.Table, objects: Objects) -> KeptTable:
-    import zstandard
-
     rows, digest = 0, hashlib.sha256()
 
     def write(draft: Path) -> None:
@@ -42,8 +41,6 @@ def _copied(connection: sql.Connection, table: sql.Table, objects: Objects) -> K
 
 def lines_of(table: KeptTable, objects: Objects) -> Iterator[bytes]:
     """The rows of a kept table."""
-    import zstandard
-
     with objects.path(table.object).open("rb") as file:
         unpacked, rest = zstandard.ZstdDecompressor().read_to_iter(file), b""
         for part in unpacked:

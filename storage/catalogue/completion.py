@@ -5,10 +5,8 @@ from contextlib import suppress
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.recording import Manifest
 from storage.catalogue import certificates, database, lineage, result_rows, run_index, runs, tables
 from storage.catalogue.results import calibration_of
-from storage.catalogue.run_index import Run
 from storage.formats.manifest import manifest_of
 from storage.home import Home
 
@@ -29,7 +27,8 @@ def complete_runs(home: Home) -> None:
         if run.id not in ids:
             continue
         try:
-            manifest = _manifest(run, home)
+            kept = runs.manifest_bytes(run, home)
+            manifest = manifest_of(kept, run.id) if kept else runs.load(run, home).manifest
             printed = [
                 (entry.number, certificates.standards_of(certificates.record_of(entry, home)))
                 for entry in register
@@ -80,8 +79,3 @@ def complete_certificates(home: Home) -> None:
                 result_rows.add_decision(connection, number, decision)
                 counted = sql.update(table).where(table.c.number == number)
                 connection.execute(counted.values(limits=len(decision.limits)))
-
-
-def _manifest(run: Run, home: Home) -> Manifest:
-    kept = runs.manifest_bytes(run, home)
-    return manifest_of(kept, run.id) if kept else runs.load(run, home).manifest

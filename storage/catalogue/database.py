@@ -129,8 +129,21 @@ def changing(home: Home) -> Iterator[sql.Connection]:
     _check_whole(home)
     made = engine_of(url_of(home), BUSY_S)
     if made.dialect.name == "sqlite":
-        _make_folder(home)
-        _make_file(Path(made.url.database or ""))
+        try:
+            make_folder(home.path)
+        except OSError as error:
+            raise Unusable(
+                f"{home.path} cannot be made ({error.strerror}); let MIMUCAL_HOME name a folder "
+                "that can be written."
+            ) from error
+        file = Path(made.url.database or "")
+        # A catalogue contains password hashes: a new one is not world-readable, nor are its logs.
+        # SQLite would fail on the same errors, with a better message.
+        with suppress(OSError):
+            rights = 0o600 | 0o060 & file.parent.stat().st_mode
+            opened = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            os.fchmod(opened, rights)
+            os.close(opened)
     writer = made.execution_options(writes=True)
     with explained(made), _connected(writer) as connection, connection.begin():
         yield connection
@@ -180,27 +193,6 @@ def _connected(made: sql.Engine) -> Iterator[sql.Connection]:
         yield connection
     finally:
         connection.close()
-
-
-def _make_folder(home: Home) -> None:
-    try:
-        make_folder(home.path)
-    except OSError as error:
-        raise Unusable(
-            f"{home.path} cannot be made ({error.strerror}); let MIMUCAL_HOME name a folder that "
-            "can be written."
-        ) from error
-
-
-def _make_file(file: Path) -> None:
-    """A catalogue contains password hashes: a new one is not world-readable, nor are its logs.
-    SQLite would fail on the same errors, with a better message.
-    """
-    with suppress(OSError):
-        rights = 0o600 | 0o060 & file.parent.stat().st_mode
-        opened = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-        os.fchmod(opened, rights)
-        os.close(opened)
 
 
 def check_revision(made: sql.Engine, revision: str | None) -> None:

@@ -47,7 +47,13 @@ def save(calibration: Calibration, home: Home, *, why: str | None = None) -> str
 
 def add_result(connection: sql.Connection, calibration: Calibration, why: str | None) -> str:
     """`save` within a transaction; one writer at a time for each run."""
-    _lock_run(connection, calibration)
+    run = tables.runs.c
+    mine = sql.select(run.id).where(run.id == calibration.run, run.digest == calibration.digest)
+    if connection.execute(mine.with_for_update()).one_or_none() is None:
+        raise Unusable(
+            f"Run {calibration.run} of recording {calibration.recording_id} is not in the store "
+            "with this content; import the recording first."
+        )
     document = calibration.model_dump_json()
     latest = _latest(connection, calibration, document)
     if latest is not None and latest.document == document:
@@ -148,16 +154,6 @@ def _results(home: Home, which: sql.ColumnElement[bool]) -> list[Result]:
         Result(calibration=calibration_of(row), **{name: row._mapping[name] for name in columns})
         for row in database.rows(home, statement)
     ]
-
-
-def _lock_run(connection: sql.Connection, calibration: Calibration) -> None:
-    run = tables.runs.c
-    mine = sql.select(run.id).where(run.id == calibration.run, run.digest == calibration.digest)
-    if connection.execute(mine.with_for_update()).one_or_none() is None:
-        raise Unusable(
-            f"Run {calibration.run} of recording {calibration.recording_id} is not in the store "
-            "with this content; import the recording first."
-        )
 
 
 def _why(latest: sql.Row, calibration: Calibration) -> str:

@@ -191,7 +191,8 @@ def _met(condition: Condition) -> sql.ColumnElement[bool]:
     if condition.all_of:
         return sql.and_(*map(_met, condition.all_of))
     if condition.kind == "among":
-        return _among(column, condition.values)
+        known = column.in_([value for value in condition.values if value is not None])
+        return sql.or_(known, column.is_(None)) if None in condition.values else known
     if condition.kind in ("blank", "not_blank"):
         return column.is_(None) if condition.kind == "blank" else column.is_not(None)
     return _compared(column, condition)
@@ -203,11 +204,6 @@ def _compared(column: sql.ColumnElement[Any], condition: Condition) -> sql.Colum
     if isinstance(condition.value, str):
         return _by_text(column, condition.kind, condition.value)
     return _by_number(column, condition)
-
-
-def _among(column: sql.ColumnElement[Any], values: Sequence[str | None]) -> sql.ColumnElement[bool]:
-    known = column.in_([value for value in values if value is not None])
-    return sql.or_(known, column.is_(None)) if None in values else known
 
 
 def _by_text(column: sql.ColumnElement[Any], kind: str, text: str) -> sql.ColumnElement[bool]:

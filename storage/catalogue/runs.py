@@ -40,7 +40,22 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
     blobs_of(home).keep(_raw(recording.digest), partial(write_mcap, recording))
     _write_columns(recording, home)
     with database.changing(home) as connection:
-        run, is_new = _add(connection, recording)
+        manifest, t = recording.manifest, recording.imu.t
+        run = f"r{recording.digest[:ID_DIGITS]}"
+        is_new = database.add_new(
+            connection,
+            tables.runs,
+            id=run,
+            digest=recording.digest,
+            recording_id=manifest.recording_id,
+            unit=unit_id(connection, manifest.unit),
+            standard=manifest.standard,
+            imported_at=datetime.now(UTC),
+            seconds=float(t[-1] - t[0]),
+            rows=len(t),
+            **lineage.provenance(manifest),
+        )
+        lineage.add_equipment(connection, run, lineage.MANIFEST, lineage.equipment_of(manifest))
         if source_bytes:
             database.add_new(
                 connection, tables.sources, fingerprint=source_bytes, run=run, path=str(source)
@@ -134,26 +149,6 @@ def unit_id(connection: sql.Connection, unit: Unit) -> int:
     database.add_new(connection, tables.units, **identity)
     same = [tables.units.c[name] == value for name, value in identity.items()]
     return int(connection.execute(sql.select(tables.units.c.id).where(*same)).scalar_one())
-
-
-def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
-    manifest, t = recording.manifest, recording.imu.t
-    run = f"r{recording.digest[:ID_DIGITS]}"
-    is_new = database.add_new(
-        connection,
-        tables.runs,
-        id=run,
-        digest=recording.digest,
-        recording_id=manifest.recording_id,
-        unit=unit_id(connection, manifest.unit),
-        standard=manifest.standard,
-        imported_at=datetime.now(UTC),
-        seconds=float(t[-1] - t[0]),
-        rows=len(t),
-        **lineage.provenance(manifest),
-    )
-    lineage.add_equipment(connection, run, lineage.MANIFEST, lineage.equipment_of(manifest))
-    return run, is_new
 
 
 def _write_columns(recording: Recording, home: Home) -> None:

@@ -7,18 +7,17 @@ compressed nor nullable, in one row group.
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
 
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream
 from storage.formats.content import check_sum, digest, fingerprint, together
 from storage.formats.manifest import MANIFEST, manifest_of
 from storage.whole_files import drafted
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 # In the metadata of each Parquet file: of the content, and of what was written.
 DIGEST, CHECK_SUM = b"mimucal.digest", b"mimucal.check_sum"
@@ -38,7 +37,21 @@ def write_columns(recording: Recording, folder: Path) -> None:
     with drafted(folder) as draft:
         draft.mkdir()
         for name, stream in streams.items():
-            _write(stream, draft / files[name], marks)
+            path = draft / files[name]
+            columns: Mapping[str, np.ndarray] = {"t": stream.t, **stream.columns}
+            schema = pa.schema(
+                [pa.field(name, pa.float64(), nullable=False) for name in columns], marks
+            )
+            table = pa.table([from_numpy(values) for values in columns.values()], schema=schema)
+            pq.write_table(
+                table,
+                path,
+                compression="none",
+                use_dictionary=False,
+                write_statistics=False,
+                row_group_size=max(1, len(stream)),
+                data_page_size=2**20,
+            )
         (draft / MANIFEST).write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
 
 
@@ -47,8 +60,6 @@ def read_columns(folder: Path) -> Recording:
 
     Raises Unusable for a folder that is not whole, or in which something was damaged since.
     """
-    import pyarrow as pa
-
     where = str(folder / MANIFEST)
     try:
         manifest = manifest_of((folder / MANIFEST).read_bytes(), where)
@@ -67,28 +78,8 @@ def read_columns(folder: Path) -> Recording:
     return replace(recording, digest=content_digest)
 
 
-def _write(stream: Stream, path: Path, marks: Mapping[bytes, str]) -> None:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    columns: Mapping[str, np.ndarray] = {"t": stream.t, **stream.columns}
-    schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in columns], marks)
-    table = pa.table([from_numpy(values) for values in columns.values()], schema=schema)
-    pq.write_table(
-        table,
-        path,
-        compression="none",
-        use_dictionary=False,
-        write_statistics=False,
-        row_group_size=max(1, len(stream)),
-        data_page_size=2**20,
-    )
-
-
 def _read(path: Path) -> tuple[Stream, tuple[str, str]]:
     """The stream, with the digest and the check sum in its file."""
-    import pyarrow.parquet as pq
-
     # By one thread: what bounds it is the memory, and workers share the processors.
     with pq.ParquetFile(path, buffer_size=BUFFER, pre_buffer=False) as file:
         table: pa.Table = file.read(use_threads=False)
@@ -98,19 +89,15 @@ def _read(path: Path) -> tuple[Stream, tuple[str, str]]:
     return Stream(columns.pop("t"), columns), marks
 
 
-def to_numpy(column: "pa.ChunkedArray") -> np.ndarray:
+def to_numpy(column: pa.ChunkedArray) -> np.ndarray:
     """(n,) float64, NaN where the column is null; without a copy where it has one chunk."""
     if column.null_count:
-        import pyarrow.compute as pc  # late: what was kept has no nulls
-
         column = pc.fill_null(column, from_numpy(np.array([np.nan]))[0])
     parts = [np.from_dlpack(chunk) for chunk in column.chunks]
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def from_numpy(values: np.ndarray) -> "pa.Array":
+def from_numpy(values: np.ndarray) -> pa.Array:
     """The values (n,) as float64 without nulls."""
-    import pyarrow as pa
-
     data = pa.py_buffer(np.ascontiguousarray(values, dtype=np.float64))
     return pa.Array.from_buffers(pa.float64(), len(values), [None, data])

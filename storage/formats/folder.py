@@ -27,7 +27,22 @@ def read_folder(folder: Path, second: float = 1.0) -> Recording:
     manifest = _manifest(folder)
     streams: dict[str, Stream] = {}
     for name in manifest.streams:
-        streams[name] = _stream(_path(folder, manifest, name), name, manifest, second)
+        path = _path(folder, manifest, name)
+        table = read_table(path)
+        wanted = [column for column in known_columns(name, manifest) if column in table]
+        if "t" not in table:
+            raise Unusable(f"{path}: column t is missing; add the time of each row in seconds.")
+        check_columns(str(path), name, manifest, set(wanted))
+        t = table.numbers("t") if second == 1.0 else table.numbers("t") * second
+        stream = Stream(t, {column: table.numbers(column) for column in wanted})
+        check_stream(str(path), name, stream)
+        if (before := first(np.diff(nanoseconds(t)) <= 0)) is not None:
+            row = before + 1
+            raise Unusable(
+                f"{path}: column t, row {row + 1}: {float(t[row])!r} s is less than a nanosecond "
+                f"after the row before; times are kept to whole nanoseconds, so remove one of them."
+            )
+        streams[name] = stream
     recording = as_raw(together(manifest, streams))
     return replace(recording, digest=fingerprint(recording))
 
@@ -79,25 +94,3 @@ def _path(folder: Path, manifest: Manifest, name: str) -> Path:
 
 def _short(file: str) -> str:
     return repr(file if len(file) <= MAX_LENGTH else f"{file[:MAX_LENGTH]}…")
-
-
-def _stream(path: Path, name: str, manifest: Manifest, second: float) -> Stream:
-    table = read_table(path)
-    wanted = [column for column in known_columns(name, manifest) if column in table]
-    if "t" not in table:
-        raise Unusable(f"{path}: column t is missing; add the time of each row in seconds.")
-    check_columns(str(path), name, manifest, set(wanted))
-    t = table.numbers("t") if second == 1.0 else table.numbers("t") * second
-    stream = Stream(t, {column: table.numbers(column) for column in wanted})
-    check_stream(str(path), name, stream)
-    _check_rounded(path, t)
-    return stream
-
-
-def _check_rounded(path: Path, t: np.ndarray) -> None:
-    if (before := first(np.diff(nanoseconds(t)) <= 0)) is not None:
-        row = before + 1
-        raise Unusable(
-            f"{path}: column t, row {row + 1}: {float(t[row])!r} s is less than a nanosecond "
-            f"after the row before; times are kept to whole nanoseconds, so remove one of them."
-        )

@@ -41,7 +41,15 @@ def read_standard(path: Path, deviation: Literal["corrected", "budgeted"]) -> Me
     deviation: what is done with the errors. Where several results are over rate, or over angle, the
     name of each is that of its axis. Raises Unusable for what is no such document.
     """
-    root = _root(path)
+    parser = etree.XMLParser(resolve_entities=False, no_network=True)
+    try:
+        root = etree.fromstring(text_bytes(path), parser)
+    except OSError as error:
+        raise Unusable(f"{path} cannot be read ({error.strerror}); name another file.") from error
+    except etree.XMLSyntaxError as error:
+        raise Unusable(f"{path} is not XML ({error}); name the XML of a DCC.") from error
+    if root.tag != f"{{{NAMES['dcc']}}}digitalCalibrationCertificate":
+        raise Unusable(f"{path} is no digitalCalibrationCertificate; name the XML of a DCC.")
     item = "dcc:administrativeData/dcc:items/dcc:item"
     core = "dcc:administrativeData/dcc:coreData"
     try:
@@ -65,19 +73,6 @@ def read_standard(path: Path, deviation: Literal["corrected", "budgeted"]) -> Me
         raise Unusable(f"{path}: {first_fault(fault)}; write that standard by hand.") from fault
     except ValueError as fault:
         raise Unusable(f"{path}: {fault}; write that standard by hand.") from fault
-
-
-def _root(path: Path) -> Any:
-    parser = etree.XMLParser(resolve_entities=False, no_network=True)
-    try:
-        root = etree.fromstring(text_bytes(path), parser)
-    except OSError as error:
-        raise Unusable(f"{path} cannot be read ({error.strerror}); name another file.") from error
-    except etree.XMLSyntaxError as error:
-        raise Unusable(f"{path} is not XML ({error}); name the XML of a DCC.") from error
-    if root.tag != f"{{{NAMES['dcc']}}}digitalCalibrationCertificate":
-        raise Unusable(f"{path} is no digitalCalibrationCertificate; name the XML of a DCC.")
-    return root
 
 
 def _text(element: Any, path: str) -> str:

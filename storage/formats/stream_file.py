@@ -1,16 +1,18 @@
 """One stream file, Parquet or CSV, as columns of numbers."""
 
 import os
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+from pyarrow import csv
+from pyarrow.types import is_decimal, is_floating, is_integer, is_null
 
 from schemas.base import Unusable
 from storage.formats.columns import to_numpy
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 NULLS = ("", "null", "NULL", "nan", "NaN", "NAN", "NA", "N/A")
 
@@ -25,7 +27,7 @@ HEAD = 2**20  # bytes in which a header ends
 class StreamTable:
     """The columns of a file; they become numbers when they are asked for."""
 
-    def __init__(self, path: Path, table: "pa.Table") -> None:
+    def __init__(self, path: Path, table: pa.Table) -> None:
         self._path = path
         self._table = table
         self._names: list[str] = [name.strip() for name in table.column_names]
@@ -35,9 +37,6 @@ class StreamTable:
 
     def numbers(self, name: str) -> np.ndarray:
         """A column as (n,) float64, NaN where it is null; raises Unusable for what is no number."""
-        import pyarrow as pa
-        import pyarrow.compute as pc
-
         if self._names.count(name) > 1:
             raise Unusable(f"{self._path}: column {name} is there twice; keep one of them.")
         column = self._table.column(self._names.index(name))
@@ -56,7 +55,7 @@ class StreamTable:
             raise self._not_a_number(name, column) from error
         return to_numpy(column)
 
-    def _not_a_number(self, name: str, column: "pa.ChunkedArray") -> Unusable:
+    def _not_a_number(self, name: str, column: pa.ChunkedArray) -> Unusable:
         for row, value in enumerate(column.to_pylist(), start=1):
             try:
                 float("0" if value is None else value)
@@ -68,18 +67,13 @@ class StreamTable:
         return Unusable(f"{self._path}: column {name} is not all numbers; write it as numbers.")
 
 
-def _is_number(kind: "pa.DataType") -> bool:
+def _is_number(kind: pa.DataType) -> bool:
     """A column without any value has the type null, and counts."""
-    from pyarrow.types import is_decimal, is_floating, is_integer, is_null
-
     return is_integer(kind) or is_floating(kind) or is_decimal(kind) or is_null(kind)
 
 
 def read_table(path: Path) -> StreamTable:
     """Reads a Parquet or CSV file; raises Unusable for one that is empty or not what it says."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     if not path.stat().st_size:
         raise Unusable(f"{path} is empty; export it again, or take its stream out.")
     try:
@@ -114,11 +108,8 @@ def _check_size(path: Path, needed: int) -> None:
         )
 
 
-def _read_csv(path: Path) -> "pa.Table":
+def _read_csv(path: Path) -> pa.Table:
     """Everything as text at first, so that a value that is no number can be named."""
-    import pyarrow as pa
-    from pyarrow import csv
-
     text = {name: pa.string() for name in _header(path)}
     options = csv.ConvertOptions(column_types=text, strings_can_be_null=False)
     try:
@@ -129,10 +120,6 @@ def _read_csv(path: Path) -> "pa.Table":
 
 def _header(path: Path) -> list[str]:
     """The names in the first line that is not blank; raises Unusable for another separator."""
-    from io import BytesIO
-
-    from pyarrow import csv
-
     with path.open("rb") as file:
         begins = file.read(HEAD)
     if begins.startswith(PARQUET):
@@ -164,8 +151,6 @@ def _uneven_row(path: Path) -> Unusable | None:
 
     Raises Unusable for a line that is no text: pyarrow cannot hand over such a row.
     """
-    from pyarrow import csv
-
     with path.open("rb") as file:
         for number, line in enumerate(file, start=1):
             _check_text(path, line, number)

@@ -4,7 +4,6 @@ What is written in a figure is the same in every language: symbols, units, axes.
 outlines, so that the PDF needs no font for it and holds no number twice.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, get_args
@@ -69,7 +68,13 @@ def drawn(certificate: Certificate) -> dict[str, str]:
 @lru_cache(maxsize=32)  # draft, check and issue draw the same ones
 def _svg(name: FigureName, curves: tuple[Curve, ...], day: int) -> str:
     """day: of the calibration, days since year 1, from which a history counts."""
-    panels = _panels(curves, by_axis=name in ("rate-residuals", "tumble"))
+    by_axis = name in ("rate-residuals", "tumble")
+    # The curves of each panel: of one axis, or of one quantity.
+    keys = [curve.axis if by_axis else curve.quantity for curve in curves]
+    panels = [
+        tuple(curve for curve, key in zip(curves, keys, strict=True) if key == one)
+        for one in dict.fromkeys(keys)
+    ]
     columns = min(len(panels), IN_A_ROW if len(panels) != IN_A_ROW + 1 else 2)
     rows = -(-len(panels) // columns)
     height = rows * PANEL + (rows - 1) * FRAME + FRAME
@@ -86,12 +91,3 @@ def _svg(name: FigureName, curves: tuple[Curve, ...], day: int) -> str:
             unused.set_axis_off()
 
     return draw(name, WIDTH, height, content, OUTLINED)
-
-
-def _panels(curves: Sequence[Curve], by_axis: bool) -> list[tuple[Curve, ...]]:
-    """The curves of each panel: of one axis, or of one quantity."""
-    keys = [curve.axis if by_axis else curve.quantity for curve in curves]
-    return [
-        tuple(curve for curve, key in zip(curves, keys, strict=True) if key == one)
-        for one in dict.fromkeys(keys)
-    ]

@@ -10,6 +10,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pylopdf_fonts_zh_cn
+import segno
+import typst
+
 from schemas.appearance import Appearance
 from schemas.base import Unusable
 from schemas.certificate import Certificate, Laboratory
@@ -40,8 +44,6 @@ def render(
     Raises Unusable where a text has a character that none of the fonts can show, and where the
     laboratory's template or pictures cannot be set.
     """
-    import typst
-
     languages = languages or certificate.languages
     laboratory = certificate.laboratory
     appearance = (laboratory and laboratory.appearance) or Appearance()
@@ -81,9 +83,6 @@ def render(
 @cache
 def _fonts() -> Any:
     """The typesetter's fonts, read once: none of the system's, which differ by machine."""
-    import pylopdf_fonts_zh_cn
-    import typst
-
     folder = pylopdf_fonts_zh_cn.serif_path().parent
     return typst.Fonts(include_system_fonts=False, font_paths=[folder])
 
@@ -122,8 +121,6 @@ def sealed(number: str, record: bytes) -> str:
 
 def _seal(certificate: Certificate, languages: Sequence[str], signed: bool) -> dict[str, object]:
     """The QR code as SVG, what it holds, and the sentences beside it."""
-    import segno
-
     text = sealed(certificate.number, record_of(certificate))
     svg = io.BytesIO()
     segno.make(text, error="m", micro=False).save(svg, kind="svg", border=4, xmldecl=False)

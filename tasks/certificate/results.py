@@ -5,7 +5,7 @@ Numbers are texts by JJF 1059.1, in units of 10^exponent.
 
 from dataclasses import dataclass
 
-from schemas.calibration import Calibration, Item
+from schemas.calibration import Calibration
 from schemas.decision import Decision, LimitDecision
 from schemas.text import Statement
 from tasks.certificate.element_rows import Row, rows
@@ -86,7 +86,8 @@ def _group(
     calibration: Calibration, decision: Decision, name: str, specification: Specification
 ) -> Group:
     item, definition = calibration.items.get(name), specification.definitions.get(name)
-    elements = _elements(item, definition)
+    named = definition.elements if definition else ()
+    elements = tuple(dict.fromkeys((*named, *(item.value if item else ()))))
     columns = _columns(definition, specification)
     two = len(columns) > 1
     limits = [limit for limit in decision.limits if limit.item == name]
@@ -125,11 +126,6 @@ def _columns(
         f"certificate-column.{key}-{specification.method}", f"certificate-column.{key}"
     )
     return first or message("certificate-column"), message(f"certificate-column.{key}-second")
-
-
-def _elements(item: Item | None, definition: ItemDefinition | None) -> tuple[str, ...]:
-    named = definition.elements if definition else ()
-    return tuple(dict.fromkeys((*named, *(item.value if item else ()))))
 
 
 def _about(

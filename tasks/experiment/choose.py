@@ -35,9 +35,8 @@ from tasks.experiment.separation import (
 from tasks.experiment.temperature import ThermalResponse
 from tasks.experiment.track import planned_recording
 from tasks.explain.confounding.linear_forms import DISTINGUISHABLE
-from tasks.explain.confounding.special_case import HOLDS, SHOWN
-from tasks.explain.evidence.shares import WEAK
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.search.special_case import HOLDS, SHOWN
 from tasks.explain.whitening import Noise
 from tasks.model.model import Model
 from tasks.station.plan import plan
@@ -100,8 +99,7 @@ class Experiment:
 
     def bound(self, pair: Pair) -> float:
         """Chi-squared that names the true one alone: a pair's difference; of a special case what a
-        departure from it shows; beside nothing what makes it no weak one, with the price of its
-        parameters, which may be no clear ones by themselves.
+        departure from it shows; beside nothing as much, with the price of its parameters.
         """
         truth, other = pair
         if HOLDS.get(other) == truth:
@@ -110,7 +108,7 @@ class Experiment:
             return DISTINGUISHABLE
         places = self.models[truth].places
         count = sum(own.stop - own.start for key, own in places.items() if key[0] == truth)
-        return DISTINGUISHABLE if count == 1 else WEAK + PRICE * count
+        return DISTINGUISHABLE + PRICE * (count - 1)
 
     def shortest(self, minutes: float) -> Choice:
         """Blocks added one by one, each time the one that shows most for its time, until the whole

@@ -7,19 +7,19 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.experiment.choose import NOTHING
-from tasks.explain.confounding.families import DELAYING, GYROS_ALONE
-from tasks.explain.confounding.special_case import HOLDS, places_apart
+from tasks.explain.confounding.delays import DELAYING, GYROS_ALONE
 from tasks.explain.evidence.determination import undetermined
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import UNNAMED, Explanation
 from tasks.explain.progress import Progress, silent
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
+from tasks.explain.search.special_case import HOLDS, places_apart
 from tasks.model.effect import EVENTS
 from tasks.model.model import Model
 
 COVERAGE = 2.0  # standard uncertainties in U
-SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "incomplete", "reference_noise")
+SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "reference_noise")
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,15 @@ from schemas.recording import Recording
 from tasks.explain.confounding.bootstrap import ReferenceBootstrap
 from tasks.explain.confounding.compare import compared
 from tasks.explain.confounding.play import with_play
+from tasks.explain.confounding.preferred import with_preferred
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.pruning import pruned, with_absorbed
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.inputs.reference import ReferencePrediction
-from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.progress import Progress, report_progress, silent
+from tasks.explain.search.by_poses import fitted_by_poses
 from tasks.explain.search.fitted import FittedSelection, Searched, searched
 from tasks.model.terms.timing import TIME_OFFSET
 
@@ -49,7 +51,7 @@ def explained(
         evidence = _selected(found, progress)
     else:
         evidence = Evidence.of(found.as_stamped(found.fit))
-    tell(progress, "evidence")
+    report_progress(progress, "evidence")
     return explanation_of(prepared, evidence, ordered=only is not None)
 
 
@@ -75,11 +77,14 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
     evidence = with_absorbed(pruned(found.fit, trials), candidates, found.blocks)
     if found.prepared.delay:
         evidence = pruned(found.as_stamped(evidence.fit), trials)
-    tell(progress, "combinations")
+    report_progress(progress, "combinations")
     fit = compared(
         evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit,
         ReferenceBootstrap(found.prepared).rivals,
     )  # fmt: skip
-    fit = with_play(fit, candidates)
+    fit = with_play(with_preferred(fit, candidates), candidates)
     fit = found.resolved(fit)
-    return evidence if fit is evidence.fit else pruned(fit, trials)
+    if fit is not evidence.fit:
+        evidence = pruned(fit, trials)
+    by_poses = fitted_by_poses(evidence.fit)
+    return evidence if by_poses is evidence.fit else pruned(by_poses, trials)

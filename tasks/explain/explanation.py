@@ -20,11 +20,8 @@ RefusalKind = Literal[
     "inhomogeneous",
     "channel_worse",
     "undetermined",
-    "leakage",
     "overshadowed",
     "form_error",
-    "incomplete",
-    "scatter",
     "reference_noise",
     "placed",
     "one_end",
@@ -42,12 +39,8 @@ class Refusal:
     runs from `smallest` to `largest` in different `parts` of the recording. channel_worse: the
     `channel` (0 to 5) that its equation touches is predicted worse with it, by `value` nats.
     undetermined: no parameter is larger than its U; `value`, `limit`: the clearest and its U.
-    leakage: a finding without a name has `value` times its evidence, and may leak into it.
     overshadowed: what stays unexplained in its channels is `value` times what it removes.
-    form_error: something else found has `value` times its evidence, and a form of its own.
-    incomplete: it has no law, and its channels keep `value` times the noise (chi-squared).
-    scatter: the residual varies from stretch to stretch `value` times as much as noise would
-    (variance), and its evidence is weak beside that.
+    form_error: what else was found there has `value` times its evidence, and forms of its own.
     reference_noise: it fits no better than what makes the reference's own noise smaller.
     placed: labels alone tell `value` positions, and it has a parameter for all that they leave.
     one_end: it is a jump with no more than `value` cells of the recording before or after it.
@@ -70,7 +63,7 @@ class Refusal:
     parts: Partition | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Finding:
     """One piece of physics that the model left out.
 

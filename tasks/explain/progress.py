@@ -17,7 +17,7 @@ def silent(step: str, behind: float) -> None:
     """Nobody is told."""
 
 
-def tell(progress: Progress, step: str, share: float = 0.0) -> None:
+def report_progress(progress: Progress, step: str, share: float = 0.0) -> None:
     """Tells of a step of which a share (0 to 1) is done."""
     order = [*BEHIND.values(), 1.0]
     first = list(BEHIND).index(step)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc, fdtrc
 
-from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
+from tasks.explain.odds import CERTAIN
+from tasks.explain.search.scores import PER_PARAMETER
 from tasks.review.evidence import Evidence, ridged, solved
 from tasks.review.hypotheses import Effect
 from tasks.review.pool import Pool
@@ -91,7 +92,7 @@ def scored(
     price += 2.0 * np.log(max(1, len(pool.names[window.level])))
     price += window.changes * (PER_CHANGE + 2.0 * np.log(window.count))
     # What is known to be there needs no other that imitates it.
-    price -= INDISTINGUISHABLE if effect.term.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
+    price -= CERTAIN if effect.term.known and gain > 2.0 * CERTAIN else 0.0
     p_value = min(1.0, chance(evidence, spread, beyond, rows_of(pool, window)) * tried)
     return Carried(effect, evidence, window, spread, gain, beyond, gain - price, p_value)
 

@@ -6,19 +6,15 @@ import numpy as np
 from scipy.special import chdtrc
 
 from schemas.review import Level
-from tasks.explain.confounding.special_case import HOLDS
-from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
+from tasks.explain.odds import CERTAIN, as_likely_within
+from tasks.explain.search.scores import PER_PARAMETER
+from tasks.explain.search.special_case import HOLDS
 from tasks.review.carriers import Carried, carried
 from tasks.review.comparison import explains, gain_beside, usual
 from tasks.review.pool import Pool
 from tasks.review.screening import Worth
 from tasks.review.windows import rows_of
 
-WRONG_NAMES = 0.01
-# Of score. Data of one model favour another by a likelihood ratio k with a probability of 1/k at
-# most (Royall, Statistical Evidence, 1997, section 1.4): by so much to name one alone. What a name
-# costs beforehand is no evidence against it: it helps to choose between names, not to exclude one.
-CONCLUSIVE = 2.0 * float(np.log(1.0 / WRONG_NAMES))
 COMMON = 0.5  # of the runs of a finding: another that has them explains the same readings
 INTERVALS = 50  # of a run that show an effect
 
@@ -34,14 +30,14 @@ def spreads_most(around: Sequence[Carried]) -> Carried:
     return max(around, key=lambda each: each.total)
 
 
-def simplest(pool: Pool, around: Sequence[Carried], form: float) -> Carried:
-    """Of effects in one window the likeliest; of those that explain it as well as linear forms are
-    known, that of fewest parameters. form: relative, of chi-squared.
+def simplest(pool: Pool, around: Sequence[Carried]) -> Carried:
+    """Of effects in one window the likeliest; of those that explain it as well as forms are known,
+    that of fewest parameters.
     """
     rows, beside = rows_of(pool, around[0].window), spreads_most(around)
     explained = [(explains(pool, each, rows, beside), each) for each in around]
     top, likeliest = max(explained, key=lambda pair: pair[0])
-    alike = form * (top + likeliest.price)
+    alike = as_likely_within(top + likeliest.price)
     close = [each for value, each in sorted(explained, key=lambda p: -p[0]) if value > top - alike]
     return min(close, key=lambda each: each.evidence.size + len(each.effect.term.at))
 
@@ -71,11 +67,11 @@ def with_the_same_runs(pool: Pool, every: Sequence[Carried], best: Carried) -> l
 
 
 def other_names(
-    pool: Pool, some: Sequence[Carried], best: Carried, beside: Carried, form: float
+    pool: Pool, some: Sequence[Carried], best: Carried, beside: Carried
 ) -> tuple[Carried, ...]:
     """Other names that are as likely in the runs of both, the best of each.
 
-    beside: as in `explains`; form: as in `simplest`.
+    beside: as in `explains`.
     """
     own, found = rows_of(pool, best.window), dict[str, tuple[float, Carried]]()
     values = dict[bytes, float]()  # of the best, in the runs of both
@@ -88,7 +84,7 @@ def other_names(
         value = values[rows.tobytes()]
         far = value - explains(pool, each, rows, beside)
         far += price_of_more(best, each, int(own.sum())) - each.effect.unlikely
-        alike = max(CONCLUSIVE, form * (value + best.price))
+        alike = as_likely_within(value + best.price)
         if far < min(alike, found.get(each.effect.name, (np.inf, best))[0]):
             found[each.effect.name] = far, each
     return tuple(each for _, each in sorted(found.values(), key=lambda pair: pair[0]))
@@ -100,7 +96,7 @@ def other_carriers(
     """Where the effect, or one of the other names, is as likely: the first of each carrier."""
     found: dict[tuple[Level, int], Carried] = {}
     for each in some:
-        same = each.effect == best.effect and each.total > best.total - INDISTINGUISHABLE
+        same = each.effect == best.effect and each.total > best.total - CERTAIN
         if same or any(each is one for one in names):
             found.setdefault((each.window.level, each.window.carrier), each)
     found.pop((best.window.level, best.window.carrier), None)

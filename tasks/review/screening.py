@@ -57,7 +57,7 @@ def screened(
     return sorted(found, key=lambda one: (one.p_value, -one.gain))
 
 
-def worth_a_look(pool: Pool, looked: Sequence[Screened]) -> list[Worth]:
+def promising(pool: Pool, looked: Sequence[Screened]) -> list[Worth]:
     """The best of them, with the evidence of every run."""
     some = [one for one in looked if one.p_value < WORTH][:CLOSELY]
     return [

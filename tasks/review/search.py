@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.review import LEVELS
-from tasks.explain.search.scores import INDISTINGUISHABLE
+from tasks.explain.odds import CERTAIN
 from tasks.review.carriers import (
     Carried,
     Change,
@@ -23,7 +23,6 @@ from tasks.review.hypotheses import Effect
 from tasks.review.pool import Pool
 from tasks.review.random_effects import BETWEEN_UNITS, spreads
 from tasks.review.rivals import (
-    CONCLUSIVE,
     at_window_of,
     is_of_a_spread,
     other_carriers,
@@ -32,13 +31,12 @@ from tasks.review.rivals import (
     spreads_most,
     with_the_same_runs,
 )
-from tasks.review.screening import Worth, screened, worth_a_look
+from tasks.review.screening import Worth, promising, screened
 from tasks.review.window_sums import WindowSums, window_sums
 from tasks.review.windows import LevelWindows, Window, all_windows, rows_of
 
 FALSE_ALARMS = 0.01
 MOST_FINDINGS = 6
-FORM = 0.1  # relative: how well the linear form of a strong effect is known
 
 
 # Whether a unit stands out from the usual spread of an effect among units.
@@ -102,8 +100,8 @@ class Found:
 
     values: (m,) SI with their covariance. since, until: None where it was there from the carrier's
     first run, or to its last. pool: what the findings before it have left. carriers: the same
-    effect elsewhere, as likely within INDISTINGUISHABLE, and other effects elsewhere that explain
-    the same runs; others: names that are as likely within CONCLUSIVE.
+    effect elsewhere, as likely within CERTAIN, and other effects elsewhere that explain
+    the same runs; others: names that are as likely.
     """
 
     best: Carried
@@ -137,7 +135,7 @@ def _next(
 ) -> tuple[Found | None, float]:
     tried = tried_of(pool, [level.windows for level in levels])
     looked = screened(pool, levels, sums, tried)
-    worth = worth_a_look(pool, looked)
+    worth = promising(pool, looked)
     if not worth:
         return None, looked[0].p_value if looked else 1.0
     every = [each for one in worth for each in carried(pool, one, one.windows, tried)]
@@ -167,12 +165,12 @@ def _found(
     """
     around = [at_window_of(first, pool, one, tried) for one in worth]
     around = [first, *(each for each in around if _plausible(pool, each))]
-    name, beside = simplest(pool, around, FORM**2), spreads_most(around)
+    name, beside = simplest(pool, around), spreads_most(around)
     alike = with_the_same_runs(pool, every, first)
     own = [_finer(pool, each, tried) for each in (name, *alike) if each.effect == name.effect]
     best = _smallest(pool, sorted(own, key=lambda each: -each.total))
     others = [each for each in (*around, *alike) if _plausible(pool, each)]
-    names = other_names(pool, others, best, beside, FORM**2)
+    names = other_names(pool, others, best, beside)
     values, covariance = best.values(pool)
     since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
     return Found(
@@ -185,7 +183,7 @@ def _believed(one: Carried) -> bool:
     """Not by chance, of all that was tried; and against no effect as conclusive as one name is to
     be against another: a name costs its parameters and its rarity, which no p value counts.
     """
-    return one.p_value < FALSE_ALARMS and one.score > CONCLUSIVE
+    return one.p_value < FALSE_ALARMS and one.score > CERTAIN
 
 
 def _standing_out(
@@ -194,7 +192,7 @@ def _standing_out(
     """What is believed that is not of the usual spread between units, about the best first."""
     own, rest = OwnValues(pool), sorted(believed, key=lambda each: -each.score)
     while rest:
-        near = [each for each in rest if each.score > rest[0].score - 4.0 * INDISTINGUISHABLE]
+        near = [each for each in rest if each.score > rest[0].score - 4.0 * CERTAIN]
         finer = [_finer(pool, each, tried) for each in near]
         for each in sorted(finer, key=lambda each: -each.score):
             if own.stands_out(each, tried, FALSE_ALARMS) and not is_of_a_spread(

@@ -14,7 +14,8 @@ from scipy.special import chdtrc
 
 from schemas.recording import Manifest, Station
 from schemas.review import Level
-from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
+from tasks.explain.odds import CERTAIN
+from tasks.explain.search.scores import PER_PARAMETER
 from tasks.review.evidence import at_unit_information, ridged, solved
 from tasks.review.hypotheses import Effect
 from tasks.review.pool import Pool, ReviewedRun
@@ -66,7 +67,7 @@ def found_together(pool: Pool) -> tuple[tuple[FoundTogether, ...], float]:
         best = max(believed, key=lambda one: one.score)
         names = {
             one.effect.name: None for one in sorted(believed, key=lambda one: -one.score)
-            if one.score > best.score - INDISTINGUISHABLE and one.effect.name != best.effect.name
+            if one.score > best.score - CERTAIN and one.effect.name != best.effect.name
         }  # fmt: skip
         found.append(_with_names(best, tuple(names)))
         for number, values in enumerate(best.values):
@@ -96,7 +97,7 @@ def _scored(pool: Pool, effect: Effect) -> FoundTogether | None:
     gain, count = float(gains.sum()), evidence.size * len(rows)
     price = PER_PARAMETER * (count + len(effect.term.at))
     price += 2.0 * np.log(effect.trials) + effect.term.rarity
-    price -= INDISTINGUISHABLE if effect.term.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
+    price -= CERTAIN if effect.term.known and gain > 2.0 * CERTAIN else 0.0
     chances = float(chdtrc(count, gain))
     total, own = rows @ evidence.score, np.tensordot(rows * 1.0, evidence.information, axes=1)
     values = solved(own, total)

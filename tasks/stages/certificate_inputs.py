@@ -74,7 +74,9 @@ def read_inputs(options: CertificateOptions) -> CertificateInputs:
     return CertificateInputs(
         _read(options.tolerance, Tolerance),
         _read(options.laboratory, Laboratory),
-        _client_order(options.client_order),
+        options.client_order
+        if isinstance(options.client_order, Order)
+        else _read(options.client_order, Order),
         options.calibrated_on,
         options.budget,
         options.invalid_run,
@@ -82,10 +84,6 @@ def read_inputs(options: CertificateOptions) -> CertificateInputs:
         options.operator,
         options.report,
     )
-
-
-def _client_order(given: str | Order | None) -> Order | None:
-    return given if isinstance(given, Order) else _read(given, Order)
 
 
 def _read(path: str | None, model: type[settings.Model]) -> settings.Model | None:

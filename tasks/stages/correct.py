@@ -1,6 +1,5 @@
 """Stages: the correction of a result, a recording corrected with it, and one simulated by it."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -108,20 +107,17 @@ def apply_correction(run: Run, home: Home, order: ApplyOrder) -> Corrected:
         rate, force = (corrected.imu.stack(names, rows) for names in (GYRO, ACCEL))
         u_rms = uncertainty.rms(rate, force)
         if order.with_u:
-            corrected = _with_u(corrected, uncertainty.of_rows(rate, force), u_rms)
+            u = uncertainty.of_rows(rate, force)
+            columns = {
+                f"u_{name}": np.ascontiguousarray(u[:, (GYRO + ACCEL).index(name)])
+                for name in u_rms
+            }
+            imu = corrected.imu
+            corrected = replace(corrected, imu=Stream(imu.t, {**imu.columns, **columns}, imu.span))
     _write(corrected, out)
     left_in = tuple(term.name for term in calibration.terms)
     left_out = len(recording.imu) - len(corrected.imu)
     return Corrected(out, len(corrected.imu), left_out, assumed, left_in, u_rms)
-
-
-def _with_u(recording: Recording, u: np.ndarray, names: Iterable[str]) -> Recording:
-    """With a column u_… beside each of these channels; u: (n, 6)."""
-    columns = {
-        f"u_{name}": np.ascontiguousarray(u[:, (GYRO + ACCEL).index(name)]) for name in names
-    }
-    imu = recording.imu
-    return replace(recording, imu=Stream(imu.t, {**imu.columns, **columns}, imu.span))
 
 
 def corrected_recording(

@@ -85,7 +85,7 @@ def _memory(_: Home) -> Iterator[Examined]:
 
 
 def _home(home: Home) -> Iterator[Examined]:
-    folder = _first_that_exists(home.path)
+    folder = next(folder for folder in (home.path, *home.path.parents) if folder.exists())
     is_good = folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
     made = "" if folder == home.path else ", made when something is stored"
     yield Examined(
@@ -107,10 +107,6 @@ def _rights(home: Home) -> Iterator[Examined]:
         found=stat.filemode(rights),
         remedy=f"Keep everybody else out: chmod -R o= {home.path}." if is_open else None,
     )
-
-
-def _first_that_exists(path: Path) -> Path:
-    return next(folder for folder in (path, *path.parents) if folder.exists())
 
 
 def _catalogue(home: Home) -> Iterator[Examined]:

@@ -16,6 +16,8 @@ from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
+from tasks.model.catalogue import catalogue
+from tasks.motion.angle_rates import gives_angles
 from tasks.readings.codes import codes_put_right
 from tasks.specifications.register import specification_for
 from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
@@ -91,8 +93,6 @@ def _with_terms(
     from tasks.explain.explain import explain
     from tasks.explain.inputs.full_rate import full_rate
     from tasks.explain.report.unnamed import refused
-    from tasks.model.catalogue import catalogue
-    from tasks.motion.angle_rates import gives_angles
 
     recording_id = recording.manifest.recording_id
     if gives_angles(recording):

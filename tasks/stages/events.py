@@ -1,4 +1,5 @@
-"""What happens on a line as events of Python's logging: a logger for each stage, below `mimucal`.
+"""What happens on a line as events of Python's logging: a logger for each stage, below
+`mimucal.stage`; the devices of a station have theirs below `mimucal.station`.
 
 An event is a word (“begun”, “done”, “failed”) with its circumstances as fields; `flows/logs.py`
 writes them.
@@ -10,15 +11,13 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
-logging.getLogger("mimucal").addHandler(logging.NullHandler())  # else Python prints its warnings
-
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 def logger_of(stage: str) -> logging.Logger:
-    """The logger of a stage, or of another part, by its name."""
-    return logging.getLogger(f"mimucal.{stage.replace(' ', '-')}")
+    """The logger of a stage by its name."""
+    return logging.getLogger(f"mimucal.stage.{stage.replace(' ', '-')}")
 
 
 def logged(stage: str, function: Callable[P, R]) -> Callable[P, R]:

@@ -19,17 +19,29 @@ from storage.catalogue import discrepancies, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.whole_files import report_folder
-from tasks.explain.progress import Progress, silent, tell
+from tasks.coefficients.parameters import model_values
+from tasks.explain.correction.consequences import consequences
+from tasks.explain.explain import explained
+from tasks.explain.inputs.prepared import prepare
+from tasks.explain.inputs.reference import ReferencePrediction
+from tasks.explain.locate.where import locate
+from tasks.explain.progress import Progress, report_progress, silent
+from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
+from tasks.model.simulate import predict
+from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.motion.angle_rates import as_mean_rates
+from tasks.motion.whole import whole_motion
 from tasks.review.run_statistics import VERSION, statistics_from, statistics_of
 from tasks.stages import import_checks
+from tasks.stages.calibration_input import read_calibration
 from tasks.stages.equipment_in_use import limits_in_use
 from tasks.stages.fan_out import fan_out, processors
+from tasks.stages.simulation import other_unit, simulated_readings
 from tasks.stages.stage import stage
 from tasks.words import Message, message
 
 if TYPE_CHECKING:
     from tasks.explain.inputs.prepared import Prepared
-    from tasks.explain.inputs.reference import ReferencePrediction
 
 FEWEST_FOR_POOL = 4  # fewest runs for which a process pool is faster
 
@@ -61,13 +73,6 @@ def explain_run(
     Raises Unusable for a result, a simulation or a folder that cannot be used.
     """
     # Late: the other stages need none of it.
-    from tasks.explain.correction.consequences import consequences
-    from tasks.explain.explain import explained
-    from tasks.explain.inputs.prepared import prepare
-    from tasks.explain.locate.where import locate
-    from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
-    from tasks.motion.angle_rates import as_mean_rates
-
     out = report_folder(order.out)
     recording = runs.load(run, home)
     reference, doubts = _reference(as_mean_rates(recording), home, order)
@@ -76,12 +81,12 @@ def explain_run(
     limits = limits_in_use(recording.manifest, home, settings.laboratory(home))
     prepared = prepare(recording, reference, progress=progress)
     explanation = explained(prepared, progress=progress)
-    tell(progress, "consequences")
+    report_progress(progress, "consequences")
     effects = consequences(recording, explanation, tolerance, limits)
     explanation = replace(explanation, remarks=(*doubts, *explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
     discrepancy = discrepancy_of(explanation, wheres, effects)
-    tell(progress, "report")
+    report_progress(progress, "report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
     if reference is None:
         html = report_html(discrepancy, explanation, pictures_of(discrepancy, explanation))
@@ -93,15 +98,11 @@ def explain_run(
 
 def _reference(
     recording: Recording, home: Home, order: ExplainOrder
-) -> "tuple[ReferencePrediction | None, tuple[Message, ...]]":
+) -> tuple[ReferencePrediction | None, tuple[Message, ...]]:
     """What a calibration or another simulator says the unit should have read, with remarks on it;
     None: neither.
     """
-    from tasks.explain.inputs.reference import ReferencePrediction
-
     if order.simulated is not None:
-        from tasks.stages.simulation import other_unit, simulated_readings
-
         path = Path(order.simulated)
         other = import_checks.read(path)
         readings = simulated_readings(recording, path, other)
@@ -109,11 +110,6 @@ def _reference(
         return ReferencePrediction(readings, model), other_unit(recording, other)
     if order.calibration is None:
         return None, ()
-    from tasks.coefficients.parameters import model_values
-    from tasks.model.simulate import predict
-    from tasks.model.terms.standard import STANDARD_TERMS
-    from tasks.motion.whole import whole_motion
-    from tasks.stages.calibration_input import read_calibration
 
     values, _ = model_values(read_calibration(order.calibration, home))
     model = message("explain-model-calibration")

@@ -11,13 +11,20 @@ from schemas.recording import ANGLE, Recording
 from storage.catalogue import runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
-from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.correction.consequences import Consequences
+from tasks.explain.explain import explain
+from tasks.explain.locate.where import locate
+from tasks.explain.progress import Progress, report_progress, silent
+from tasks.explain.report import discrepancy_of
+from tasks.review.pool import pooled
+from tasks.review.run_statistics import statistics_of
+from tasks.review.several_recordings import found_together, reviewed_runs
+from tasks.review.several_recordings_report import discrepancy_together, held_out_gain
 from tasks.stages.explain import Explained
 from tasks.stages.stage import stage
 
 if TYPE_CHECKING:
     from tasks.explain.explanation import Explanation
-    from tasks.review.pool import ReviewedRun
 
 
 @stage("explain-together")
@@ -31,12 +38,6 @@ def explain_together(
     of a report, a calibration or a simulation.
     """
     # Late: the other stages need none of it.
-    from tasks.explain.explain import explain
-    from tasks.review.pool import pooled
-    from tasks.review.run_statistics import statistics_of
-    from tasks.review.several_recordings import found_together, reviewed_runs
-    from tasks.review.several_recordings_report import discrepancy_together, held_out_gain
-
     recordings = [runs.load(run, home) for run in which]
     _refuse(which, recordings, order)
     unit = recordings[0].manifest.unit
@@ -45,12 +46,12 @@ def explain_together(
     )
     # In the order asked for, in which the answer names them.
     pool = pooled([
-        (_at(who[run.id], number), statistics_of(each))
+        (replace(who[run.id], at=f"{number:06d}"), statistics_of(each))
         for number, (run, each) in enumerate(zip(which, recordings, strict=True))
     ])  # fmt: skip
     found, p_value = found_together(pool)
     alone = [_answer(explain(each, progress=progress)) for each in recordings]
-    tell(progress, "report")
+    report_progress(progress, "report")
     fitted = alone
     while found:
         names = list(dict.fromkeys(one.effect.name for one in found))
@@ -63,16 +64,8 @@ def explain_together(
     return Explained(discrepancy_together(title, found, p_value, alone, fitted))
 
 
-def _at(run: "ReviewedRun", number: int) -> "ReviewedRun":
-    return replace(run, at=f"{number:06d}")
-
-
 def _answer(explanation: "Explanation") -> Discrepancy:
     """Without what it does to a certificate, which is of one recording."""
-    from tasks.explain.correction.consequences import Consequences
-    from tasks.explain.locate.where import locate
-    from tasks.explain.report import discrepancy_of
-
     wheres = locate(explanation) if explanation.findings else ()
     none = ((),) * len(explanation.findings)
     return discrepancy_of(explanation, wheres, Consequences(none, none))

@@ -67,7 +67,9 @@ def issue(key: str, home: Home, person: str, reason: str | None = None) -> Publi
         issued = _numbered(connection, issued, now)
         number = issued.number
         if issued.replaces:
-            _amend(connection, issued.replaces.number, home)
+            # The certificate that is replaced is still issued, and becomes amended.
+            _at_state(connection, issued.replaces.number, home, "issued")
+            keep_certificate.change_state(connection, issued.replaces.number, "amended")
         files = _replace(connection, home, entry, issued, draft=key, signing=signing)
         if issued.replaces:
             trail.add(connection, person, "amend", issued.replaces.number, at=now, by=number)
@@ -180,12 +182,6 @@ def _numbered(connection: sql.Connection, certificate: Certificate, now: datetim
         dated["due"] = due_date(today, certificate.order, certificate.calibration)
     number = certificates.next_number(connection, series)
     return certificate.model_copy(update={"number": number, **dated})
-
-
-def _amend(connection: sql.Connection, number: str, home: Home) -> None:
-    """The certificate that is replaced is still issued, and becomes amended."""
-    _at_state(connection, number, home, "issued")
-    keep_certificate.change_state(connection, number, "amended")
 
 
 def _replace(

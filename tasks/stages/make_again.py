@@ -60,7 +60,25 @@ def make_again(job: Job) -> Outcome:
     began = time.monotonic()
     try:
         with opened_once(job.home, BUSY_S):
-            return _made(job, began)
+            to_make, home = job.to_make, job.home
+            _check_worker(job)
+            before = to_make.before and _patiently(lambda: results.find(str(to_make.before), home))
+            how = how_made(before.calibration) if before else Estimation()
+            calibration = _patiently(lambda: calibration_of(to_make.run, home, how, job.laboratory))
+            seconds = time.monotonic() - began
+            after = _patiently(
+                lambda: reprocessing.keep(to_make, calibration, job.circumstances, seconds, home)
+            )
+            made = Made(
+                made_again=to_make.key, run=to_make.run.id, before=to_make.before, after=after,
+                fault=None, seconds=seconds,
+            )  # fmt: skip
+            if not before:
+                return Outcome(made, Difference())
+            capabilities = job.laboratory.capabilities if job.laboratory else ()
+            return Outcome(
+                made, difference(before.calibration, calibration, job.tolerance, capabilities)
+            )
     except Unusable as fault:
         why = str(fault)
     except Exception as failure:
@@ -80,26 +98,6 @@ def with_fault(job: Job, why: str, seconds: float = 0.0) -> Outcome:
         fault=why, seconds=seconds,
     )  # fmt: skip
     return Outcome(made, Difference())
-
-
-def _made(job: Job, began: float) -> Outcome:
-    to_make, home = job.to_make, job.home
-    _check_worker(job)
-    before = to_make.before and _patiently(lambda: results.find(str(to_make.before), home))
-    how = how_made(before.calibration) if before else Estimation()
-    calibration = _patiently(lambda: calibration_of(to_make.run, home, how, job.laboratory))
-    seconds = time.monotonic() - began
-    after = _patiently(
-        lambda: reprocessing.keep(to_make, calibration, job.circumstances, seconds, home)
-    )
-    made = Made(
-        made_again=to_make.key, run=to_make.run.id, before=to_make.before, after=after,
-        fault=None, seconds=seconds,
-    )  # fmt: skip
-    if not before:
-        return Outcome(made, Difference())
-    capabilities = job.laboratory.capabilities if job.laboratory else ()
-    return Outcome(made, difference(before.calibration, calibration, job.tolerance, capabilities))
 
 
 def circumstances(laboratory: Laboratory | None, home: Home) -> str:

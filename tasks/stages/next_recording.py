@@ -18,7 +18,14 @@ from storage.catalogue import runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.whole_files import written_out
-from tasks.explain.progress import Progress, silent, tell
+from tasks.experiment.abilities import Abilities
+from tasks.experiment.choose import NOTHING, Experiment
+from tasks.experiment.open_question import open_question
+from tasks.experiment.rehearsal import rivals_of
+from tasks.experiment.separation import UnitNoise
+from tasks.experiment.temperature import ThermalResponse
+from tasks.explain.progress import Progress, report_progress, silent
+from tasks.model.effect import effect_name, separating_recording
 from tasks.stages.procedure_input import procedure_named
 from tasks.stages.stage import stage
 from tasks.words import Message, clauses, identifiers, message, statement
@@ -31,8 +38,7 @@ USUAL_MIN = 15.0  # where fewer are allowed, what these would give is tried too
 LONGEST_MIN = 120.0  # that a longer recording is worth proposing
 
 if TYPE_CHECKING:
-    from tasks.experiment.abilities import Abilities
-    from tasks.experiment.choose import Choice, Experiment
+    from tasks.experiment.choose import Choice
     from tasks.experiment.open_question import OpenQuestion
 
 
@@ -46,11 +52,6 @@ def next_recording(
     Unusable for runs of several units, names that are no effects, if nothing is open, or if the
     station's table is unknown; for a procedure file that is already there before the long work.
     """
-    from tasks.experiment.choose import Experiment
-    from tasks.experiment.open_question import open_question
-    from tasks.experiment.separation import UnitNoise
-    from tasks.experiment.temperature import ThermalResponse
-
     _refuse_several_units(of)
     _refuse_unknown(order.effects)
     if order.out or order.effects:
@@ -69,7 +70,7 @@ def next_recording(
             "so nothing is open: name with --for EFFECT,EFFECT what is to be told apart."
         )
     _refuse_taken(_file(order, question.names))
-    tell(progress, "search")
+    report_progress(progress, "search")
     abilities = _abilities(recording, station)
     like = recording.manifest
     if station is not None:
@@ -104,16 +105,14 @@ def _refuse_unknown(effects: Sequence[str]) -> None:
         raise Unusable(f"--for {','.join(effects)} names an effect twice; name each once.")
 
 
-def _abilities(recording: Recording, station: StationFile | None) -> "Abilities":
-    from tasks.experiment.abilities import Abilities
-
+def _abilities(recording: Recording, station: StationFile | None) -> Abilities:
     if station is None:
         return Abilities.of_recording(recording)
     return Abilities.of_station(station).driven_as(recording)
 
 
 def _answer(
-    experiment: "Experiment", question: "OpenQuestion", recording: Recording, order: NextOrder
+    experiment: Experiment, question: "OpenQuestion", recording: Recording, order: NextOrder
 ) -> NextRecording:
     choice = _apart_from_rivals(experiment, question, order.minutes)
     longer = None
@@ -139,13 +138,11 @@ def _answer(
 
 
 def _apart_from_rivals(
-    experiment: "Experiment", question: "OpenQuestion", minutes: float
+    experiment: Experiment, question: "OpenQuestion", minutes: float
 ) -> "Choice":
     """The shortest; for one suspected effect again, where others would fit that recording too. What
     is expected of it is of an effect as large as it typically is.
     """
-    from tasks.experiment.rehearsal import rivals_of
-
     experiment = _without_warm_up_effect(experiment, question)
     choice = experiment.shortest(minutes)
     for _ in range(REHEARSALS if len(question.names) == 1 else 0):
@@ -161,10 +158,8 @@ def _apart_from_rivals(
     return replace(choice, expected=typical.expected)
 
 
-def _without_warm_up_effect(experiment: "Experiment", question: "OpenQuestion") -> "Experiment":
+def _without_warm_up_effect(experiment: Experiment, question: "OpenQuestion") -> Experiment:
     """Where the chamber changes all effects but warm-up, the rival of warm-up is no effect."""
-    from tasks.experiment.choose import NOTHING
-
     name = _warm_up_effect(question)
     if name is None or experiment.thermal is None:
         return experiment
@@ -209,8 +204,6 @@ def _sentence(
     minutes: float,
     order: NextOrder,
 ) -> Message:
-    from tasks.model.effect import effect_name, separating_recording
-
     effects = clauses([effect_name(name) for name in question.names], by="report-or")
     left = choice.expected if choice.is_enough else choice.left
     figures: dict[str, str | int] = {

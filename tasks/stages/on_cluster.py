@@ -104,7 +104,7 @@ def _wait(client: "Client", futures: "list[Future]") -> None:
     from distributed import wait
 
     with suppress(TimeoutError):
-        wait(futures, timeout=ANSWER_S, return_when="FIRST_COMPLETED")
+        wait(futures, timeout=min(ANSWER_S, PATIENCE_S), return_when="FIRST_COMPLETED")
     if client.status != "running":
         raise ConnectionError("the connection to the scheduler was lost")
 

@@ -5,7 +5,7 @@ from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from schemas.base import Unusable
-from schemas.recall import DueUnit, RecallClient, RecallFile
+from schemas.recall import DueUnit, RecallFile
 from storage import settings
 from storage.catalogue import certificates, reminders
 from storage.catalogue.certificates import Entry
@@ -70,7 +70,7 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
     today = now.astimezone().date()
     for each in due_units(home, today - timedelta(days=OCCASIONS[0])):
         days = occasion(each.due, each.issued_on, today)
-        client = _client_of(each, asked)
+        client = next((client for client in asked.clients if client.name in each.client), None)
         if client is None or days is None:
             continue
         for name in client.channels:
@@ -113,10 +113,6 @@ def feed(home: Home, name: str, now: datetime) -> bytes:
             "interval; give the name as the orders have it."
         )
     return calendar(own, client.language if client else "en", now)
-
-
-def _client_of(due_unit: DueUnit, asked: RecallFile) -> RecallClient | None:
-    return next((client for client in asked.clients if client.name in due_unit.client), None)
 
 
 def _sent(

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from pathlib import Path
 
 from schemas.capability import Capability
 from schemas.history import Change, Difference, Failure, Plan, Reprocessing, Touched
@@ -19,6 +18,7 @@ from storage.whole_files import report_folder, written_out
 from tasks.history import appeared_or_disappeared, difference, report_texts
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.make_again import Job, Outcome, circumstances, make_again, store_of, with_fault
+from tasks.stages.on_cluster import on_cluster
 from tasks.stages.stage import stage
 from tasks.version import code_version
 
@@ -81,7 +81,9 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
         }
     )
     if out is not None:
-        _write(report, out)
+        for name, text in report_texts(report).items():
+            with written_out(out / name) as draft:
+                draft.write_text(text, encoding="utf-8")
     return report
 
 
@@ -107,7 +109,6 @@ def _carried_out(jobs: Sequence[Job], order: ReprocessOrder) -> Iterator[Outcome
 
     if order.scheduler is None:
         return fan_out(make_again, jobs, order.workers or processors(), died)
-    from tasks.stages.on_cluster import on_cluster
 
     return on_cluster(make_again, jobs, order.scheduler, died)
 
@@ -170,12 +171,6 @@ def _most_first(change: Change) -> tuple[bool, float, str, str, str]:
         change.item,
         change.element,
     )
-
-
-def _write(report: Reprocessing, folder: Path) -> None:
-    for name, text in report_texts(report).items():
-        with written_out(folder / name) as draft:
-            draft.write_text(text, encoding="utf-8")
 
 
 def _touched(done: Sequence[Outcome], home: Home) -> Iterator[Touched]:

@@ -20,9 +20,13 @@ from storage.home import Home
 from storage.whole_files import report_folder, written_out
 from tasks.review.consequences import moved_elements, touched_of, with_touched
 from tasks.review.hypotheses import Effect
-from tasks.review.search import Found
+from tasks.review.pool import pooled
+from tasks.review.report import review_of
+from tasks.review.search import Found, search
+from tasks.review.several_recordings import reviewed_runs
 from tasks.review.windows import rows_of
 from tasks.stages.equipment_in_use import limits_in_use
+from tasks.stages.explain import all_kept_statistics, make_statistics
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.import_recording import run_of
 from tasks.stages.stage import stage
@@ -68,12 +72,6 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     run. Raises Unusable for fewer than two runs, or a folder that cannot be written.
     """
     # Late: the other stages need none of it.
-    from tasks.review.pool import pooled
-    from tasks.review.report import review_of
-    from tasks.review.search import search
-    from tasks.review.several_recordings import reviewed_runs
-    from tasks.stages.explain import all_kept_statistics, make_statistics
-
     out = report_folder(order.out)
     chosen, skipped = _chosen(order, home)
     found = dict(zip(chosen, all_kept_statistics(chosen, home), strict=True))

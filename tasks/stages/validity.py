@@ -7,6 +7,10 @@ from storage import settings
 from storage.catalogue import results, runs
 from storage.catalogue.run_index import Run
 from storage.home import Home
+from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
+from tasks.specifications.register import SPECIFICATIONS
+from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
 from tasks.version import code_version
 
 
@@ -22,11 +26,6 @@ def validity_of(run: Run, home: Home) -> Validity:
         if (made.method, made.code_version) == (method, code_version()) and not made.terms:
             return made.validity
     # Late: a run with a result needs none of it.
-    from tasks.calibrate.calibrate import calibrate
-    from tasks.calibrate.evaluation import evaluation_for
-    from tasks.specifications.register import SPECIFICATIONS
-    from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
-
     recording = runs.load(run, home)
     laboratory = settings.laboratory(home)
     try:

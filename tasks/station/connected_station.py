@@ -2,11 +2,12 @@
 
 import asyncio
 import concurrent.futures
+import logging
 import threading
 from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterator, Sequence
 from contextlib import ExitStack, asynccontextmanager, closing, contextmanager, suppress
-from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import Any, TypeVar, cast
 
 from schemas.base import Unusable
 from schemas.procedure import Refix
@@ -15,21 +16,13 @@ from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.identity import confirm
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
-from tasks.station.ports import (
-    Ask,
-    Chamber,
-    Climate,
-    EncoderBlock,
-    Fixture,
-    Table,
-    TableState,
-    oscillating,
-)
+from tasks.station.ports import Ask, Chamber, Fixture, Table
 from tasks.station.stopping import StopSwitch, bring_to_rest, is_at_rest
 
 T = TypeVar("T")
 END_S = 0.01  # after which work that swallowed its cancellation is cancelled again
 STUBBORN_S = 0.3  # for which a stop waits for it
+READ = ("state", "encoder", "climate")  # many times a second: no events
 
 
 # A thread in which drivers talk to their devices, so that other work does not delay them.
@@ -97,105 +90,64 @@ def bus() -> Iterator[Bus]:
         made.close()
 
 
-@dataclass(frozen=True)
-class BusTable:
-    """A table that is talked to on a bus; once the switch is pressed it takes no more commands."""
+class OnBus:
+    """A device that is talked to on a bus; what is no method is the device's own.
 
-    table: Table
-    bus: Bus
-    stop_switch: StopSwitch = field(default_factory=StopSwitch)
+    name: of its logger. stop: once it was pressed, the device takes no more commands.
+    """
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        return self.table.names
+    def __init__(self, name: str, device: Any, bus: Bus, stop: StopSwitch) -> None:
+        self._device = device
+        self._bus = bus
+        self._stop = stop
+        self._log = logging.getLogger(f"mimucal.station.{name}")
 
-    @property
-    def period_us(self) -> int:
-        return self.table.period_us
+    def __getattr__(self, name: str) -> Any:
+        """A method runs on the bus. The encoders are read after a stop as well."""
+        member = getattr(self._device, name)
+        if not callable(member):
+            return member
 
-    @property
-    def block_samples(self) -> int:
-        return self.table.block_samples
+        async def run(*given: Any) -> Any:
+            if name not in READ:
+                self._log.debug(name, extra={"given": given})
+            try:
+                return await self._bus.do(sent(*given))
+            except Unusable as fault:
+                self._log.error("failed", extra={"command": name, "cause": str(fault)})
+                raise
 
-    @property
-    def time_half_width_s(self) -> float:
-        return self.table.time_half_width_s
+        async def sent(*given: Any) -> Any:
+            """Looks at the switch on the bus: what comes there after a stop is not sent."""
+            if name != "encoder":
+                self._stop.check()
+            return await member(*given)
 
-    async def home(self) -> None:
-        await self._do(self.table.home)
+        return run
 
-    async def move_to(self, axis: int, angle: float, rate: float, acceleration: float) -> None:
-        await self._do(self.table.move_to, axis, angle, rate, acceleration)
 
-    async def turn_at(self, axis: int, rate: float, acceleration: float) -> None:
-        await self._do(self.table.turn_at, axis, rate, acceleration)
-
-    async def oscillate(self, axis: int, amplitude: float, frequency: float, cycles: int) -> None:
-        await self._do(oscillating(self.table), axis, amplitude, frequency, cycles)  # type: ignore[arg-type]
-
-    async def stop(self, axis: int) -> None:
-        await self._do(self.table.stop, axis)
-
-    async def state(self) -> TableState:
-        return await self._do(self.table.state)
-
-    async def encoder(self, first: int) -> EncoderBlock:
-        return await self.bus.do(self.table.encoder(first))
+class TableOnBus(OnBus):
+    """A table that is brought to rest, and handed back, by the press of a switch."""
 
     async def leave(self) -> None:
-        if self.stop_switch.by is None:
-            await self.bus.do(self.table.leave())
+        """Hand the table back, or wait until the stop has done it."""
+        if self._stop.by is None:
+            await self._bus.do(self._device.leave())
         else:
-            await self.bus.stopped()
-
-    async def _do(self, command: Callable[..., Coroutine[Any, Any, T]], *given: Any) -> T:
-        return await self.bus.do(_unless_stopped(self.stop_switch, command, *given))
+            await self._bus.stopped()
 
     async def bring_to_rest(self) -> None:
         """On the bus: stop every axis, note when the table is at rest, and hand it back."""
 
         def commanded() -> None:
-            self.stop_switch.is_commanded = True
+            self._stop.is_commanded = True
 
+        self._log.warning("stopped", extra={"by": self._stop.by})
         try:
-            state = await bring_to_rest(self.table, commanded)
-            self.stop_switch.rest = state if is_at_rest(state) else None
+            state = await bring_to_rest(self._device, commanded)
+            self._stop.rest = state if is_at_rest(state) else None
         finally:
-            await self.table.leave()
-
-
-async def _unless_stopped(
-    stop: StopSwitch, command: Callable[..., Coroutine[Any, Any, T]], *given: Any
-) -> T:
-    """Looked at on the bus itself: what comes there after a stop is not sent."""
-    stop.check()
-    return await command(*given)
-
-
-@dataclass(frozen=True)
-class BusChamber:
-    """A chamber that is read on a bus."""
-
-    chamber: Chamber
-    bus: Bus
-
-    async def climate(self) -> Climate:
-        return await self.bus.do(self.chamber.climate())
-
-    async def set_temperature(self, degc: float) -> None:
-        await self.bus.do(self.chamber.set_temperature(degc))
-
-
-@dataclass(frozen=True)
-class BusFixture:
-    """A fixture that is turned on a bus."""
-
-    fixture: Fixture
-    bus: Bus
-    stop_switch: StopSwitch
-
-    async def turn(self, refix: Refix) -> float | None:
-        return await self.bus.do(_unless_stopped(self.stop_switch, self.fixture.turn, refix))
+            await self._device.leave()
 
 
 @dataclass(frozen=True)
@@ -230,12 +182,14 @@ async def connected(
     fixture: Fixture | None = ByHand(ask) if ask is not None else None
     with bus() as drivers:
         if station.fixture != "by_hand":
-            fixture = BusFixture(await drivers.do(devices.fixture(station.fixture)), drivers, stop)
+            turned = await drivers.do(devices.fixture(station.fixture))
+            fixture = cast(Fixture, OnBus("fixture", turned, drivers, stop))
         try:
-            table = BusTable(await drivers.do(devices.table(station.table)), drivers, stop)
+            turning = await drivers.do(devices.table(station.table))
+            table = TableOnBus("table", turning, drivers, stop)
             is_set = station.limits.chamber is not None
             found = await drivers.do(devices.chamber(station.chamber, is_set))
-            chamber = BusChamber(found, drivers)
+            chamber = cast(Chamber, OnBus("chamber", found, drivers, stop))
             for place in places:
                 confirm(place.unit, place.unit_link)
             with ExitStack() as lines:
@@ -244,7 +198,7 @@ async def connected(
                     UnitDriver(link, lines.enter_context(closing(UnitLine(link))))
                     for link in (place.unit_link for place in places)
                 )
-                yield Bench(table, chamber, fixture, units, drivers.do)
+                yield Bench(cast(Table, table), chamber, fixture, units, drivers.do)
         finally:
             await drivers.stopped()
             await drivers.do(devices.hang_up())

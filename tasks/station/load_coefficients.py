@@ -6,6 +6,7 @@ from operator import xor
 from typing import Any
 
 import numpy as np
+import serial
 
 from schemas.base import Unusable
 from schemas.correction import CorrectedUnit, Correction
@@ -72,8 +73,6 @@ def _line(template: str, correction: Correction, load: CoefficientLines) -> byte
 
 
 def _write(lines: list[bytes], link: UnitLink, load: CoefficientLines) -> None:
-    import serial
-
     if link.url.startswith(("udp://", "file://")):
         raise Unusable(f"unit_link.url {link.url} can only be read from: give a serial line")
     try:

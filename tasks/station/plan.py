@@ -123,7 +123,11 @@ def plan(procedure: Procedure) -> tuple[PlannedSegment, ...]:
             before_s += REFIX_S + (procedure.warm_up_s if refix.power_off else 0.0)
         rate = 0.0
         for planned in _segments_of(procedure, step):
-            angles_s = _move_s(procedure, angles, planned.angles_deg)
+            distances = (abs(b - a) for a, b in zip(angles, planned.angles_deg, strict=False))
+            farthest = max(
+                (min(distance, abs(360 - distance)) for distance in distances), default=0.0
+            )
+            angles_s = move_s(farthest, procedure.move_rate_deg_s, procedure.acceleration_deg_s2)
             change_s = 0.0
             if planned.kind == "rate":
                 change_s = rate_change_s(planned.rate_deg_s - rate, procedure.acceleration_deg_s2)
@@ -184,12 +188,6 @@ def _segments_of(
                     turn_by_deg=sign * turn,
                     dwell_s=turning_s + SERVO_S,
                 )
-
-
-def _move_s(procedure: Procedure, start: tuple[float, ...], stop: tuple[float, ...]) -> float:
-    distances = (abs(b - a) for a, b in zip(start, stop, strict=False))
-    farthest = max((min(distance, abs(360 - distance)) for distance in distances), default=0.0)
-    return move_s(farthest, procedure.move_rate_deg_s, procedure.acceleration_deg_s2)
 
 
 def move_s(distance_deg: float, rate_deg_s: float, acceleration_deg_s2: float) -> float:

@@ -42,7 +42,11 @@ def check_procedure(procedure: Procedure, station: StationFile) -> None:
             f"{procedure.name} needs them: list name and direction of each, outer first"
         )
     planned = plan(procedure)
-    _check_names(procedure, planned)
+    name, times = Counter(segment.name for segment in planned).most_common(1)[0]
+    if times > 1:
+        raise Unusable(
+            f"procedure {procedure.name} has {times} segments named {name}: name each once"
+        )
     for step in procedure.steps:
         if isinstance(step, Refix):
             continue
@@ -77,14 +81,6 @@ def mount_in(fixture: Mount, inside: Mount) -> Mount:
         Rotation.from_quat(mount.quaternion_wxyz, scalar_first=True) for mount in (fixture, inside)
     )
     return Mount(quaternion_wxyz=tuple((outer * inner).as_quat(scalar_first=True).tolist()))
-
-
-def _check_names(procedure: Procedure, planned: tuple[PlannedSegment, ...]) -> None:
-    name, times = Counter(segment.name for segment in planned).most_common(1)[0]
-    if times > 1:
-        raise Unusable(
-            f"procedure {procedure.name} has {times} segments named {name}: name each once"
-        )
 
 
 def _check_commands(

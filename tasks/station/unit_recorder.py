@@ -1,5 +1,6 @@
 """One unit of a run: its data go to its sink at once and are checked on the way."""
 
+import logging
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ from tasks.words import Message, message, texts
 
 ROWS = 400  # the last ones, of which the figures are
 MOST_OF = {"gyro": (GYRO, 180.0 / np.pi), "accel": (ACCEL, 1.0)}
+DEVICES = {"encoder": "encoders", "table": "table", "air": "chamber"}  # by the codes' beginning
 REPEATED = "segment_repeated"  # a change of state, and no anomaly of its own
 
 
@@ -72,12 +74,14 @@ class LastRows:
 class RunLog:
     """What a run goes through, with time and cause; `state` is the present one.
 
-    origin_s: station time (s) from which the recording counts.
+    All of it are events of the run, too, and what was noticed of the device concerned. unit: its
+    serial number. origin_s: station time (s) from which the recording counts.
     """
 
-    def __init__(self, clock: StationClock, origin_s: float) -> None:
+    def __init__(self, unit: str, clock: StationClock, origin_s: float) -> None:
         self.entries: list[LogEntry] = []
         self.state: State = "begun"
+        self._unit = unit
         self._clock = clock
         self._origin_s = origin_s
         self._noticed: Counter[tuple[str, str]] = Counter()
@@ -88,14 +92,21 @@ class RunLog:
         """The run enters a state."""
         self.state = state
         self._note(cause)
+        logging.getLogger("mimucal.station.run").info(state, extra={"of": self._unit})
 
     def notice(self, anomalies: Sequence[Anomaly]) -> None:
         """Count what came since; the first of each code and subject is an entry."""
         new, self._seen = anomalies[self._seen :], len(anomalies)
         for anomaly in new:
             kind = (anomaly.code, anomaly.subject)
-            if anomaly.code != REPEATED and kind not in self._noticed:
+            if is_first := anomaly.code != REPEATED and kind not in self._noticed:
                 self._note(message("station-log-alarm", alarm=_alarm(*kind)))
+            device = DEVICES.get(anomaly.code.partition("_")[0], "unit")
+            logging.getLogger(f"mimucal.station.{device}").log(
+                logging.WARNING if is_first else logging.DEBUG,
+                anomaly.code,
+                extra={"of": self._unit, "subject": anomaly.subject, "amount": anomaly.amount},
+            )
             self._noticed[kind] += 1
             self._noticed_at[kind] = datetime.now(UTC)
 
@@ -141,7 +152,7 @@ class UnitRecorder:
         self.unit = UnitReader(driver, clock, self.anomalies.append)
         self.monitor = SegmentMonitor(driver.link)
         self.last_rows = LastRows()
-        self.log = RunLog(clock, manifest.origin_s)
+        self.log = RunLog(manifest.serial, clock, manifest.origin_s)
         self.log.entries += map(LogEntry.model_validate, manifest.extra.get("log", ()))
         self._sink = sink
 
@@ -172,6 +183,8 @@ class UnitRecorder:
         """Record no more of it: it has failed, and its neighbours go on."""
         self.given_up = why
         self.driver.end()
+        fields = {"of": self.serial, "cause": why}
+        logging.getLogger("mimucal.station.unit").error("given up", extra=fields)
         self.log.enter("stopped", message("station-log-given-up", cause=why))
 
     def finish(self, segment: Segment, spin_axis: str | None) -> None:

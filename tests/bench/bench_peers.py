@@ -7,12 +7,13 @@ import allantools
 import numpy as np
 from imucal import FerrarisCalibration, FerrarisSignalRegions
 
-from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.information.allan import allan_curve
 from tasks.specifications.jjf2003 import JJF2003
 from tests.bench.measure import Figure, Section, processor_s
 from tests.bench.recordings import GRAVITY, NOISE, RATE_HZ
+from tests.manifests import manifest_of
 
 DWELL = 20_000  # rows
 
@@ -36,11 +37,7 @@ def ferraris() -> Section:
         }  # fmt: skip
         start = number * length
         segments.append({"name": name, "t_start": start, "t_end": start + length, **what})
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "ferraris",
-        "unit": {"manufacturer": "b", "model": "b", "serial": "1"},
-        "station": {"id": "b", "gravity_m_s2": GRAVITY}, "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of("ferraris", {"gravity_m_s2": GRAVITY}, segments=segments)
     values = np.concatenate(rows)
     columns_of = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))
     made = Recording(manifest, Stream(np.round(np.arange(len(values)) / RATE_HZ, 9), columns_of))

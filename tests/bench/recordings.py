@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
+from tests.manifests import manifest_of
 
 RATE_HZ = 1000.0
 DWELLS = 48  # twelve positions, ten rates and two rests about each axis
@@ -40,12 +41,11 @@ def recording(rows: int = 1_440_000, seed: int = 0) -> Recording:
             hold(f"{letter}{rate}", up * np.radians(rate), up, kind="rate", item="scale_factor",
                  axis=letter, up="+" + letter, rate_deg_s=rate)  # fmt: skip
         hold(f"rest2_{letter}", still, up, **rest)
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": f"bench {rows} {seed}",
-        "standard": "JJF 2003-2022",
-        "unit": {"manufacturer": "b", "model": "b", "serial": "1"},
-        "station": {"id": "b", "latitude_deg": 40.0, "gravity_m_s2": GRAVITY},
-        "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of(
+        f"bench {rows} {seed}",
+        {"latitude_deg": 40.0, "gravity_m_s2": GRAVITY},
+        standard="JJF 2003-2022",
+        segments=segments,
+    )
     t = np.round(np.arange(values.shape[1]) / RATE_HZ, 9)
     return Recording(manifest, Stream(t, dict(zip(GYRO + ACCEL, values, strict=True))))

@@ -2,8 +2,8 @@
 
 import pytest
 
-from flows.progress import describe, remaining, working
-from tasks.explain.progress import BEHIND, tell
+from flows.progress import remaining
+from tasks.explain.progress import BEHIND, report_progress
 
 
 def test_the_time_left_follows_from_what_is_behind() -> None:
@@ -11,17 +11,11 @@ def test_the_time_left_follows_from_what_is_behind() -> None:
     assert remaining(10.0, 0.01) == ""
 
 
-def test_describing_without_anything_under_way_does_nothing() -> None:
-    describe("search", 0.5)
-    with working("explain"):
-        describe("search", 0.5)
-
-
 def test_each_step_of_explain_is_further_than_the_one_before() -> None:
     shares: list[float] = []
     for step in BEHIND:
         for share in (0.0, 0.5):
-            tell(lambda now, behind: shares.append(behind), step, share)
+            report_progress(lambda now, behind: shares.append(behind), step, share)
     assert shares == sorted(set(shares))
     assert shares[0] >= 0.0
     assert shares[-1] < 1.0
@@ -29,6 +23,6 @@ def test_each_step_of_explain_is_further_than_the_one_before() -> None:
 
 def test_a_share_of_a_step_lies_within_it() -> None:
     shares: list[float] = []
-    tell(lambda now, behind: shares.append(behind), "search", 1.0)
+    report_progress(lambda now, behind: shares.append(behind), "search", 1.0)
     following = list(BEHIND)[list(BEHIND).index("search") + 1]
     assert shares == [pytest.approx(BEHIND[following])]

@@ -18,6 +18,7 @@ from typing import Any
 from tasks.validation.fingerprint import fingerprint
 from tasks.validation.record import shipped
 from tasks.version import code_version
+from tests.proof.report import table
 
 LONGEST_S = 1800.0
 FALSE_U = 2.0  # this far off, by U with k = 2, is four standard uncertainties
@@ -160,27 +161,16 @@ def summary(found: list[LoadedRun]) -> str:
 
 def as_markdown(found: list[LoadedRun]) -> str:
     """What came out in all, then a row for each run."""
-    rows = [COLUMNS, ("---",) * len(COLUMNS), *map(_row, found)]
     record = (
         f"The validation record that ships is {'not ' if shipped_is_stale() else ''}of this code "
         f"({code_version()}); a copy in the name of this code stood in each home."
     )
-    return "\n".join(
-        [
-            "# Demonstrations under load",
-            "",
-            summary(found),
-            "",
-            record,
-            "",
-            *(f"| {' | '.join(row)} |" for row in rows),
-            "",
-        ]
-    )
+    head = ("# Demonstrations under load", "", summary(found), "", record, "")
+    return "\n".join((*head, *table(COLUMNS, map(_row, found)), ""))
 
 
 def _row(one: LoadedRun) -> tuple[str, ...]:
     return (
         str(one.number), one.outcome, one.validity, one.verdict, f"{one.worst:.2f}",
-        f"{one.load:.1f}", f"{one.seconds:.0f}", one.response.replace("|", "/"),
+        f"{one.load:.1f}", f"{one.seconds:.0f}", one.response,
     )  # fmt: skip

@@ -2,8 +2,10 @@
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from flows.printing import print_rows, stdout
 from flows.progress import counting
@@ -37,6 +39,7 @@ from tests.proof.trial.run import explain_blind, prepare
 from tests.proof.trial.score import ANSWERS, score_all
 from tests.proof.trial.seal import SEALED, record_and_seal
 
+T = TypeVar("T")
 DEFAULT_OUT = "proof"
 MISSING_HTML = f'<p><span lang="en">{MISSING.en}</span><span lang="zh">{MISSING.zh}</span></p>'
 
@@ -98,60 +101,48 @@ def run_station(count: int, out: Path | None) -> None:
 
 
 def run_loaded(count: int, out: Path | None) -> None:
-    """Runs demonstrations with every core busy; Unusable as for `run_station`, or where one
-    gave a false verdict.
-    """
-    folder = (out or Path(f"{DEFAULT_OUT}-load")).absolute()
-    _make(folder)
-    with counting("demonstrations") as report:
-        found = load.run_all(folder, count, report)
-    console = stdout(markup=False)
-    console.print(load.as_markdown(found))
-    console.print(str(folder / "load.md"))
-    if not all(one.holds for one in found):
-        raise Unusable(f"{load.summary(found)} {folder / 'load.md'} says which")
+    """Runs demonstrations with every core busy."""
+    _held("load", out, partial(load.run_all, count=count), load.summary, lambda one: one.holds)
 
 
 def run_kills(count: int, out: Path | None) -> None:
-    """Kills acquisitions at random moments; Unusable as for `run_station`, or where one did not
-    keep what it must.
-    """
-    folder = out or Path(f"{DEFAULT_OUT}-kills")
-    _make(folder)
-    with counting("kills") as report:
-        killed = kills.run_all(folder, count, report)
-    stdout(markup=False).print(str(folder / kills.PAGE))
-    if any(each.faults for each in killed):
-        raise Unusable(kills.summary(killed))
-    stdout(markup=False).print(kills.summary(killed))
+    """Kills acquisitions at random moments."""
+    _held("kills", out, partial(kills.run_all, count=count), kills.summary,
+          lambda one: not one.faults)  # fmt: skip
 
 
 def run_stops(count: int, out: Path | None) -> None:
-    """Stops stations at random moments; Unusable as for `run_station`, or where one went wrong."""
-    folder = (out or Path(f"{DEFAULT_OUT}-stops")).absolute()
-    _make(folder)
-    with counting("stops") as report:
-        pressed = stops.run_all(folder, count, report)
-    stdout(markup=False).print(str(folder / stops.PAGE))
-    if any(each.faults or each.resumed is False for each in pressed):
-        raise Unusable(stops.summary(pressed))
-    stdout(markup=False).print(stops.summary(pressed))
+    """Stops stations at random moments."""
+    _held("stops", out, partial(stops.run_all, count=count), stops.summary,
+          lambda one: not one.faults and one.resumed is not False)  # fmt: skip
 
 
 def run_resumes(count: int, out: Path | None) -> None:
-    """Kills acquisitions and goes on with them; Unusable as for `run_station`, or where one has
-    other values than an uninterrupted run.
+    """Kills acquisitions and goes on with them."""
+    procedure = short_procedure(DWELL_S, "x", resume.WARM_UP_S)
+    run = partial(resume.run_all, count=count, procedure=procedure)
+    _held("resumes", out, run, resume.summary, lambda one: one.holds)
+
+
+def _held(
+    name: str,
+    out: Path | None,
+    run_all: Callable[..., list[T]],
+    summary: Callable[[list[T]], str],
+    holds: Callable[[T], bool],
+) -> None:
+    """Holds a study, whose page is NAME.md in its folder, and prints the summary.
+
+    Raises Unusable as for `run_station`, or where something does not hold.
     """
-    folder = out or Path(f"{DEFAULT_OUT}-resumes")
+    folder = (out or Path(f"{DEFAULT_OUT}-{name}")).absolute()
     _make(folder)
-    with counting("resumes") as report:
-        found = resume.run_all(
-            folder, count, short_procedure(DWELL_S, "x", resume.WARM_UP_S), report
-        )
-    stdout(markup=False).print(str(folder / resume.PAGE))
-    if not all(each.holds for each in found):
-        raise Unusable(resume.summary(found))
-    stdout(markup=False).print(resume.summary(found))
+    with counting(name) as report:
+        found = run_all(folder, report=report)
+    stdout(markup=False).print(str(folder / f"{name}.md"))
+    if not all(map(holds, found)):
+        raise Unusable(summary(found))
+    stdout(markup=False).print(summary(found))
 
 
 def prove_real(real: Path, folder: Path, seed: int) -> Results:

@@ -5,20 +5,12 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from datetime import date
-from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 
-from schemas.calibration import Calibration, Item
-from schemas.certificate import Certificate
-from schemas.decision import Decision
-from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
 from storage.catalogue import database
-from storage.catalogue.run_index import Run
 from storage.home import Home
+from tests import postgres
 
 AT_ONCE = """
 import json
@@ -53,83 +45,20 @@ for line in sys.stdin:
 """
 
 
-@pytest.fixture
-def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    """A home in which nothing was kept yet; its folder does not exist."""
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
+@pytest.fixture(scope="session")
+def server() -> Iterator[str]:
+    """The connection of a PostgreSQL."""
+    with postgres.running() as connection:
+        yield connection
 
 
-@pytest.fixture
-def small() -> Callable[..., Recording]:
-    """Builds a recording of three seconds; `start` makes its content another one."""
-
-    def build(start: float = 0.0, name: str = "small", serial: str = "1") -> Recording:
-        manifest = Manifest.model_validate(
-            {
-                "format": FORMAT,
-                "recording_id": name,
-                "unit": {"manufacturer": "Maker", "model": "U", "serial": serial},
-                "station": {"id": "T1"},
-            }
-        )
-        t = np.round(np.arange(300) / 100, 9)
-        values = {n: np.sin(start + t + k) for k, n in enumerate(GYRO + ACCEL)}
-        return Recording(manifest, Stream(t, values))
-
-    return build
-
-
-@pytest.fixture
-def calibrated() -> Callable[..., Calibration]:
-    """Builds the result of a run; `bias` makes it another one."""
-
-    def build(run: Run, bias: float = 0.25, **changes: Any) -> Calibration:
-        item = Item(
-            unit="deg/s",
-            clause="7.2.2",
-            value={"x": bias, "y": None},
-            u={"x": 0.01, "y": None},
-            U={"x": 0.02, "y": None},
-        )
-        fields = {
-            "recording_id": run.recording_id,
-            "run": run.id,
-            "digest": run.digest,
-            "method": "jjf2003",
-            "code_version": "1",
-            "procedure": "jjf2003",
-            "settings": {},
-            "items": {"gyro_bias": item},
-            "unavailable": {"gyro_bias.y": "no run about y"},
-        }
-        return Calibration.model_validate(fields | changes)
-
-    return build
-
-
-@pytest.fixture
-def certified() -> Callable[..., Certificate]:
-    """Builds a certificate of a result."""
-
-    def build(
-        recording: Recording, calibration: Calibration, number: str, **changes: Any
-    ) -> Certificate:
-        fields = {
-            "number": number,
-            "state": "issued",
-            "calibrated_on": date(2026, 11, 21),
-            "issued_on": date(2026, 11, 22),
-            "due": date(2027, 11, 21),
-            "laboratory": None,
-            "order": None,
-            "manifest": recording.manifest,
-            "calibration": calibration,
-            "decision": Decision(verdict="pass", rule="simple", document=None, limits=()),
-        }
-        return Certificate.model_validate(fields | changes)
-
-    return build
+@pytest.fixture(params=["sqlite", "postgresql"])
+def either(request: pytest.FixtureRequest, fresh: Home, monkeypatch: pytest.MonkeyPatch) -> Home:
+    """A fresh home whose catalogue is a file of its own, or an empty database on a server."""
+    if request.param == "postgresql":
+        server = request.getfixturevalue("server")
+        monkeypatch.setenv("MIMUCAL_DATABASE", postgres.empty_database(server))
+    return fresh
 
 
 @pytest.fixture(scope="session")

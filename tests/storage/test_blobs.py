@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.recording import Recording
 from storage import blobs, verify
 from storage.blobs import Unreachable
 from storage.catalogue import runs
 from storage.home import Home
 from tests.storage.s3_server import Store, serving
+from tests.storage.small import small
 
 pytestmark = pytest.mark.real_time
-Build = Callable[..., Recording]
 
 
 @pytest.fixture
@@ -34,7 +33,7 @@ def use(keys: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
 
 
 def test_a_recording_in_a_bucket_comes_back_with_nothing_in_the_home_but_the_catalogue(
-    fresh: Home, small: Build, use
+    fresh: Home, use
 ) -> None:
     store, recording = Store(), small()
     with serving(store) as url:
@@ -54,7 +53,7 @@ def test_a_recording_in_a_bucket_comes_back_with_nothing_in_the_home_but_the_cat
 
 
 def test_keys_in_the_url_open_the_bucket_and_stand_in_no_name(
-    fresh: Home, small: Build, monkeypatch: pytest.MonkeyPatch
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.delenv(name, raising=False)
@@ -69,9 +68,7 @@ def test_keys_in_the_url_open_the_bucket_and_stand_in_no_name(
         blobs.blobs_of(fresh)
 
 
-def test_columns_that_went_missing_in_a_bucket_are_made_again_from_raw(
-    fresh: Home, small: Build, use
-) -> None:
+def test_columns_that_went_missing_in_a_bucket_are_made_again_from_raw(fresh: Home, use) -> None:
     store = Store()
     with serving(store) as url:
         use(url)
@@ -90,7 +87,7 @@ def test_columns_that_went_missing_in_a_bucket_are_made_again_from_raw(
     ["../../elsewhere.parquet", "/elsewhere.parquet", "sub/imu.parquet", "", "i" * 300, None],
 )
 def test_a_manifest_in_a_bucket_that_names_what_is_no_file_of_its_folder_is_made_again(
-    fresh: Home, small: Build, use, names: str | None
+    fresh: Home, use, names: str | None
 ) -> None:
     store = Store()
     with serving(store) as url:
@@ -105,7 +102,7 @@ def test_a_manifest_in_a_bucket_that_names_what_is_no_file_of_its_folder_is_made
         assert store.objects[manifest] == whole
 
 
-def test_damaged_raw_in_a_bucket_is_a_fault(fresh: Home, small: Build, use) -> None:
+def test_damaged_raw_in_a_bucket_is_a_fault(fresh: Home, use) -> None:
     store = Store()
     with serving(store) as url:
         use(url)
@@ -116,9 +113,7 @@ def test_damaged_raw_in_a_bucket_is_a_fault(fresh: Home, small: Build, use) -> N
         assert "s3://lab/mimu/raw/" in fault.what
 
 
-def test_a_bucket_that_answers_500_and_slowly_costs_time_alone(
-    fresh: Home, small: Build, use
-) -> None:
+def test_a_bucket_that_answers_500_and_slowly_costs_time_alone(fresh: Home, use) -> None:
     store = Store(every=4, pause_s=0.01)
     with serving(store) as url:
         use(url)
@@ -129,7 +124,7 @@ def test_a_bucket_that_answers_500_and_slowly_costs_time_alone(
 
 
 def test_a_bucket_that_is_gone_is_a_sentence_and_no_damage(
-    fresh: Home, small: Build, use, monkeypatch: pytest.MonkeyPatch
+    fresh: Home, use, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(blobs, "ATTEMPTS", 1)
     monkeypatch.setattr(blobs, "CONNECT_S", 0.5)
@@ -141,14 +136,14 @@ def test_a_bucket_that_is_gone_is_a_sentence_and_no_damage(
 
 
 @pytest.mark.parametrize("url", ["http://lab/x", "s3:///x", "s3://lab/x?key=secret", "lab"])
-def test_a_store_that_is_no_bucket_is_refused(fresh: Home, small: Build, use, url: str) -> None:
+def test_a_store_that_is_no_bucket_is_refused(fresh: Home, use, url: str) -> None:
     use(url)
     with pytest.raises(Unusable, match="MIMUCAL_STORE"):
         runs.add(small(), fresh)
 
 
 def test_a_folder_and_a_bucket_hold_the_same_bytes(
-    fresh: Home, small: Build, use, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    fresh: Home, use, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run, _ = runs.add(small(), fresh)
     raw = (fresh.raw / f"{run.digest}.mcap").read_bytes()

@@ -10,8 +10,6 @@ import pandas as pd
 import pytest
 import sqlalchemy as sql
 
-from schemas.calibration import Calibration
-from schemas.certificate import Certificate
 from schemas.recording import Recording
 from storage import dataframes
 from storage.catalogue import database, results, runs, tables
@@ -19,18 +17,17 @@ from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 from tests.keep import keep
+from tests.storage.small import calibrated, certified, small
 
 
-def test_each_run_is_a_row(fresh: Home, small: Callable[..., Recording]) -> None:
+def test_each_run_is_a_row(fresh: Home) -> None:
     kept = [runs.add(small(start), fresh)[0] for start in (0.0, 1.0)]
     table = dataframes.runs(fresh)
     assert list(table["id"]) == [run.id for run in kept]
     assert list(table["rows"]) == [300, 300]
 
 
-def test_each_element_of_each_result_is_a_row_and_the_newest_are_marked(
-    fresh: Home, small: Callable[..., Recording], calibrated: Callable[..., Calibration]
-) -> None:
+def test_each_element_of_each_result_is_a_row_and_the_newest_are_marked(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     first, second = (results.save(calibrated(run, value), fresh) for value in (0.25, 0.5))
     table = dataframes.results(fresh).set_index("result")
@@ -63,9 +60,7 @@ def test_segments_and_budgets_of_a_calibration(
         np.testing.assert_allclose(lines["u_c"], budget.u_c)
 
 
-def test_tables_open_no_document_and_no_recording(
-    fresh: Home, small: Callable[..., Recording], calibrated: Callable[..., Calibration]
-) -> None:
+def test_tables_open_no_document_and_no_recording(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     results.save(calibrated(run), fresh)
     with database.changing(fresh) as connection:
@@ -90,9 +85,7 @@ def test_results_of_an_earlier_version_are_in_the_tables(
         pd.testing.assert_frame_equal(table(fresh), before)
 
 
-def test_each_certificate_is_a_row_with_its_run(
-    fresh: Home, small, calibrated, certified: Callable[..., Certificate]
-) -> None:
+def test_each_certificate_is_a_row_with_its_run(fresh: Home) -> None:
     recording = small()
     run = runs.add(recording, fresh)[0]
     keep(certified(recording, calibrated(run), "A-1"), fresh)

@@ -5,7 +5,6 @@
 """
 
 import tarfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -32,13 +31,6 @@ from tests.storage.full_home import GRAVITY, HOMES
 # What a step forward gives another name, by its revision and table: the old name and the new one.
 RENAMED = {"0014": {"runs": {"taken_in_at": "imported_at"}}}
 KEPT = sorted(path.name.split(".")[0] for path in HOMES.glob("*.tar.xz"))
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[str]:
-    """The connection of a PostgreSQL."""
-    with postgres.running() as connection:
-        yield connection
 
 
 @pytest.fixture(params=KEPT)

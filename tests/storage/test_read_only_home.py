@@ -6,18 +6,18 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.recording import Recording
 from storage import verify
 from storage.catalogue import certificates, database, run_index, runs, tables
 from storage.catalogue.run_index import Run
 from storage.home import Home
+from tests.storage.small import small
 
 READ = """
 import os, sys
@@ -47,7 +47,7 @@ except Unusable as error:
 
 
 @pytest.fixture
-def read_only(fresh: Home, small: Callable[..., Recording]) -> Iterator[tuple[Home, Run]]:
+def read_only(fresh: Home) -> Iterator[tuple[Home, Run]]:
     """A copy of a home with one run, readable for everybody and writable for nobody."""
     run = runs.add(small(), fresh)[0]
     with tempfile.TemporaryDirectory(prefix="mimucal-ro-") as name:
@@ -76,7 +76,7 @@ def test_home_that_cannot_be_written_is_read(read_only: tuple[Home, Run]) -> Non
 
 
 def test_an_older_catalogue_that_cannot_be_written_is_refused(
-    fresh: Home, small: Callable[..., Recording], monkeypatch: pytest.MonkeyPatch
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     runs.add(small(), fresh)
     with database.changing(fresh) as connection:
@@ -94,9 +94,7 @@ def test_home_that_is_a_file_is_refused_for_reading(fresh: Home) -> None:
             read(fresh)
 
 
-def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(
-    fresh: Home, small: Callable[..., Recording]
-) -> None:
+def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     for file in fresh.path.glob("catalog.sqlite-*"):
         file.unlink()

@@ -2,13 +2,10 @@
 
 import json
 import os
-from collections.abc import Callable
 from datetime import UTC, date, datetime, timedelta
 
 import pytest
 
-from schemas.calibration import Calibration
-from schemas.certificate import Certificate
 from schemas.recording import Recording
 from storage import retention
 from storage.catalogue import results, run_index, runs, trail
@@ -17,9 +14,8 @@ from storage.home import Home
 from storage.verify import verify
 from tests.keep import keep
 from tests.storage.s3_server import Store, serving
+from tests.storage.small import calibrated, certified, small
 
-Build = Callable[..., Recording]
-Calibrated = Callable[..., Calibration]
 TOMORROW = (datetime.now(UTC) + timedelta(days=1)).date()
 
 
@@ -37,9 +33,7 @@ def delete(home: Home) -> list[str]:
     return [each.why for each in retention.delete(can_go, "Li", home, lambda *_: None)[1]]
 
 
-def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(
-    fresh: Home, small: Build, calibrated: Calibrated
-) -> None:
+def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(fresh: Home) -> None:
     unused, used = kept(fresh, small()), kept(fresh, small(1.0))
     results.save(calibrated(used), fresh)
     assert found(fresh) == {(unused.id, "recording"), (used.id, "columns")}
@@ -56,16 +50,13 @@ def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(
     assert kept(fresh, small()).id == unused.id  # it can come back
 
 
-def test_what_is_not_older_stays(fresh: Home, small: Build) -> None:
+def test_what_is_not_older_stays(fresh: Home) -> None:
     run = kept(fresh, small())
     assert retention.dispensable(run.imported_at.date(), fresh) == []
 
 
 @pytest.mark.parametrize("state", ["draft", "checked", "issued"])
-def test_runs_of_a_certificate_stay_as_found_and_as_left(
-    fresh: Home, small: Build, calibrated: Calibrated, certified: Callable[..., Certificate],
-    state: str,
-) -> None:  # fmt: skip
+def test_runs_of_a_certificate_stay_as_found_and_as_left(fresh: Home, state: str) -> None:
     left, before = kept(fresh, small()), kept(fresh, small(1.0))
     decision = certified(small(), calibrated(left), "A-1").decision
     as_found = {
@@ -80,9 +71,7 @@ def test_runs_of_a_certificate_stay_as_found_and_as_left(
     assert len(list(fresh.raw.iterdir())) == 2
 
 
-def test_an_unreadable_certificate_protects_every_run_of_its_unit(
-    fresh: Home, small: Build, calibrated: Calibrated, certified: Callable[..., Certificate]
-) -> None:
+def test_an_unreadable_certificate_protects_every_run_of_its_unit(fresh: Home) -> None:
     run, sibling = kept(fresh, small()), kept(fresh, small(1.0))
     stranger = kept(fresh, small(2.0, serial="2"))
     keep(certified(small(), calibrated(run), "A-1"), fresh)
@@ -92,9 +81,7 @@ def test_an_unreadable_certificate_protects_every_run_of_its_unit(
     assert {run for run, what in found(fresh) if what == "recording"} == {stranger.id}
 
 
-def test_a_run_that_is_calibrated_meanwhile_stays(
-    fresh: Home, small: Build, calibrated: Calibrated
-) -> None:
+def test_a_run_that_is_calibrated_meanwhile_stays(fresh: Home) -> None:
     run = kept(fresh, small())
     can_go = retention.dispensable(TOMORROW, fresh)
     results.save(calibrated(run), fresh)
@@ -105,9 +92,7 @@ def test_a_run_that_is_calibrated_meanwhile_stays(
     assert runs.load(run, fresh).digest == run.digest
 
 
-def test_columns_are_kept_where_the_raw_recording_is_damaged(
-    fresh: Home, small: Build, calibrated: Calibrated
-) -> None:
+def test_columns_are_kept_where_the_raw_recording_is_damaged(fresh: Home) -> None:
     run = kept(fresh, small())
     results.save(calibrated(run), fresh)
     raw = fresh.raw / f"{run.digest}.mcap"
@@ -121,7 +106,7 @@ def test_columns_are_kept_where_the_raw_recording_is_damaged(
 
 @pytest.mark.real_time
 def test_a_bucket_is_pruned_and_what_it_holds_unknown_is_a_fault(
-    fresh: Home, small: Build, calibrated: Calibrated, monkeypatch: pytest.MonkeyPatch
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "of-a-test")
@@ -143,9 +128,7 @@ def test_a_bucket_is_pruned_and_what_it_holds_unknown_is_a_fault(
     assert all("the catalogue does not know it" in why for why in faults.values())
 
 
-def test_a_draft_that_was_broken_off_is_named_and_goes(
-    fresh: Home, small: Build, calibrated: Calibrated, certified: Callable[..., Certificate]
-) -> None:
+def test_a_draft_that_was_broken_off_is_named_and_goes(fresh: Home) -> None:
     recording = small()
     keep(certified(recording, calibrated(kept(fresh, recording)), "A-1"), fresh, b"%PDF")
     left = [

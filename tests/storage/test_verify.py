@@ -4,33 +4,23 @@ import hashlib
 import os
 import shutil
 import sqlite3
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
 
-from schemas.calibration import Calibration
-from schemas.certificate import Certificate
-from schemas.recording import Recording
 from storage.catalogue import database, results, runs, tables, trail
 from storage.catalogue.run_index import Run
 from storage.formats.columns import write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.verify import StoreFault, verify
-from tests.keep import keep, take_number
-
-Build = Callable[..., Recording]
+from tests.keep import by_force, keep, take_number
+from tests.storage.small import calibrated, certified, small
 
 
 @pytest.fixture
-def filled(
-    fresh: Home,
-    small: Build,
-    calibrated: Callable[..., Calibration],
-    certified: Callable[..., Certificate],
-) -> Run:
+def filled(fresh: Home) -> Run:
     """A run in the fresh home, with a result and a certificate A-1."""
     recording = small()
     run = runs.add(recording, fresh)[0]
@@ -72,7 +62,7 @@ def test_flipped_byte_in_a_raw_recording_is_found(fresh: Home, filled: Run, wher
     assert only_fault(fresh).what == str(path)
 
 
-def test_raw_recording_that_was_exchanged_is_found(fresh: Home, filled: Run, small: Build) -> None:
+def test_raw_recording_that_was_exchanged_is_found(fresh: Home, filled: Run) -> None:
     path = fresh.raw / f"{filled.digest}.mcap"
     path.unlink()
     write_mcap(small(start=1.0), path)
@@ -80,7 +70,7 @@ def test_raw_recording_that_was_exchanged_is_found(fresh: Home, filled: Run, sma
 
 
 def test_columns_that_were_changed_are_found_and_missing_ones_are_no_fault(
-    fresh: Home, filled: Run, small: Build
+    fresh: Home, filled: Run
 ) -> None:
     folder = fresh.columns / filled.digest
     shutil.rmtree(folder)
@@ -95,9 +85,7 @@ def test_result_that_cannot_be_read_is_found(fresh: Home, filled: Run) -> None:
     assert only_fault(fresh).what.startswith("result c")
 
 
-def test_result_that_speaks_of_another_recording_is_found(
-    fresh: Home, filled: Run, calibrated: Callable[..., Calibration]
-) -> None:
+def test_result_that_speaks_of_another_recording_is_found(fresh: Home, filled: Run) -> None:
     document = calibrated(filled, digest="0" * 64).model_dump_json()
     with database.changing(fresh) as connection:
         connection.execute(sql.update(tables.results).values(document=document))
@@ -126,7 +114,7 @@ def test_certificate_whose_result_is_gone_is_found(fresh: Home, filled: Run) -> 
 
 
 def test_certificate_that_prints_another_calibration_than_its_result_is_found(
-    fresh: Home, filled: Run, calibrated: Callable[..., Calibration]
+    fresh: Home, filled: Run
 ) -> None:
     other = results.save(calibrated(filled, 0.5), fresh)
     with database.changing(fresh) as connection:
@@ -180,7 +168,7 @@ def test_store_whose_catalogue_was_lost_names_every_file(fresh: Home, filled: Ru
 
 
 def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(
-    fresh: Home, filled: Run, small: Build
+    fresh: Home, filled: Run
 ) -> None:
     left = fresh.acquiring / "20261121T000000Z-0.mcap"
     left.parent.mkdir()
@@ -192,17 +180,8 @@ def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(
     assert "mimucal import --salvage" in fault.why
 
 
-def change(home: Home, *statements: sql.Executable) -> None:
-    """What somebody does who may do everything to the database."""
-    with database.changing(home) as connection:
-        for trigger in ("trail_no_update", "trail_no_delete"):
-            connection.exec_driver_sql(f"DROP TRIGGER {trigger}")
-        for statement in statements:
-            connection.execute(statement)
-
-
 def test_a_trail_that_was_changed_is_found(fresh: Home, filled: Run) -> None:
-    change(fresh, sql.update(tables.trail).values(person="another"))
+    by_force(fresh, sql.update(tables.trail).values(person="another"))
     fault = only_fault(fresh)
     assert fault.what == "trail"
     assert "entry 1 was changed" in fault.why
@@ -231,7 +210,7 @@ def test_a_file_changed_together_with_its_hash_is_found(fresh: Home, filled: Run
 
 def test_a_certificate_that_the_trail_does_not_know_is_found(fresh: Home, filled: Run) -> None:
     end = sql.update(tables.trail_end).values(number=0, hash=trail.NOTHING_BEFORE)
-    change(fresh, sql.delete(tables.trail), end)
+    by_force(fresh, sql.delete(tables.trail), end)
     assert "A-1 is in the register, and the trail does not know it" in only_fault(fresh).why
 
 

@@ -11,7 +11,6 @@ from flows.pages.line.flow_runs import flow_runs
 from flows.pages.line.stops import stops_of
 from flows.pages.local_time import today
 from flows.pages.models.line import (
-    AlarmShown,
     LineNow,
     LineQuestion,
     Output,
@@ -44,7 +43,12 @@ def data(_: LineQuestion, home: Home) -> LineNow:
 
     Without the catalogue the stations are known all the same.
     """
-    named, unusable = _stations(home)
+    named, unusable = [], []
+    for name in station_files(home):
+        try:
+            named.append(settings.read(folder_of(home) / name, StationFile).station.id)
+        except Unusable as error:
+            unusable.append(alarms.of_file(name, str(error)))
     flows = flow_runs()
     found, fault = [*unusable, *alarms.of_flows(flows)], None
     queued: tuple[Queued, ...] = ()
@@ -61,17 +65,6 @@ def data(_: LineQuestion, home: Home) -> LineNow:
         stations=stations, alarms=alarms.newest(found), orders=queued, flows=flows, today=made,
         catalogue=fault,
     )  # fmt: skip
-
-
-def _stations(home: Home) -> tuple[list[str], list[AlarmShown]]:
-    """The ids of the station files, and an alarm for each file that cannot be used."""
-    named, unusable = [], []
-    for name in station_files(home):
-        try:
-            named.append(settings.read(folder_of(home) / name, StationFile).station.id)
-        except Unusable as error:
-            unusable.append(alarms.of_file(name, str(error)))
-    return named, unusable
 
 
 def _station_now(home: Home, named: Sequence[str], queued: Sequence[Queued]) -> list[StationNow]:

@@ -12,8 +12,9 @@ from schemas.access import Visitor
 from schemas.base import Unusable
 from storage.home import Home
 from storage.station_stop import release
+from tasks.stages.stop import stop_station
 
-LOG = logging.getLogger(__name__)
+LOG = logging.getLogger("mimucal.pages.stop")
 
 
 class Stops:
@@ -50,8 +51,6 @@ class Stops:
         return Released(station=station, by=visitor.name)
 
     def _stopped(self, station: str, by: str) -> StopShown:
-        from tasks.stages.stop import stop_station
-
         try:
             if Path(station).is_file():  # which at a terminal is a station file
                 raise Unusable(f"there is no station {station!r}; press Stop on its card")

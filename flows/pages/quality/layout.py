@@ -93,7 +93,8 @@ def _counts(shown: QualityShown, view: View) -> Component:
 
 def _yields(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
     titles = {each.item: view.say(each.title) for each in shown.choices.items}
-    total = [_yield(each, view.say(message("pages-quality-total"))) for each in _of(shown)]
+    in_all = view.say(message("pages-quality-total"))
+    total = [_yield(shown.total, in_all)] if shown.total else []
     by_item = [_yield(each, titles.get(each.name, each.name)) for each in shown.by_item]
     others = [
         with_csv(f"by_{name}", _yield_table(f"by-{name}", [_yield(each) for each in of], view))
@@ -105,10 +106,6 @@ def _yields(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
         with_csv("by_period", picture("quality-periods", periods_figure(shown, view))),
         dmc.SimpleGrid(tables, cols={"base": 1, "md": 2}, spacing="md"),
     ])  # fmt: skip
-
-
-def _of(shown: QualityShown) -> list[Yield]:
-    return [shown.total] if shown.total else []
 
 
 def _yield(of: Yield, name: str | None = None) -> tuple[str, ...]:

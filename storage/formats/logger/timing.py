@@ -58,9 +58,16 @@ def timed(
     """The times of the rows by the first column on which the lines of the protocol lie."""
     tried: list[Timing] = []
     for column in candidates or (None,):
-        one = _by_column(sheet, column, unit)
+        notes, before = list[str](), len(sheet.faults)
+        times, how = _times(sheet, column, unit, notes)
+        faults, sheet.faults[before:] = sheet.faults[before:], []
+        one = Timing(times, how, column, notes=notes, faults=faults)
         if one.times is not None:
-            one.origin = _origin(one.times)
+            # What the clock showed at t = 0, s: its first row where it does not begin near zero.
+            earliest = float(np.nanmin(one.times.seconds))
+            one.origin = (
+                earliest if one.times.kind != "number" or abs(earliest) > LATE_START_S else 0.0
+            )
             if path is not None:
                 one.protocol = protocol.read(
                     path, one.times, one.origin, shift, is_timed=not one.faults
@@ -69,19 +76,6 @@ def timed(
             return one
         tried.append(one)
     return next((one for one in tried if one.times is not None), tried[0])
-
-
-def _by_column(sheet: Sheet, column: Column | None, unit: str | None) -> Timing:
-    notes, before = list[str](), len(sheet.faults)
-    times, how = _times(sheet, column, unit, notes)
-    faults, sheet.faults[before:] = sheet.faults[before:], []
-    return Timing(times, how, column, notes=notes, faults=faults)
-
-
-def _origin(times: Times) -> float:
-    """What the clock showed at t = 0, s: its first row where it does not begin near zero."""
-    earliest = float(np.nanmin(times.seconds))
-    return earliest if times.kind != "number" or abs(earliest) > LATE_START_S else 0.0
 
 
 def _times(

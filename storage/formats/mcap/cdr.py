@@ -44,7 +44,12 @@ def layout(kind: str, message: bytes) -> Layout:
 
 
 def _walk(kind: str, message: bytes) -> Layout:
-    order = _byte_order(message)
+    orders = {b"\0\0": ">", b"\0\1": "<"}
+    if message[:2] not in orders:
+        raise MalformedError(
+            f"an encapsulation {message[:2].hex() or 'of no bytes'} that is not CDR"
+        )
+    order = orders[message[:2]]
     at = ORIGIN
     texts: dict[str, tuple[str, ...]] = {}
     numbers: dict[str, tuple[str, tuple[int], int]] = {}
@@ -74,15 +79,6 @@ def _walk(kind: str, message: bytes) -> Layout:
         }
     )
     return Layout(dtype, texts, tuple(part for part in fixed if part.start < part.stop))
-
-
-def _byte_order(message: bytes) -> str:
-    orders = {b"\0\0": ">", b"\0\1": "<"}
-    if message[:2] not in orders:
-        raise MalformedError(
-            f"an encapsulation {message[:2].hex() or 'of no bytes'} that is not CDR"
-        )
-    return orders[message[:2]]
 
 
 def _aligned(at: int, size: int) -> int:

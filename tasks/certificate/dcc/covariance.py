@@ -5,6 +5,8 @@ import re
 from collections import defaultdict
 from decimal import Context, Decimal
 
+from scipy.special import chdtri
+
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from tasks.certificate.dcc.quantities import real, ref_type
@@ -85,6 +87,4 @@ def product(one: DsiUnit, other: DsiUnit) -> str:
 
 def _factor(count: int) -> float:
     """k of the ellipsoid that holds a normal vector of so many elements with PROBABILITY."""
-    from scipy.special import chdtri
-
     return math.sqrt(float(chdtri(count, 1.0 - PROBABILITY)))

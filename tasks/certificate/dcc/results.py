@@ -11,7 +11,7 @@ from tasks.certificate.dcc.conformity import conformity
 from tasks.certificate.dcc.covariance import covariance_result
 from tasks.certificate.dcc.curves import curve_results
 from tasks.certificate.dcc.equipment import equipment
-from tasks.certificate.dcc.quantities import Coverage, coverage, quantity, ref_type, without_number
+from tasks.certificate.dcc.quantities import coverage, quantity, ref_type, without_number
 from tasks.certificate.dcc.software import software
 from tasks.certificate.dcc.units import dsi_unit, gravity_of
 from tasks.certificate.dcc.xml import Element, dcc, described, named
@@ -21,7 +21,7 @@ from tasks.certificate.results import Group, sections
 from tasks.specifications.items import ITEMS
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.specifications.specification import Specification
-from tasks.words import Sayable, message
+from tasks.words import message
 from tasks.words.rounding import stated
 
 
@@ -102,7 +102,8 @@ def _quantities(
     ):
         for element, value in values.items():
             number, expanded = stated(value, U.get(element), item.k)
-            title = message("dcc-element", element=_title(name, element), column=column)
+            of = ITEMS[name].element_title(element) if name in ITEMS else given(element)
+            title = message("dcc-element", element=of, column=column)
             decided = [
                 conformity(limit, unit)
                 for limit in decision.limits
@@ -110,7 +111,8 @@ def _quantities(
             ]
             label = ".".join((name, element) if which == "value" else (name, which, element))
             more = [dcc.measurementMetaData(*decided)] if decided else []
-            at = _coverage(item, element)
+            budget = item.budgets.get(element)
+            at = coverage(item.k, budget.coverage_probability if budget else None)
             made.append(quantity(title, label, number, unit, expanded, at, more))
     return made
 
@@ -124,15 +126,6 @@ def _values(
     beside = getattr(item, second) if second and name not in specification.printed_once else None
     if second and beside:
         yield second, beside, item.U_without_earth_rotation or item.U
-
-
-def _title(name: str, element: str) -> Sayable:
-    return ITEMS[name].element_title(element) if name in ITEMS else given(element)
-
-
-def _coverage(item: Item, element: str) -> Coverage:
-    budget = item.budgets.get(element)
-    return coverage(item.k, budget.coverage_probability if budget else None)
 
 
 def _information(certificate: Certificate, name: str, shown: Information) -> Element:

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tasks.explain.confounding.families import (
+from tasks.explain.confounding.delays import (
     Form,
     delay_of_low_pass,
     group_delays,

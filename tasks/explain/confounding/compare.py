@@ -1,9 +1,10 @@
-"""Tests compensating effects together, and reports them as a group where data cannot decide.
+"""Compares delays and filters, and reports those as a group between which data cannot decide.
 
+Near nothing all of them are one derivative of the motion; so the search, which knows their linear
+forms, cannot tell them apart. Those whose linear form comes near are fitted in their real form.
 Each combination costs what it leaves of chi-squared, counted against what the best leaves, and
 ln(stretches) for each parameter and each shape that is fitted: so that a pair that one effect
-explains is that effect. Compared are linear forms, by the search's normal equations. Delays and
-filters that come near are fitted in their real form, and so is what is put in another's place.
+explains is that effect.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
@@ -13,23 +14,21 @@ from functools import cached_property
 import numpy as np
 
 from tasks.explain.confounding.bootstrap import Rivals
-from tasks.explain.confounding.combinations import Combination
-from tasks.explain.confounding.families import FAMILIES, Form, forms_of, group_delays
+from tasks.explain.confounding.combinations import Combination, chi2_of
+from tasks.explain.confounding.delays import DELAYING, Form, forms_of, group_delays
 from tasks.explain.confounding.linear_forms import (
     DISTINGUISHABLE,
+    FORM,
     LinearForms,
-    drifts,
     group_names,
     is_by_triad,
     keys_of,
     marked,
     names_of,
-    shapes_signals,
 )
-from tasks.explain.confounding.special_case import HOLDS, with_general
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.scores import INDISTINGUISHABLE
+from tasks.explain.search.refit import fitted
 
 SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
@@ -40,8 +39,8 @@ Prune = Callable[[FittedSelection, Collection[str]], FittedSelection]
 def compared(
     fit: FittedSelection, candidates: Sequence[Candidate], prune: Prune, by_reference: Rivals
 ) -> FittedSelection:
-    """The selection with the best combination of each family in place of its members, marked with
-    the names that the data cannot distinguish from it.
+    """The selection with the best combination of delays and filters in place of those it has,
+    marked with the names that the data cannot distinguish from it.
 
     prune: a selection without what is unnecessary in it, but with effects of these names.
     by_reference: single effects that may be the truth although they fit worse.
@@ -50,64 +49,28 @@ def compared(
     positions and attitudes differently, so that it is not certainly the unit's. It is marked with
     whatever fits no worse in its place.
     """
-    for family in FAMILIES:
-        own = [one for one in fit.selection.selected if one.candidate.is_form_of(family)]
-        selected = [one for one in own if not one.candidate.nuisance]
-        nuisances = [one for one in own if one.candidate.nuisance]
-        if not own or any(one.absorbed_by for one in selected):
-            continue
-        if nuisances and selected:
-            fit = fit.without(selected)
-        present = tuple(one.candidate for one in nuisances or selected)
-        forms = tuple(forms_of(family, candidates, present))
-        of_family = _Family(family, forms, present, fit, prune, by_reference)
-        fit = of_family.with_rivals() if nuisances else of_family.compared()
-    return fit
+    own = [one for one in fit.selection.selected if one.candidate.is_form_of(DELAYING)]
+    selected = [one for one in own if not one.candidate.nuisance]
+    nuisances = [one for one in own if one.candidate.nuisance]
+    if not own:
+        return fit
+    if nuisances and selected:
+        fit = fit.without(selected)
+    present = tuple(one.candidate for one in nuisances or selected)
+    forms = tuple(forms_of(DELAYING, candidates, present))
+    delays = _Delays(forms, present, fit, prune, by_reference)
+    return delays.with_rivals() if nuisances else delays.compared()
 
 
 @dataclass(frozen=True)
-class _Family:
-    """A family of which something was selected. forms: of its effects; present: the selected."""
+class _Delays:
+    """Delays and filters of which something was selected. forms: of all; present: the selected."""
 
-    names: tuple[str, ...]
     forms: tuple[Form, ...]
     present: Form
     fit: FittedSelection
     prune: Prune
     rivals_by_reference: Rivals
-
-    def compared(self) -> FittedSelection:
-        if shapes_signals(self.present):
-            return self._by_real_fits()
-        found = self._fitted(self.present)
-        if not found.plausible and (fitting := self._plausible_alone(found)):
-            one = min(fitting, key=lambda o: (len(o.members[0].term.shapes), self._cost(o)))
-            return marked(one, group_names(one.members, [names_of(o.members) for o in fitting]))
-        alike = [self.present, *self._linear.combined(names_of(self.present))]
-        costs = [self._linear.cost(one) for one in alike]
-        near = [one for one, cost in zip(alike, costs, strict=True)
-                if cost - min(costs) < self._linear.indistinguishable(one)]  # fmt: skip
-        best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
-        if shapes_signals(best):
-            return self._by_real_fits()
-        chosen = self._fitted(best)
-        if best is not self.present and not self._holds(chosen, found):
-            return self._marked(self._special_case(found), ())
-        special = self._special_case(chosen)
-        if special is not chosen:
-            return self._marked(special, ())
-        return self._marked(chosen, map(names_of, near))
-
-    def _marked(self, chosen: Combination, near: Iterable[tuple[str, ...]]) -> FittedSelection:
-        others = [one for one in self.fit.selection.candidates if one.name not in self.names]
-        names = with_general(
-            chosen, near, self.forms, self.fit.selection.equations, others, self._linear.dispersion
-        )
-        group = group_names(chosen.members, names)
-        known = {*names_of(chosen.members), *group}
-        forms = [form for form in self.forms if form[0].name not in known and not drifts(form)]
-        tried = self._plausible(filter(self._comes_near, forms))
-        return marked(chosen, group, self.rivals_by_reference(chosen, tried, group))
 
     def _plausible(self, forms: Iterable[Form]) -> list[Combination]:
         return [one for one in map(self._fitted, forms) if one.plausible]
@@ -120,7 +83,7 @@ class _Family:
 
         Whatever makes the unit early is not a filter.
         """
-        if min(group_delays(self.fit.model, self.names)) <= 0.0:
+        if min(group_delays(self.fit.model, DELAYING)) <= 0.0:
             return self.fit
         found = self._fitted(self.present)
         plausible = self._plausible(self._in_place_of(self.present))
@@ -136,31 +99,7 @@ class _Family:
             if self._delay_was_taken_back or self._comes_near(form):
                 yield form
 
-    def _plausible_alone(self, found: Combination) -> list[Combination]:
-        """Plausible effects that fit no worse in their real forms than what is not plausible."""
-        tried = self._plausible(self.forms)
-        least = min(map(self._cost, (found, *tried)))
-        return [one for one in tried if self._cost(one) - least < INDISTINGUISHABLE]
-
-    def _special_case(self, found: Combination) -> Combination:
-        """The selection, or the special case of it that fits no worse in its exact form: linear
-        forms ignore what else was refined and that the standard's own terms compensate for it.
-        """
-        for form in self.forms:
-            general = HOLDS.get(form[0].name)
-            if general not in names_of(found.members):
-                continue
-            others = tuple(one for one in found.members if one.name not in (general, form[0].name))
-            special = self._fitted((*form, *others))
-            if special.plausible and self._cost(special) < self._cost(found):
-                return special
-        return found
-
-    def _holds(self, chosen: Combination, found: Combination) -> bool:
-        """Whether what linear forms prefer is plausible in its real form, and fits better there."""
-        return chosen.plausible and self._cost(found) - self._cost(chosen) > INDISTINGUISHABLE
-
-    def _by_real_fits(self) -> FittedSelection:
+    def compared(self) -> FittedSelection:
         """Of one effect each that comes near, then of those that fit best with each other."""
         tried = [self._fitted(self.present)]
         tried += [
@@ -197,12 +136,12 @@ class _Family:
 
     def _pruned(self, tried: Sequence[Combination]) -> list[Combination]:
         """Those that come near, without other effects that had only made up for what they are."""
-        if not any(one.candidate.name not in self.names for one in self.fit.selection.selected):
+        if not any(one.candidate.name not in DELAYING for one in self.fit.selection.selected):
             return list(tried)
         least = min(map(self._cost, tried))
         return [
-            replace(one, fit=self.prune(one.fit, self.names))
-            if self._cost(one) - least < self._linear.distinguishable
+            replace(one, fit=self.prune(one.fit, DELAYING))
+            if self._cost(one) - least < self._distinguishable
             else one
             for one in tried
         ]
@@ -212,7 +151,7 @@ class _Family:
         fewest parameters that fit as well as the best of them.
         """
         least = min(map(self._cost, tried))
-        near = [one for one in tried if self._cost(one) - least < self._linear.distinguishable]
+        near = [one for one in tried if self._cost(one) - least < self._distinguishable]
         fewest = min(one.effect_count for one in near)
         near = [one for one in near if one.effect_count == fewest]
         least = min(map(self._cost, near))
@@ -230,7 +169,7 @@ class _Family:
         delay = next((form for form in self.forms if form[0].name == "time_offset"), None)
         if delay is None:
             return []
-        gyro, accel = group_delays(self.fit.model, self.names)
+        gyro, accel = group_delays(self.fit.model, DELAYING)
         later, pairs = 0 if gyro > accel else 1, []
         for both in (form[0] for form in self.forms if is_by_triad(form)):
             place = both.own.index(later) if later in both.own else 0  # one triad may show none
@@ -239,7 +178,7 @@ class _Family:
             more = pair.with_filter(FILTER)
             pairs.append(pair)
             if more.chi2 < pair.chi2:
-                pairs.append(Combination.of((*delay, both), self.names, more.fit))
+                pairs.append(Combination.of((*delay, both), DELAYING, more.fit))
         return pairs
 
     def _promising(self, alone: Combination) -> Iterator[Form]:
@@ -272,9 +211,7 @@ class _Family:
 
     def _hidden_in(self, form: Form, best: Combination) -> bool:
         """Whether, as far as the data show, another effect may account for a share of the best."""
-        if form[0].name in names_of(best.members) or form[0].name == HOLDS.get(
-            best.members[0].name
-        ):
+        if form[0].name in names_of(best.members):
             return False
         missed = self._linear.gain(best.members) - self._linear.gain(form)
         limit = DISTINGUISHABLE * self._linear.dispersion
@@ -285,14 +222,26 @@ class _Family:
     def _fitted(self, members: Form) -> Combination:
         if members is self.present and not self._delay_was_taken_back:
             return Combination(members, self.fit)
-        return Combination.of(members, self.names, self.fit)
+        return Combination.of(members, DELAYING, self.fit)
 
     def _cost(self, one: Combination) -> float:
         return one.chi2 / self._linear.dispersion + self._linear.price * one.fitted_count
 
     @cached_property
     def _linear(self) -> LinearForms:
-        return LinearForms(self.names, self.forms, self.fit)
+        return LinearForms(DELAYING, self.forms, self.fit)
+
+    @cached_property
+    def _distinguishable(self) -> float:
+        """Chi-squared that separates exact forms, beyond what the form of the whole may leave: of a
+        delay that was taken back the linear forms know the little that was left of it.
+        """
+        if not self._delay_was_taken_back:
+            return self._linear.distinguishable
+        keys = {one.term.key for one in self.present}
+        without = fitted(self.fit.model.without(keys), self.fit.blocks, self.fit.noises)
+        gain = chi2_of(without, self.fit) - chi2_of(self.fit.model, self.fit)
+        return max(self._linear.distinguishable, FORM**2 * gain / self._linear.dispersion)
 
     @cached_property
     def _delay_was_taken_back(self) -> bool:

@@ -1,22 +1,19 @@
 """Gain and cost of the effects of a family in linear form, by the equations of the search."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 
 from tasks.explain.confounding.combinations import Combination, chi2_of
-from tasks.explain.confounding.families import Form, shape_count
+from tasks.explain.confounding.delays import Form
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
+from tasks.explain.search.scores import joint_gain
 
 # Chi-squared that tells two apart: where ramps are sharp, smoothing the reference makes twenty.
 DISTINGUISHABLE = 30.0
 FORM = 0.02  # of an effect: what its published equation and a real filter or clock differ by
-# Of an effect: a thermometer is not where the sensor is, and its rate of change is a derivative.
-THERMOMETER = 0.1
 STRETCH = 30.0  # s of what has no segments
 
 
@@ -30,24 +27,9 @@ class LinearForms:
 
     def gain(self, members: Form) -> float:
         """Chi-squared that the members take away together."""
-        return self._joint(members)[0]
-
-    def cost(self, members: Form) -> float:
-        """The price of the members' parameters and shapes, less what they gain."""
-        gain, count = self._joint(members)
-        return (count + shape_count(members)) * self.price - gain / self.dispersion
-
-    def _joint(self, members: Form) -> tuple[float, int]:
         selection = self.fit.selection
         others = [one for one in selection.candidates if one.name not in self.names]
         return joint_gain(selection.equations, members, others)
-
-    def combined(self, found: Sequence[str]) -> Iterator[Form]:
-        """Each form alone, and pairs; but none of what was found with more, as the search would."""
-        yield from self.forms
-        for one, other in combinations(self.forms, 2):
-            if one[0].name != other[0].name and not set(found) < {one[0].name, other[0].name}:
-                yield (*one, *other)
 
     @cached_property
     def distinguishable(self) -> float:
@@ -55,15 +37,6 @@ class LinearForms:
         equations.
         """
         return max(DISTINGUISHABLE, FORM**2 * self.largest_gain / self.dispersion)
-
-    def indistinguishable(self, members: Form) -> float:
-        """Cost by which members must be dearer than others to be ruled out.
-
-        What follows a temperature or its rate of change is known no better than these are.
-        """
-        if not drifts(members) or len({one.name for one in members}) > 1:
-            return INDISTINGUISHABLE
-        return max(INDISTINGUISHABLE, THERMOMETER**2 * self.largest_gain / self.dispersion)
 
     @cached_property
     def largest_gain(self) -> float:
@@ -136,13 +109,3 @@ def names_of(members: Form) -> tuple[str, ...]:
 def keys_of(members: Form) -> set[object]:
     """The candidates' keys."""
     return {one.key for one in members}
-
-
-def drifts(members: Form) -> bool:
-    """Whether they follow a temperature or a supply, and owe nothing to the reference."""
-    return all(one.term.time_course == "drift" for one in members)
-
-
-def shapes_signals(members: Form) -> bool:
-    """Whether a delay or a filter is among them, whose linear form is that of a small one."""
-    return any(one.term.stage == "signal" for one in members)

@@ -20,6 +20,7 @@ from schemas.recording import AXES
 from tasks.explain.channels import CHANNELS, TRIADS
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.event import TRIAD_NAMES, Event
+from tasks.explain.odds import CERTAIN
 from tasks.motion.whole import STANDARD_GRAVITY, Motion
 from tasks.readings.axes import TriadMatrix, fitting, triad_matrix
 from tasks.readings.wrong_units import REMOVED
@@ -31,7 +32,6 @@ WORKING = 0.05  # standard deviation of a working unit's scale factors about one
 NEAR = 0.08  # of a usual factor: as near as working units are
 OWN = 0.01  # of the factor: what scale factors of the unit's own may have in common
 ALIKE = 0.03  # of the factor: how much the axes may differ
-MIN_LOG_ODDS = 12.0  # twice the log of the odds that a claim asks for
 RANGE_SETTING = "range_setting"
 POWERS_OF_TWO = tuple(2.0**n for n in range(-5, 6) if n)
 # By how much each usual mistake multiplies what is read, by triad: gyros, accelerometers.
@@ -119,7 +119,7 @@ def find_range_setting(matrix: TriadMatrix, triad: int) -> RangeSetting | None:
     if cause == "counts" and len(sizes) < 2:  # of one axis it may be the unit's own
         return None
     log_odds = float(np.sum(_surprise(sizes) - _surprise(sizes / factor)))
-    if log_odds < MIN_LOG_ODDS:
+    if log_odds < CERTAIN:
         return None
     u = factor * max(abs(common / factor - 1.0), OWN if cause == "counts" else 0.1 * OWN)
     return RangeSetting(

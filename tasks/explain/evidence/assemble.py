@@ -12,15 +12,13 @@ from tasks.explain.evidence.determination import determined_model
 from tasks.explain.evidence.event_findings import event_findings, with_faults
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
+from tasks.explain.evidence.form_errors import named_beside
 from tasks.explain.evidence.left_over import REFERENCE_KNOWN, LeftOver, remainder
 from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
     small_remainder,
     with_shares,
-    without_form_errors,
-    without_shadows,
-    without_slivers,
     without_switching,
 )
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
@@ -67,13 +65,14 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
     left, total = artefacts.left, max(sum(gains), 1e-300)
     by_terms = max(left.removed - sum(artefacts.removed), 0.0)
     by_term = [by_terms * gain / total for gain in gains]
-    nuisances = {group.name for group in evidence.groups if group.nuisance}
     if not ordered:
-        named = without_shadows(terms, by_term, left, nuisances)
-        terms = without_switching(without_form_errors(named, artefacts.findings, nuisances))
+        nuisances = {group.name for group in evidence.groups if group.nuisance}
+        counted = sum(one.gain for one in terms) / max(by_terms, 1e-300)
+        unexplained = left.remaining_by_channel * counted
+        named = named_beside(terms, artefacts.findings, unexplained, noise, nuisances)
+        terms = without_switching(named)
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     if not ordered:
-        findings = without_slivers(findings, nuisances)
         # Of what every model has, a part without a name says nothing of the unit: see the remarks.
         common = {t.key for group in evidence.groups if group.nuisance for t in group.terms}
         findings = [

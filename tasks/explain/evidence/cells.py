@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.whitening import Noise, at_blocks, in_band, in_time, weighted
+from tasks.explain.whitening import Noise, at_blocks, frequencies, in_band, in_time, weighted
 from tasks.model.regression import WhitenedEquations, of_channel
 from tasks.model.term import Column
 
@@ -70,7 +70,7 @@ def cell_equations(
     for channel, noise in enumerate(noises):
         which, signals = of_channel(columns, misfit, channel)
         level = observed.weight[:, channel] / np.sqrt(noise.white)
-        stack = _low_passed(signals, level, observed)
+        stack = _low_passed(signals, level, observed, noise)
         own = np.zeros((len(edges) - 1, len(which) + 1, len(which) + 1))
         for n, (start, stop) in enumerate(pairwise(edges)):
             part, one = stack[start:stop], level[start:stop]
@@ -84,12 +84,18 @@ def cell_equations(
     return CellEquations(tuple(grams), tuple(every), len(columns))
 
 
-def _low_passed(signals: Sequence[np.ndarray], level: np.ndarray, observed: Blocks) -> np.ndarray:
-    """(n, k) signals (n,) times a level (n,), without what lies above the band that is compared."""
+def _low_passed(
+    signals: Sequence[np.ndarray], level: np.ndarray, observed: Blocks, noise: Noise
+) -> np.ndarray:
+    """(n, k) signals (n,) times a level (n,), without what lies above the band that is compared,
+    and as much less as noise rises within it.
+    """
     if observed.share == 1.0:
         return np.nan_to_num(np.column_stack(signals)) * level[:, None]
     stack = weighted(signals, level, observed)
-    return at_blocks(in_time(in_band(stack, observed), stack.shape[1]), observed).T
+    passed = in_band(stack, observed)
+    rise = noise.rise(frequencies(passed.shape[1], stack.shape[1], observed.rate))
+    return at_blocks(in_time(passed / np.sqrt(rise), stack.shape[1]), observed).T
 
 
 def fold_cells(observed: Blocks) -> np.ndarray:

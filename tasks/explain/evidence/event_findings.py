@@ -17,14 +17,15 @@ from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.faults import AxisMapping, Fault, RangeSetting
 from tasks.explain.events.saturation import EFFECTS as LIMITS
+from tasks.explain.evidence.form_errors import named_beside
 from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.shares import WEAK, without_form_errors
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import Prepared
 from tasks.model.effect import EVENTS
 
 LEAST_P = LEAST_TOTAL = 1e-300
+OF_A_LIMIT = 100.0  # ΔBIC, about ten standard deviations: what only bends looks like a limit
 CONTRADICTED = 3.0  # standard deviations of a gain by which readings speak against an event
 CLEAR = 3.0  # times the noise: a smaller change may be that of the reference's errors
 
@@ -96,7 +97,7 @@ def _needed(event: Event, left: LeftOver) -> float:
     """
     if event.effect not in LIMITS:
         return 0.0
-    return WEAK * _left_in(event, left)
+    return OF_A_LIMIT * _left_in(event, left)
 
 
 def event_finding(
@@ -194,7 +195,7 @@ def with_faults(explanation: Explanation, prepared: Prepared, left: LeftOver) ->
         held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
         left_over=explanation.left_over[place.argsort()],
         explained_share=(sum(by_codes) + left.removed) / total if explanation.findings else 1.0,
-        findings=(*own, *without_form_errors(moved, own)),
+        findings=(*own, *named_beside(moved, own, np.zeros(len(CHANNELS)), noise)),
         small=tuple(small),
         determined=explanation.determined and replace(explanation.determined, axes=matrix),
     )

@@ -6,14 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.confounding.families import common_part
-from tasks.explain.confounding.special_case import HOLDS
+from tasks.explain.confounding.delays import common_part
 from tasks.explain.determined import DeterminedModel, unit_of
 from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
 from tasks.explain.evidence.dependence import change_without
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import FindingGroup, leakage
+from tasks.explain.evidence.groups import FindingGroup
 from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.step_time import step_time
@@ -48,11 +47,6 @@ def findings_of(
             scrutinies[number] = replace(scrutinies[number], refusal=refusal)
     groups = evidence.groups
     if not ordered:
-        groups = _without_refused(groups, scrutinies)
-        left = [evidence.scatter.dispersion(n) for n in range(len(groups))]
-        for number, times in leakage(groups, left).items():
-            refusal = Refusal("leakage", groups[number].name, value=times)
-            scrutinies[number] = replace(scrutinies[number], refusal=refusal)
         groups = _without_refused(groups, scrutinies)
     wider = _beside_implausible(evidence, scrutinies)
     return [
@@ -165,12 +159,7 @@ def _indistinguishable(
     group: FindingGroup, channels: tuple[int, ...], contribution: np.ndarray, full: FullRate
 ) -> tuple[str, ...]:
     """Catalogue names that fit as well, so that the data cannot distinguish them."""
-    names = [
-        name
-        for one in group.selected
-        for name in one.rivals
-        if name != UNNAMED and HOLDS.get(group.name) != name  # which the comparison judged
-    ]
+    names = [name for one in group.selected for name in one.rivals if name != UNNAMED]
     names += possibly_clipped(group.name, channels, full.motion)
     names += possibly_clipped_in_noise(group.name, contribution, full.readings, full.motion)
     return tuple(dict.fromkeys(names))

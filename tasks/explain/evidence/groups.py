@@ -12,7 +12,6 @@ from tasks.model.model import Model
 from tasks.model.term import COUNTS, Column, Term
 from tasks.motion.whole import Motion
 
-LEAKAGE = 0.15  # of the chi-squared that something without a name gains
 PER_TURN = "per_turn"  # the shape of what comes so many times a turn
 SAME_STEP = 5.0  # s within which jumps are one step, found anew in each triad or gradual
 
@@ -60,13 +59,6 @@ class FindingGroup:
     def gain(self) -> float:
         return sum(one.gain for one in self.selected)
 
-    @property
-    def wandering_bias(self) -> bool:
-        """Whether it is a bias that steps or wanders, for which any slow drift compensates in
-        part.
-        """
-        return (self.random and not self.unlisted) or self.terms[0].time_course == "jump"
-
 
 def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
     """Groups of candidates that form one finding: those of one name, those that compensate for each
@@ -83,42 +75,9 @@ def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
     return tuple(_group(_name_of(some), some) for some in named.values())
 
 
-def leakage(groups: Sequence[FindingGroup], dispersions: Sequence[float]) -> dict[int, float]:
-    """Numbers of named findings that are likely to be leakage of something without a name, and how
-    many times its evidence that has.
-
-    So is what is far weaker than something that has no name; but known physics, which has nothing
-    to fit to leakage. A random drift is so likely beside anything stronger without a name, a drift
-    beside a stronger bias that steps or wanders. dispersions: by which each gain is divided.
-    """
-    gains = [group.gain / each for group, each in zip(groups, dispersions, strict=True)]
-    unnamed = [each for each in zip(groups, gains, strict=True) if each[0].name == UNNAMED]
-    strongest = max((other for _, other in unnamed), default=0.0)
-    return {
-        number: strongest / max(gain, 1e-300)
-        for number, (group, gain) in enumerate(zip(groups, gains, strict=True))
-        if group.name != UNNAMED and _is_leakage(group, gain, unnamed)
-    }
-
-
 def _group(name: str, some: Sequence[Selected]) -> FindingGroup:
     terms = {one.candidate.term.key: one.candidate.term for one in some}
     return FindingGroup(name, tuple(terms.values()), tuple(some))
-
-
-def _is_leakage(
-    group: FindingGroup, gain: float, unnamed: Sequence[tuple[FindingGroup, float]]
-) -> bool:
-    if group.nuisance or group.known:
-        return False
-    strongest = max((other for _, other in unnamed), default=0.0)
-    if group.random and not group.unlisted:  # as leakage of anything slow wanders
-        return gain < strongest
-    if group.unlisted:  # free to follow its drive, it leaves nothing of its own kind
-        return strongest > LEAKAGE * gain
-    wandering = max((other for each, other in unnamed if each.wandering_bias), default=0.0)
-    slow = group.terms[0].time_course in ("drift", "jump")
-    return gain < max(LEAKAGE * strongest, wandering if slow else 0.0)
 
 
 def _name_of(some: Sequence[Selected]) -> str:

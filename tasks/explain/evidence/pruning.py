@@ -20,6 +20,7 @@ from schemas.recording import AXES
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.reduced import without
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS, Selected
@@ -30,7 +31,6 @@ from tasks.model.terms.standard import GYRO_G_SENSITIVITY, regressors
 AGREE = 2.0  # chi-squared, the price of a parameter: no decision depends on less
 WRONG_MODEL = 2.0  # φ from which on a random drift may be what the rest of the model lacks
 ABSORBING = GYRO_G_SENSITIVITY  # absorbs a rate that turns with the vertical
-MIN_LOG_ODDS = 12.0  # twice the log of the odds that a claim asks for
 MAX_MISFIT = 1e-3  # p value of what the parameters are beyond the known physics
 OBSERVABLE = 1e-9  # of a column's power: less is left of it beside the standard's other columns
 
@@ -139,7 +139,7 @@ def absorbed(known: Candidate, blocks: Blocks, noises: Sequence[Noise]) -> Selec
         return None
     rival = max(0.0, absorbing - occam)
     beyond = max(0.0, absorbing - gain)
-    if gain - rival < MIN_LOG_ODDS or chdtrc(count, beyond) < MAX_MISFIT:
+    if gain - rival < CERTAIN or chdtrc(count, beyond) < MAX_MISFIT:
         return None
     return Selected(known, float(gain), float(gain - rival), (), absorbed_by=ABSORBING.name)
 

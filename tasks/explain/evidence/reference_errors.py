@@ -9,6 +9,9 @@ The filter that keeps the noise of poses or encoders out of their derivatives ta
 motion too, most of it near the end of the band. What it takes follows the motion, so that no
 scatter shows it: parameters that follow the same motion make up for it. How much it takes, the
 smoothed motion tells when it is smoothed again.
+
+The axes of a unit on a tracked body are those of its gyros, which are not square to each other: how
+far they all are turned from those that the unit is said to have, nothing tells.
 """
 
 from dataclasses import replace
@@ -22,17 +25,23 @@ from tasks.explain.evidence.groups import fitted_columns
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import Prepared
+from tasks.explain.inputs.seen_places import smoothed_motion
 from tasks.explain.inputs.simulated_reading import simulated_reading
+from tasks.explain.odds import CERTAIN
 from tasks.explain.whitening import equations_of, scores_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
-from tasks.motion.pose import motion_smoothed_twice
+from tasks.model.terms.axes import turned_by
+from tasks.model.terms.standard import GYRO_MATRIX
+from tasks.motion.pose import TrackedMotion, motion_smoothed_twice
 from tasks.motion.smoothing_error import lost_acceleration
 from tasks.motion.table import TableAxes
+from tasks.motion.whole import Motion
 
-OWED = 1 / 9  # of a finding's gain, a third of its size: what errors of the reference may make
+REFERENCE_SHARE = (
+    1 / 9
+)  # of a finding's gain, a third of its size: what errors of the reference may make
 DRAWS = 4  # of those errors: what they bring forth by chance alone differs
-CLEAR = 10.0  # ΔBIC that has to stay when evidence is counted against that chance, too
 SURE = 2.0  # standard deviations of how well so few draws tell how large it is
 SEED = 20
 
@@ -62,7 +71,7 @@ def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evi
         owed = {
             number
             for number, gain in enumerate(made)
-            if gain - len(evidence.own[number][0]) / draws > OWED * evidence.gain(number)
+            if gain - len(evidence.own[number][0]) / draws > REFERENCE_SHARE * evidence.gain(number)
             or made_by_chance(evidence, number, float(by_chance[number]), draws)
         }
         if not owed:
@@ -80,7 +89,7 @@ def made_by_chance(evidence: Evidence, number: int, gains: float, draws: int) ->
     known_by = 1.0 + SURE * np.sqrt(2.0 / (count * draws))
     larger = 1.0 + known_by * max(gains, 0.0) / (draws * count)
     price = evidence.evidence(number) - evidence.delta_bic(number)
-    return bool(evidence.gain(number) / larger - price < CLEAR)
+    return bool(evidence.gain(number) / larger - price < CERTAIN)
 
 
 def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -100,18 +109,44 @@ def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndar
 
 
 def with_smoothing_error(evidence: Evidence, prepared: Prepared) -> Evidence:
-    """The evidence, with u that covers what smoothing the reference moves its parameters by."""
+    """The evidence, with u that covers what smoothing the reference moves its parameters by, and
+    the turn of a tracked body's axes.
+    """
     if not evidence.groups:
         return evidence
     axes = evidence.fit.blocks.motion.axes
+    turned = np.zeros(len(evidence.prior))
     if prepared.full.motion.tracking is not None and prepared.recording.reference is not None:
         normal, right = _lost_of_poses(evidence, prepared, prepared.recording.reference)
+        turned = _by_axes(evidence)
     elif axes is not None:
         normal, right = _lost_of_encoders(evidence, prepared, axes)
     else:
         return evidence
     moved = inverse(normal + np.diag(evidence.prior)) @ right
-    return replace(evidence, smoothing_error=np.abs(moved))
+    return replace(evidence, smoothing_error=np.hypot(moved, turned))
+
+
+def _by_axes(evidence: Evidence) -> np.ndarray:
+    """(q,) u of each column's factor by the axes of the gyros: of errors of each of them alike, the
+    common turn is as large as half of what two of them are off a right angle.
+    """
+    fit, motion = evidence.fit, evidence.fit.blocks.motion
+    matrix = fit.model.values[fit.model.places[GYRO_MATRIX.key]].reshape(3, 3)
+    off = 0.5 * (matrix + matrix.T)[np.triu_indices(3, 1)]
+    columns, before = fitted_columns(fit.model, evidence.groups, motion)
+    covariance = inverse(evidence.whole.normal()[0] + np.diag(evidence.prior))
+    u = np.zeros(len(covariance))
+    for axis in np.eye(3):
+        turn = np.sqrt((off**2).mean()) * np.broadcast_to(axis, motion.rate.shape)
+        turned = replace(
+            turned_by(motion, turn, None, motion.rate),
+            acceleration=motion.acceleration - np.cross(turn, motion.acceleration),
+        )
+        change = np.nan_to_num(fit.model.prediction(turned) - before)
+        right, _ = scores_of(columns, change, fit.blocks, fit.noises)
+        u = np.hypot(u, covariance @ right)
+    return u
 
 
 def _lost_of_poses(
@@ -119,7 +154,10 @@ def _lost_of_poses(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Normal matrix and right side of the columns on what a second smoothing takes of readings."""
     full = prepared.full
-    again = motion_smoothed_twice(prepared.recording, pose, full.motion.t + full.start)
+    tracking, t = full.motion.tracking, full.motion.t + full.start
+    again: Motion | TrackedMotion = motion_smoothed_twice(prepared.recording, pose, t)
+    if tracking is not None and tracking.place is not None:
+        again = smoothed_motion(full.motion, pose, t, tracking, twice=True)
     twice = replace(
         full.motion, up=again.up, north=again.north, rate=again.rate,
         translation=again.translation,

@@ -25,7 +25,6 @@ from tasks.explain.evidence.lookalikes import (
     swings,
     unseen_turning,
 )
-from tasks.explain.evidence.shares import WEAK
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.model.regression import inverse
 
@@ -34,7 +33,6 @@ MATERIAL = 0.25  # of a finding's amplitude: parts that differ by less are one l
 TOUCHED = 25.0  # chi-squared that a finding adds to a channel it materially touches
 MIN_TOUCHED = 0.02  # of what it adds to all channels
 TOLERATED = 4.5  # nats that a channel may lose by chance: 3·√a − a/2 at its largest, a added
-SCATTERED = 3.0  # φ from which on what is weak may be part of what scatters
 
 
 @dataclass(frozen=True)
@@ -70,7 +68,6 @@ class Scrutiny:
             or _inhomogeneous(one, unlike)
             or _channel_worse(one)
             or _undetermined(one)
-            or _scattered(one)
             or unseen_turning(one)
             or made_by_placing(one)
             or jump_at_one_end(one)
@@ -138,23 +135,14 @@ def _channel_worse(one: Examined) -> Refusal | None:
 
 
 def _undetermined(one: Examined) -> Refusal | None:
-    """The clearest parameter, if none exceeds its U, nor, for a finding that is not weak, all
-    mutually compensating ones together.
+    """The clearest parameter, if none exceeds its U, nor do all mutually compensating ones
+    together.
     """
     evidence, u = one.evidence, one.u
     off = one.values - np.array([0.0 if p is SIZE else p.nominal for p in one.parameters])
     joint = float(off @ inverse(evidence.correlation(one.number) * u[:, None] * u) @ off)
     clear = np.abs(off) / np.maximum(COVERAGE * u, 1e-300)
     k = int(clear.argmax())
-    together = joint > COVERAGE**2 * len(u) and evidence.delta_bic(one.number) > WEAK
-    if clear[k] > 1.0 or together:
+    if clear[k] > 1.0 or joint > COVERAGE**2 * len(u):
         return None
     return one.refused("undetermined", k, float(one.values[k]), COVERAGE * float(u[k]))
-
-
-def _scattered(one: Examined) -> Refusal | None:
-    """Where it is weak beside a residual that varies more between stretches than noise does."""
-    times = one.evidence.scatter.dispersion(one.number)
-    if times < SCATTERED or one.evidence.delta_bic(one.number) > WEAK:
-        return None
-    return Refusal("scatter", one.group.name, value=times)

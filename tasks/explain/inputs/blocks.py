@@ -14,6 +14,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from schemas.base import Unusable
 from schemas.recording import Segment
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.motion.pose import Tracking
 from tasks.motion.samples import bridged, longest_step
 from tasks.motion.whole import Motion
 from tasks.segments.summarise import runs
@@ -27,6 +28,8 @@ FARTHEST = 0.3  # s, where blocks are longer than delays and filters reach
 NEXT = 2  # blocks on each side of a corner whose means it makes wrong
 UNEVEN = 0.5  # of an interval: stamps that scatter by less are no batches
 BRIEF = 1.0  # s: a shorter gap stays between its neighbours
+UNTOUCHED = 0.7  # of the edge of the poses' band
+SPLINED = 0.25  # of the frequency of their frames
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
 
 
@@ -147,6 +150,14 @@ def block_means(
     return Blocks(
         motion.t, readings, weight, motion, own / step, segment, full.segments, floor, band
     )
+
+
+def well_known(tracking: Tracking) -> float:
+    """Hz up to which poses tell a motion as it was: the filter that ends their band at the edge
+    takes 0.3 % of it there, and a cubic spline between their frames 1.2 %. What they take follows
+    the motion, and a lever arm would make up for it.
+    """
+    return min(UNTOUCHED * tracking.edge, SPLINED / tracking.interval)
 
 
 def _reference_errors(full: FullRate, motion: Motion, width: float, band: float) -> np.ndarray:

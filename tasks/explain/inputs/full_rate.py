@@ -12,11 +12,13 @@ from tasks.explain.inputs.labels import with_usable_labels
 from tasks.explain.inputs.recorded_signals import recorded_signals
 from tasks.explain.inputs.remarks import clock_remarks, reference_remarks
 from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps, vibration
+from tasks.explain.inputs.seen_places import with_seen_places
 from tasks.motion.reference_noise import EXACT, ReferenceNoise, reference_noise
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import find_segments
 from tasks.words import Sayable
 
+TURNING = 0.1  # rad/s: what turns so much does not rest, whatever the noise of its poses
 NEAR_LEAST = 1.3  # times the least variance of a segment: still at rest
 
 
@@ -66,14 +68,15 @@ def full_rate(recording: Recording) -> FullRate:
         )
     readings = recording.imu.stack(CHANNELS)
     recording, on_labels = with_usable_labels(recording)
-    motion = with_gyro_acceleration(whole_motion(recording), readings)
+    motion = with_seen_places(recording, whole_motion(recording))
+    motion = with_gyro_acceleration(motion, readings)
     if not motion.felt.any():
         raise Unusable(
             f"recording {name} does not show how the unit moved: it has no table stream with "
             "table_axes, no reference pose and no labelled segments; add one of them"
         )
     # A motion that is unknown in places (labels only) must not reach into its neighbours.
-    segments = recording.manifest.segments or find_segments(recording)
+    segments = recording.manifest.segments or _found_segments(recording, motion)
     segment = np.full(len(motion.t), -1)
     for k, each in enumerate(segments):
         segment[recording.imu.rows(each.t_start, each.t_end)] = k
@@ -89,6 +92,21 @@ def full_rate(recording: Recording) -> FullRate:
         readings, motion, segment, segments, variance, *output_steps(readings), start, remarks,
         noise, recording.imu.span,
     )  # fmt: skip
+
+
+def _found_segments(recording: Recording, motion: Motion) -> tuple[Segment, ...]:
+    """Segments without labels; no rest where poses turn, as they show better than the readings."""
+    segments = find_segments(recording)
+    if motion.tracking is None:
+        return segments
+    turns = np.linalg.norm(motion.rate, axis=1)
+    kept = []
+    for each in segments:
+        own = turns[recording.imu.rows(each.t_start, each.t_end)]
+        own = own[np.isfinite(own)]
+        if each.kind != "static" or not (len(own) and np.sqrt((own**2).mean()) > TURNING):
+            kept.append(each)
+    return tuple(kept)
 
 
 def _median(values: np.ndarray) -> float:

@@ -21,7 +21,7 @@ from tasks.explain.inputs.labels import disturbed_rows, moved_labels
 from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.inputs.tracked_body import in_unit_axes
-from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.progress import Progress, report_progress, silent
 from tasks.model.fit import plain_prediction
 from tasks.model.terms.timing import shifted_within
 from tasks.motion.angle_rates import as_mean_rates
@@ -111,7 +111,7 @@ def prepare(
 
     Raises Unusable where the recording tells no motion or is too short.
     """
-    tell(progress, "motion")
+    report_progress(progress, "motion")
     recorded = as_mean_rates(with_instants(recording))
     right = codes_put_right(recorded)
     empty = rows_without_readings(right)
@@ -137,7 +137,7 @@ def prepare(
         *empty_remarks(recorded.imu.t, empty),
     )
     full = replace(full, remarks=(*on_reading, *full.remarks, *on_turn))
-    tell(progress, "events")
+    report_progress(progress, "events")
     delay = late if pose is None or not delay_sought else coarse_delay(_between_fresh(full))
     rows, events = _with_delay(right, full, delay)
     losses = [event for event in events.events if isinstance(event, LostSamples)]

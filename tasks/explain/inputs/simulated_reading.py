@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from schemas.recording import Recording, Stream
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.inputs.seen_places import smoothed_motion
 from tasks.motion.pose import Tracking
 from tasks.motion.pose_frames import PLACE, POSE
 from tasks.motion.reference_noise import EncoderNoise
@@ -43,7 +44,10 @@ def simulated_reading(
 
 
 def _read(recording: Recording, full: FullRate) -> Motion:
-    motion = whole_motion(recording, full.motion.t + full.start)
+    at, tracking = full.motion.t + full.start, full.motion.tracking
+    motion = whole_motion(recording, at)
+    if tracking is not None and tracking.place is not None and recording.reference is not None:
+        motion = smoothed_motion(motion, recording.reference, at, tracking)
     return replace(
         motion, t=full.motion.t, recorded=full.motion.recorded, tracking=full.motion.tracking
     )

@@ -137,8 +137,6 @@ def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayab
 
 ALIKE_FOR_ALL = {
     "overshadowed": "report-next-overshadowed",
-    "incomplete": "report-next-incomplete",
-    "scatter": "report-next-incomplete",
     "reference_noise": "report-next-reference-noise",
     "placed": "report-next-placed",
     "one_end": "report-next-one-end",

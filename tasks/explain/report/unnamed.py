@@ -83,7 +83,7 @@ def refused(refusal: Refusal, setting: bool) -> Message:
         return message(
             "report-refused-inhomogeneous", **arguments, **shown, parts=refusal.parts or "time"
         )
-    if refusal.kind in ("leakage", "overshadowed", "form_error", "incomplete", "scatter"):
+    if refusal.kind in ("overshadowed", "form_error"):
         times = plain(refusal.value or 0.0, 2)
         return message(f"report-refused-{refusal.kind.replace('_', '-')}", **arguments, times=times)
     value, limit = refusal.value or 0.0, refusal.limit or 0.0

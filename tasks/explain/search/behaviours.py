@@ -40,6 +40,9 @@ HEAT_LAGS = (20.0, 45.0, 90.0, 180.0, 400.0)  # s
 FAST_HEATS = 0.4  # of the largest rate
 BENT_LAGS = (45.0, 180.0)  # s
 GIVING_WAY = (0.3, 1.0, 2.5)  # K: radii of plays
+# A table shakes more the faster it turns; the air is warmer before the unit is.
+OF_SHAKING, OF_HEATING = ("ω_i²", "|ω_j|", "ω⁴"), ("lag(ω²)", "lag(|ω|)")
+OF_TEMPERATURE = ("air_temperature",)
 FEW = 0.5  # K: a smaller change of temperature shows no lag
 Bank = Callable[[Motion, Inputs, int], list[np.ndarray]]
 
@@ -48,7 +51,8 @@ Bank = Callable[[Motion, Inputs, int], list[np.ndarray]]
 class Behaviour:
     """A kind of behaviour in the channels of a triad, or of both.
 
-    name: of the catalogue, for all of its forms. bank: the columns of a channel.
+    name: of the catalogue, for all of its forms. bank: the columns of a channel. empirical: what an
+    empirical term follows that is a form of it, in these channels.
     """
 
     kind: str
@@ -56,6 +60,7 @@ class Behaviour:
     family: str
     channels: tuple[int, ...]
     bank: Bank
+    empirical: tuple[str, ...] = ()
 
 
 def behaviours(motion: Motion) -> Iterator["UnlistedForm"]:
@@ -71,13 +76,15 @@ def _possible(motion: Motion) -> Iterator[Behaviour]:
         yield Behaviour("hysteresis", "hysteresis", "memory", ACCELS, _memories_of_force)
         yield Behaviour("non-linearity", "gyro_scale_nonlinearity", "gyro", GYROS, _bent)
         yield Behaviour(
-            "rectification", "vibration_rectification", "accelerometer", ACCELS, _shaken
+            "rectification", "vibration_rectification", "accelerometer", ACCELS, _shaken, OF_SHAKING
         )
-        yield Behaviour("heating", UNNAMED, UNNAMED, EVERY, _heated)
+        yield Behaviour("heating", UNNAMED, UNNAMED, EVERY, _heated, OF_HEATING)
     yield Behaviour("non-linearity", "accel_nonlinearity", "accelerometer", ACCELS, _bent)
     temperature = motion.recorded.get("temperature")
     if temperature is not None and np.nanmax(temperature) - np.nanmin(temperature) > FEW:
-        yield Behaviour("late temperature", "temperature_bias", "environment", EVERY, _late)
+        yield Behaviour(
+            "late temperature", "temperature_bias", "environment", EVERY, _late, OF_TEMPERATURE
+        )
 
 
 def _term(one: Behaviour, count: int) -> "UnlistedForm":
@@ -86,7 +93,7 @@ def _term(one: Behaviour, count: int) -> "UnlistedForm":
     term = regression_term(one.kind, title, one.channels, count, one.bank, shared)
     return UnlistedForm(
         one.name, one.family, "sensor", "Σₖ wₖ·sₖ, wₖ normal", "random function of its own drive",
-        term.parameters, own_title=title, reads=term.reads, per_channel=count,
+        term.parameters, own_title=title, reads=term.reads, form_of=one, per_channel=count,
     )  # fmt: skip
 
 
@@ -94,6 +101,7 @@ def _term(one: Behaviour, count: int) -> "UnlistedForm":
 class UnlistedForm(SensorTerm):
     """A kind of behaviour in a form that no publication lists. per_channel: number of columns."""
 
+    form_of: Behaviour = field(kw_only=True)
     per_channel: int = field(kw_only=True)
 
 

@@ -13,15 +13,13 @@ import numpy as np
 
 from tasks.explain.channels import TRIADS
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.residual_noise import ChannelResidual, flicker_over_gaps, triad_noises
 from tasks.explain.whitening import (
     Bands,
-    ChannelResidual,
     Noise,
     compared_bands,
-    flicker_over_gaps,
     in_band,
     known_share,
-    triad_noises,
     weighted,
 )
 from tasks.model.regression import inverse, of_channel
@@ -251,22 +249,28 @@ def residuals(
 
 
 def residual_noises(
-    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise]
+    design: BandedDesign,
+    members: Sequence[int],
+    noises: Sequence[Noise],
+    derivatives: tuple[int, int] = (0, 0),
 ) -> tuple[Noise, ...]:
-    """The noise of what the standard's model and some parameters leave, triad by triad."""
+    """The noise of what the standard's model and some parameters leave, triad by triad.
+
+    derivatives: powers of the frequency by which the reference's noise rises in each.
+    """
     found = [UNIT_NOISE] * len(design.channels)
     left = residuals(design, members, noises)
     wider = flicker_over_gaps(design.blocks.gap_ratio)
-    for triad in TRIADS:
+    for triad, order in zip(TRIADS, derivatives, strict=True):
         recorded = [c for c in triad if design.channels[c] is not None]
-        floors = [design.blocks.floor[c] for c in recorded]
+        floors = [0.0 if order else design.blocks.floor[c] for c in recorded]
         # Rows that say nothing are zero: the others have all the power that there is.
         root = [np.sqrt(known_share(design.blocks, c)) for c in recorded]
         whole = [
             replace(left[c], coefficients=left[c].coefficients / r)
             for c, r in zip(recorded, root, strict=True)
         ]
-        estimates = triad_noises(whole, design.bands, floors)
+        estimates = triad_noises(whole, design.bands, floors, order)
         for c, noise in zip(recorded, estimates, strict=True):
             found[c] = replace(noise, flicker=noise.flicker * wider)
     return tuple(found)

@@ -4,8 +4,9 @@ Each is a term named `unnamed` whose title describes its regressors: relaxations
 harmonics of the table's angle, products and powers, sinusoids, and everything recorded.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 
@@ -32,6 +33,8 @@ SINUSOIDS = 2  # periods that are tried for each set of channels
 RECORDED = {"humidity": "%", "pressure": "hPa", "air_temperature": "K"}  # with their units
 RATE, RATE_2, TURNING, FORCE, FORCE_2 = "rad/s", "(rad/s)^2", "rad/s^2", "m/s2", "(m/s2)^2"
 Signal = Callable[[Motion, Inputs, int], np.ndarray]
+LeftOut = Mapping[str, tuple[int, ...]]
+NOTHING: LeftOut = MappingProxyType({})
 TURNING_UP = 0.02  # of a unit vector in a second: gravity's direction changes
 AT_REST = 1e-3  # rad/s: slower is not a motion
 MAX_MOVE = 20.0  # s; what turns longer is a run
@@ -83,11 +86,14 @@ EVENTS = {
 }
 
 
-def empirical(motion: Motion) -> tuple[Term, ...]:
-    """Every empirical term that a recording could need."""
+def empirical(motion: Motion, left_out: LeftOut = NOTHING) -> tuple[Term, ...]:
+    """Every empirical term that a recording could need.
+
+    left_out: what is followed by readings of some channels that are not to follow it.
+    """
     return (
-        *_relaxations(), *_lags(), *_products(), *_recorded(motion), *_sinusoids(),
-        *_of_table(motion), *tips(),
+        *_relaxations(), *_lags(left_out), *_products(left_out), *_recorded(motion, left_out),
+        *_sinusoids(), *_of_table(motion), *tips(),
     )  # fmt: skip
 
 
@@ -107,7 +113,7 @@ def _decay(
     return [np.exp(-time_since(motion, detect(motion)) / tau)]
 
 
-def _lags() -> Iterator[Term]:
+def _lags(left_out: LeftOut) -> Iterator[Term]:
     signals: list[tuple[str, str, str, tuple[int, ...], bool, Signal]] = [
         ("ω", "own-rate", RATE, GYROS, False, lambda m, u, c: u.rate[:, c]),
         ("ω²", "squared-rate", RATE_2, EVERY, True, lambda m, u, c: (u.rate**2).sum(axis=1)),
@@ -115,8 +121,9 @@ def _lags() -> Iterator[Term]:
         ("f", "own-force", FORCE, EVERY, False, lambda m, u, c: u.force[:, c % 3]),
         ("|f|", "own-force-size", FORCE, ACCELS, False, lambda m, u, c: np.abs(u.force[:, c % 3])),
     ]
-    for key, name, unit, channels, shared, signal in signals:
-        for tau in LAGS:
+    for key, name, unit, every, shared, signal in signals:
+        channels = _remaining(every, f"lag({key})", left_out)
+        for tau in LAGS if channels else ():
             title = message("explain-lag", signal=message(f"explain-signal-{name}"), tau=f"{tau:g}")
             lag = partial(_lag, signal, tau)
             form = f"lag({key}, {tau:g} s)"
@@ -134,7 +141,7 @@ def _others(channel: int) -> tuple[int, int]:
     return (axis + 1) % 3, (axis + 2) % 3
 
 
-def _products() -> Iterator[Term]:
+def _products(left_out: LeftOut) -> Iterator[Term]:
     products: list[tuple[str, str, str, tuple[int, ...], int, Regressors]] = [
         ("ω_j·ω_k", "other-rates", RATE_2, EVERY, 1,
          lambda m, u, c: [u.rate[:, _others(c)[0]] * u.rate[:, _others(c)[1]]]),
@@ -160,12 +167,18 @@ def _products() -> Iterator[Term]:
         ("|ω̇|", "angular-acceleration-size", TURNING, EVERY, 1,
          lambda m, u, c: [np.sqrt((m.acceleration**2).sum(axis=1))]),
     ]  # fmt: skip
-    for key, name, unit, channels, number, regressors in products:
+    for key, name, unit, every, number, regressors in products:
+        channels = _remaining(every, key, left_out)
         title = message(f"explain-product-{name}")
-        yield regression_term(key, title, channels, number, regressors, units=per(unit))
+        if channels:
+            yield regression_term(key, title, channels, number, regressors, units=per(unit))
 
 
-def _recorded(motion: Motion) -> Iterator[Term]:
+def _remaining(every: tuple[int, ...], key: str, left_out: LeftOut) -> tuple[int, ...]:
+    return tuple(c for c in every if c not in left_out.get(key, ()))
+
+
+def _recorded(motion: Motion, left_out: LeftOut) -> Iterator[Term]:
     for key in RECORDED:
         signal = motion.recorded.get(key)
         if signal is None or np.nanstd(signal) < 1e-9:
@@ -173,7 +186,9 @@ def _recorded(motion: Motion) -> Iterator[Term]:
         recorded = message(f"explain-recorded-{key.replace('_', '-')}")
         title = message("explain-follows", signal=recorded)
         follows = partial(_deviation, key)
-        yield regression_term(key, title, EVERY, 1, follows, True, per(RECORDED[key]))
+        channels = _remaining(EVERY, key, left_out)
+        if channels:
+            yield regression_term(key, title, channels, 1, follows, True, per(RECORDED[key]))
         product = message("explain-recorded-times-input", signal=recorded)
         title = message("explain-follows", signal=product)
         scaled, unit = partial(_scaled_input, key), f"1/{RECORDED[key]}"

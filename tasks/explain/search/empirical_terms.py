@@ -26,7 +26,9 @@ NEEDS_MOTION = 20.0
 Regressors = Callable[[Motion, Inputs, int], Sequence[np.ndarray]]
 WIDTH = 0.4  # rad of the table's angle
 CENTRES = np.arange(0.0, 2.0 * np.pi, np.pi / 6.0)
-GIVES_WAY = 1.0  # m/s² of specific force, a tenth of gravity, over which it tips to the other side
+TIPPING_FORCE = (
+    1.0  # m/s² of specific force, a tenth of gravity, over which it tips to the other side
+)
 DIAGONALS = tuple((1.0, y, z) for y, z in product((1.0, -1.0), repeat=2))  # opposites are the same
 STANDS = 0.02  # of the largest rate of an axis: slower is no turn to either side
 PARAMETERS = tuple(Parameter(f"lean_{axis}", "lean", "rad", 1.0, (-0.01, 0.01)) for axis in "xyz")
@@ -219,7 +221,7 @@ class Tip(Term):
         return replace(self, own_title=title, direction=unit)
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
-        side = np.tanh(G * motion.up @ self.direction / GIVES_WAY)
+        side = np.tanh(G * motion.up @ self.direction / TIPPING_FORCE)
         return turned_by(motion, side[:, None] * values, None, motion.rate)
 
 

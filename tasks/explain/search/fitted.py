@@ -7,11 +7,9 @@ from functools import partial
 import numpy as np
 from scipy.special import comb
 
-from tasks.explain.explanation import UNNAMED
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.prepared import Prepared
-from tasks.explain.progress import Progress, silent, tell
-from tasks.explain.search.behaviours import behaviours
+from tasks.explain.progress import Progress, report_progress, silent
 from tasks.explain.search.candidates import (
     Candidate,
     candidates_of,
@@ -27,6 +25,7 @@ from tasks.explain.search.design import (
     with_columns,
 )
 from tasks.explain.search.empirical import empirical
+from tasks.explain.search.kinds import with_kinds
 from tasks.explain.search.linearised import Derivatives, FittedModel
 from tasks.explain.search.proposals import with_proposed_shapes
 from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
@@ -43,7 +42,6 @@ from tasks.explain.whitening import Noise
 from tasks.model.catalogue import catalogue
 from tasks.model.model import Model
 from tasks.model.term import Column, Term
-from tasks.model.terms.hysteresis import PLAYS
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.timing import TIME_OFFSET
 
@@ -169,7 +167,7 @@ def searched(
 
     only: names of the catalogue that are fitted instead, without a search.
     """
-    tell(progress, "candidates")
+    report_progress(progress, "candidates")
     coarse, fine = prepared.blocks(SEARCH_RATE), prepared.blocks(REFIT_RATE)
     listed = catalogue(prepared.recording, coarse.motion)
     if only is not None:
@@ -178,20 +176,18 @@ def searched(
         )
         # and not the random drifts that a search tries besides
         candidates = tuple(one for one in candidates if one.name in only)
-        tell(progress, "search")
+        report_progress(progress, "search")
         fit = all_fitted(_design(coarse, candidates, columns), candidates, fine)
         return Searched(prepared, candidates, coarse, fit)
     terms = [*listed, *empirical(coarse.motion)]
     found = _searched(prepared, terms, coarse, fine, progress)
-    selected = [one for one in found.fit.selection.candidates if not one.nuisance]
-    # Without a name, it may be a kind of behaviour in another form; a sum of plays is such a
-    # hysteresis. What a filter differs by from a delay follows changes of the motion, as memory.
-    in_doubt = any(one.name == UNNAMED or one.term.source == PLAYS for one in selected)
-    filtered = any(one.term.stage == "signal" for one in found.fit.selection.candidates)
-    if not in_doubt or filtered or prepared.delay:
+    if prepared.delay:
         return found
-    kinds = [*(term for term in terms if term.source != PLAYS), *behaviours(coarse.motion)]
-    return _searched(prepared, kinds, coarse, fine, progress)
+    kinds = with_kinds(listed, found.fit.selection.selected, found.fit.model, coarse.motion)
+    if not kinds:
+        return found
+    again = _searched(prepared, kinds, coarse, fine, progress)
+    return again if any(one.unlisted for one in again.fit.selection.candidates) else found
 
 
 def _searched(
@@ -200,11 +196,11 @@ def _searched(
     candidates, columns = candidates_of(terms, coarse.motion)
     if coarse.motion.tracking is not None:
         candidates = tuple(with_nuisances(candidates, OF_TRACKING))
-    tell(progress, "search")
+    report_progress(progress, "search")
     # The design, half a gigabyte of an hour's columns, ends with the search that refines it.
     fit = alternated(
         _design(coarse, candidates, columns), searched_by_name(candidates), fine,
-        partial(tell, progress, "search"),
+        partial(report_progress, progress, "search"),
     )  # fmt: skip
     return Searched(prepared, candidates, coarse, fit)
 

@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import rfft, rfftfreq
 
+from tasks.explain.residual_noise import ChannelResidual
 from tasks.explain.search.candidates import STEP_TIMES, Candidate, columns_of, members_of
 from tasks.explain.search.design import BandedDesign, ChannelDesign, residuals, with_columns
 from tasks.explain.search.empirical import SINUSOIDS
 from tasks.explain.whitening import (
-    ChannelResidual,
     Noise,
     at_blocks,
     in_band,

@@ -11,11 +11,11 @@ import numpy as np
 from scipy.special import chdtrc
 
 from tasks.explain.explanation import UNNAMED
+from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate, Prior, Weights, members_of
 from tasks.explain.search.design import NormalEquations
 from tasks.model.regression import inverse
 
-INDISTINGUISHABLE = 6.0  # of score: two that differ by less cannot be told apart
 PER_PARAMETER = 2.0
 OBSERVABLE = 1e-4  # of a column's power: less is left of it beside what was selected
 # Of its gain, a tenth of its size: as well as a published form holds for a unit.
@@ -65,11 +65,8 @@ def rank(
 
 def _same_behaviour(candidate: Candidate, selected: Sequence[Candidate]) -> bool:
     """Whether something selected is of the same kind in an unlisted form, or as a listed one beside
-    an unlisted one: a form and what it lacks are one finding. What a delay or a filter lacks in its
-    linear form follows the motion's changes, as a memory does, until a fit has it in its real one.
+    an unlisted one: a form and what it lacks are one finding.
     """
-    if candidate.unlisted and any(other.term.stage == "signal" for other in selected):
-        return True
     return any(
         set(candidate.members) & set(other.members)
         if candidate.unlisted and other.unlisted
@@ -147,7 +144,7 @@ def _fixed_effect(
     price += FREE_FORM * gain if candidate.name == UNNAMED else 0.0
     # What is known to be there needs no other that imitates it, as a sensitivity to the field of
     # Earth does its rotation.
-    price -= INDISTINGUISHABLE if candidate.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
+    price -= CERTAIN if candidate.known and gain > 2.0 * CERTAIN else 0.0
     return ScoredCandidate(candidate, gain, fit, gain - price, p_value)
 
 
@@ -202,7 +199,7 @@ def _random_effects(
         gain = sum(gain_of[drift] for drift in drifts[candidate.key])
         price = 2.0 * PER_PARAMETER + 2.0 * np.log(candidate.trials) + candidate.term.rarity
         # No walk where another drift may explain it as well.
-        price += INDISTINGUISHABLE if candidate.name != UNNAMED else 0.0
+        price += CERTAIN if candidate.name != UNNAMED else 0.0
         price += OF_A_FORM * max(gain, 0.0) if candidate.unlisted else 0.0
         p_value = float(np.exp(-0.5 * max(gain, 0.0)))
         score = gain - price
@@ -234,13 +231,10 @@ def _drifts(candidate: Candidate) -> list[tuple[Prior | Weights, tuple[int, ...]
 
 def joint_gain(
     equations: NormalEquations, together: Sequence[Candidate], selected: Sequence[Candidate]
-) -> tuple[float, int]:
-    """Chi-squared that some candidates gain together beside others that are selected, and of how
-    many parameters that the readings determine.
-    """
+) -> float:
+    """Chi-squared that some candidates gain together beside others that are selected."""
     left, members = projected(equations, selected), np.array(members_of(together))
     block = left.normal[np.ix_(members, members)]
     observable = (left.scale[members] > 0) & (np.diag(block) > OBSERVABLE)
     block = block * observable[:, None] * observable + np.diag(np.where(observable, SINGULAR, 1.0))
-    gains = _quadratic_forms((left.right[members] * observable)[None], block[None])
-    return float(gains[0]), int(observable.sum())
+    return float(_quadratic_forms((left.right[members] * observable)[None], block[None])[0])

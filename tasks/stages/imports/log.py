@@ -18,6 +18,7 @@ from storage.whole_files import writing_in_home
 from tasks.readings.implausible import Implausible
 from tasks.readings.plausibility import implausible
 from tasks.readings.turns import steady_turns
+from tasks.rendering.chart import GREY, draw, envelope, time_axis
 from tasks.run_validity.site import normal_gravity
 from tasks.segments.find import find_segments
 from tasks.stages.import_checks import label_doubts
@@ -176,8 +177,6 @@ def shown_of(recording: Recording, segment: Segment) -> str:
 
 def draw_recording(recording: Recording, path: Path) -> Path:
     """Writes a picture of rates and forces over time with the segments behind them."""
-    from tasks.rendering.chart import GREY, draw, envelope, time_axis
-
     imu, labels = recording.imu, recording.manifest.segments or ()
     panels = ((GYRO, "deg/s", float(np.degrees(1.0))), (ACCEL, "m/s²", 1.0))
 

@@ -7,6 +7,7 @@ from functools import lru_cache, reduce
 from operator import xor
 
 import numpy as np
+from pymodbus.framer import FramerRTU
 
 from schemas.unit_link import CHECK_BYTES, SIZES, BinaryField, BinaryFrame, Check, TextFrame
 from tasks.station.drivers.samples import FrameSearch, filled, no_samples
@@ -96,8 +97,6 @@ def check_sums(kind: Check, rows: np.ndarray) -> np.ndarray:
 
 
 def _crc16_modbus(octets: bytes) -> int:
-    from pymodbus.framer import FramerRTU
-
     low_first = FramerRTU.compute_CRC(octets)
     return low_first >> 8 | (low_first & 0xFF) << 8
 

@@ -4,6 +4,8 @@ import re
 import time
 from typing import Any
 
+import serial
+
 from schemas.base import Unusable
 from schemas.recording import Unit
 from schemas.unit_link import SerialQuery, UnitLink
@@ -33,8 +35,6 @@ def confirm(unit: Unit, link: UnitLink) -> str | None:
 
 def serial_of(link: UnitLink, query: SerialQuery) -> str:
     """What the unit answers; raises Unusable where it does not, or its line cannot be opened."""
-    import serial
-
     try:
         with serial.serial_for_url(
             link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S

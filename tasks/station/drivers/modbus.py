@@ -4,17 +4,19 @@ import asyncio
 import logging
 import struct
 from collections.abc import Awaitable, Callable, Sequence
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
+
+from pymodbus import FramerType
+from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
+from pymodbus.client.mixin import ModbusClientMixin as Mixin
+from pymodbus.exceptions import ModbusException
+from pymodbus.pdu import ModbusPDU
 
 from schemas.base import Unusable
 from schemas.described import BIT_BANKS, Bank, Connection, ModbusConnection, RegisterType
 
-if TYPE_CHECKING:
-    from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
-    from pymodbus.pdu import ModbusPDU
-
-    Client: TypeAlias = AsyncModbusSerialClient | AsyncModbusTcpClient
-
+Client: TypeAlias = AsyncModbusSerialClient | AsyncModbusTcpClient
+LOG = logging.getLogger("mimucal.station.connection")
 ATTEMPTS = 3
 PAUSE_S = 0.3
 CANCEL_AGAIN_S = 0.05  # asyncio.wait_for may swallow a cancellation
@@ -39,7 +41,7 @@ MEANINGS = {  # and the way out
     ),
 }
 
-Request = Callable[["Client"], Awaitable["ModbusPDU"]]
+Request = Callable[[Client], Awaitable[ModbusPDU]]
 Order = Literal["big", "little"]
 
 
@@ -55,8 +57,6 @@ def decode(
     words: Sequence[int], kind: RegisterType, order: Order = "big", byte_order: Order = "big"
 ) -> Any:
     """The value, or the list of values, that the words hold."""
-    from pymodbus.client.mixin import ModbusClientMixin as Mixin
-
     turned = _bytes_in_order(words, byte_order)
     return Mixin.convert_from_registers(turned, Mixin.DATATYPE[kind.upper()], order)
 
@@ -70,8 +70,6 @@ def encode(
     value: float, kind: RegisterType, order: Order = "big", byte_order: Order = "big"
 ) -> list[int]:
     """The words of a value. Raises Unusable for one that the type does not hold."""
-    from pymodbus.client.mixin import ModbusClientMixin as Mixin
-
     typed = float(value) if kind.startswith("float") else round(value)
     try:
         words = Mixin.convert_to_registers(typed, Mixin.DATATYPE[kind.upper()], order)
@@ -122,7 +120,7 @@ class ModbusLink:
     async def read(self, device: int, bank: Bank, address: int, count: int) -> Sequence[int]:
         """`count` words, or bits as 0 and 1, of a bank from `address` on."""
 
-        def request(client: "Client") -> Awaitable["ModbusPDU"]:
+        def request(client: Client) -> Awaitable[ModbusPDU]:
             ask = {
                 "holding": client.read_holding_registers,
                 "input": client.read_input_registers,
@@ -144,7 +142,7 @@ class ModbusLink:
     async def write(self, device: int, bank: Bank, address: int, words: list[int]) -> None:
         """Write neighbouring registers (function code 16), or one coil (5)."""
 
-        def request(client: "Client") -> Awaitable["ModbusPDU"]:
+        def request(client: Client) -> Awaitable[ModbusPDU]:
             if bank == "coil":
                 return client.write_coil(address, bool(words[0]), device_id=device)
             return client.write_registers(address, words, device_id=device)
@@ -176,9 +174,11 @@ class ModbusLink:
         await self.write(device, "holding", to, words)
         return await self.read(device, "holding", address, count)
 
-    async def _ask(self, what: str, request: Request) -> "ModbusPDU":
+    async def _ask(self, what: str, request: Request) -> ModbusPDU:
         async with self._one_at_a_time:
             for attempt in range(ATTEMPTS):
+                if attempt:
+                    LOG.warning("no answer", extra={"of": self.url, "request": what})
                 if attempt > 1:  # at first perhaps the connection alone was cut
                     await asyncio.sleep(PAUSE_S)
                 answer = await self._answer(request)
@@ -199,10 +199,8 @@ class ModbusLink:
             )
         return answer
 
-    async def _answer(self, request: Request) -> "ModbusPDU | None":
+    async def _answer(self, request: Request) -> ModbusPDU | None:
         """The answer to one attempt; None if there was none in time."""
-        from pymodbus.exceptions import ModbusException
-
         asked = self._asked = asyncio.ensure_future(self._exchange(request))
         try:
             await asyncio.wait([asked])
@@ -220,7 +218,7 @@ class ModbusLink:
         if self._asked is not None and not is_connected:
             self._asked.cancel()
 
-    async def _exchange(self, request: Request) -> "ModbusPDU":
+    async def _exchange(self, request: Request) -> ModbusPDU:
         """Ask on the connection there is, or on a new one; without an answer none is left."""
         try:
             if self._is_closed or not (self._client and self._client.connected):
@@ -240,11 +238,9 @@ class ModbusLink:
         self._is_closed, self._client = False, self._new_client()
         if not await self._client.connect() or self._is_closed:
             raise ConnectionError(f"{self._where} cannot be connected to")
+        LOG.info("connected", extra={"of": self.url})
 
-    def _new_client(self) -> "Client":
-        from pymodbus import FramerType
-        from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
-
+    def _new_client(self) -> Client:
         line = self._connection
         if address := host_and_port(self.url):
             host, port = address

@@ -1,6 +1,7 @@
 """A device that takes lines of text, read and commanded by its description."""
 
 import asyncio
+import logging
 import re
 import string
 from collections.abc import Mapping
@@ -8,11 +9,14 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractAsyncContextManager
 from typing import Any
 
+import serial
+
 from schemas.base import Unusable
 from schemas.described import Query, TextDevice
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Values
 
+LOG = logging.getLogger("mimucal.station.connection")
 ATTEMPTS = 3
 MOST_BYTES = 4096  # of an answer
 NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"  # with one way to read each
@@ -49,6 +53,7 @@ class TextLink:
             answer = await self._in_thread(line, True)
             if answer is not None:
                 return answer
+            LOG.warning("no answer", extra={"of": self.url, "request": line})
         raise Unusable(
             f"the device at {self.url} does not answer “{line}” ({ATTEMPTS} attempts): check that "
             f"it is switched on and connected, and that url, baudrate and terminators in the "
@@ -61,8 +66,6 @@ class TextLink:
 
     def _exchange(self, line: str, is_answered: bool) -> str | None:
         """The answer; None if there was none in time."""
-        import serial
-
         try:
             port = self._connected()
             if is_answered:
@@ -89,8 +92,6 @@ class TextLink:
         return text.removeprefix(line.strip()).strip() if self._described.echoes else text
 
     def _connected(self) -> Any:
-        import serial
-
         if self._port is None:
             line = self._described
             self._port = serial.serial_for_url(
@@ -101,6 +102,7 @@ class TextLink:
                 timeout=line.timeout_s,
                 write_timeout=line.timeout_s,
             )
+            LOG.info("connected", extra={"of": line.url})
         return self._port
 
     def _hang_up(self) -> None:

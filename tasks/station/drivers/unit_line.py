@@ -1,5 +1,6 @@
 """The unit's line, read by a thread so that no byte is lost while the run is busy."""
 
+import logging
 import queue
 import socket
 import threading
@@ -7,10 +8,13 @@ import time
 from pathlib import Path
 from typing import Any, Protocol
 
+import serial
+
 from schemas.base import Unusable
 from schemas.unit_link import UnitLink
 from tasks.station.drivers.modbus import host_and_port
 
+LOG = logging.getLogger("mimucal.station.unit")
 READ_BYTES = 4096
 READ_TIMEOUT_S = 0.05
 
@@ -39,6 +43,7 @@ class UnitLine:
                 f"the unit's line {link.url} cannot be opened ({error}): check the cable "
                 f"and unit_link.url of the station file"
             ) from error
+        LOG.info("opened", extra={"of": link.url})
         self._thread = threading.Thread(target=self._read, name="unit", daemon=True)
         self._thread.start()
 
@@ -70,6 +75,7 @@ class UnitLine:
                     f"the unit's line {self._link.url} broke ({error}): check the unit and the "
                     f"cable"
                 )
+                LOG.error("broken", extra={"of": self._link.url, "cause": str(error)})
                 return
             if chunk:
                 self._chunks.put((time.monotonic(), chunk))
@@ -87,8 +93,6 @@ class _Serial:
     """A serial line or a TCP connection, whatever pyserial opens."""
 
     def __init__(self, link: UnitLink) -> None:
-        import serial
-
         self._port: Any = serial.serial_for_url(
             link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
         )

@@ -35,16 +35,13 @@ async def attend(
 def answer(simulation: Simulation, place: int, line: str) -> str | None:
     """What a line is answered with; None for what is no request, and from a unit without supply."""
     if line.startswith(MOUNT_REQUEST):
-        return _mount(simulation, place, line.removeprefix(MOUNT_REQUEST))
+        unit = line.removeprefix(MOUNT_REQUEST)
+        serial, _, seed = unit.partition(",")
+        if not (0 < len(serial) <= LONGEST and serial.isprintable() and seed.isdecimal()):
+            return f"{REFUSAL}send {MOUNT_REQUEST}SERIAL,SEED"
+        simulation.mount(place, serial, int(seed))
+        return f"{MOUNT_ANSWER}{serial}"
     if line != SERIAL_REQUEST or not simulation.is_supplied:
         return None
     mounted = (simulation.config.unit, *simulation.config.neighbours)[place]
     return f"{SERIAL_ANSWER}{mounted.serial}"
-
-
-def _mount(simulation: Simulation, place: int, unit: str) -> str:
-    serial, _, seed = unit.partition(",")
-    if not (0 < len(serial) <= LONGEST and serial.isprintable() and seed.isdecimal()):
-        return f"{REFUSAL}send {MOUNT_REQUEST}SERIAL,SEED"
-    simulation.mount(place, serial, int(seed))
-    return f"{MOUNT_ANSWER}{serial}"

@@ -38,11 +38,11 @@ def line(prefect_database: Path, tmp_path_factory) -> Iterator[PrefectLine]:
         file = line.folder / "station.json"
         virtual = station_file(VirtualStation(), 1.0, "127.0.0.1", 1, 2)
         file.write_text(virtual.model_dump_json(), encoding="utf-8")
-        line.mimucal("deploy", "--timezone", ZONE)
         line.mimucal("station", "add", file, "--schedule", CRON, "--timezone", ZONE)
         own = {PREFECT_API_URL: line.url, PREFECT_API_AUTH_STRING: PASSWORD}
         with temporary_settings(own):  # once more changes nothing
-            deploy_line(Home(line.home), ZONE)
+            for _ in range(2):
+                deploy_line(Home(line.home), ZONE)
             deploy_station("VIRTUAL-1", str(kept_file(line)), Home(line.home), CRON, ZONE)
         yield line
 
@@ -62,9 +62,7 @@ def test_every_active_schedule_has_runs_to_come(line) -> None:
         assert all(run["auto_scheduled"] for run in runs)
 
 
-def test_what_is_scheduled_keeps_the_hour_of_its_zone(
-    line,
-) -> None:
+def test_what_is_scheduled_keeps_the_hour_of_its_zone(line) -> None:
     runs = wait_for(lambda: flow_runs("produce/VIRTUAL-1", "SCHEDULED"), SCHEDULED_S)
     there = [datetime.fromisoformat(run["expected_start_time"]) for run in runs]
     local = [moment.astimezone(ZoneInfo(ZONE)) for moment in there]

@@ -1,6 +1,5 @@
 """/api/v1/orders: a manufacturing system's orders, each once, and nobody else's."""
 
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +21,6 @@ CLIENT = {
 }
 
 
-@cache
-def password_hash() -> str:
-    return passwords.hashed(PASSWORD)
-
-
 @pytest.fixture
 def begun(monkeypatch: pytest.MonkeyPatch) -> Begun:
     return no_workers(monkeypatch)
@@ -36,7 +30,7 @@ def begun(monkeypatch: pytest.MonkeyPatch) -> Begun:
 def home(tmp_path: Path, begun: Begun) -> Home:
     add_station(tmp_path)
     for name, role in (("mes", "operator"), ("Zhao", "viewer")):
-        users.add(name, role, password_hash(), Home(tmp_path), "Admin")
+        users.add(name, role, passwords.hashed(PASSWORD), Home(tmp_path), "Admin")
     return Home(tmp_path)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tests.proof.ablation.counts import counts
+from tests.proof.report import table
 
 COLUMNS = (
     "rule", "what it is for", "recordings", "where it acts", "right names gained / lost without it",
@@ -127,8 +128,9 @@ def markdown(rows: Sequence[Row], purposes: Mapping[str, str]) -> str:
         f"The engine has {size.lines} lines without blanks, {size.constants} numeric constants of "
         f"modules and {size.names} literal names of effects outside of the files that find events, "
         f"in {size.files} files.", "",
-        _line(COLUMNS), _line(["---"] * len(COLUMNS)),
-        *(_line([name, why, *_cells(counted(rows, name))]) for name, why in purposes.items()), "",
+        *table(COLUMNS, (
+            (name, why, *_cells(counted(rows, name))) for name, why in purposes.items()
+        )), "",
     ]  # fmt: skip
     return "\n".join(lines)
 
@@ -147,7 +149,3 @@ def _cells(each: Counted) -> list[str]:
             "; ".join(each.examples),
         ]
     return [f"{each.asked}", *moved]
-
-
-def _line(cells: Iterable[str]) -> str:
-    return "| " + " | ".join(cells) + " |"

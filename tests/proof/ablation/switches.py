@@ -84,7 +84,7 @@ def _not_wider(evidence: Evidence, scrutinies: Any) -> np.ndarray:
     return np.ones(len(evidence.fit.model.values))
 
 
-P, S, L = "evidence.pruning", "evidence.scrutiny", "evidence.lookalikes"
+P, S, FE = "evidence.pruning", "evidence.scrutiny", "evidence.form_errors"
 H, G, F, E = "evidence.shares", "evidence.groups", "evidence.findings", "evidence.event_findings"
 LEFT, C, SC = "evidence.left_over", "evidence.clipping", "evidence.scatter"
 R, HO, D = "evidence.reference_errors", "evidence.homogeneity", "evidence.determination"
@@ -124,9 +124,6 @@ SCRUTINISED = (
            f"{S}:MIN_TOUCHED", 0.0, f"{S}:_channel_worse"),
     Switch("TOLERATED", "nats a channel may lose", f"{S}:TOLERATED", 0.0, f"{S}:_channel_worse"),
     Switch("undetermined", "no parameter exceeds its U", f"{S}:_undetermined", says(None)),
-    Switch("undetermined: together", "but all of them together do",
-           f"{S}:WEAK", INF, f"{S}:_undetermined"),
-    Switch("scatter", "weak beside scattering stretches", f"{S}:_scattered", says(None)),
     Switch("unseen_turning", "dead band made by a rest's errors",
            f"{S}:unseen_turning", says(None)),
     Switch("made_by_placing", "as many parameters as placements",
@@ -150,20 +147,15 @@ SCRUTINISED = (
 )  # fmt: skip
 
 NAMED = (
-    Switch("leakage", "weak beside something unnamed", f"{G}:leakage", says({})),
-    Switch("LEAKAGE", "share of the unnamed's evidence", f"{G}:LEAKAGE", 0.0, f"{G}:leakage"),
     Switch("at_bound", "shape driven to its limit", f"{G}:_at_bound", says(False)),
     Switch("at_one_place", "neighbouring orders a turn", f"{G}:_at_one_place", says(False)),
     Switch("several jumps", "steps at several times are no bias_step",
            f"{G}:SAME_STEP", INF, f"{G}:_name_of"),
-    Switch("shadows", "removes less than 15 % of what stays", f"{H}:_named_or_shadow", first),
-    Switch("incomplete", "its channels keep more than noise", f"{H}:_named_or_incomplete", first),
-    Switch("incomplete: WEAK", "but clear physics stands",
-           f"{H}:WEAK", INF, f"{H}:_named_or_incomplete"),
-    Switch("slivers", "less than 1 % of the mismatch", f"{H}:without_slivers", first),
-    Switch("form errors", "weak beside something far stronger", f"{H}:_named_beside", first),
-    Switch("drift beside memory", "drift weaker than hysteresis, dead zone, codes",
-           f"{H}:_drift_beside", first),
+    Switch("form errors", "what the forms of everything else may leave",
+           f"{FE}:named_beside", first),
+    Switch("PUBLISHED", "a published form is exact", f"{FE}:PUBLISHED", 0.0, f"{FE}:named_beside"),
+    Switch("UNPUBLISHED", "what has no name leaves no more than what has",
+           f"{FE}:UNPUBLISHED", 0.03, f"{FE}:named_beside"),
     Switch("switching", "walk that changes at two moments", f"{H}:_switches", says(False)),
     Switch("small", "less than 2 % told in one line", f"{H}:small_remainder", says(False)),
     Switch("remainder", "what nothing explains as a finding", f"{LEFT}:remainder", says(None)),
@@ -210,10 +202,6 @@ EVIDENCE = (*PRUNING, *SCRUTINISED, *NAMED)
 
 # Rules that make up for one another: off together where more than one of them acts.
 TOGETHER: dict[str, tuple[str, ...]] = {
-    "all of what is far stronger": (
-        "leakage", "shadows", "incomplete", "slivers", "form errors", "drift beside memory",
-        "scatter",
-    ),
     "all look-alikes": (
         "unseen_turning", "made_by_placing", "jump_at_one_end", "loops_both_ways", "swings",
         "switching",

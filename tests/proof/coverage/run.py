@@ -4,7 +4,6 @@ import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from pathlib import Path
 
 from schemas.calibration import Method
 from schemas.validation import TARGET_SHARE, Coverage
@@ -13,14 +12,13 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import Errors, errors_of, interval_of_share, summarise
 from tests.proof.coverage.other_tables import OTHERS
-
-REPORT = Path(__file__).parents[1] / "evidence" / "coverage.md"
+from tests.proof.report import EVIDENCE, line, table
 
 
 def errors_on(job: tuple[str, Method, int]) -> Errors:
     """One unit simulated on such a table and calibrated by a method."""
-    table, method, seed = job
-    _, make, own = OTHERS[table]
+    kind, method, seed = job
+    _, make, own = OTHERS[kind]
     recording, truth = make(method, seed)
     made = calibrate(
         SPECIFICATIONS[method], recording, run="simulated", code_version="-",
@@ -36,21 +34,20 @@ def main(units: int, seed: int) -> None:
         f"{units} units each, seeds from {seed} on; share of the truths within the stated 95 % "
         "interval. Below and above are named where the 95 % interval of the share itself (Wilson) "
         "is outside of 93 to 97 %.", "",
-        "| table | method | elements | within 93 to 97 % | below | above |",
-        "|---|---|---|---|---|---|",
+        *table(("table", "method", "elements", "within 93 to 97 %", "below", "above"), ()),
     ]  # fmt: skip
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-        for table, (methods, _, _) in OTHERS.items():
+        for kind, (methods, _, _) in OTHERS.items():
             for method in methods:
-                jobs = [(table, method, seed + i) for i in range(units)]
+                jobs = [(kind, method, seed + i) for i in range(units)]
                 found = summarise(pool.map(errors_on, jobs, chunksize=4))
-                lines.append(_row(table, method, found))
+                lines.append(_row(kind, method, found))
                 print(lines[-1], flush=True)
-    REPORT.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (EVIDENCE / "coverage.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _row(table: str, method: str, found: dict[str, Coverage]) -> str:
+def _row(kind: str, method: str, found: dict[str, Coverage]) -> str:
     by = {f"{item}.{e}": (x, c.units) for item, c in found.items() for e, x in c.by_element.items()}
     low, high = TARGET_SHARE
     short = ", ".join(
@@ -60,7 +57,7 @@ def _row(table: str, method: str, found: dict[str, Coverage]) -> str:
         f"{e} {100 * x:.1f}" for e, (x, n) in by.items() if interval_of_share(x, n)[0] > high
     )
     inside = sum(low <= x <= high for x, _ in by.values())
-    return f"| {table} | {method} | {len(by)} | {inside} | {short or '—'} | {long or '—'} |"
+    return line((kind, method, len(by), inside, short or "—", long or "—"))
 
 
 if __name__ == "__main__":

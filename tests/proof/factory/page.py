@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from tests.proof.factory.judge import Row
 from tests.proof.factory.part import Part
 from tests.proof.factory.play import Played
+from tests.proof.report import table
 
 COLUMNS = ("promise", "expected", "got", "verdict")
 ABOUT = """# The factory
@@ -20,32 +21,25 @@ encoder samples a second.
 """
 
 
-def table(rows: Sequence[Row]) -> str:
+def table_of(rows: Sequence[Row]) -> str:
     """A row for each promise."""
-    lines = [f"| {' | '.join(COLUMNS)} |", f"|{'---|' * len(COLUMNS)}"]
-    for row in rows:
-        verdict = "holds" if row.holds else "**FAILS**"
-        cells = (row.promise, row.expected, row.got, verdict)
-        lines.append(f"| {' | '.join(_cell(cell) for cell in cells)} |")
-    return "\n".join(lines)
+    return "\n".join(table(COLUMNS, (
+        (row.promise, row.expected, row.got, "holds" if row.holds else "**FAILS**") for row in rows
+    )))  # fmt: skip
 
 
 def page(
     about: str, rows: Sequence[Row], played: Played | None, parts: Sequence[Part]
 ) -> str:  # fmt: skip
     """about: the text before the table. parts: as they ended, with what they used."""
-    text = [about, table(rows), ""]
+    text = [about, table_of(rows), ""]
     if played is not None:
-        text += ["| killed | after orders | answers again after (s) |", "|---|---|---|"]
-        text += [f"| {each.part} | {each.after} | {each.away_s:.1f} |" for each in played.happened]
+        killed = ((each.part, each.after, f"{each.away_s:.1f}") for each in played.happened)
+        text += table(("killed", "after orders", "answers again after (s)"), killed)
         if played.events:
             text += ["", "What the operators had to do:", ""]
-            text += [f"- {_cell(event)}" for event in played.events]
+            text += [f"- {' '.join(event.split())}" for event in played.events]
     used = sorted(parts, key=lambda part: -part.processor_s)
-    text += ["", "| part, with what it started | processor (s) |", "|---|---|"]
-    text += [f"| {part.name} | {part.processor_s:.0f} |" for part in used]
+    text += ["", *table(("part, with what it started", "processor (s)"),
+                        ((part.name, f"{part.processor_s:.0f}") for part in used))]  # fmt: skip
     return "\n".join((*text, ""))
-
-
-def _cell(text: str) -> str:
-    return " ".join(text.replace("|", "\\|").split())

@@ -20,7 +20,7 @@ from tests.proof.factory.disturbances import PARTS
 from tests.proof.factory.draw import FULL, OrderedUnit, ordered
 from tests.proof.factory.guard import adopt, left
 from tests.proof.factory.judge import Row, judged, none_of
-from tests.proof.factory.page import ABOUT, page, table
+from tests.proof.factory.page import ABOUT, page, table_of
 from tests.proof.factory.part import end_all
 from tests.proof.factory.play import Played, play
 from tests.proof.factory.stop import WITHIN_S
@@ -144,7 +144,7 @@ def written(rows: list[Row], played: Played | None, works: Works, settings: Sett
         minutes=played.seconds / 60 if played else 0.0, full=min(FULL, settings.units),
         dwell=parts.DWELL_S, hours=(played.seconds if played else 0.0) * settings.speed / 3600,
     )  # fmt: skip
-    stdout(markup=False).print(table(rows), highlight=False, soft_wrap=True)
+    stdout(markup=False).print(table_of(rows), highlight=False, soft_wrap=True)
     if settings.out is not None:
         settings.out.write_text(
             page(about, rows, played, list(works.parts.values())), encoding="utf-8"

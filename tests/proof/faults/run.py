@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -18,8 +17,8 @@ from tasks.station.virtual.faults import FAULTS, StationFault
 from tests.proof.faults.client import OF_THE_CLIENT
 from tests.proof.faults.judge import kind, violations
 from tests.proof.faults.run_with_fault import IN_REAL_TIME, procedure_of, run_in_memory, run_with
+from tests.proof.report import EVIDENCE, table
 
-EVIDENCE = Path(__file__).parents[1] / "evidence" / "faults.md"
 LATEST_S = 600.0  # station time: a sound run takes a bit longer
 LATEST_IN_REAL_TIME_S = 200.0  # of a briefer run, on a station that is slower than it was asked
 KINDS = ("recovered", "repeated", "remarks", "invalid", "stopped")
@@ -68,7 +67,7 @@ def run_faults(count: int, seed: int, write: bool) -> None:
             print(f"{one.fault!s:30} {one.how:10} {response}", flush=True)
             if write:
                 text = page(found, seed, time.monotonic() - began_s)
-                EVIDENCE.write_text(text, encoding="utf-8")
+                (EVIDENCE / "faults.md").write_text(text, encoding="utf-8")
     print(page(found, seed, time.monotonic() - began_s))
     if wrong := sum(bool(one.violations) for one in found):
         raise Unusable(f"{wrong} of {count} runs with a fault did not end as they should")
@@ -98,10 +97,9 @@ def page(found: Sequence[Ended], seed: int, seconds: float) -> str:
         ended.setdefault(one.fault.name, Counter())[one.how] += 1
     wrong = [f"{one.fault}: {'; '.join(one.violations)}" for one in found if one.violations]
     rows = [
-        f"| `{name}` | {WHAT_HAPPENS[name]} | "
-        + " | ".join(str(counts[how] or "") for how in KINDS) + " |"
+        (f"`{name}`", WHAT_HAPPENS[name], *(counts[how] or "" for how in KINDS))
         for name, counts in sorted(ended.items())
-    ]  # fmt: skip
+    ]
     return "\n".join([
         "# Runs in which something fails", "",
         f"{len(found)} runs of a short procedure (seed {seed}, {seconds:.0f} s), each with one "
@@ -110,7 +108,6 @@ def page(found: Sequence[Ended], seed: int, seconds: float) -> str:
         "Recovered: valid, with the values of the sound run. Repeated: so, after segments were "
         "measured again. Remarks: with those values, and no unit passes. Invalid: no "
         "verdict. Stopped: one sentence. The table is at rest at the end.", "",
-        "| fault | what happens | " + " | ".join(KINDS) + " |",
-        "|---|---|" + "---:|" * len(KINDS), *rows, "",
+        *table(("fault", "what happens", *KINDS), rows), "",
         *(f"- {each}" for each in wrong),
     ]).rstrip() + "\n"  # fmt: skip

@@ -2,15 +2,18 @@
 
 import os
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 from tasks.version import code_version
 from tests.proof.fleets.judge import Judged
+from tests.proof.report import line, share
 
 ENOUGH = 25  # runs that the figures ask for at the smallest z
 SMALLEST = 3.0  # z
 WITHIN = 2  # runs of the carrier
+RIGHT, SINGLE = attrgetter("right"), attrgetter("single")
 
 TEXT = """# Fleets: what many runs show together
 
@@ -98,22 +101,22 @@ def _figures(outcomes: Sequence[Judged]) -> str:
     dated = [one for one in carried if one.fleet.since is not None]
     kinds = sorted({one.fleet.kind for one in carried})
     rows = [
-        _line(f"carrier and name, {ENOUGH} affected runs or more", "90 %", enough, _right),
-        _line("the same, each alone", "", enough, _single),
-        _line("carrier and name, z·√n of 15 or more", "", clear, _right),
-        _line("the same, each alone", "", clear, _single),
-        _line(f"carrier and name, fewer than {ENOUGH} affected runs", "", fewer, _right),
-        _line("the same, each alone", "", fewer, _single),
-        _line("carrier and name, every fleet", "", carried, _right),
-        _line("the same, each alone", "", carried, _single),
+        share(f"carrier and name, {ENOUGH} affected runs or more", "90 %", enough, RIGHT),
+        share("the same, each alone", "", enough, SINGLE),
+        share("carrier and name, z·√n of 15 or more", "", clear, RIGHT),
+        share("the same, each alone", "", clear, SINGLE),
+        share(f"carrier and name, fewer than {ENOUGH} affected runs", "", fewer, RIGHT),
+        share("the same, each alone", "", fewer, SINGLE),
+        share("carrier and name, every fleet", "", carried, RIGHT),
+        share("the same, each alone", "", carried, SINGLE),
         *(
-            _line(f"carrier and name: {kind.replace('_', ' ')}", "",
-                  [one for one in carried if one.fleet.kind == kind], _right)
+            share(f"carrier and name: {kind.replace('_', ' ')}", "",
+                  [one for one in carried if one.fleet.kind == kind], RIGHT)
             for kind in kinds
         ),
-        _line(f"since when, within {WITHIN} runs of the carrier", "90 %", dated, _dated),
-        _line("false alarms", "1 %", clean, lambda one: one.alarms > 0),
-        _line("fleets with a wrong name", "1 %", carried, lambda one: bool(one.wrong)),
+        share(f"since when, within {WITHIN} runs of the carrier", "90 %", dated, _dated),
+        share("false alarms", "1 %", clean, lambda one: one.alarms > 0),
+        share("fleets with a wrong name", "1 %", carried, lambda one: bool(one.wrong)),
     ]  # fmt: skip
     return "\n".join(rows)
 
@@ -135,22 +138,8 @@ def _beside(outcomes: Sequence[Judged]) -> str:
     return "; ".join([*listed, f"another carrier ({places})"])
 
 
-def _right(one: Judged) -> bool:
-    return one.right
-
-
-def _single(one: Judged) -> bool:
-    return one.single
-
-
 def _dated(one: Judged) -> bool:
     return one.since_off is not None and one.since_off <= WITHIN
-
-
-def _line(what: str, asked: str, some: Sequence[Judged], holds: Callable[[Judged], bool]) -> str:
-    count = sum(map(holds, some))
-    share = f"{100.0 * count / len(some):.0f} % ({count} of {len(some)})" if some else "–"
-    return f"| {what} | {asked} | {len(some)} | {share} |"
 
 
 def _alone(some: Sequence[Alone]) -> str:
@@ -170,7 +159,5 @@ def _row(one: Judged) -> str:
     right = "" if fleet.effect is None and not one.alarms else "yes" if one.right else "no"
     kind = fleet.kind.replace("_", " ")
     all_runs = "" if fleet.z is None else f"{_evidence(one):.0f}"
-    return (
-        f"| {fleet.number} | {kind} | {effect} | {z} | {one.runs} of {len(fleet.runs)} | "
-        f"{all_runs} | {one.response} | {right} |"
-    )
+    affected = f"{one.runs} of {len(fleet.runs)}"
+    return line((fleet.number, kind, effect, z, affected, all_runs, one.response, right))

@@ -24,9 +24,9 @@ from tests.proof.fleets.draw import Fleet, FleetRun, draw, drawn_runs
 from tests.proof.fleets.judge import Judged, judged
 from tests.proof.fleets.page import Alone, Many, page
 from tests.proof.fleets.play import manifest_of_run, played
+from tests.proof.report import publish
 
 PAGE = "fleets.md"
-EVIDENCE = Path(__file__).parents[1] / "evidence"
 MANY = 10_000  # runs of the search that is timed
 
 
@@ -47,9 +47,7 @@ def run_fleets(count: int, seed: int, write: bool) -> None:
     outcomes = [_reviewed(fleet, folder) for fleet in fleets]
     text = page(seed, outcomes, alone, _many(folder))
     (folder / PAGE).write_text(text, encoding="utf-8")
-    if write:
-        (EVIDENCE / PAGE).write_text(text, encoding="utf-8")
-    print(text)
+    publish(PAGE, text, write, False)
 
 
 def _file(folder: Path, fleet: Fleet, run: FleetRun) -> Path:

@@ -2,13 +2,10 @@
 
 import time
 from dataclasses import dataclass
-from pathlib import Path
-
-import typer
 
 from tests.proof.fuzz import answers, frames
+from tests.proof.report import line, publish
 
-PAGE = Path(__file__).parent.parent / "evidence/fuzz.md"
 TEXT = """# Fuzzed parsers
 
 `make prove ARGS="--fuzz {count} --seed {seed}"`: {count:,} inputs for each parser, no crash.
@@ -38,8 +35,8 @@ class Row:
     lost: int = 0
 
     def __str__(self) -> str:
-        figures = f"{self.inputs:,} | {self.seconds:.0f} | {self.wrong}"
-        return f"| {self.parser} | {figures} | {self.by_chance} | {self.lost} |"
+        figures = (f"{self.inputs:,}", f"{self.seconds:.0f}", self.wrong)
+        return line((self.parser, *figures, self.by_chance, self.lost))
 
 
 def run_all(count: int, seed: int) -> list[Row]:
@@ -62,8 +59,4 @@ def run_fuzz(count: int, seed: int, write: bool) -> None:
     """Hold it and print the page; exit 1 where something is wrong. write: into the evidence."""
     rows = run_all(count, seed)
     page = TEXT.format(count=count, seed=seed, rows="\n".join(map(str, rows)))
-    print(page)
-    if write:
-        PAGE.write_text(page, encoding="utf-8")
-    if any(row.wrong for row in rows):
-        raise typer.Exit(1)
+    publish("fuzz.md", page, write, any(row.wrong for row in rows))

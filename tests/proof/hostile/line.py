@@ -69,7 +69,7 @@ class Line:
 
 
 @contextmanager
-def line(home: Home, folder: Path) -> Iterator[Line]:
+def line_at(home: Home, folder: Path) -> Iterator[Line]:
     """A server and what carries out its flows, as `deploy/README.md` has them; both end with it."""
     password = secrets.token_hex(16)
     with socket.create_server(("127.0.0.1", 0)) as free:

@@ -10,7 +10,6 @@ from functools import partial
 from pathlib import Path
 
 import httpx
-import typer
 
 from flows.orders.signed_orders import sign
 from flows.progress import counting
@@ -19,10 +18,10 @@ from storage.home import Home
 from tests.pages_server import served
 from tests.proof.hostile.attacked import Attacked, attacked, log_lines
 from tests.proof.hostile.forged_orders import RIGHTLY, Forged, forged, orders_of, replay
-from tests.proof.hostile.line import FLOWS, Line, line
+from tests.proof.hostile.line import FLOWS, Line, line_at
 from tests.proof.hostile.page_calls import all_calls, is_refused, logins
+from tests.proof.report import line, publish
 
-PAGE = Path(__file__).parent.parent / "evidence/hostile.md"
 MOST = 12  # forged orders that become flow runs, one of each kind; each takes several seconds
 TEXT = """# Hostile calls
 
@@ -93,7 +92,7 @@ def run_on_line(folder: Path, most: int) -> Attack:
     use()
     there.look()
     tried = [*_pages(there, folder)]
-    with line(home, folder / "prefect") as made:
+    with line_at(home, folder / "prefect") as made:
         tried += _without_password(made)
         tried += _flow_runs(made, there, [*_spread(list(forged(there)), most - 1), again])
         acted, entries = there.acted(), len(trail.entries(home)) - there.entries
@@ -185,7 +184,7 @@ def run_hostile(count: int, seed: int, write: bool) -> None:
     for each in done.tried:
         kinds.setdefault(each.kind, []).append(each)
     rows = [
-        f"| {kind} | {len(t)} | {sum(x.refused for x in t)} | {sum(x.logged for x in t)} |"
+        line((kind, len(t), sum(x.refused for x in t), sum(x.logged for x in t)))
         for kind, t in kinds.items()
     ]
     page = TEXT.format(
@@ -194,10 +193,6 @@ def run_hostile(count: int, seed: int, write: bool) -> None:
         unchanged="as before" if not done.acted else f"changed ({', '.join(done.acted)})",
         entries=done.entries, seconds=done.seconds,
     )  # fmt: skip
-    print(page)
     for fault in done.faults:
         print(fault)
-    if write:
-        PAGE.write_text(page, encoding="utf-8")
-    if done.faults:
-        raise typer.Exit(1)
+    publish("hostile.md", page, write, bool(done.faults))

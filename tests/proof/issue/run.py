@@ -4,15 +4,13 @@ import os
 import tempfile
 from pathlib import Path
 
-import typer
-
 from flows.progress import counting
 from storage.home import Home
 from tests import postgres
 from tests.proof.issue.at_once import checked_drafts, issue_at_once
 from tests.proof.issue.kills import LATEST, kill_issues
+from tests.proof.report import publish
 
-PAGE = Path(__file__).parent.parent / "evidence/issue.md"
 PROCESSES = 50
 KILLS = 100
 TEXT = """# Certificates issued at once, and issues that are killed
@@ -50,8 +48,4 @@ def run_issue(count: int, seed: int, write: bool) -> None:
         longest=LATEST * killed.seconds,
         whole=killed.whole, left=killed.left_over, killed="; ".join(killed.faults) or "none",
     )  # fmt: skip
-    print(page)
-    if write:
-        PAGE.write_text(page, encoding="utf-8")
-    if issued.faults or killed.faults:
-        raise typer.Exit(1)
+    publish("issue.md", page, write, bool(issued.faults or killed.faults))

@@ -20,6 +20,7 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tests.proof.faults.run_with_fault import run_in_memory
 from tests.proof.kills.go_on import SPEED, killed_and_resumed
+from tests.proof.report import table
 
 AT_ONCE = 3
 PAGE = "resumes.md"
@@ -131,7 +132,7 @@ def summary(found: Sequence[Resumed]) -> str:
 def as_markdown(found: Sequence[Resumed]) -> str:
     """The summary, how it was held, and a row for each run."""
     rows = [
-        f"| {seed} | {after:.1f} | {kept} | {again} | {validity} | {worst:.2f} | {element} |"
+        (seed, f"{after:.1f}", kept, again, validity, f"{worst:.2f}", element)
         for seed, after, kept, again, validity, worst, element in map(
             astuple, sorted(found, key=lambda each: each.seed)
         )
@@ -148,8 +149,6 @@ def as_markdown(found: Sequence[Resumed]) -> str:
         "counted in the expanded uncertainty U of a difference of two such values,",
         "√(U₁² + U₂²), as E_n does.",
         "",
-        f"| {' | '.join(COLUMNS)} |",
-        f"|{'---|' * len(COLUMNS)}",
-        *rows,
+        *table(COLUMNS, rows),
         "",
     ])  # fmt: skip

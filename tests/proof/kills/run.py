@@ -6,6 +6,7 @@ from dataclasses import astuple
 from pathlib import Path
 
 from tests.proof.kills.kill import BOUND_S, SPEED, Killed, kill
+from tests.proof.report import table
 
 AT_ONCE = 3
 PAGE = "kills.md"
@@ -37,7 +38,7 @@ def summary(killed: Sequence[Killed]) -> str:
 def as_markdown(killed: Sequence[Killed]) -> str:
     """The summary, how it was held, and a row for each kill."""
     rows = [
-        f"| {seed} | {after:.2f} | {sent} | {recovered} | {lost:.2f} | {'; '.join(wrong)} |"
+        (seed, f"{after:.2f}", sent, recovered, f"{lost:.2f}", "; ".join(wrong))
         for seed, after, sent, recovered, lost, wrong in map(astuple, killed)
     ]
     return "\n".join([
@@ -49,8 +50,6 @@ def as_markdown(killed: Sequence[Killed]) -> str:
         "unit's line beside it. What is recovered must be what was sent, reading by reading and",
         f"stamp by stamp, and hold all that was sent {BOUND_S:g} s before the kill.",
         "",
-        f"| {' | '.join(COLUMNS)} |",
-        f"|{'---|' * len(COLUMNS)}",
-        *rows,
+        *table(COLUMNS, rows),
         "",
     ])  # fmt: skip

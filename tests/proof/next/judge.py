@@ -19,8 +19,8 @@ from storage.home import Home
 from tasks.experiment.abilities import Abilities
 from tasks.experiment.open_question import open_question
 from tasks.experiment.separation import left_by_real_fit
-from tasks.explain.confounding.special_case import HOLDS
 from tasks.explain.explain import explain
+from tasks.explain.search.special_case import HOLDS
 from tasks.stages.next_recording import next_recording
 from tests.proof.next.draw import draw, has_chamber
 from tests.proof.plant.case import Case

@@ -1,9 +1,10 @@
 """The page of evidence about proposed recordings."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from tasks.version import code_version
 from tests.proof.next.judge import MINUTES, Answer
+from tests.proof.report import line, share
 
 THERMAL = ("temperature_bias", "thermal_gradient", "thermal_transient")
 FACTOR = 2.0  # of the evidence achieved beside that predicted
@@ -57,26 +58,20 @@ def _figures(opened: Sequence[Answer]) -> str:
     single = [one for one in proposed if len(one.opened) == 1]
     thermal = [one for one in opened if one.chamber and one.effect in THERMAL]
     return "\n".join([
-        _line("a recording is proposed", "", opened, lambda one: one.is_proposed),
-        _line("the same, of a thermal effect at a station with a chamber", "", thermal,
+        share("a recording is proposed", "", opened, lambda one: one.is_proposed),
+        share("the same, of a thermal effect at a station with a chamber", "", thermal,
               lambda one: one.is_proposed),
-        _line("the right single name after it", "95 %", proposed, lambda one: one.is_right),
-        _line("the same, of several that were open", "", pairs, lambda one: one.is_right),
-        _line("the same, of one that was suspected", "", single, lambda one: one.is_right),
-        _line("a wrong name after it", "", proposed, lambda one: one.is_wrong),
-        _line(f"evidence within a factor {FACTOR:g}", "90 %", declared, _near),
+        share("the right single name after it", "95 %", proposed, lambda one: one.is_right),
+        share("the same, of several that were open", "", pairs, lambda one: one.is_right),
+        share("the same, of one that was suspected", "", single, lambda one: one.is_right),
+        share("a wrong name after it", "", proposed, lambda one: one.is_wrong),
+        share(f"evidence within a factor {FACTOR:g}", "90 %", declared, _near),
     ])  # fmt: skip
 
 
 def _near(one: Answer) -> bool:
     ratio = (one.achieved or 0.0) / (one.predicted or 1.0)
     return 1.0 / FACTOR <= ratio <= FACTOR
-
-
-def _line(what: str, asked: str, some: Sequence[Answer], holds: Callable[[Answer], bool]) -> str:
-    count = sum(map(holds, some))
-    share = f"{100.0 * count / len(some):.0f} % ({count} of {len(some)})" if some else "–"
-    return f"| {what} | {asked} | {len(some)} | {share} |"
 
 
 def _row(one: Answer) -> str:
@@ -87,7 +82,7 @@ def _row(one: Answer) -> str:
         _number(one.repeated, 0), _number(one.base_minutes, 1),
         after if one.is_proposed else "not proposed",
     ]  # fmt: skip
-    return f"| {' | '.join(cells)} |"
+    return line(cells)
 
 
 def _number(value: float | None, digits: int) -> str:

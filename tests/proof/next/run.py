@@ -11,9 +11,9 @@ from pathlib import Path
 from flows.progress import counting
 from tests.proof.next.judge import Answer, played
 from tests.proof.next.page import page
+from tests.proof.report import publish
 
 PAGE = "next.md"
-EVIDENCE = Path(__file__).parents[1] / "evidence"
 AHEAD = 16  # cases that are played at a time, until so many as asked stay open
 
 
@@ -36,9 +36,7 @@ def run_next(count: int, seed: int, write: bool) -> None:
         pool.shutdown(wait=True, cancel_futures=True)
     text = page(seed, answers)
     (folder / PAGE).write_text(text, encoding="utf-8")
-    if write:
-        (EVIDENCE / PAGE).write_text(text, encoding="utf-8")
-    print(text)
+    publish(PAGE, text, write, False)
 
 
 def _open(answers: Sequence[Answer]) -> list[Answer]:

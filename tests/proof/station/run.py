@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tasks.version import code_version
 from tests.proof.real.run import write
+from tests.proof.report import table
 from tests.proof.station.case import Case, cases
 from tests.proof.station.record import recording_of
 from tests.proof.station.score import Score, score
@@ -38,8 +39,7 @@ def _answer(folder: Path) -> dict[str, object]:
 
 def as_markdown(scores: Sequence[Score]) -> str:
     """What came out in all, then a row for each recording."""
-    rows = [_line(COLUMNS), _line(["---"] * len(COLUMNS)), *(_line(_row(one)) for one in scores)]
-    return "\n".join([*summary(scores), "", *rows, ""])
+    return "\n".join([*summary(scores), "", *table(COLUMNS, map(_row, scores)), ""])
 
 
 def summary(scores: Sequence[Score]) -> list[str]:
@@ -89,7 +89,3 @@ def _row(one: Score) -> tuple[str, ...]:
 def _described(case: Case) -> str:
     corners = " / ".join(f"{hz:.0f}" for hz in case.corners_hz or ())
     return f"{case.name} ({corners or 'no'} Hz, {1e3 * case.delay_s:.1f} ms)"
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cells) + " |"

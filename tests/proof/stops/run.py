@@ -6,6 +6,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from tasks.station.virtual.config import VirtualStation
+from tests.proof.report import table
 from tests.proof.stops.station_run import preload, station_apart
 from tests.proof.stops.stop import BOUND_S, RAMP_S, WATCHDOG_S, Pressed, press
 
@@ -59,11 +60,13 @@ def summary(pressed: Sequence[Pressed]) -> str:
 def as_markdown(pressed: Sequence[Pressed]) -> str:
     """The summary, how it was held, and a row for each press."""
     rows = [
-        f"| {each.seed} | {each.way} | {each.down} | {each.speed:g} | "
-        f"{'yes' if each.turning else ''} | {each.rest_s:.2f} | {each.confirmed_s:.2f} | "
-        f"{ {True: 'yes', False: 'NO', None: ''}[each.resumed] } | {'; '.join(each.faults)} |"
+        (
+            each.seed, each.way, each.down, f"{each.speed:g}", "yes" if each.turning else "",
+            f"{each.rest_s:.2f}", f"{each.confirmed_s:.2f}",
+            {True: "yes", False: "NO", None: ""}[each.resumed], "; ".join(each.faults),
+        )
         for each in sorted(pressed, key=lambda each: each.seed)
-    ]
+    ]  # fmt: skip
     return "\n".join([
         "# Stops",
         "",
@@ -81,8 +84,6 @@ def as_markdown(pressed: Sequence[Pressed]) -> str:
         "recording is left and can be read, no lock or request is left, and no status says that",
         f"anything runs. After one in {RESUMED_EVERY} stops the run goes on to its end.",
         "",
-        f"| {' | '.join(COLUMNS)} |",
-        f"|{'---|' * len(COLUMNS)}",
-        *rows,
+        *table(COLUMNS, rows),
         "",
     ])  # fmt: skip

@@ -12,13 +12,11 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import typer
-
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
+from tests.proof.report import publish
 from tests.proof.throughput.sender import LINK
 
-PAGE = Path(__file__).parent.parent / "evidence/throughput.md"
 APART_S = 3.0  # nobody starts eight stations in the same second
 CASES = ((8, 1000.0), (1, 10_000.0))  # stations, frames in a second of each
 HEAD = (
@@ -115,8 +113,4 @@ def run_throughput(seconds: float, write: bool) -> None:
         seconds=seconds, cores=os.cpu_count(), head=" | ".join(HEAD), rule="---:|" * len(HEAD),
         rows="\n".join(map(str, found)),
     )  # fmt: skip
-    print(page)
-    if write:
-        PAGE.write_text(page, encoding="utf-8")
-    if not all(one.holds for one in found):
-        raise typer.Exit(1)
+    publish("throughput.md", page, write, not all(one.holds for one in found))

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tests.proof.plant.unlisted.law import BEHAVIOURS, Behaviour
+from tests.proof.report import table
 from tests.proof.unlisted.judge import OUTCOMES, Judged
 
 
@@ -20,25 +21,22 @@ class Answered:
 
 def markdown(every: Sequence[Answered], version: str) -> str:
     """The table of each kind and z, then every run."""
-    lines = [
-        "# Forms that nobody listed",
-        "",
-        f"mimucal {version}. One run for each law and z; z = 0 is the same run without its law.",
-        "",
-        "| behaviour | z | runs | " + " | ".join(OUTCOMES) + " | several findings |",
-        "|" + "---|" * (len(OUTCOMES) + 4),
-    ]
+    kinds, runs = [], []
     for behaviour in BEHAVIOURS:
         for z in sorted({one.z for one in every if one.behaviour == behaviour}):
             some = [one for one in every if (one.behaviour, one.z) == (behaviour, z)]
             counts = [sum(one.worth.outcome == each for one in some) for each in OUTCOMES]
             several = sum(one.worth.findings > 1 for one in some)
-            cells = [behaviour, f"{z:g}", *map(str, (len(some), *counts, several))]
-            lines.append("| " + " | ".join(cells) + " |")
-    lines += ["", "| law | z | outcome | found |", "|---|---|---|---|"]
+            kinds.append((behaviour, f"{z:g}", len(some), *counts, several))
     for one in every:
         names = "; ".join(
             name + (f" (or {', '.join(others)})" if others else "") for name, others in one.findings
         )
-        lines.append(f"| {one.law} | {one.z:g} | {one.worth.outcome} | {names or '—'} |")
-    return "\n".join(lines) + "\n"
+        runs.append((one.law, f"{one.z:g}", one.worth.outcome, names or "—"))
+    return "\n".join([
+        "# Forms that nobody listed", "",
+        f"mimucal {version}. One run for each law and z; z = 0 is the same run without its law.",
+        "",
+        *table(("behaviour", "z", "runs", *OUTCOMES, "several findings"), kinds), "",
+        *table(("law", "z", "outcome", "found"), runs), "",
+    ])  # fmt: skip

@@ -5,23 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from schemas.calibration import Calibration
-from schemas.certificate import Certificate
-from schemas.recording import Recording
 from storage.catalogue import results, runs, trail
 from storage.catalogue.database import changing
 from storage.home import Home
 from tests.keep import keep
+from tests.storage.small import calibrated, certified, small
 
 Fill = Callable[[Home], Home]
 
 
 @pytest.fixture
-def filled(
-    small: Callable[..., Recording],
-    calibrated: Callable[..., Calibration],
-    certified: Callable[..., Certificate],
-) -> Fill:
+def filled() -> Fill:
     """Fills a home."""
 
     def fill(home: Home) -> Home:

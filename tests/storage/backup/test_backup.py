@@ -4,14 +4,13 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.recording import Recording
 from storage.backup import back_up as backing_up
 from storage.backup.back_up import back_up
 from storage.backup.objects import Objects
@@ -22,6 +21,7 @@ from storage.home import RESTORING, Home
 from storage.verify import verify
 from tests import postgres
 from tests.keep import take_number
+from tests.storage.small import small
 
 Fill = Callable[[Home], Home]
 
@@ -45,13 +45,6 @@ def files(home: Home) -> dict[str, tuple[bytes, int]]:
         if path.is_file() and not name.startswith(("catalog.sqlite", "columns/", "locks/")):
             found[name] = (path.read_bytes(), path.stat().st_mode)
     return found
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[str]:
-    """The connection of a PostgreSQL."""
-    with postgres.running() as connection:
-        yield connection
 
 
 @pytest.mark.parametrize("databases", [("sqlite", "sqlite"), ("sqlite", "postgresql"),
@@ -85,9 +78,7 @@ def test_a_home_comes_back_whole_from_either_database_to_either(
     assert list(trail.faults(other)) == []
 
 
-def test_a_second_backup_copies_only_what_is_new(
-    fresh: Home, filled: Fill, backups: Path, small: Callable[..., Recording]
-) -> None:
+def test_a_second_backup_copies_only_what_is_new(fresh: Home, filled: Fill, backups: Path) -> None:
     filled(fresh)
     first, _ = back_up(fresh, backups, "1", silent)
     before = {path: path.stat().st_mtime_ns for path in (backups / "objects").rglob("*")}
@@ -103,9 +94,8 @@ def test_a_second_backup_copies_only_what_is_new(
 
 
 def test_what_is_written_meanwhile_is_in_the_next_backup_and_never_half_in_this_one(
-    fresh: Home, filled: Fill, backups: Path, small: Callable[..., Recording], tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+    fresh: Home, filled: Fill, backups: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     filled(fresh)
     real = backing_up.catalogue_copy.copied
     before = rows(fresh)

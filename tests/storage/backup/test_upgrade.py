@@ -2,7 +2,6 @@
 
 import shutil
 import tarfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -35,13 +34,6 @@ def contents(home: Home) -> dict[str, list[bytes]]:
         assert connection is not None
         found = {t.name: list(dump.lines(connection, t)) for t in dump.tables_of(connection)}
         return found | {"revision": [str(database.revision_of(connection)).encode()]}
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[str]:
-    """The connection of a PostgreSQL."""
-    with postgres.running() as connection:
-        yield connection
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

@@ -25,11 +25,9 @@ RENEWED = standard("C-2", calibrated_on=SECOND, valid_until=date(2027, 2, 28))
 
 
 @pytest.fixture
-def home(tmp_path, monkeypatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    home = Home(tmp_path / "home")
-    equipment.add([standard()], home, "Li")
-    return home
+def home(fresh: Home) -> Home:
+    equipment.add([standard()], fresh, "Li")
+    return fresh
 
 
 def test_a_standard_comes_back_with_its_limits(home: Home) -> None:
@@ -48,12 +46,14 @@ def test_the_certificate_that_counts_is_that_of_the_day(
     assert equipment.on_day(home, day)["T-1"].certificate == certificate
 
 
-def test_past_due_is_who_had_no_valid_certificate_on_the_day(home: Home) -> None:
-    assert equipment.past_due(home, date(2026, 2, 28)) == []
-    assert equipment.past_due(home, SECOND) == [standard()]
-    equipment.renew([RENEWED], home, "Li")
-    assert equipment.past_due(home, SECOND) == []
-    assert [each.certificate for each in equipment.past_due(home, date(2027, 3, 1))] == ["C-2"]
+def test_past_due_is_who_had_no_valid_certificate_on_the_day(either: Home) -> None:
+    equipment.add([standard()], either, "Li")
+    assert equipment.past_due(either, date(2026, 2, 28)) == []
+    assert equipment.past_due(either, SECOND) == [standard()]
+    equipment.renew([RENEWED], either, "Li")
+    assert equipment.register(either) == [standard(), RENEWED]
+    assert equipment.past_due(either, SECOND) == []
+    assert [each.certificate for each in equipment.past_due(either, date(2027, 3, 1))] == ["C-2"]
 
 
 def test_one_that_is_there_is_not_added_again_and_nothing_beside_it(home: Home) -> None:

@@ -10,10 +10,11 @@ import pytest
 from schemas.base import Unusable
 from schemas.certificate import Order
 from schemas.production import ProductionOrder
-from schemas.recording import Recording, Unit
+from schemas.recording import Unit
 from storage.catalogue import orders, runs, trail
 from storage.home import Home
 from storage.order_lock import only_worker_of
+from tests.storage.small import small
 
 NOW = datetime(2026, 11, 27, 8, tzinfo=UTC)
 CLIENT = Order.model_validate({
@@ -62,12 +63,14 @@ def test_another_content_under_a_number_is_refused_and_nothing_beside_it_is_kept
 
 
 def test_of_four_processes_that_claim_twenty_orders_each_order_has_one(
-    fresh: Home, at_once: Callable[..., list[str]]
+    either: Home, at_once: Callable[..., list[str]]
 ) -> None:
-    orders.add([order(str(number)) for number in range(20)], fresh)
-    claimed = [eval(text) for text in at_once(CLAIM, fresh, processes=4)]
+    orders.add([order(str(number)) for number in range(20)], either)
+    claimed = [eval(text) for text in at_once(CLAIM, either, processes=4)]
     assert sorted(chain(*claimed), key=int) == [str(number) for number in range(20)]
-    assert {each.attempts for each in orders.listed(fresh)} == {1}
+    assert {each.attempts for each in orders.listed(either)} == {1}
+    orders.put_back("T1", either)
+    assert [each.is_interrupted for each in orders.waiting(either)] == [True] * 20
 
 
 def test_an_order_that_runs_or_has_ended_is_neither_claimed_nor_cancelled(fresh: Home) -> None:
@@ -100,9 +103,7 @@ def test_a_cancelled_order_waits_no_more_until_it_is_repeated(fresh: Home) -> No
         orders.cancel("3", "Zhao", fresh)
 
 
-def test_an_order_whose_process_died_waits_again_and_goes_on_where_it_was(
-    fresh: Home, small: Callable[..., Recording]
-) -> None:
+def test_an_order_whose_process_died_waits_again_and_goes_on_where_it_was(fresh: Home) -> None:
     orders.add([order(), order("2", station="T2")], fresh)
     begun = orders.claim("1", fresh)
     orders.claim("2", fresh)

@@ -1,27 +1,20 @@
 """Results made again: noted once for each circumstances, beside the results before."""
 
-from collections.abc import Callable
-
 import pytest
 
-from schemas.calibration import Calibration
-from schemas.recording import Recording
 from storage.catalogue import reprocessing, results, runs
 from storage.catalogue.reprocessing import keep, keep_fault, made_under, to_make
 from storage.catalogue.run_index import Run
 from storage.home import Home
-
-Calibrate = Callable[..., Calibration]
+from tests.storage.small import calibrated, small
 
 
 @pytest.fixture
-def run(fresh: Home, small: Callable[..., Recording]) -> Run:
+def run(fresh: Home) -> Run:
     return runs.add(small(), fresh)[0]
 
 
-def test_each_newest_result_is_made_again_and_a_run_without_any_once(
-    fresh: Home, small: Callable[..., Recording], run: Run, calibrated: Calibrate
-) -> None:
+def test_each_newest_result_is_made_again_and_a_run_without_any_once(fresh: Home, run: Run) -> None:
     bare = runs.add(small(1.0), fresh)[0]
     results.save(calibrated(run), fresh)
     newest = results.save(calibrated(run, 0.5), fresh)
@@ -33,7 +26,7 @@ def test_each_newest_result_is_made_again_and_a_run_without_any_once(
 
 
 def test_what_was_made_is_not_made_again_under_the_same_circumstances_alone(
-    fresh: Home, run: Run, calibrated: Calibrate
+    fresh: Home, run: Run
 ) -> None:
     before = results.save(calibrated(run), fresh)
     (waiting,) = to_make([run], "now", fresh)
@@ -45,15 +38,13 @@ def test_what_was_made_is_not_made_again_under_the_same_circumstances_alone(
     assert [each.id for each in results.of_run(run, fresh)] == [before, after]
 
 
-def test_a_first_result_is_not_made_twice(fresh: Home, run: Run, calibrated: Calibrate) -> None:
+def test_a_first_result_is_not_made_twice(fresh: Home, run: Run) -> None:
     (waiting,) = to_make([run], "now", fresh)
     keep(waiting, calibrated(run), "now", 1.0, fresh)
     assert to_make([run], "now", fresh) == []
 
 
-def test_what_failed_is_tried_again_and_then_fails_no_more(
-    fresh: Home, run: Run, calibrated: Calibrate
-) -> None:
+def test_what_failed_is_tried_again_and_then_fails_no_more(fresh: Home, run: Run) -> None:
     results.save(calibrated(run), fresh)
     (waiting,) = to_make([run], "now", fresh)
     for why in ("the disk was off", "it still was"):
@@ -65,7 +56,7 @@ def test_what_failed_is_tried_again_and_then_fails_no_more(
 
 
 def test_result_and_note_are_kept_both_or_neither(
-    fresh: Home, run: Run, calibrated: Calibrate, monkeypatch: pytest.MonkeyPatch
+    fresh: Home, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (waiting,) = to_make([run], "now", fresh)
 

@@ -6,17 +6,14 @@ import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.calibration import AdoptedTerm, Calibration
-from schemas.recording import Recording
+from schemas.calibration import AdoptedTerm
 from storage import dataframes
 from storage.catalogue import database, results, runs, tables
 from storage.home import Home
-
-Build = Callable[..., Recording]
-Calibrate = Callable[..., Calibration]
+from tests.storage.small import calibrated, small
 
 
-def test_result_comes_back_as_it_went_in(fresh: Home, small: Build, calibrated: Calibrate) -> None:
+def test_result_comes_back_as_it_went_in(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     assert results.of_run(run, fresh) == []
     results.save(calibrated(run), fresh)
@@ -24,15 +21,13 @@ def test_result_comes_back_as_it_went_in(fresh: Home, small: Build, calibrated: 
     assert kept.calibration == calibrated(run)
 
 
-def test_same_result_twice_is_one(fresh: Home, small: Build, calibrated: Calibrate) -> None:
+def test_same_result_twice_is_one(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     assert results.save(calibrated(run), fresh) == results.save(calibrated(run), fresh)
     assert len(results.of_run(run, fresh)) == 1
 
 
-def test_new_result_supersedes_the_older_and_says_why(
-    fresh: Home, small: Build, calibrated: Calibrate
-) -> None:
+def test_new_result_supersedes_the_older_and_says_why(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     one = results.save(calibrated(run), fresh)
     two = results.save(calibrated(run, 0.5, code_version="2"), fresh)
@@ -50,18 +45,14 @@ def test_new_result_supersedes_the_older_and_says_why(
     assert kept[3].calibration == kept[1].calibration
 
 
-def test_methods_do_not_supersede_each_other(
-    fresh: Home, small: Build, calibrated: Calibrate
-) -> None:
+def test_methods_do_not_supersede_each_other(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     results.save(calibrated(run), fresh)
     results.save(calibrated(run, 0.5, method="joint"), fresh)
     assert [result.supersedes for result in results.of_run(run, fresh)] == [None, None]
 
 
-def test_a_result_with_further_terms_stands_beside_the_one_without(
-    fresh: Home, small: Build, calibrated: Calibrate
-) -> None:
+def test_a_result_with_further_terms_stands_beside_the_one_without(fresh: Home) -> None:
     """Each line of results goes on by itself, whichever was kept last."""
     run = runs.add(small(), fresh)[0]
     arm, tilt = (AdoptedTerm(name=name, title="t", title_zh="t") for name in ("arm", "tilt"))
@@ -79,9 +70,7 @@ def test_a_result_with_further_terms_stands_beside_the_one_without(
     assert dict(table) == {plain: "", armed: "arm", both: "arm tilt", later: "arm"}
 
 
-def test_a_run_with_nothing_but_further_terms_is_found_by_them(
-    fresh: Home, small: Build, calibrated: Calibrate
-) -> None:
+def test_a_run_with_nothing_but_further_terms_is_found_by_them(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     arm = AdoptedTerm(name="arm", title="t", title_zh="t")
     armed = results.save(calibrated(run, terms=(arm,)), fresh)
@@ -89,7 +78,7 @@ def test_a_run_with_nothing_but_further_terms_is_found_by_them(
     assert results.find(run.id, fresh).id == armed
 
 
-def test_a_result_is_found_by_its_id(fresh: Home, small: Build, calibrated: Calibrate) -> None:
+def test_a_result_is_found_by_its_id(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     kept = results.save(calibrated(run, 0.5), fresh)
     assert results.find(kept, fresh).calibration == calibrated(run, 0.5)
@@ -97,9 +86,7 @@ def test_a_result_is_found_by_its_id(fresh: Home, small: Build, calibrated: Cali
         results.find("c0", fresh)
 
 
-def test_result_of_a_run_that_is_not_kept_is_refused(
-    fresh: Home, small: Build, calibrated: Calibrate
-) -> None:
+def test_result_of_a_run_that_is_not_kept_is_refused(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     for stranger in ({"run": "r0"}, {"digest": "0" * 64}):
         with pytest.raises(Unusable, match="import the recording first"):
@@ -107,23 +94,21 @@ def test_result_of_a_run_that_is_not_kept_is_refused(
 
 
 def test_results_saved_at_once_form_one_line(
-    fresh: Home, small: Build, calibrated: Calibrate, at_once: Callable[..., list[str]]
+    either: Home, at_once: Callable[..., list[str]]
 ) -> None:
-    run = runs.add(small(), fresh)[0]
+    run = runs.add(small(), either)[0]
     script = """
 import os
 from schemas.calibration import AdoptedTerm, Calibration
 document = Calibration.model_validate_json(arguments[0])
 print(results.save(document.model_copy(update={"code_version": str(os.getpid())}), home))
 """
-    at_once(script, fresh, calibrated(run).model_dump_json(), processes=3)
-    kept = results.of_run(run, fresh)
+    at_once(script, either, calibrated(run).model_dump_json(), processes=3)
+    kept = results.of_run(run, either)
     assert [result.supersedes for result in kept] == [None, kept[0].id, kept[1].id]
 
 
-def test_document_that_cannot_be_read_is_named_and_can_be_superseded(
-    fresh: Home, small: Build, calibrated: Calibrate
-) -> None:
+def test_document_that_cannot_be_read_is_named_and_can_be_superseded(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     one = results.save(calibrated(run), fresh)
     with database.changing(fresh) as connection:

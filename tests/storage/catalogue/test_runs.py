@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.recording import Recording
 from storage.catalogue import run_index, runs
 from storage.formats import recordings
 from storage.formats.columns import write_columns
@@ -21,8 +20,8 @@ from storage.formats.content import digest
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.verify import verify
+from tests.storage.small import small
 
-Build = Callable[..., Recording]
 STEPS = (
     "storage.formats.mcap.writer.write_mcap",
     "storage.formats.columns.write_columns",
@@ -30,7 +29,7 @@ STEPS = (
 )
 
 
-def test_recording_comes_back_as_it_went_in(fresh: Home, small: Build) -> None:
+def test_recording_comes_back_as_it_went_in(fresh: Home) -> None:
     recording = small()
     run = runs.add(recording, fresh)[0]
     again = runs.load(run, fresh)
@@ -40,7 +39,7 @@ def test_recording_comes_back_as_it_went_in(fresh: Home, small: Build) -> None:
         np.testing.assert_array_equal(again.imu.columns[name], values)
 
 
-def test_run_says_what_it_is(fresh: Home, small: Build) -> None:
+def test_run_says_what_it_is(fresh: Home) -> None:
     before = datetime.now(UTC)
     run = runs.add(small(serial="7"), fresh)[0]
     assert run.id == f"r{run.digest[:12]}"
@@ -51,39 +50,39 @@ def test_run_says_what_it_is(fresh: Home, small: Build) -> None:
     assert run_index.all_runs(fresh) == [run]
 
 
-def test_second_import_of_same_content_is_the_same_run(fresh: Home, small: Build) -> None:
+def test_second_import_of_same_content_is_the_same_run(fresh: Home) -> None:
     assert runs.add(small(), fresh)[0] == runs.add(small(), fresh)[0]
     assert len(run_index.all_runs(fresh)) == 1
     assert len(list(fresh.raw.iterdir())) == 1
 
 
-def test_digest_that_a_recording_claims_is_not_believed(fresh: Home, small: Build) -> None:
+def test_digest_that_a_recording_claims_is_not_believed(fresh: Home) -> None:
     assert runs.add(replace(small(), digest="f" * 64), fresh)[0].digest == digest(small())
 
 
 def test_concurrent_imports_of_the_same_content_are_one_run(
-    fresh: Home, small: Build, tmp_path: Path, at_once: Callable[..., list[str]]
+    either: Home, tmp_path: Path, at_once: Callable[..., list[str]]
 ) -> None:
     write_columns(small(), tmp_path / "source")
     script = """
 path = Path(arguments[0])
 print(runs.add(recordings.read(path), home, source=path)[0].id)
 """
-    text = at_once(script, fresh, str(tmp_path / "source"), processes=3)
-    (run,) = run_index.all_runs(fresh)
+    text = at_once(script, either, str(tmp_path / "source"), processes=3)
+    (run,) = run_index.all_runs(either)
     assert text == [f"{run.id}\n"] * 3
-    assert [path.name for path in fresh.raw.iterdir()] == [f"{run.digest}.mcap"]
-    assert [path.name for path in fresh.columns.iterdir()] == [run.digest]
+    assert [path.name for path in either.raw.iterdir()] == [f"{run.digest}.mcap"]
+    assert [path.name for path in either.columns.iterdir()] == [run.digest]
 
 
-def test_raw_recording_is_read_only(fresh: Home, small: Build) -> None:
+def test_raw_recording_is_read_only(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     assert stat.S_IMODE((fresh.raw / f"{run.digest}.mcap").stat().st_mode) == 0o400
 
 
 @pytest.mark.parametrize("step", STEPS)
 def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
-    fresh: Home, small: Build, step: str, monkeypatch: pytest.MonkeyPatch
+    fresh: Home, step: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def break_off(*_: object) -> None:
         raise KeyboardInterrupt
@@ -100,7 +99,7 @@ def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
 
 @pytest.mark.parametrize("step", STEPS)
 def test_process_killed_in_an_import_leaves_a_store_that_goes_on(
-    fresh: Home, small: Build, step: str, tmp_path: Path
+    fresh: Home, step: str, tmp_path: Path
 ) -> None:
     write_columns(small(), tmp_path / "source")
     script = """
@@ -127,7 +126,7 @@ runs.add(recordings.read(source), home)
     assert verify(fresh) == (2, [])
 
 
-def test_home_that_cannot_be_written_loses_nothing_and_says_so(fresh: Home, small: Build) -> None:
+def test_home_that_cannot_be_written_loses_nothing_and_says_so(fresh: Home) -> None:
     fresh.path.write_text("a file stands where the folder should be")
     with pytest.raises(Unusable, match="MIMUCAL_HOME"):
         runs.add(small(), fresh)
@@ -155,7 +154,7 @@ def damage_value(folder: Path) -> None:
 
 @pytest.mark.parametrize("damage", [damage_missing, damage_cut, damage_manifest, damage_value])
 def test_damaged_columns_are_made_again_from_raw(
-    fresh: Home, small: Build, damage: Callable[[Path], None]
+    fresh: Home, damage: Callable[[Path], None]
 ) -> None:
     run = runs.add(small(), fresh)[0]
     damage(fresh.columns / run.digest)
@@ -163,7 +162,7 @@ def test_damaged_columns_are_made_again_from_raw(
     assert runs.from_columns(run, fresh) is not None
 
 
-def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home, small: Build) -> None:
+def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     shutil.rmtree(fresh.columns)
     (fresh.raw / f"{run.digest}.mcap").unlink()
@@ -173,7 +172,7 @@ def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home, small: 
     assert runs.load(run, fresh).digest == run.digest
 
 
-def test_raw_recording_with_other_content_is_refused(fresh: Home, small: Build) -> None:
+def test_raw_recording_with_other_content_is_refused(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     shutil.rmtree(fresh.columns)
     path = fresh.raw / f"{run.digest}.mcap"
@@ -183,14 +182,14 @@ def test_raw_recording_with_other_content_is_refused(fresh: Home, small: Build) 
         runs.load(run, fresh)
 
 
-def test_run_is_found_by_every_name_that_it_has(fresh: Home, small: Build) -> None:
+def test_run_is_found_by_every_name_that_it_has(fresh: Home) -> None:
     run = runs.add(small(name="first"), fresh)[0]
     runs.add(small(start=1.0, name="second"), fresh)
     for reference in (run.id, run.id[:5], run.digest, run.digest[:8], "first"):
         assert run_index.find(reference, fresh) == run
 
 
-def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home, small: Build) -> None:
+def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home) -> None:
     one, two = runs.add(small(), fresh)[0], runs.add(small(start=1.0), fresh)[0]
     with pytest.raises(Unusable, match=rf"2 runs \({one.id}, {two.id}\).*mimucal runs"):
         run_index.find("small", fresh)
@@ -201,9 +200,7 @@ def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home, smal
             run_index.find(nobody, fresh)
 
 
-def test_source_taken_in_before_is_known_by_its_bytes(
-    fresh: Home, small: Build, tmp_path: Path
-) -> None:
+def test_source_taken_in_before_is_known_by_its_bytes(fresh: Home, tmp_path: Path) -> None:
     folder, moved = tmp_path / "folder", tmp_path / "elsewhere" / "copy"
     write_columns(small(), folder)
     assert runs.imported_before(folder, fresh) is None
@@ -217,7 +214,7 @@ def test_source_taken_in_before_is_known_by_its_bytes(
 
 
 def test_known_source_whose_raw_recording_is_gone_is_read_again(
-    fresh: Home, small: Build, tmp_path: Path
+    fresh: Home, tmp_path: Path
 ) -> None:
     source = tmp_path / "small.mcap"
     write_mcap(small(), source)
@@ -228,7 +225,7 @@ def test_known_source_whose_raw_recording_is_gone_is_read_again(
 
 
 def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
-    fresh: Home, small: Build, tmp_path: Path
+    fresh: Home, tmp_path: Path
 ) -> None:
     folder, file = tmp_path / "folder", tmp_path / "small.mcap"
     write_columns(small(), folder)
@@ -242,7 +239,7 @@ def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
     )
 
 
-def test_path_is_read_as_what_it_holds(small: Build, tmp_path: Path) -> None:
+def test_path_is_read_as_what_it_holds(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
     bag.mkdir()
     (bag / "metadata.yaml").write_text("rosbag2_bagfile_information:\n")
@@ -253,7 +250,7 @@ def test_path_is_read_as_what_it_holds(small: Build, tmp_path: Path) -> None:
         assert recordings.read(tmp_path / name).digest == digest(small())
 
 
-def test_manifest_given_goes_before_the_one_in_the_file(small: Build, tmp_path: Path) -> None:
+def test_manifest_given_goes_before_the_one_in_the_file(tmp_path: Path) -> None:
     write_mcap(small(), tmp_path / "small.mcap")
     manifest = tmp_path / "manifest.json"
     manifest.write_text(small(name="other").manifest.model_dump_json())
@@ -309,7 +306,7 @@ def test_path_that_is_no_recording_is_refused(
     assert not fresh.path.exists()
 
 
-def test_manifest_alone_points_to_its_folder(small: Build, tmp_path: Path) -> None:
+def test_manifest_alone_points_to_its_folder(tmp_path: Path) -> None:
     write_columns(small(), tmp_path / "folder")
     with pytest.raises(Unusable, match="give the folder"):
         recordings.read(tmp_path / "folder" / "manifest.json")

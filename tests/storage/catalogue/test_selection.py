@@ -8,21 +8,20 @@ from typing import Any
 import pytest
 import sqlalchemy as sql
 
-from schemas.calibration import Calibration
-from schemas.certificate import Certificate
 from schemas.orders import Selection
-from schemas.recording import Manifest, Recording
+from schemas.recording import Manifest
 from storage.catalogue import database, results, run_index, runs, tables
 from storage.catalogue.completion import complete_runs
 from storage.catalogue.selection import select
 from storage.home import Home
 from tests.keep import keep
+from tests.storage.small import calibrated, certified, small
 
 TABLE = {"name": "Table", "name_zh": "转台", "serial": "T-7", "accuracy": "1″", "certificate": "C1"}
 
 
 @pytest.fixture
-def recorded(fresh: Home, small: Callable[..., Recording]) -> Callable[..., str]:
+def recorded(fresh: Home) -> Callable[..., str]:
     """Keeps a run whose manifest has further fields; gives its id."""
 
     def keep(start: float, station: str = "T1", serial: str = "1", **fields: Any) -> str:
@@ -63,9 +62,7 @@ def test_the_moment_of_the_first_row_gives_the_day_where_no_station_did(
     assert chosen(fresh, since=date(2026, 3, 2), until=date(2026, 3, 2)) == [both]
 
 
-def test_the_version_of_the_newest_result_chooses(
-    fresh: Home, recorded, calibrated: Callable[..., Calibration]
-) -> None:
+def test_the_version_of_the_newest_result_chooses(fresh: Home, recorded) -> None:
     old, new = (run_index.find(recorded(start), fresh) for start in (0.0, 1.0))
     for run in (old, new):
         results.save(calibrated(run, code_version="0.1.0+a"), fresh)
@@ -75,7 +72,7 @@ def test_the_version_of_the_newest_result_chooses(
 
 
 def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificates(
-    fresh: Home, recorded, calibrated, certified: Callable[..., Certificate]
+    fresh: Home, recorded
 ) -> None:
     run = run_index.find(recorded(0.0, recorded_at="2026-03-01", equipment=[TABLE]), fresh)
     recording = runs.load(run, fresh)

@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.recording import ANGLE, Manifest, Stream
+from schemas.recording import ANGLE, Stream
 from storage.formats.checks import check_columns, check_stream
+from tests.manifests import manifest_of
 
-MANIFEST = Manifest.model_validate({
-    "format": "mimu-recording/1", "recording_id": "r", "station": {"id": "s"},
-    "unit": {"manufacturer": "m", "model": "o", "serial": "1"},
-})  # fmt: skip
+MANIFEST = manifest_of("r")
 
 
 @pytest.mark.parametrize("value", [1.1e9, -1e300])

@@ -7,11 +7,11 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, AXES, GYRO, Recording
-from tasks.calibrate.calibrate import calibrate
 from tasks.coefficients.correct import Coefficients, coefficients, correct
 from tasks.coefficients.tables import document
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
+from tests.tasks.items_only import items_only
 
 GRAVITY = 9.78  # of the ideal run
 RNG = np.random.default_rng(5)
@@ -42,7 +42,7 @@ def recording(ideal_run: Callable[..., Recording]) -> Recording:
 
 @pytest.fixture(scope="module")
 def calibration(recording: Recording):
-    return calibrate(JJF2003, recording, run="r", code_version="v")
+    return items_only(JJF2003, recording)
 
 
 def test_each_coefficient_is_the_units_own_within_its_uncertainty(calibration) -> None:
@@ -90,7 +90,7 @@ def test_a_reading_without_what_it_is_corrected_by_is_null(recording, calibratio
 def test_earths_rotation_is_left_in_the_corrected_rate(plant) -> None:
     """Eq. (7) counts it as g-sensitivity; a corrected gyro at rest reads it."""
     recording = plant("plant_earth_rotation")
-    calibration = calibrate(JJF2003, recording, run="r", code_version="v")
+    calibration = items_only(JJF2003, recording)
     known, _, _ = coefficients(calibration)
     item = calibration.items["gyro_g_sensitivity"]
     by_clause = np.radians(item.value["xx"]) / recording.manifest.station.gravity_m_s2
@@ -104,7 +104,7 @@ def test_earths_rotation_is_left_in_the_corrected_rate(plant) -> None:
 
 
 def test_elements_without_a_value_are_ideal_and_named(real) -> None:
-    calibration = calibrate(JJF2003, real("ln100_two_position"), run="r", code_version="v")
+    calibration = items_only(JJF2003, real("ln100_two_position"))
     made = document(calibration, None)
     assert "gyro_g_sensitivity xy" in made.assumed_ideal
     assert made.coefficients["G"].value[0][1] == 0.0
@@ -113,7 +113,7 @@ def test_elements_without_a_value_are_ideal_and_named(real) -> None:
 
 
 def test_a_calibration_of_an_ahrs_corrects_nothing(plant) -> None:
-    ahrs = calibrate(JJF1536, plant("ahrs_clean"), run="r", code_version="v")
+    ahrs = items_only(JJF1536, plant("ahrs_clean"))
     with pytest.raises(Unusable, match="models \\(1\\) and \\(2\\)"):
         coefficients(ahrs)
 

@@ -8,7 +8,7 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import calibrate, without_information
+from tasks.calibrate.calibrate import without_information
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.coefficients.correct import Coefficients, coefficients, correct
 from tasks.coefficients.uncertainty import ReadingUncertainty, reading_uncertainty
@@ -17,6 +17,7 @@ from tasks.specifications.joint import JOINT
 from tasks.validation.coverage import simulate
 from tasks.validation.run2003 import RATE_HZ
 from tasks.validation.simulated_units import draw_simulated_unit
+from tests.tasks.items_only import items_only
 
 UNITS, READINGS = 20, 8
 NORMAL_95 = 1.959964
@@ -33,7 +34,9 @@ def uncertainty_of(calibration: Calibration) -> tuple[Coefficients, ReadingUncer
     return known, found
 
 
-@pytest.mark.parametrize("specification", [JJF2003, JOINT], ids=["jjf2003", "joint"])
+@pytest.mark.parametrize(
+    "specification", [JJF2003, pytest.param(JOINT, marks=pytest.mark.rehearsal)]
+)
 def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_says(
     specification,
 ) -> None:
@@ -58,7 +61,7 @@ def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_sa
 
 @pytest.fixture(scope="module")
 def joint(plant: Callable[[str], Recording]) -> Calibration:
-    return calibrate(JOINT, plant("plant_lever_arm"), run="r", code_version="v")
+    return items_only(JOINT, plant("plant_lever_arm"))
 
 
 def test_u_is_the_scatter_of_readings_corrected_by_drawn_parameters(joint: Calibration) -> None:
@@ -112,7 +115,7 @@ def test_the_rms_is_that_of_the_rows_whatever_their_number(joint: Calibration) -
 def test_a_channel_of_which_an_element_is_taken_as_ideal_has_no_uncertainty(
     real: Callable[[str], Recording],
 ) -> None:
-    found = calibrate(JJF2003, real("vn200_57630_six_position"), run="r", code_version="v")
+    found = items_only(JJF2003, real("vn200_57630_six_position"))
     _, uncertainty = uncertainty_of(found)
     assert set(uncertainty.unknown) >= {"gyro_x", "gyro_y", "gyro_z"}
     u = uncertainty.of_rows(RATE, FORCE)

@@ -5,22 +5,15 @@ import pytest
 
 from schemas.limits import ChamberLimits
 from schemas.procedure import EnvironmentLimits, Position, Procedure, RateRun, Refix, Turns
-from schemas.recording import Manifest, Mount, Station, TableAxis, Unit
+from schemas.recording import Mount
 from tasks.experiment.temperature import ThermalResponse
 from tasks.experiment.track import planned_recording
 from tasks.station.plan import plan
+from tests.manifests import THREE_AXES, manifest_of
 
 HZ = 500.0
-AXES = (
-    TableAxis(name="outer", direction=(0, 0, 1)),
-    TableAxis(name="middle", direction=(1, 0, 0)),
-    TableAxis(name="inner", direction=(0, 0, 1)),
-)
-MANIFEST = Manifest(
-    format="mimu-recording/1", recording_id="like",
-    unit=Unit(manufacturer="M", model="A", serial="1"),
-    station=Station(id="T", latitude_deg=40.0, gravity_m_s2=9.8, heading_deg=0.0, table_axes=AXES),
-)  # fmt: skip
+HERE = {"latitude_deg": 40.0, "gravity_m_s2": 9.8, "heading_deg": 0.0}
+MANIFEST = manifest_of("like", HERE, THREE_AXES)
 REST = Position(name="rest", item="i", up="+y", angles_deg=(0, 90, 0), dwell_s=2.0)
 SPIN = RateRun(
     name="spin", item="i", axis="z", up="+z", spin_axis=0, angles_deg=(0, 0, 0),
@@ -44,7 +37,7 @@ def angles(*steps: Position | RateRun | Turns) -> tuple[np.ndarray, np.ndarray, 
     """Times, angles (n, 3) deg, and the rows of each segment."""
     planned = planned_recording(procedure(*steps), MANIFEST, HZ)
     assert planned.table is not None
-    table = planned.table.stack(tuple(f"{axis.name}_angle" for axis in AXES))
+    table = planned.table.stack(tuple(f"{axis}_angle" for axis in THREE_AXES))
     rows = tuple(planned.table.rows(s.t_start, s.t_end) for s in planned.manifest.segments or ())
     return planned.table.t, np.degrees(table), rows
 

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
+from tests.manifests import manifest_of
 
 GRAVITY = 9.8015
 UPS = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -43,11 +44,7 @@ def labelled_rests(
 def recording_of(
     t: np.ndarray, readings: np.ndarray, segments: Sequence[dict[str, object]]
 ) -> Recording:
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "rests",
-        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-        "station": {"id": "test", "gravity_m_s2": GRAVITY}, "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of("rests", {"gravity_m_s2": GRAVITY}, segments=segments)
     columns = {name: readings[:, c].copy() for c, name in enumerate((*GYRO, *ACCEL))}
     return Recording(manifest, Stream(t, columns))
 

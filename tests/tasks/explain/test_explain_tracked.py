@@ -47,8 +47,11 @@ def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart() -> None:
     assert found["seconds"].value == pytest.approx(0.005, abs=3e-4)
     at = parameters(explanation, "lever_arm")
     assert [at[f"r_{a}"].value for a in "xyz"] == pytest.approx(arm, abs=3e-3)
+    off = [(at[f"r_{a}"].value - r) / at[f"r_{a}"].u for a, r in zip("xyz", arm, strict=True)]
+    assert np.abs(off).max() < 3.0
 
 
+@pytest.mark.rehearsal  # of an encoder in test_low_pass
 def test_a_slow_filter_of_the_unit_is_not_called_a_delay_alone() -> None:
     """Before poses a delay is nothing of the unit's for certain; a filter is as late."""
     corner, imu, reference = 4.0, readings(seconds=32.0), poses(seconds=32.0)

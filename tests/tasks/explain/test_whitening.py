@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 from engine_run import RATE, flicker, motion, observed
 
+from tasks.explain.residual_noise import ChannelResidual, triad_noises
 from tasks.explain.whitening import (
     Bands,
-    ChannelResidual,
     Noise,
     bands_of,
     in_band,
     padded_length,
     transformed,
-    triad_noises,
     weighted,
 )
 
@@ -141,3 +140,20 @@ def test_at_a_line_nothing_is_compared_and_beside_it_all_is(line: float) -> None
     kept = (rows**2).sum(axis=1)
     assert kept[0] < 0.05 * (at**2).sum()
     assert kept[1] > 0.95 * (beside**2).sum()
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_noise_of_derivatives_is_recovered(order: int) -> None:
+    frequency = np.arange(COUNT) * RATE / 2 / COUNT
+    rng = np.random.default_rng(order)
+    rising = np.sqrt(1.0 + (frequency / 3.0) ** order) * rng.standard_normal((3, COUNT))
+    lefts = [ChannelResidual(each, np.ones(len(BANDS.sizes))) for each in rising]
+    for found in triad_noises(lefts, BANDS, [0.0] * 3, order):
+        assert found.rises == pytest.approx(3.0, rel=0.1)
+        assert found.white == pytest.approx(1.0, rel=0.2)
+
+
+def test_white_noise_rises_nowhere() -> None:
+    lefts = [left(drifting(1.0, 0.0, seed)) for seed in range(3)]
+    for found in triad_noises(lefts, BANDS, [0.0] * 3, 4):
+        assert found.rise(BANDS.frequency[-1:])[0] < 1.1

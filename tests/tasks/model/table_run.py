@@ -4,9 +4,10 @@ from functools import cache
 
 import numpy as np
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion
+from tests.manifests import manifest_of
 
 GRAVITY = 9.8
 LATITUDE, HEADING = np.radians(40.0), np.radians(25.0)
@@ -104,11 +105,7 @@ def _speeds() -> np.ndarray:
 
 def recording(latitude: float | None = 40.0) -> Recording:
     """A recording whose manifest tells the site; its streams are of no interest."""
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "table run",
-        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-        "station": {"id": "test", "latitude_deg": latitude, "gravity_m_s2": GRAVITY},
-    })  # fmt: skip
+    manifest = manifest_of("table run", {"latitude_deg": latitude, "gravity_m_s2": GRAVITY})
     return Recording(manifest, Stream(T, {}))
 
 

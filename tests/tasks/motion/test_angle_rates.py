@@ -3,16 +3,13 @@
 import numpy as np
 import pytest
 
-from schemas.recording import ANGLE, GYRO, Manifest, Recording, Stream
+from schemas.recording import ANGLE, GYRO, Recording, Stream
 from tasks.explain.channels import CHANNELS
 from tasks.motion.angle_rates import as_mean_rates
+from tests.manifests import manifest_of
 
 T = np.arange(0.0, 20.0, 0.1)
-MANIFEST = Manifest.model_validate({
-    "format": "mimu-recording/1", "recording_id": "ahrs",
-    "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-    "station": {"id": "test"},
-})  # fmt: skip
+MANIFEST = manifest_of("ahrs")
 
 
 def ahrs(angle: np.ndarray, t: np.ndarray = T) -> Recording:

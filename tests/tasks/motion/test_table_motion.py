@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from schemas.recording import Manifest, Recording, Segment, Stream
 from tasks.motion.table import axis_in_body, mean_rate, mount_of, rotation
+from tests.manifests import manifest_of
 
 angle = st.floats(-10.0, 10.0)
 component = st.floats(-1.0, 1.0)
@@ -15,18 +16,7 @@ component = st.floats(-1.0, 1.0)
 
 def manifest(mount: list[float]) -> Manifest:
     axes = [("outer", [0, 0, 1]), ("middle", [1, 0, 0]), ("inner", [0, 0, 2])]
-    return Manifest.model_validate(
-        {
-            "format": "mimu-recording/1",
-            "recording_id": "t",
-            "unit": {"manufacturer": "", "model": "", "serial": ""},
-            "station": {
-                "id": "t",
-                "table_axes": [{"name": n, "direction": d} for n, d in axes],
-            },
-            "mount": {"quaternion_wxyz": mount},
-        }
-    )
+    return manifest_of("t", axes=dict(axes), mount={"quaternion_wxyz": mount})
 
 
 STILL = Segment(name="s", kind="static", t_start=0.0, t_end=10.0)

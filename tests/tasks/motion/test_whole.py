@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
 from tasks.motion.whole import north_at_rest, whole_motion
+from tests.manifests import manifest_of
 
 T = np.arange(0.0, 8.0, 0.01)
 DIRECTIONS = np.array([[0, 0, 1], [1, 0, 0], [0, 0.6, 0.8]], float)
@@ -23,12 +24,12 @@ def recording(
 ) -> Recording:
     quaternion = (mount or Rotation.identity()).as_quat(scalar_first=True).tolist()
     axes = [{"name": f"a{k}", "direction": list(d)} for k, d in enumerate(DIRECTIONS)]
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "m",
-        "unit": {"manufacturer": "", "model": "", "serial": ""},
-        "station": {"id": "s", "heading_deg": heading, "gravity_m_s2": 9.8, "table_axes": axes},
-        "mount": {"quaternion_wxyz": quaternion}, "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of(
+        "m",
+        {"heading_deg": heading, "gravity_m_s2": 9.8, "table_axes": axes},
+        mount={"quaternion_wxyz": quaternion},
+        segments=segments,
+    )
     table = None
     if angles is not None:
         table = Stream(T, {f"a{k}_angle": column for k, column in enumerate(angles.T)})

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
 from tasks.motion.reference_noise import reference_noise
 from tasks.motion.whole import whole_motion
+from tests.manifests import manifest_of
 
 SPAN = 0.1
 T = np.arange(0.0, 30.0, 0.005)
@@ -15,14 +16,9 @@ FAST = 2.0 * np.pi * 2.0
 
 def swinging(noise: float = 0.0) -> Recording:
     """About a level axis at 2 Hz, read ten times a second."""
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "swing",
-        "unit": {"manufacturer": "", "model": "", "serial": ""},
-        "station": {
-            "id": "s", "heading_deg": 0.0, "gravity_m_s2": 9.8,
-            "table_axes": [{"name": "a", "direction": [1.0, 0.0, 0.0]}],
-        },
-    })  # fmt: skip
+    manifest = manifest_of(
+        "swing", {"heading_deg": 0.0, "gravity_m_s2": 9.8}, {"a": (1.0, 0.0, 0.0)}
+    )
     scatter = noise * np.random.default_rng(2).standard_normal(len(T))
     table = Stream(T, {"a_angle": angle(T) + scatter})
     return Recording(manifest, Stream(AT, {}, SPAN), table=table)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
+from tests.manifests import THREE_AXES, manifest_of
 
 GRAVITY = 9.8015
-AXES = ("outer", "middle", "inner")  # vertical, level and inner axis of the table
 # Angles of middle and inner axis, and which axis of the unit then points up.
 PLACES = (
     (0.0, 0.0, "+z"), (90.0, 0.0, "+y"), (90.0, 90.0, "+x"), (90.0, 180.0, "-y"),
@@ -194,17 +194,15 @@ def made(
     held = np.zeros(len(t), bool)
     for one in labels:
         held[imu.rows(one["t_start"], one["t_end"])] = True
-    directions = ([0, 0, 1], [1, 0, 0], [0, 0, 1])
-    axes = [{"name": n, "direction": d} for n, d in zip(AXES, directions, strict=True)]
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": f"made-{seed}", "standard": "JJF 2003-2022",
-        "unit": {"manufacturer": "made", "model": "made", "serial": str(seed)},
-        "station": {"id": "made", "latitude_deg": None, "gravity_m_s2": GRAVITY,
-                    "heading_deg": 0.0, "table_axes": axes if known == "table" else None},
-        "segments": labels if known != "neither" else None,
-    })  # fmt: skip
+    manifest = manifest_of(
+        f"made-{seed}",
+        {"latitude_deg": None, "gravity_m_s2": GRAVITY, "heading_deg": 0.0},
+        THREE_AXES if known == "table" else None,
+        standard="JJF 2003-2022",
+        segments=labels if known != "neither" else None,
+    )
     angles = np.unwrap(np.radians(np.array(did.angles)), axis=0)
-    table = Stream(t, {f"{n}_angle": angles[:, k] for k, n in enumerate(AXES)})
+    table = Stream(t, {f"{n}_angle": angles[:, k] for k, n in enumerate(THREE_AXES)})
     recording = Recording(manifest, imu, table=table if known == "table" else None)
     return Made(recording, right * step, held, step)
 

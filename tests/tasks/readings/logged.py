@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Segment, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
+from tests.manifests import THREE_AXES, manifest_of
 
 GRAVITY, EARTH = 9.8015, 7.292115e-5
 LATITUDE = np.radians(39.9)
@@ -185,20 +186,13 @@ def recorded(
     table_rate: float = 100.0, table: bool = True, step: float = np.radians(1e-4),
 ) -> Recording:  # fmt: skip
     """The recording of readings (n, 6) stamped (n,) s, beside the encoders or the labels alone."""
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": name, "standard": "JJF 2003-2022",
-        "unit": {"manufacturer": "made", "model": "up", "serial": name},
-        "station": {
-            "id": "made", "latitude_deg": 39.9, "gravity_m_s2": GRAVITY, "heading_deg": 0.0,
-            "table_axes": [
-                {"name": "outer", "direction": [0, 0, 1]},
-                {"name": "middle", "direction": [1, 0, 0]},
-                {"name": "inner", "direction": [0, 0, 1]},
-            ],
-        },
-    })  # fmt: skip
-    segments = tuple(Segment.model_validate(each) for each in course.segments)
-    manifest = manifest.model_copy(update={"segments": segments})
+    manifest = manifest_of(
+        name,
+        {"latitude_deg": 39.9, "gravity_m_s2": GRAVITY, "heading_deg": 0.0},
+        THREE_AXES,
+        standard="JJF 2003-2022",
+        segments=course.segments,
+    )
     imu = Stream(stamps, dict(zip((*GYRO, *ACCEL), readings.T, strict=True)))
     encoders = None
     if table:

@@ -31,7 +31,14 @@ def _losses(rate: float, swings: bool, gaps: tuple[tuple[float, int], ...], seed
     return find_lost_samples(full.readings, full.motion, np.zeros(full.readings.shape, bool))
 
 
-@pytest.mark.parametrize("case", range(len(CASES)))
+# Every second one in `make test`, all in a rehearsal.
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, marks=[pytest.mark.rehearsal] if case % 2 else [])
+        for case in range(len(CASES))
+    ],
+)
 def test_closed_gaps_are_counted_and_placed(case: int) -> None:
     rate, swings, gaps = CASES[case]
     found = _losses(rate, swings, gaps, case)
@@ -44,6 +51,14 @@ def test_closed_gaps_are_counted_and_placed(case: int) -> None:
 
 
 @pytest.mark.parametrize("swings", [False, True])
-@pytest.mark.parametrize("rate", [25.0, 50.0, 100.0, 200.0, 400.0])
+@pytest.mark.parametrize(
+    "rate",
+    [
+        25.0,
+        100.0,
+        400.0,
+        *(pytest.param(one, marks=pytest.mark.rehearsal) for one in (50.0, 200.0)),
+    ],
+)
 def test_whole_recordings_lost_nothing(rate: float, *, swings: bool) -> None:
     assert _losses(rate, swings, (), round(rate)) is None

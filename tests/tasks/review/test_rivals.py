@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tasks.explain.odds import CERTAIN
 from tasks.review.carriers import Carried, carried, scored
 from tasks.review.evidence import at_unit_information
 from tasks.review.hypotheses import Effect
 from tasks.review.pool import Pool
 from tasks.review.random_effects import spreads
-from tasks.review.rivals import CONCLUSIVE, is_of_a_spread, other_names
+from tasks.review.rivals import is_of_a_spread, other_names
 from tasks.review.screening import Worth
 from tasks.review.windows import Window, rows_of
 from tests.tasks.review.fleet import NOTHING, SIZES, fleet, of, place
@@ -71,7 +72,7 @@ def test_a_name_is_not_excluded_for_what_it_costs_beforehand() -> None:
         carried(pool, best, best.windows, TRIED),
         [carried(pool, each, each.windows, TRIED)[0] for each in (alike, many)],
     )
-    assert others[0].score - others[1].score > CONCLUSIVE
+    assert others[0].score - others[1].score > CERTAIN
     for other in others:
-        (named,) = other_names(pool, [other], one, one, 0.0)
+        (named,) = other_names(pool, [other], one, one)
         assert named is other

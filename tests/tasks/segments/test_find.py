@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.segments.find import find_segments, segments_of, up_of
+from tests.manifests import manifest_of
 
 
 def test_every_labelled_point_of_the_plant_is_found_again(plant) -> None:
@@ -40,14 +41,7 @@ def test_a_steady_turn_that_nobody_measured_is_not_called_a_rest() -> None:
     values = np.random.default_rng(2).normal(0.0, 0.001, (6000, 6))
     values[:, 5] += 9.8
     values[2000:4000, 2] += 1.0
-    manifest = Manifest.model_validate(
-        {
-            "format": "mimu-recording/1",
-            "recording_id": "t",
-            "unit": {"manufacturer": "", "model": "", "serial": ""},
-            "station": {"id": "t"},
-        }
-    )
+    manifest = manifest_of("t")
     columns = dict(zip(GYRO + ACCEL, values.T, strict=True))
     found = find_segments(Recording(manifest, Stream(t, columns)))
     assert [(s.kind, s.up) for s in found] == [("static", "+z"), ("static", "+z")]
@@ -64,14 +58,6 @@ def test_labelled_segments_are_taken_in_the_order_of_time() -> None:
     def labelled(name: str, start: float) -> dict[str, object]:
         return {"name": name, "kind": "static", "up": "+z", "t_start": start, "t_end": start + 1}
 
-    manifest = Manifest.model_validate(
-        {
-            "format": "mimu-recording/1",
-            "recording_id": "t",
-            "unit": {"manufacturer": "", "model": "", "serial": ""},
-            "station": {"id": "t"},
-            "segments": [labelled("late", 5.0), labelled("early", 1.0)],
-        }
-    )
+    manifest = manifest_of("t", segments=[labelled("late", 5.0), labelled("early", 1.0)])
     recording = Recording(manifest, Stream(np.arange(10.0), {"gyro_x": np.zeros(10)}))
     assert [segment.name for segment in segments_of(recording)] == ["early", "late"]

@@ -43,12 +43,6 @@ def station(monkeypatch: pytest.MonkeyPatch) -> StationFile:
     return station.file
 
 
-@pytest.fixture
-def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
-
-
 def named(station: StationFile, serial: str) -> StationFile:
     return station.model_copy(update={"unit": station.unit.model_copy(update={"serial": serial})})
 

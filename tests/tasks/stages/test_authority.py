@@ -1,7 +1,6 @@
 """Who may acquire, check and issue, for which specification and until when."""
 
 from datetime import UTC, date, datetime, timedelta
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,12 +18,6 @@ pytestmark = pytest.mark.usefixtures("unprinted")
 TODAY = datetime.now(UTC).astimezone().date()
 DAY = date(2026, 11, 20)  # of the calibration of `draft`
 MIMU, AHRS = "JJF 2003-2022", "JJF 1536-2015"
-
-
-@pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
 
 
 def with_persons(*persons: Authorised) -> Laboratory:

@@ -1,7 +1,6 @@
 """A certificate states all that clause 8 asks for, or it is not issued; and says so beforehand."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -25,12 +24,6 @@ from tests.drafts import MORNING, STANDARD, calibration_of, certificate_of, reco
 pytestmark = pytest.mark.usefixtures("unprinted")
 
 Left = Callable[[Certificate], Certificate]
-
-
-@pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
 
 
 def changed(path: str, value: Any) -> Left:

@@ -1,7 +1,6 @@
 """The certificates of a unit from before a calibration: what its history is made of."""
 
 from datetime import date
-from pathlib import Path
 
 import pytest
 
@@ -15,11 +14,6 @@ from tests.drafts import calibration_of, certificate_of, recording_of
 from tests.keep import keep
 
 DAY = date(2026, 11, 20)
-
-
-@pytest.fixture
-def home(tmp_path: Path) -> Home:
-    return Home(tmp_path / "home")
 
 
 def kept(home: Home, recording: str, number: str, day: date, state: State = "issued") -> Run:

@@ -25,12 +25,6 @@ def table(certificate: str, rate: float, calibrated_on: date | None = None) -> M
     })  # fmt: skip
 
 
-@pytest.fixture
-def home(tmp_path, monkeypatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
-
-
 def manifest(recording: Recording, *standards: object) -> Manifest:
     named = [s.model_dump(mode="json") if isinstance(s, MeasurementStandard) else s
              for s in standards]  # fmt: skip

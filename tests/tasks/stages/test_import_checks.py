@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from storage.catalogue import runs
 from storage.formats import recordings
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from tasks.stages.import_checks import faults_of, read
+from tests.manifests import manifest_of
 
 ROWS = 40
 RATE = {"kind": "rate", "axis": "x", "rate_deg_s": 10.0}
@@ -28,10 +29,7 @@ def write(tmp_path: Path) -> Write:
             {"name": f"s{k}", "item": "scale_factor", "t_start": 0.0, "t_end": 1.0} | label
             for k, label in enumerate(labels)
         ]
-        manifest = Manifest.model_validate({
-            "format": FORMAT, "recording_id": "triads", "segments": segments,
-            "unit": {"manufacturer": "M", "model": "U", "serial": "1"}, "station": {"id": "T"},
-        })  # fmt: skip
+        manifest = manifest_of("triads", segments=segments)
         t = np.arange(ROWS) / 100
         columns = {n: np.sin(t + k) for k, n in enumerate(GYRO + ACCEL)}
         for name in absent:
@@ -45,10 +43,7 @@ def write(tmp_path: Path) -> Write:
 
 @pytest.mark.parametrize("stated", ["2026-13-45T08:00:00Z", "02.03.2026", "yesterday", 5])
 def test_a_day_that_no_recall_would_find_is_refused(tmp_path: Path, stated: object) -> None:
-    manifest = Manifest.model_validate({
-        "format": FORMAT, "recording_id": "day", "acquired_at": stated,
-        "unit": {"manufacturer": "M", "model": "U", "serial": "1"}, "station": {"id": "T"},
-    })  # fmt: skip
+    manifest = manifest_of("day", acquired_at=stated)
     t = np.arange(ROWS) / 100
     path = tmp_path / "day.mcap"
     write_mcap(Recording(manifest, Stream(t, {name: np.sin(t) for name in GYRO + ACCEL})), path)

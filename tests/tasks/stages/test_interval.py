@@ -1,7 +1,6 @@
 """Advice on the interval of a unit from its own issued certificates."""
 
 from datetime import date
-from pathlib import Path
 
 import pytest
 
@@ -20,12 +19,6 @@ pytestmark = pytest.mark.usefixtures("unprinted")
 
 FAILED = Decision(verdict="fail", rule="simple", document="Data sheet", limits=DECIDED.limits)
 UNDECIDED = DECIDED.model_copy(update={"verdict": "inconclusive"})
-
-
-@pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
 
 
 def issued(home: Home, year: int, decision: Decision = DECIDED, **changes: object) -> Certificate:

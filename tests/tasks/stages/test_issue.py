@@ -4,7 +4,6 @@ import json
 import re
 from collections.abc import Callable
 from datetime import date
-from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
@@ -33,12 +32,6 @@ TABLE = MeasurementStandard(
     name="Table", name_zh="转台", serial="7", accuracy="1″", certificate="C",
     valid_until=date(2026, 11, 19),
 )  # fmt: skip
-
-
-@pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
 
 
 def issued(home: Home, serial: str = "1", **changes: object) -> Published:

@@ -1,7 +1,5 @@
 """Nothing turns unless what is measured can be kept."""
 
-from pathlib import Path
-
 import pytest
 
 from schemas.base import Unusable
@@ -14,16 +12,6 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.unit import draw_unit
 from tests.tasks.stages.test_acquire import PROCEDURE
 from tests.tasks.station.in_memory import InMemoryStation
-
-
-@pytest.fixture
-def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
-
-
-def test_a_home_with_room_and_a_catalogue_is_ready(fresh: Home) -> None:
-    ready_to_acquire("T1", fresh)
 
 
 def test_every_obstacle_is_named_at_once_and_nothing_turns(fresh: Home, monkeypatch) -> None:

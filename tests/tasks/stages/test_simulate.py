@@ -82,12 +82,6 @@ def test_a_run_whose_motion_nothing_tells_is_refused(ideal_run) -> None:
         simulated_recording(bare, model_values(calibrated(recording))[0])
 
 
-@pytest.fixture
-def home(tmp_path: Path, monkeypatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
-
-
 def test_folder_is_a_recording_marked_as_simulated_with_the_same_rows(
     ideal_run, home: Home, tmp_path: Path
 ) -> None:

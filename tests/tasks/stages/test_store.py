@@ -36,12 +36,6 @@ class Clock:
 
 
 @pytest.fixture
-def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
-    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
-    return Home(tmp_path / "home")
-
-
-@pytest.fixture
 def recording(fresh: Home, ideal_run) -> Path:
     path = fresh.acquired / "whole.mcap"
     path.parent.mkdir(parents=True)

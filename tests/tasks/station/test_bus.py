@@ -2,7 +2,7 @@
 
 import asyncio
 import time
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -10,8 +10,9 @@ import pytest
 from schemas.base import Unusable
 from tasks.station import stream_readers
 from tasks.station.clock import StationClock, wall_s
-from tasks.station.connected_station import Bus, BusTable, bus
-from tasks.station.ports import EncoderBlock
+from tasks.station.connected_station import Bus, TableOnBus, bus
+from tasks.station.ports import EncoderBlock, Table
+from tasks.station.stopping import StopSwitch
 from tasks.station.stream_readers import EncoderReader
 
 
@@ -31,10 +32,14 @@ class Endless:
         raise Unusable("the table says no")
 
 
+def table_on(devices: Bus) -> Table:
+    return cast(Table, TableOnBus("table", Endless(), devices, StopSwitch()))
+
+
 async def reading(devices: Bus) -> tuple[EncoderReader, asyncio.Task[None]]:
     clock = StationClock()
     clock.update(0.0, wall_s())
-    reader = EncoderReader(BusTable(Endless(), devices), clock, [].append)
+    reader = EncoderReader(table_on(devices), clock, [].append)
     return reader, asyncio.create_task(devices.do(reader.run()))
 
 
@@ -77,13 +82,18 @@ def test_no_more_is_fetched_than_may_wait(monkeypatch):
     assert asyncio.run(run()) == (10, 1)
 
 
-def test_a_fault_on_the_bus_is_raised_where_it_was_asked():
+def test_a_fault_on_the_bus_is_raised_where_it_was_asked_and_is_an_event(
+    caplog: pytest.LogCaptureFixture,
+):
     async def run() -> None:
         with bus() as devices:
-            await BusTable(Endless(), devices).state()
+            await table_on(devices).state()
 
     with pytest.raises(Unusable, match="the table says no"):
         asyncio.run(run())
+    failed = caplog.records[-1]
+    assert (failed.name, failed.message) == ("mimucal.station.table", "failed")
+    assert (failed.command, failed.cause) == ("state", "the table says no")  # type: ignore[attr-defined]
 
 
 def test_the_bus_ends_with_its_block_whatever_still_runs_there():

@@ -75,10 +75,6 @@ def test_a_temperature_that_the_chamber_may_not_have_is_refused(limits, sentence
         check_limits(heated(45.0), limited(limits))
 
 
-def test_a_temperature_within_the_chamber_s_limits_is_let_through():
-    check_limits(heated(40.0), station_file(VirtualStation(), 1.0, "nowhere", 1, 2))
-
-
 def test_limits_of_a_chamber_that_cannot_be_set_are_refused():
     fields = sample()
     del fields["chamber"]["commands"]

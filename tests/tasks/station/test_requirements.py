@@ -30,10 +30,6 @@ def changed(place: int, **fields: object) -> Procedure:
     return JJF2003.model_copy(update={"steps": tuple(steps)})
 
 
-def test_jjf2003_runs_on_a_three_axis_table():
-    check_procedure(JJF2003, station(Z, X, Z))
-
-
 def test_unit_mounted_a_quarter_turn_off_is_refused():
     quarter = 0.5**0.5  # body y lies along payload x
     turned = station(Z, X, Z, mount=Mount(quaternion_wxyz=(quarter, 0.0, 0.0, -quarter)))

@@ -11,7 +11,6 @@ from scipy import stats
 
 from schemas.calibration import Calibration
 from schemas.uncertainty import Budget
-from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.uncertainty.budget import PROBABILITY, Contribution, InputQuantity, combine, half_width
@@ -20,6 +19,7 @@ from tasks.uncertainty.monte_carlo import (
     numerical_tolerance,
     symmetric_interval,
 )
+from tests.tasks.items_only import items_only
 
 ROOT3 = math.sqrt(3.0)
 SHAPES = ("normal", "rectangular", "triangular", "arcsine", "t")
@@ -132,12 +132,12 @@ def test_a_budget_says_it_and_one_with_correlated_inputs_does_not() -> None:
 
 @pytest.fixture(scope="module")
 def clean(plant) -> Calibration:
-    return calibrate(JJF2003, plant("plant_clean"), run="r", code_version="v")
+    return items_only(JJF2003, plant("plant_clean"))
 
 
 @pytest.fixture(scope="module")
 def ahrs(plant) -> Calibration:
-    return calibrate(JJF1536, plant("ahrs_clean"), run="r", code_version="v")
+    return items_only(JJF1536, plant("ahrs_clean"))
 
 
 def drawn(budget: Budget) -> list[InputQuantity]:

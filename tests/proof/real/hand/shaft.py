@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares, minimize_scalar
 from scipy.signal import csd, savgol_filter, welch
 
-from schemas.recording import Recording
+from schemas.recording import GYRO, Recording
 from tests.proof.real.hand.lines import strongest
 from tests.proof.real.hand.measured import Measured
 
@@ -25,12 +25,18 @@ STROKE = 7.808  # s, to and fro
 
 
 def even_courses(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """t, encoder angle rad, gyro about the shaft (y) rad/s, on an even grid of 100 Hz."""
+    """t, encoder angle rad, gyro about the shaft rad/s, on an even grid of 100 Hz.
+
+    About the shaft is the gyro that turns most.
+    """
     imu, table = recording.imu, recording.table
     assert table is not None
     t = np.arange(imu.t[0], imu.t[-1], 1.0 / RATE)
     angle = np.interp(t, table.t, table.columns["shaft_angle"])
-    return t, angle, np.interp(t, imu.t, imu.columns["gyro_y"])
+    gyros = [np.interp(t, imu.t, imu.columns[name]) for name in GYRO]
+    rate = max(gyros, key=lambda each: float(each.std()))
+    alike = float(np.corrcoef(np.gradient(angle), rate)[0, 1])
+    return t, angle, rate if alike > 0.0 else -rate
 
 
 def transfer(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

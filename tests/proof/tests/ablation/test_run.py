@@ -13,4 +13,5 @@ def test_what_is_remembered_does_not_hide_what_is_switched_off():
 
 
 def test_a_rule_within_what_is_remembered_has_it_worked_out_anew():
-    assert not _remembers(Switch("OWED", "", "evidence.reference_errors:OWED", 1.0))
+    attribute = "evidence.reference_errors:REFERENCE_SHARE"
+    assert not _remembers(Switch("REFERENCE_SHARE", "", attribute, 1.0))

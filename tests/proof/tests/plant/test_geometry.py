@@ -1,17 +1,12 @@
 """Site and geometry: each effect changes what its physics says, and nothing else."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.proof.plant.case import Case
 from tests.proof.plant.noise_free_case import NoiseFree
+from tests.proof.tests.plant.short_case import case_of, in_segment, noise_free
 
-Cases = Callable[..., Case]
-Play = Callable[[Case], NoiseFree]
-Rows = Callable[..., slice]
 G = 9.8015
 
 
@@ -19,9 +14,7 @@ def excess(run: NoiseFree) -> np.ndarray:
     return run.truth - run.nominal
 
 
-def test_earth_rotation_is_felt_in_the_unit_s_frame_by_gyros_only(
-    case_of: Cases, noise_free: Play
-) -> None:
+def test_earth_rotation_is_felt_in_the_unit_s_frame_by_gyros_only() -> None:
     run = noise_free(case_of("earth_rotation", fields={"heading_deg": 20.0, "latitude_deg": 31.0}))
     outer, middle, inner = run.table_angles
     unit = Rotation.from_euler("z", -np.radians(20)) * Rotation.from_euler(
@@ -33,18 +26,14 @@ def test_earth_rotation_is_felt_in_the_unit_s_frame_by_gyros_only(
     assert np.abs(excess(run)[3:]).max() < 1e-6  # through ω² alone
 
 
-def test_gravity_changes_the_force_and_with_it_the_g_sensitive_gyros(
-    case_of: Cases, noise_free: Play
-) -> None:
+def test_gravity_changes_the_force_and_with_it_the_g_sensitive_gyros() -> None:
     run = noise_free(case_of("gravity_value", difference=0.01))
     up = run.reported[3:] / G
     assert np.allclose(excess(run)[3:], run.unit.Ka @ up * 0.01, atol=1e-9)
     assert np.allclose(excess(run)[:3], run.unit.G @ up * 0.01, atol=1e-12)
 
 
-def test_a_lever_arm_gives_the_centripetal_acceleration_at_constant_rate(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_a_lever_arm_gives_the_centripetal_acceleration_at_constant_rate() -> None:
     r = np.array([0.012, -0.018, 0.007])
     run = noise_free(case_of("lever_arm", r=r.tolist()))
     for axis, name in enumerate(("rate_x_+200", "rate_y_-200", "rate_z_+200")):
@@ -57,9 +46,7 @@ def test_a_lever_arm_gives_the_centripetal_acceleration_at_constant_rate(
     assert np.abs(excess(run)[:3]).max() < 3e-5
 
 
-def test_a_lever_arm_is_felt_in_ramps_across_the_arm(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_a_lever_arm_is_felt_in_ramps_across_the_arm() -> None:
     run = noise_free(case_of("lever_arm", r=[0.0, 0.02, 0.0]))
     rows = in_segment(run, "rest_z", 0.5)
     ramp = slice(rows.stop + 50, rows.stop + 50 + 160)  # up to −200 °/s about z in 1.67 s
@@ -69,9 +56,7 @@ def test_a_lever_arm_is_felt_in_ramps_across_the_arm(
     assert np.abs(across - along - (-0.02 * spin_up)).max() < 2e-3 * np.abs(0.02 * spin_up).max()
 
 
-def test_each_accelerometer_feels_its_own_place(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_each_accelerometer_feels_its_own_place() -> None:
     run = noise_free(case_of("size_effect", r=[[0.0, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.0]]))
     rows = in_segment(run, "rate_z_+200")
     centripetal = -0.01 * np.radians(200.0) ** 2
@@ -79,9 +64,7 @@ def test_each_accelerometer_feels_its_own_place(
     assert felt == pytest.approx([0.0, centripetal, 0.0], abs=2e-6)
 
 
-def test_a_tilted_base_leans_gravity_and_leaves_the_gyros(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_a_tilted_base_leans_gravity_and_leaves_the_gyros() -> None:
     run = noise_free(case_of("axis_tilt", east=8e-4, north=-5e-4))
     rows = in_segment(run, "position_+z_000")
     felt = np.linalg.solve(run.unit.Ka, excess(run)[3:, rows].mean(axis=1))
@@ -89,9 +72,7 @@ def test_a_tilted_base_leans_gravity_and_leaves_the_gyros(
     assert np.abs(excess(run)[:3]).max() < 1e-6
 
 
-def test_axes_that_are_not_square_spread_a_rate_over_two_gyros(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_axes_that_are_not_square_spread_a_rate_over_two_gyros() -> None:
     run = noise_free(case_of("axis_nonorthogonality", angles=[1e-3, 0.0]))
     rows = in_segment(run, "rate_z_+200")
     observation = np.linalg.solve(run.unit.Kg, excess(run)[:3, rows].mean(axis=1))
@@ -100,9 +81,7 @@ def test_axes_that_are_not_square_spread_a_rate_over_two_gyros(
 
 
 @pytest.mark.parametrize("order", [1, 2])
-def test_wobble_tips_gravity_as_often_a_turn_as_it_says(
-    case_of: Cases, noise_free: Play, order: int, in_segment: Rows
-) -> None:
+def test_wobble_tips_gravity_as_often_a_turn_as_it_says(order: int) -> None:
     run = noise_free(case_of("axis_wobble", amplitude=1e-3, order=order, phases=[0.3, 1.2]))
     rows = in_segment(run, "rate_z_+200")
     x, y, _ = np.linalg.solve(run.unit.Ka, excess(run)[3:, rows])
@@ -112,9 +91,7 @@ def test_wobble_tips_gravity_as_often_a_turn_as_it_says(
     assert np.std(ground.imag - declared) < 0.01 * 1e-3 * G
 
 
-def test_compliance_turns_all_sensors_with_rate_squared(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_compliance_turns_all_sensors_with_rate_squared() -> None:
     C = np.array([[0, 0, 2e-5], [0, 0, 0], [0, 0, 0.0]])
     run = noise_free(case_of("structural_compliance", C=C.tolist()))
     rate, rows = np.radians(200.0), in_segment(run, "rate_z_+200")
@@ -128,9 +105,7 @@ def test_compliance_turns_all_sensors_with_rate_squared(
 
 
 @pytest.mark.parametrize("procedure", ["three_axis", "single_axis"])
-def test_each_fixing_has_its_own_misalignment(
-    case_of: Cases, noise_free: Play, procedure: str
-) -> None:
+def test_each_fixing_has_its_own_misalignment(procedure: str) -> None:
     case = case_of("remount_misalignment", fields={"procedure": procedure})
     run = noise_free(case)
     vectors = np.array(run.effects[0].parameters["vectors"])

@@ -1,20 +1,14 @@
 """The run's kinematics against rotations and rates written by another hand (scipy, formulas)."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.proof.plant.case import Case
-from tests.proof.plant.noise_free_case import NoiseFree
 from tests.proof.plant.rotations import about, product, turned, vector_of
-
-Cases = Callable[..., Case]
-Play = Callable[[Case], NoiseFree]
+from tests.proof.tests.plant.short_case import case_of, noise_free
 
 
-def test_rates_and_force_are_those_of_the_reported_angles(case_of: Cases, noise_free: Play) -> None:
+def test_rates_and_force_are_those_of_the_reported_angles() -> None:
     run = noise_free(case_of(fields={"heading_deg": 30.0}))
     outer, middle, _ = run.table_angles
     base = Rotation.from_euler("z", -np.radians(30.0))
@@ -31,7 +25,7 @@ def test_rates_and_force_are_those_of_the_reported_angles(case_of: Cases, noise_
     assert np.abs(force - run.reported[3:]).max() < 1e-8
 
 
-def test_positions_bring_the_named_axis_up(case_of: Cases, noise_free: Play) -> None:
+def test_positions_bring_the_named_axis_up() -> None:
     for procedure in ("three_axis", "single_axis"):
         run = noise_free(case_of(fields={"procedure": procedure}))
         for segment, low, high in zip(
@@ -47,9 +41,7 @@ def test_positions_bring_the_named_axis_up(case_of: Cases, noise_free: Play) -> 
 
 
 @pytest.mark.parametrize("procedure", ["three_axis", "single_axis", "six_orientations", "ahrs"])
-def test_the_named_axis_turns_at_the_labelled_rate(
-    case_of: Cases, noise_free: Play, procedure: str
-) -> None:
+def test_the_named_axis_turns_at_the_labelled_rate(procedure: str) -> None:
     run = noise_free(case_of(fields={"procedure": procedure}))
     turning = [n for n, segment in enumerate(run.plan.segments) if segment.kind == "rate"]
     assert turning
@@ -63,7 +55,7 @@ def test_the_named_axis_turns_at_the_labelled_rate(
         assert run.reported[:3, row] == pytest.approx(rates, abs=2e-4), segment.name
 
 
-def test_whole_turns_of_the_ahrs_run_are_whole(case_of: Cases, noise_free: Play) -> None:
+def test_whole_turns_of_the_ahrs_run_are_whole() -> None:
     run = noise_free(case_of(fields={"procedure": "ahrs"}))
     turns = [n for n, segment in enumerate(run.plan.segments) if segment.kind == "rotation"]
     assert len(turns) == 6

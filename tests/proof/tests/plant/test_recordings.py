@@ -1,6 +1,5 @@
 """The recordings: noise as stated, clean ones clean, and files that the storage takes."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +14,7 @@ from tests.proof.plant.files import seal, write
 from tests.proof.plant.grades import ACCEL, GYRO
 from tests.proof.plant.noise import noise
 from tests.proof.plant.simulate import Simulated, simulate
-
-Cases = Callable[..., Case]
+from tests.proof.tests.plant.short_case import case_of
 
 
 @pytest.mark.parametrize("grade", ["consumer", "industrial", "tactical"])
@@ -66,7 +64,7 @@ def test_the_table_s_stream_is_nearly_exact(clean: Simulated) -> None:
     assert np.std((slope - rate)[steady]) < 5e-5
 
 
-def test_a_case_is_the_same_every_time_and_effects_do_not_touch_the_noise(case_of: Cases) -> None:
+def test_a_case_is_the_same_every_time_and_effects_do_not_touch_the_noise() -> None:
     plain, again = simulate(case_of()), simulate(case_of())
     stepped = simulate(case_of("bias_step"))
     name = "gyro_x"
@@ -79,7 +77,7 @@ def test_a_case_is_the_same_every_time_and_effects_do_not_touch_the_noise(case_o
     ("procedure", "rate"), [("three_axis", 50), ("single_axis", 100), ("ahrs", 50)]
 )
 def test_storage_takes_the_recording_and_the_truth_stays_apart(
-    case_of: Cases, tmp_path: Path, procedure: str, rate: int
+    tmp_path: Path, procedure: str, rate: int
 ) -> None:
     made = simulate(case_of("lever_arm", fields={"procedure": procedure, "rate_hz": rate}))
     write(made.recording, tmp_path / "given")
@@ -93,7 +91,7 @@ def test_storage_takes_the_recording_and_the_truth_stays_apart(
     assert "lever_arm" not in given
 
 
-def test_an_untold_site_is_not_in_the_manifest(case_of: Cases, tmp_path: Path) -> None:
+def test_an_untold_site_is_not_in_the_manifest(tmp_path: Path) -> None:
     made = simulate(case_of("earth_rotation", fields={"site_known": False}))
     write(made.recording, tmp_path)
     station = read_folder(tmp_path).manifest.station
@@ -102,6 +100,6 @@ def test_an_untold_site_is_not_in_the_manifest(case_of: Cases, tmp_path: Path) -
     assert station.gravity_m_s2 == 9.8015
 
 
-def test_without_a_thermometer_there_is_no_temperature(case_of: Cases) -> None:
+def test_without_a_thermometer_there_is_no_temperature() -> None:
     made = simulate(case_of(fields={"temperature_recorded": False}))
     assert "temperature" not in made.recording.imu.columns

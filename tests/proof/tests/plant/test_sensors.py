@@ -5,23 +5,17 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from tests.proof.plant.case import Case
 from tests.proof.plant.noise_free_case import NoiseFree
 from tests.proof.plant.simulate import simulate
 from tests.proof.plant.weather import weather
-
-Cases = Callable[..., Case]
-Play = Callable[[Case], NoiseFree]
-Rows = Callable[..., slice]
+from tests.proof.tests.plant.short_case import case_of, in_segment, noise_free
 
 
 def excess(run: NoiseFree) -> np.ndarray:
     return run.truth - run.nominal
 
 
-def test_nonlinear_and_lopsided_scale_factors(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_nonlinear_and_lopsided_scale_factors() -> None:
     top = np.radians(200.0)
     run = noise_free(case_of("gyro_scale_nonlinearity", coefficient=[0, 0, 1e-3], order=3))
     for sign, name in ((1, "rate_z_+200"), (-1, "rate_z_-200")):
@@ -34,9 +28,7 @@ def test_nonlinear_and_lopsided_scale_factors(
         assert observation == pytest.approx(1e-3 * run.unit.Kg[2, 2] * top, rel=1e-5)
 
 
-def test_gyros_follow_acceleration_squared_and_angular_acceleration(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_gyros_follow_acceleration_squared_and_angular_acceleration() -> None:
     M = np.zeros((3, 3))
     M[1, 2] = 1e-6
     run = noise_free(case_of("gyro_g2_sensitivity", M=M.tolist()))
@@ -49,9 +41,7 @@ def test_gyros_follow_acceleration_squared_and_angular_acceleration(
     assert np.abs(excess(run)[:, in_segment(run, "rate_z_+200")]).max() < 1e-6
 
 
-def test_scale_that_depends_on_acceleration_differs_upside_down(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_scale_that_depends_on_acceleration_differs_upside_down() -> None:
     S = np.diag([0.0, 0.0, 1e-5])
     fields = {"procedure": "six_orientations"}
     run = noise_free(case_of("gyro_scale_g_dependence", fields=fields, S=S.tolist()))
@@ -63,7 +53,7 @@ def test_scale_that_depends_on_acceleration_differs_upside_down(
 @pytest.mark.parametrize(("name", "rows", "limit"), [
     ("gyro_saturation", slice(0, 3), 3.0), ("accel_saturation", slice(3, 6), 9.5),
 ])  # fmt: skip
-def test_outputs_stop_at_their_limit(case_of: Cases, name: str, rows: slice, limit: float) -> None:
+def test_outputs_stop_at_their_limit(name: str, rows: slice, limit: float) -> None:
     case = case_of(name, limit=limit, fields={"grade": "tactical"})
     made = simulate(case.with_strength(name, 0.0))
     readings = made.recording.imu.stack(tuple(made.recording.imu.columns)[:6])
@@ -73,7 +63,7 @@ def test_outputs_stop_at_their_limit(case_of: Cases, name: str, rows: slice, lim
     assert np.abs(made.truth - made.nominal)[:, rows][inside].max() < 1e-9
 
 
-def test_vibration_adds_noise_and_bias_that_grow_with_rate(case_of: Cases) -> None:
+def test_vibration_adds_noise_and_bias_that_grow_with_rate() -> None:
     case = case_of("vibration_rectification", coefficient=[0.01, 0, 0], exponent=1.0, share=0.05)
     made = simulate(case)
     noise = made.recording.imu.stack(("accel_x",))[:, 0] - made.truth[:, 3]
@@ -90,9 +80,7 @@ def test_vibration_adds_noise_and_bias_that_grow_with_rate(case_of: Cases) -> No
     ("x_humidity_drift", lambda room: room.humidity - 45.0),
     ("x_pressure_sensitivity", lambda room: room.pressure - 1013.0),
 ])  # fmt: skip
-def test_biases_follow_the_room(
-    case_of: Cases, noise_free: Play, name: str, regressor: Callable[..., np.ndarray]
-) -> None:
+def test_biases_follow_the_room(name: str, regressor: Callable[..., np.ndarray]) -> None:
     case = case_of(name, gyro=[1e-3, 0, 0], accel=[0, 0, 2e-2])
     run = noise_free(case)
     follows = regressor(weather(case, run.stamp))
@@ -101,7 +89,7 @@ def test_biases_follow_the_room(
     assert np.abs(excess(run)[[1, 2, 3, 4]]).max() < 1e-12
 
 
-def test_temperature_rate_is_the_slope_of_temperature(case_of: Cases) -> None:
+def test_temperature_rate_is_the_slope_of_temperature() -> None:
     t = np.arange(0.0, 1500.0)
     for climate in ("room", "cycling"):
         room = weather(case_of(fields={"climate": climate}), t)
@@ -109,9 +97,7 @@ def test_temperature_rate_is_the_slope_of_temperature(case_of: Cases) -> None:
         assert np.abs(slope - room.temperature_rate[1:-1]).max() < 1e-5
 
 
-def test_the_magnetic_field_is_constant_in_the_room(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_the_magnetic_field_is_constant_in_the_room() -> None:
     run = noise_free(case_of("magnetic_sensitivity", M=np.eye(3).tolist(), field=[0, 3e-5, -4e-5]))
     size = np.linalg.norm(excess(run)[:3], axis=0)
     assert np.allclose(size, 5e-5, rtol=1e-6)
@@ -120,7 +106,7 @@ def test_the_magnetic_field_is_constant_in_the_room(
     assert np.abs(excess(run)[3:]).max() < 1e-12
 
 
-def test_the_low_pass_delays_and_rounds(case_of: Cases, noise_free: Play, in_segment: Rows) -> None:
+def test_the_low_pass_delays_and_rounds() -> None:
     run = noise_free(case_of("bandwidth", corner=10.0))
     delay = np.sqrt(2.0) / (2.0 * np.pi * 10.0)
     moves = slice(1000, 1400)
@@ -130,7 +116,7 @@ def test_the_low_pass_delays_and_rounds(case_of: Cases, noise_free: Play, in_seg
     assert np.abs(excess(run)[:, in_segment(run, "position_+x_000", 2.0)]).max() < 1e-6
 
 
-def test_a_coarse_converter_leaves_whole_steps(case_of: Cases) -> None:
+def test_a_coarse_converter_leaves_whole_steps() -> None:
     made = simulate(case_of("coarse_quantisation", gyro=5e-3, accel=2e-2))
     for channels, step in ((("gyro_x", "gyro_y"), 5e-3), (("accel_x", "accel_z"), 2e-2)):
         counts = made.recording.imu.stack(channels) / step
@@ -141,7 +127,7 @@ def test_a_coarse_converter_leaves_whole_steps(case_of: Cases) -> None:
     assert np.abs((made.truth - made.nominal)[:, 2]).max() > 2e-4
 
 
-def test_the_mains_line_stands_at_its_alias(case_of: Cases, noise_free: Play) -> None:
+def test_the_mains_line_stands_at_its_alias() -> None:
     run = noise_free(case_of("mains_pickup", frequency=50.06, gyro=[1e-3, 0, 0], third=0.0))
     line = np.abs(np.fft.rfft(excess(run)[0, :20000]))
     assert np.fft.rfftfreq(20000, 0.01)[line.argmax()] == pytest.approx(49.94, abs=0.006)

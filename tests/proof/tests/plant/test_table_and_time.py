@@ -1,21 +1,12 @@
 """Table and clocks: who sees what, and when."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
-from tests.proof.plant.case import Case
-from tests.proof.plant.noise_free_case import NoiseFree
-
-Cases = Callable[..., Case]
-Play = Callable[[Case], NoiseFree]
-Rows = Callable[..., slice]
+from tests.proof.tests.plant.short_case import case_of, in_segment, noise_free
 
 
-def test_ripple_is_in_the_gyro_and_not_in_the_encoder(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_ripple_is_in_the_gyro_and_not_in_the_encoder() -> None:
     run = noise_free(case_of("rate_ripple", depth=1e-3, per_turn=8, phase=0.4))
     clean = noise_free(case_of())
     assert np.array_equal(run.table_rates, clean.table_rates)
@@ -26,9 +17,7 @@ def test_ripple_is_in_the_gyro_and_not_in_the_encoder(
     assert np.abs(observation - ripple).max() < 0.01 * 1e-3 * rate
 
 
-def test_eccentricity_is_in_the_encoder_and_not_in_the_unit(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_eccentricity_is_in_the_encoder_and_not_in_the_unit() -> None:
     run = noise_free(case_of("encoder_eccentricity", amplitude=1e-3, phase=0.4))
     clean = noise_free(case_of())
     assert np.array_equal(run.truth, clean.truth)
@@ -38,9 +27,7 @@ def test_eccentricity_is_in_the_encoder_and_not_in_the_unit(
     assert np.ptp(run.table_rates[0, rows]) == pytest.approx(2e-3 * np.radians(200), rel=0.01)
 
 
-def test_a_long_table_scale_turns_the_unit_less_than_reported(
-    case_of: Cases, noise_free: Play, in_segment: Rows
-) -> None:
+def test_a_long_table_scale_turns_the_unit_less_than_reported() -> None:
     run = noise_free(case_of("table_scale", scale=1e-3))
     assert np.array_equal(run.table_angles, noise_free(case_of()).table_angles)
     rows = in_segment(run, "rate_z_+200")
@@ -51,13 +38,13 @@ def test_a_long_table_scale_turns_the_unit_less_than_reported(
     assert felt[2] == pytest.approx(9.8015 * 1e-3 * np.pi / 2, rel=2e-3)
 
 
-def test_late_stamps_show_what_was_before(case_of: Cases, noise_free: Play) -> None:
+def test_late_stamps_show_what_was_before() -> None:
     run, clean = noise_free(case_of("time_offset", seconds=0.02)), noise_free(case_of())
     assert np.allclose(run.truth[:, 2:], clean.truth[:, :-2], atol=1e-9)
     assert np.array_equal(run.table_angles, clean.table_angles)
 
 
-def test_a_part_of_a_sample_is_interpolated_well(case_of: Cases, noise_free: Play) -> None:
+def test_a_part_of_a_sample_is_interpolated_well() -> None:
     there, clean = noise_free(case_of("time_offset", seconds=0.0037)), noise_free(case_of())
     expected = clean.truth - 0.0037 * np.gradient(clean.truth, 0.01, axis=1)
     moves = slice(1050, 1350)
@@ -65,7 +52,7 @@ def test_a_part_of_a_sample_is_interpolated_well(case_of: Cases, noise_free: Pla
     assert np.abs(there.truth - expected)[:, moves].max() < 0.03 * change
 
 
-def test_a_fast_clock_slips_in_proportion_to_time(case_of: Cases, noise_free: Play) -> None:
+def test_a_fast_clock_slips_in_proportion_to_time() -> None:
     run, clean = noise_free(case_of("clock_skew", share=1e-4)), noise_free(case_of())
     slope = np.gradient(clean.truth, 0.01, axis=1)
     late = slice(-3000, -1500)  # the last ramps
@@ -73,14 +60,14 @@ def test_a_fast_clock_slips_in_proportion_to_time(case_of: Cases, noise_free: Pl
     assert shift == pytest.approx(-1e-4 * run.stamp[late].mean(), rel=0.1)
 
 
-def test_accelerometers_are_sampled_one_after_another(case_of: Cases, noise_free: Play) -> None:
+def test_accelerometers_are_sampled_one_after_another() -> None:
     run, clean = noise_free(case_of("accel_axis_skew", step=0.01)), noise_free(case_of())
     assert np.allclose(run.truth[:4], clean.truth[:4], atol=1e-9)
     assert np.allclose(run.truth[4, :-1], clean.truth[4, 1:], atol=1e-9)
     assert np.allclose(run.truth[5, :-2], clean.truth[5, 2:], atol=1e-9)
 
 
-def test_lost_samples_leave_fewer_rows_and_even_stamps(case_of: Cases, noise_free: Play) -> None:
+def test_lost_samples_leave_fewer_rows_and_even_stamps() -> None:
     run, clean = (
         noise_free(case_of("dropped_samples", times=[20.0, 60.0], lost=[3, 5])),
         noise_free(case_of()),

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
+from tests.manifests import manifest_of
 
 GRAVITY = 9.80665
 LATE = 0.008  # s
@@ -37,15 +38,12 @@ def shaft() -> Recording:
         name: value + rng.normal(0.0, 0.003 if name.startswith("gyro") else 0.03, len(t))
         for name, value in columns.items()
     }
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "shaft",
-        "unit": {"manufacturer": "test", "model": "shaft", "serial": "1"},
-        "station": {
-            "id": "test", "gravity_m_s2": GRAVITY,
-            "table_axes": [{"name": "shaft", "direction": [1, 0, 0]}],
-        },
-        "mount": {"quaternion_wxyz": [0.5, -0.5, -0.5, -0.5]},
-    })  # fmt: skip
+    manifest = manifest_of(
+        "shaft",
+        {"gravity_m_s2": GRAVITY},
+        {"shaft": (1, 0, 0)},
+        mount={"quaternion_wxyz": [0.5, -0.5, -0.5, -0.5]},
+    )
     table = Stream(t, {"shaft_angle": angle(t)})
     return Recording(manifest, Stream(t, columns), table=table)
 

@@ -1,16 +1,12 @@
 """The limit that nobody can beat."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 from scipy.stats import norm
 
 from tasks.explain.search.stepwise import FALSE_ALARMS
+from tests.proof.tests.trial.answers import declared
 from tests.proof.trial.limit import freedom_of, power
 from tests.proof.trial.parameters import Truth
-
-Judged = Callable[..., dict[str, Any]]
 
 
 def test_with_one_parameter_it_is_a_two_sided_test_of_a_normal_variable() -> None:
@@ -29,7 +25,7 @@ def test_who_knows_less_of_the_form_finds_less() -> None:
     assert shares == sorted(shares, reverse=True)
 
 
-def test_open_numbers_are_those_of_the_form(declared: Judged) -> None:
+def test_open_numbers_are_those_of_the_form() -> None:
     effects = {
         "lever_arm": {"r": [0.001, 0.002, 0.003]},
         "rate_ripple": {"depth": 2e-4, "per_turn": 6, "phase": 0.8},

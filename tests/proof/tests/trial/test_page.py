@@ -1,11 +1,11 @@
 """The evidence: what was asked beside what was reached, every failure, and the pictures."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
 
+from tests.proof.tests.trial.answers import answered
 from tests.proof.text import bilingual
 from tests.proof.trial import failures
 from tests.proof.trial.compare import Compared
@@ -19,14 +19,13 @@ from tests.proof.trial.pictures.headline import headline_svg
 from tests.proof.trial.pictures.power import effects_svg, families_svg
 from tests.proof.trial.score import Gap, Score
 
-Answered = Callable[..., Score]
 LEVER = {"lever_arm": {"r": [0.001, 0.002, 0.003]}}
 TILT = {"axis_tilt": {"east": 1e-4, "north": 0.0}}
 CABLE = {"x_cable_drag": {"gyro": [1e-4, 0.0, 0.0]}}
 
 
 @pytest.fixture
-def scores(answered: Answered) -> list[Score]:
+def scores() -> list[Score]:
     """Four kinds of recording: right, missed, outside and clean, with one false alarm."""
     right = answered(LEVER, "lever_arm")
     pairs = (Compared("r_x", "m", 0.0, 1.0, 0.5), Compared("r_y", "m", 0.0, 1.0, 5.0))
@@ -71,7 +70,7 @@ def test_units_wrongly_passed_and_wrongly_failed_are_told_apart(scores: list[Sco
     assert response["recordings on which nothing was noticed"] == (all_three, "33 % (1 of 3)")
 
 
-def test_every_way_to_fail_has_its_name(answered: Answered) -> None:
+def test_every_way_to_fail_has_its_name() -> None:
     several = answered(LEVER | TILT, "lever_arm", kind="several", z=40.0)
     assert failing(replace(several, failed="ValueError: no")) == "failed"
     assert failing(answered({}, "unnamed", kind="clean", z=None)) == "false alarm"
@@ -83,7 +82,7 @@ def test_every_way_to_fail_has_its_name(answered: Answered) -> None:
     assert failing(answered(CABLE, kind="outside")) == "missed"
 
 
-def test_what_is_right_does_not_fail(answered: Answered) -> None:
+def test_what_is_right_does_not_fail() -> None:
     assert failing(answered(LEVER, "lever_arm", "unnamed")) is None
     assert failing(answered(LEVER, ("size_effect", "lever_arm"))) is None
     assert failing(answered(CABLE, "unnamed", kind="outside")) is None
@@ -92,7 +91,7 @@ def test_what_is_right_does_not_fail(answered: Answered) -> None:
 
 
 def test_known_causes_are_found_by_what_is_true_and_what_was_said(
-    answered: Answered, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     cause = bilingual("a tilt acts like an arm here", "此处倾斜与杆臂作用相同")
     monkeypatch.setattr(failures, "KNOWN_CAUSES", {("lever_arm", "axis_tilt"): cause})

@@ -1,6 +1,5 @@
 """The truth in the definitions of what is stated."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,10 +10,9 @@ from tests.proof.plant.effects import CATALOGUE
 from tests.proof.plant.effects.table import RateRipple
 from tests.proof.plant.procedures import plan_of
 from tests.proof.plant.world import Setting
+from tests.proof.tests.trial.answers import declared
 from tests.proof.trial.compare import compared
 from tests.proof.trial.parameters import CONVERSIONS, Truth, known_parameters
-
-Judged = Callable[..., dict[str, Any]]
 
 
 def truth_of(declared: dict[str, Any]) -> Truth:
@@ -29,7 +27,7 @@ def test_every_effect_of_the_catalogue_is_compared_but_two() -> None:
     assert set(CATALOGUE) - set(CONVERSIONS) == {"bias_random_walk", "vibration_rectification"}
 
 
-def test_ripple_of_a_phase_moves_the_shaft_as_its_sine_and_cosine_do(declared: Judged) -> None:
+def test_ripple_of_a_phase_moves_the_shaft_as_its_sine_and_cosine_do() -> None:
     ripple = {"depth": 2e-4, "per_turn": 6, "phase": 0.8}
     truth = truth_of(declared({"rate_ripple": ripple}))
     known = known_parameters(truth, "rate_ripple")
@@ -42,7 +40,7 @@ def test_ripple_of_a_phase_moves_the_shaft_as_its_sine_and_cosine_do(declared: J
     np.testing.assert_allclose(moved, wave - wave[0, 0], atol=1e-12)
 
 
-def test_wobble_turns_with_the_heading(declared: Judged) -> None:
+def test_wobble_turns_with_the_heading() -> None:
     wobble = {"amplitude": 1e-4, "order": 2, "phases": [np.pi / 2, 0.0]}
     straight = known_parameters(truth_of(declared({"axis_wobble": wobble})), "axis_wobble")
     assert straight["east_cos"][0] == pytest.approx(1e-4)
@@ -55,9 +53,7 @@ def test_wobble_turns_with_the_heading(declared: Judged) -> None:
     assert turned["east_sin"][0] == pytest.approx(1e-4)
 
 
-def test_sensor_effects_are_told_for_the_input_and_not_for_what_the_element_answers(
-    declared: Judged,
-) -> None:
+def test_sensor_effects_are_told_for_the_input_and_not_for_what_the_element_answers() -> None:
     effects = {
         "gyro_scale_nonlinearity": {"coefficient": [1e-4, 0.0, 0.0], "order": 3, "top_rate": 5.2},
         "temperature_scale": {"gyro": [0.0, 2e-5, 0.0], "accel": [0.0, 0.0, 0.0]},
@@ -68,7 +64,7 @@ def test_sensor_effects_are_told_for_the_input_and_not_for_what_the_element_answ
     assert known_parameters(truth, "temperature_scale")["gyro_y"][0] == pytest.approx(2e-5 * 1.01)
 
 
-def test_interval_of_95_percent_decides(declared: Judged) -> None:
+def test_interval_of_95_percent_decides() -> None:
     truth = truth_of(declared({"lever_arm": {"r": [0.001, 0.002, 0.003]}}))
     response = [stated("r_x", 0.00119, "m", 1e-4), stated("r_y", 0.0018, "m", 1e-4)]
     pairs, alone = compared(truth, "lever_arm", response)
@@ -76,7 +72,7 @@ def test_interval_of_95_percent_decides(declared: Judged) -> None:
     assert not alone
 
 
-def test_what_has_another_unit_or_form_is_left_out_and_said(declared: Judged) -> None:
+def test_what_has_another_unit_or_form_is_left_out_and_said() -> None:
     truth = truth_of(
         declared({
             "lever_arm": {"r": [0.001, 0.002, 0.003]},
@@ -92,7 +88,7 @@ def test_what_has_another_unit_or_form_is_left_out_and_said(declared: Judged) ->
     assert alone == ["coefficient_x"]
 
 
-def test_lost_runs_are_compared_only_where_as_many_were_found(declared: Judged) -> None:
+def test_lost_runs_are_compared_only_where_as_many_were_found() -> None:
     truth = truth_of(declared({"dropped_samples": {"times": [10.0, 20.0], "lost": [2, 2]}}))
     one = [stated("lost_1", 2.0, "1"), stated("time_1", 20.0, "s")]
     assert compared(truth, "dropped_samples", one) == ([], ["lost_1", "time_1"])

@@ -1,8 +1,6 @@
 """Answers made by hand, and what they are worth."""
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -12,16 +10,16 @@ import pytest
 from schemas.recording import ACCEL, GYRO
 from tests.proof.plant.case import Case
 from tests.proof.plant.grades import channel_noise
-from tests.proof.trial.score import Gap, Score, misfits, scored
+from tests.proof.tests.trial.answers import answered, declared
+from tests.proof.trial.score import Gap, misfits, scored
 from tests.proof.trial.table import Rate, row, rows_of, totals_of
 
-Judged = Callable[..., dict[str, Any]]
 LEVER = {"lever_arm": {"r": [0.001, 0.002, 0.003]}}
 TILT = {"axis_tilt": {"east": 1e-4, "north": 0.0}}
 CABLE = {"x_cable_drag": {"gyro": [1e-4, 0.0, 0.0]}}
 
 
-def test_first_name_right(answered: Callable[..., Score]) -> None:
+def test_first_name_right() -> None:
     score = answered(LEVER, "unnamed", "lever_arm")
     assert score.detected
     assert score.right
@@ -29,14 +27,14 @@ def test_first_name_right(answered: Callable[..., Score]) -> None:
     assert not score.abstained
 
 
-def test_wrong_name_beside_the_right_one_counts(answered: Callable[..., Score]) -> None:
+def test_wrong_name_beside_the_right_one_counts() -> None:
     score = answered(LEVER, "lever_arm", "axis_tilt")
     assert score.right
     assert score.wrong == ("axis_tilt",)
     assert score.wrong_beyond_twins == ("axis_tilt",)
 
 
-def test_twin_that_lists_the_truth_counts_both_ways(answered: Callable[..., Score]) -> None:
+def test_twin_that_lists_the_truth_counts_both_ways() -> None:
     score = answered(LEVER, ("size_effect", "lever_arm"))
     assert not score.right
     assert score.right_or_twin
@@ -44,25 +42,25 @@ def test_twin_that_lists_the_truth_counts_both_ways(answered: Callable[..., Scor
     assert score.wrong_beyond_twins == ()
 
 
-def test_name_only_listed_as_a_twin_is_not_wrong(answered: Callable[..., Score]) -> None:
+def test_name_only_listed_as_a_twin_is_not_wrong() -> None:
     score = answered(LEVER, ("lever_arm", "size_effect"))
     assert score.right
     assert score.wrong == ()
 
 
-def test_any_name_is_wrong_outside_the_catalogue(answered: Callable[..., Score]) -> None:
+def test_any_name_is_wrong_outside_the_catalogue() -> None:
     assert answered(CABLE, "axis_wobble").wrong == ("axis_wobble",)
     left = answered(CABLE, "unnamed")
     assert left.abstained
     assert not left.wrong
 
 
-def test_finding_on_a_clean_recording_is_a_false_alarm(answered: Callable[..., Score]) -> None:
+def test_finding_on_a_clean_recording_is_a_false_alarm() -> None:
     alarms = [answered({}, kind="clean", z=None), answered({}, "unnamed", kind="clean", z=None)]
     assert totals_of(alarms)["clean"].detected == Rate(1, 2)
 
 
-def test_failure_of_explain_is_no_detection(declared: Judged) -> None:
+def test_failure_of_explain_is_no_detection() -> None:
     trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}}
     answer = {"failed": "ValueError: no", "seconds": 0.5}
     score = scored("0001", declared(LEVER), trial, answer, None)
@@ -70,7 +68,7 @@ def test_failure_of_explain_is_no_detection(declared: Judged) -> None:
     assert not score.detected
 
 
-def test_parameters_of_what_was_rightly_named_are_compared(declared: Judged) -> None:
+def test_parameters_of_what_was_rightly_named_are_compared() -> None:
     stated = [{"name": "r_y", "value": 0.0021, "unit": "m", "u": 1e-4}]
     findings = [
         {"effect": name, "indistinguishable_from": [], "parameters": stated}
@@ -104,9 +102,7 @@ def test_gap_is_told_whole_and_of_what_noise_lets_be_closed() -> None:
     assert Gap(first=100.0, left=100.0, floor=200.0).of_closable is None
 
 
-def test_rows_are_by_effect_and_z_with_the_clean_ones_first(
-    answered: Callable[..., Score],
-) -> None:
+def test_rows_are_by_effect_and_z_with_the_clean_ones_first() -> None:
     scores = [
         answered(CABLE, "unnamed", kind="outside"),
         answered(LEVER, "lever_arm", z=100.0),
@@ -122,15 +118,13 @@ def test_rows_are_by_effect_and_z_with_the_clean_ones_first(
     assert row("", None, scores[3:4]).found == Rate(1, 2)
 
 
-def test_right_is_asked_only_where_there_is_a_name(answered: Callable[..., Score]) -> None:
+def test_right_is_asked_only_where_there_is_a_name() -> None:
     scores = [answered(LEVER, "lever_arm"), answered(CABLE, "unnamed"),
               answered({"gravity_value": {"difference": 1e-3}})]  # fmt: skip
     assert row("", None, scores).right == Rate(1, 1)
 
 
-def test_certificate_that_is_off_by_more_than_its_uncertainty_is_counted(
-    answered: Callable[..., Score],
-) -> None:
+def test_certificate_that_is_off_by_more_than_its_uncertainty_is_counted() -> None:
     figures = row("", None, [answered(LEVER, "lever_arm")])
     assert (figures.before, figures.after, figures.before_most) == (3.0, 0.5, 3.0)
     assert (figures.beyond_before, figures.beyond_after) == (Rate(1, 1), Rate(0, 1))

@@ -4,24 +4,16 @@ import numpy as np
 
 from schemas.recording import (
     ACCEL,
-    FORMAT,
     GYRO,
     Manifest,
     Recording,
-    Station,
     Stream,
-    TableAxis,
-    Unit,
 )
+from tests.manifests import manifest_of
 
 
 def manifest() -> Manifest:
-    return Manifest(
-        format=FORMAT,
-        recording_id="small",
-        unit=Unit(manufacturer="M", model="U", serial="1"),
-        station=Station(id="T1", table_axes=(TableAxis(name="outer", direction=(0, 0, 1)),)),
-    )
+    return manifest_of("small", axes={"outer": (0, 0, 1)})
 
 
 def imu_stream(rows: int = 300, start: float = 0.0, **more: np.ndarray) -> Stream:

@@ -7,22 +7,14 @@ import pytest
 from mcap.writer import CompressionType, Writer
 
 from schemas.base import Unusable
-from schemas.recording import FORMAT, Manifest, Station, TableAxis, Unit
+from schemas.recording import Station
 from storage.formats.mcap.cdr import encode
 from storage.formats.mcap.definitions import schema_text
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.topics import IMU, JOINTS, TEMPERATURE
+from tests.manifests import manifest_of
 
 EPOCH = 1_700_000_000_123_456_789  # ns
-
-
-def manifest() -> Manifest:
-    return Manifest(
-        format=FORMAT,
-        recording_id="small",
-        unit=Unit(manufacturer="M", model="U", serial="1"),
-        station=Station(id="T1", table_axes=(TableAxis(name="outer", direction=(0, 0, 1)),)),
-    )
 
 
 class Bag:
@@ -83,7 +75,7 @@ def test_given_manifest_names_the_joints_that_are_table_axes(bag: Bag) -> None:
     for k in range(9):
         bag.imu(EPOCH + 1000 * k, 1.0)
         bag.add("/joints", JOINTS, EPOCH + 1000 * k + 7, name=["z", "outer"], position=[9.0, k])
-    table = read_mcap(bag.close(), manifest=manifest()).table
+    table = read_mcap(bag.close(), manifest=manifest_of("small", axes={"outer": (0, 0, 1)})).table
     assert table is not None
     assert table.columns["outer_angle"].tolist() == list(range(9))
     assert table.t[0] == 7e-9

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.information.entry import or_why_not, type_b, without_type_b
 from tasks.calibrate.information.noise import FLOOR
 from tasks.calibrate.information.repeatability import pooled_deviation
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import say
+from tests.manifests import manifest_of
 
 DEG = float(np.degrees(1.0))
 RATE_HZ = 50.0
@@ -52,11 +53,9 @@ def resting(seconds: float, seed: int, step: float = 0.0, rests: int = 4) -> Rec
         {"name": f"rest_{n}", "kind": "static", "up": "+z", "t_start": n * seconds,
          "t_end": (n + 1) * seconds} for n in range(rests)
     ]  # fmt: skip
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "resting",
-        "unit": {"manufacturer": "t", "model": "t", "serial": "1"},
-        "station": {"id": "t", "latitude_deg": 40.0, "gravity_m_s2": 9.8}, "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of(
+        "resting", {"latitude_deg": 40.0, "gravity_m_s2": 9.8}, segments=segments
+    )
     t = np.round(np.arange(rests * count) / RATE_HZ, 9)
     return Recording(manifest, Stream(t, dict(zip(GYRO + ACCEL, rows, strict=True))))
 

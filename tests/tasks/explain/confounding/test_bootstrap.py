@@ -59,7 +59,12 @@ def names(finding: Finding) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    ("step", "filtered"), [(COARSE_RAD, True), (COARSE_RAD, False), (SMOOTH_RAD, True)]
+    ("step", "filtered"),
+    [
+        (COARSE_RAD, True),
+        pytest.param(COARSE_RAD, False, marks=pytest.mark.rehearsal),
+        (SMOOTH_RAD, True),
+    ],
 )
 def test_a_fast_filter_and_a_delay_are_not_told_apart_at_sharp_ramps(
     step: float, *, filtered: bool

@@ -11,14 +11,14 @@ from engine_run import NOISY, motion, noise, observed, read
 from tasks.explain.confounding.combinations import Combination
 from tasks.explain.confounding.compare import FILTER
 from tasks.explain.confounding.compare import compared as compared_with
-from tasks.explain.confounding.families import common_part, shape_count
+from tasks.explain.confounding.delays import common_part, shape_count
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH, BANDWIDTH_BY_TRIAD
-from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient
+from tasks.model.terms.environment import TEMPERATURE_BIAS, thermal_transient
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.gyro import GYRO_ANGULAR_ACCELERATION
 from tasks.model.terms.timing import TIME_OFFSET
@@ -44,34 +44,6 @@ def found(*nuisances: str) -> tuple[FittedSelection, tuple[Candidate, ...]]:
     kept = tuple(Selected(one, 1.0, 1.0, ()) for one in whole)
     selection = replace(search(design, whole, (), NOISY), selected=kept)
     return FittedSelection.of(selection, blocks, blocks.rate), tuple(whole)
-
-
-def warmed(
-    made_by: tuple[Term, float], found_as: Term, error: float = 0.0
-) -> tuple[FittedSelection, list[Candidate]]:
-    """A temperature that approaches its end exponentially, and accelerometers whose biases follow
-    it or its rate; found as one of the two.
-
-    made_by: the term and its coefficient. error: of the recorded rate, relative.
-    """
-    fading = np.exp(-RUN.t / 150.0)
-    late = error * np.sin(2.0 * np.pi * RUN.t / RUN.t[-1])
-    temperature = {"temperature": 25.0 - fading}
-    true, recorded = (
-        replace(RUN, recorded={**RUN.recorded, **temperature, "temperature_rate": rate / 150.0})
-        for rate in (fading, fading + late)
-    )
-    term, size = made_by
-    made = read(true, (term, (0.0, 0.0, 0.0, size, size, size))) + noise(len(RUN.t), 4, NOISY)
-    blocks, own = observed(made, recorded), tuple(range(6))
-    gradient = Candidate(THERMAL_GRADIENT, own, own, 1)
-    bias = Candidate(TEMPERATURE_BIAS, tuple(range(6, 12)), own, 1)
-    columns = [*columns_of(THERMAL_GRADIENT, recorded), *columns_of(TEMPERATURE_BIAS, recorded)]
-    design = banded_design(blocks, made, columns, np.full(12, np.inf))
-    selection = search(design, [gradient, bias], (), NOISY)
-    (present,) = (one for one in (gradient, bias) if one.term is found_as)
-    selection = replace(selection, selected=(Selected(present, 1.0, 1.0, ()),))
-    return FittedSelection.of(selection, blocks, blocks.rate), [gradient, bias]
 
 
 def filtered_and_early() -> tuple[FittedSelection, list[Candidate]]:
@@ -124,21 +96,6 @@ def test_two_effects_are_no_likelier_than_a_filter_that_a_lead_cancels() -> None
     after = compared(*filtered_and_early())
     groups = [set(one.group) for one in after.selection.selected]
     assert {"time_offset", "bandwidth", "gyro_angular_acceleration"} in groups
-
-
-def test_what_is_not_plausible_gives_way_to_what_fits_as_well_and_is() -> None:
-    fit, candidates = warmed((TEMPERATURE_BIAS, 0.08), THERMAL_GRADIENT)
-    assert names(compared(fit, candidates)) == {"temperature_bias"}
-
-
-@pytest.mark.parametrize(("error", "as_well"), [(0.02, True), (0.2, False)])
-def test_a_rate_of_temperature_is_known_no_better_than_a_thermometer_tells(
-    error: float, as_well: bool
-) -> None:
-    fit, candidates = warmed((THERMAL_GRADIENT, 30.0), TEMPERATURE_BIAS, error)
-    (one,) = compared(fit, candidates).selection.selected
-    assert one.candidate.name == "temperature_bias"
-    assert ("thermal_gradient" in one.group) is as_well
 
 
 def test_a_time_constant_costs_as_much_as_a_parameter() -> None:

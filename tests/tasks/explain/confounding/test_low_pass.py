@@ -33,7 +33,6 @@ def filtered(order: int, corner: float, encoder_noise: float, delay: float = 0.0
     ("order", "corner", "encoder_noise"),
     [
         (1, 40.0, 0.0),
-        (2, 40.0, 1e-5),
         *(
             pytest.param(order, corner, noise, marks=pytest.mark.rehearsal)
             for order, corner, noise in (
@@ -45,6 +44,7 @@ def filtered(order: int, corner: float, encoder_noise: float, delay: float = 0.0
                 (2, 10.0, 0.0),
                 (2, 10.0, 1e-5),
                 (2, 40.0, 0.0),
+                (2, 40.0, 1e-5),
             )
         ),
     ],

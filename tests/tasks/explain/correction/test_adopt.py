@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
 from tasks.specifications.jjf2003 import JJF2003
+from tests.tasks.items_only import items_only
 
 TITLE = Statement(en="unit beside the axis", zh="安装偏心")
 STANDARD_VALUES = nominal_values(STANDARD_TERMS)
@@ -36,7 +38,7 @@ ARM, U_ARM = (0.05, -0.03, 0.02), (1e-4, 2e-4, 3e-4)
 
 
 def calibrated(recording: Recording) -> Calibration:
-    return calibrate(JJF2003, recording, run="r", code_version="v")
+    return items_only(JJF2003, recording)
 
 
 def added_by(term, recording: Recording, values: tuple[float, ...]) -> np.ndarray:
@@ -163,12 +165,13 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
 
 def test_the_site_is_judged_by_readings_that_have_earths_rotation(plant) -> None:
     """Less Earth's rotation they show none of it, which says nothing of latitude and heading."""
-    whole = plant("plant_earth_rotation")
-    recording = replace(whole, imu=whole.imu.at(FIFTH), table=whole.table.at(FIFTH))
+    full = plant("plant_earth_rotation")
+    recording = replace(full, imu=full.imu.at(FIFTH), table=full.table.at(FIFTH))
     latitude = math.radians(recording.manifest.station.latitude_deg or 0.0)
     term = earth_rotation(latitude)
     found = finding(added_by(term, recording, ()), "earth_rotation", parameters=())
-    adopted, plain = adopt(recording, [found], calibrated, None), calibrated(recording)
+    whole = partial(calibrate, JJF2003, run="r", code_version="v")
+    adopted, plain = adopt(recording, [found], whole, None), whole(recording)
     codes = {remark.code for remark in adopted.remarks}
     assert "earth_not_shown" not in codes | {remark.code for remark in plain.remarks}
     assert "earth_not_shown" in {

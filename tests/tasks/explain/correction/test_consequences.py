@@ -10,7 +10,6 @@ from explained import explanation, finding, nothing_added
 from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
-from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import corrected
 from tasks.explain.correction.consequences import consequences, moved_by
 from tasks.explain.determined import DeterminedModel
@@ -21,6 +20,7 @@ from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import say
+from tests.tasks.items_only import items_only
 
 STEP = 0.01  # deg/s
 Build = Callable[..., Recording]
@@ -55,7 +55,7 @@ def test_before_is_what_was_read_and_after_is_less_what_was_found(run: Recording
     by_name = {(observed.item, observed.element): observed for observed in moved}
     assert set(by_name) == {("gyro_bias", "x"), ("gyro_fit_offset", "x")}
     bias = by_name["gyro_bias", "x"]
-    certified = calibrate(JJF2003, spoilt, run="", code_version="").items["gyro_bias"]
+    certified = items_only(JJF2003, spoilt).items["gyro_bias"]
     assert bias.before == certified.value["x"] == pytest.approx(STEP, rel=1e-3)
     assert bias.after == pytest.approx(0.0, abs=1e-6)
     assert bias.unit == "deg/s"
@@ -72,7 +72,7 @@ def test_what_a_widened_u_of_the_certificate_covers_is_no_error_of_it(run: Recor
         added[run.imu.rows(segment.t_start, segment.t_end), 3] = 0.02 * (k == 2)
     spoilt = added_to(run, added)
     found = consequences(spoilt, explanation(spoilt, finding(added)))
-    certified = calibrate(JJF2003, spoilt, run="", code_version="").items["accel_bias"]
+    certified = items_only(JJF2003, spoilt).items["accel_bias"]
     (bias,) = (c for c in found.together if (c.item, c.element) == ("accel_bias", "x"))
     assert bias.U_before == certified.U["x"] > 2.0 * bias.U
     assert moved_by(bias) == pytest.approx(abs(bias.after - bias.before) / certified.U["x"])
@@ -94,7 +94,7 @@ def test_the_limits_of_the_laboratory_count_in_both_u(run: Recording) -> None:
 
 
 def test_what_moves_less_than_a_twentieth_of_u_is_not_listed(run: Recording) -> None:
-    U = calibrate(JJF2003, run, run="", code_version="").items["accel_bias"].U["x"]
+    U = items_only(JJF2003, run).items["accel_bias"].U["x"]
     assert U is not None
     for share, listed in ((0.04, 0), (0.06, 1)):
         added = biased(run, 3, share * U)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY, NOISY, RATE, WHITE, motion, noise, observed, read
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
 from tasks.explain.channels import ACCELS, CHANNELS
 from tasks.explain.determined import si_unit
 from tasks.explain.events.event import Events
@@ -29,6 +29,7 @@ from tasks.model.terms.memory import bias_step
 from tasks.model.terms.site import earth_rotation
 from tasks.motion.table import EARTH_RATE
 from tasks.words import say
+from tests.manifests import manifest_of
 
 RUN = motion()
 ARM = (0.004, -0.006, 0.003)
@@ -45,14 +46,13 @@ def picked(term: Term, own: tuple[int, ...] | None = None, *rivals: str) -> Sele
 def explained(made: np.ndarray, *chosen: Selected) -> Explanation:
     """What is said of readings that chosen terms, one each, are fitted to; rows are the blocks."""
     columns = {name: made[:, c].copy() for c, name in enumerate(CHANNELS)}
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "made",
-        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-        "station": {"id": "test", "gravity_m_s2": GRAVITY},
-        "segments": [{
+    manifest = manifest_of(
+        "made",
+        {"gravity_m_s2": GRAVITY},
+        segments=[{
             "name": "all", "kind": "static", "up": "+z", "t_start": 0.0, "t_end": RUN.t[-1] + 1.0,
         }],
-    })  # fmt: skip
+    )  # fmt: skip
     recording = Recording(manifest, Stream(RUN.t, columns))
     # The labels know nothing of the motion, which is put in here.
     full = replace(

@@ -10,7 +10,7 @@ from engine_run import NOISY, RATE, motion, noise, observed, read
 from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS, GYROS
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import FindingGroup, finding_groups, leakage
+from tasks.explain.evidence.groups import FindingGroup, finding_groups
 from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.candidates import Candidate, Prior
@@ -53,13 +53,6 @@ def weighed(made: np.ndarray, chosen: Sequence[Selected]) -> tuple[Evidence, lis
     return evidence, list(evidence.groups)
 
 
-def names(*chosen: Selected) -> list[str]:
-    """Of the findings where nothing but noise is left."""
-    groups = finding_groups(found(*chosen))
-    leaking = leakage(groups, [1.0] * len(groups))
-    return [UNNAMED if n in leaking else group.name for n, group in enumerate(groups)]
-
-
 @pytest.fixture(scope="module")
 def three() -> tuple[Evidence, list[FindingGroup]]:
     """An arm that is there, Earth that is there, a gradient that is not."""
@@ -79,30 +72,6 @@ def test_what_has_no_name_stays_apart() -> None:
     first, second = (sinusoid(GYROS).shaped((period,)) for period in (20.0, 31.0))
     some = [picked(first), picked(replace(second, variant=1))]
     assert [group.name for group in finding_groups(found(*some))] == [UNNAMED, UNNAMED]
-
-
-def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_physics() -> None:
-    strong = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=2000.0)
-    some = [strong, picked(TEMPERATURE_BIAS), replace(picked(LEVER_ARM), gain=900.0), picked(EARTH)]
-    assert names(*some) == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
-
-
-def test_a_drift_weaker_than_jumps_without_a_name_is_their_form_error_and_nothing_else_is() -> None:
-    later = replace(bias_step(0, 250.0), variant=1)
-    jumps = [replace(picked(step), gain=100.0) for step in (bias_step(0, 100.0), later)]
-    drift, arm = replace(picked(TEMPERATURE_BIAS), gain=120.0), picked(LEVER_ARM)
-    assert names(*jumps, drift, arm)[1:] == [UNNAMED, "lever_arm"]
-    stronger = replace(drift, gain=220.0)
-    assert names(*jumps, stronger)[1] == "temperature_bias"
-    follows = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=200.0)
-    assert names(follows, drift)[1] == "temperature_bias"
-
-
-def test_what_has_no_name_leaks_no_more_than_stands_out_of_what_is_left() -> None:
-    strong = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=2000.0)
-    groups = finding_groups(found(strong, picked(TEMPERATURE_BIAS)))
-    assert leakage(groups, [1.0, 1.0]) == {1: 20.0}
-    assert leakage(groups, [100.0, 1.0]) == {}
 
 
 def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:

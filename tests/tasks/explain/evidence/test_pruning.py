@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY
 
-from tasks.explain.evidence.pruning import MIN_LOG_ODDS, absorbed
+from tasks.explain.evidence.pruning import absorbed
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.stepwise import Selected
 from tasks.explain.whitening import Noise
@@ -61,7 +62,7 @@ def test_earth_is_claimed_where_the_reading_is_as_large_as_earths_rate(seed: int
     assert one is not None
     assert one.candidate is KNOWN
     assert one.absorbed_by == "gyro_g_sensitivity"
-    assert one.score >= MIN_LOG_ODDS
+    assert one.score >= CERTAIN
     assert one.gain > one.score
 
 

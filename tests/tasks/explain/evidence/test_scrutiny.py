@@ -11,7 +11,7 @@ from engine_run import MOVE, NOISY, REST, motion, noise, read, selected
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.lookalikes import Examined
 from tasks.explain.evidence.pruning import pruned
-from tasks.explain.evidence.scrutiny import Scrutiny, _scattered, _undetermined
+from tasks.explain.evidence.scrutiny import Scrutiny, _undetermined
 from tasks.model.term import Term
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
 from tasks.model.terms.memory import bias_step
@@ -109,35 +109,18 @@ def test_a_size_is_implausible_where_its_whole_interval_is(beyond: float, refuse
     assert (one.refusal is not None and one.refusal.kind == "implausible") == refused
 
 
-@pytest.mark.parametrize(("delta_bic", "refused"), [(50.0, True), (500.0, False)])
-def test_what_only_all_parameters_together_determine_has_a_name_unless_it_is_weak(
-    delta_bic: float, refused: bool
+@pytest.mark.parametrize(("correlation", "refused"), [(0.0, True), (-0.99, False)])
+def test_what_all_parameters_together_determine_has_a_name(
+    correlation: float, refused: bool
 ) -> None:
     values, u = np.array([1.0, 1.0]), np.array([1.0, 1.0])  # each less than its U, of two
     evidence: Any = SimpleNamespace(
         groups=[SimpleNamespace(name=LEVER_ARM.name)],
         parameters=lambda _: LEVER_ARM.parameters[:2],
-        correlation=lambda _: np.array([[1.0, -0.99], [-0.99, 1.0]]),
-        delta_bic=lambda _: delta_bic,
+        correlation=lambda _: np.array([[1.0, correlation], [correlation, 1.0]]),
     )
     refusal = _undetermined(Examined(cast(Evidence, evidence), 0, values, u))
     assert (refusal is not None and refusal.kind == "undetermined") == refused
-
-
-@pytest.mark.parametrize(
-    ("dispersion", "delta_bic", "refused"),
-    [(13.7, 41.0, True), (13.7, 400.0, False), (1.2, 41.0, False)],
-)
-def test_what_is_weak_beside_stretches_that_scatter_has_no_name(
-    dispersion: float, delta_bic: float, refused: bool
-) -> None:
-    evidence: Any = SimpleNamespace(
-        groups=[SimpleNamespace(name="hysteresis")],
-        scatter=SimpleNamespace(dispersion=lambda _: dispersion),
-        delta_bic=lambda _: delta_bic,
-    )
-    refusal = _scattered(Examined(cast(Evidence, evidence), 0, np.zeros(0), np.zeros(0)))
-    assert (refusal is not None and refusal.kind == "scatter") == refused
 
 
 def rough(seed: int) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.recording import Manifest, Recording, Segment, Stream, TableAxis
+from schemas.recording import Recording, Segment, Stream, TableAxis
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
@@ -16,6 +16,7 @@ from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.reference_noise import EXACT
 from tasks.motion.whole import Motion
+from tests.manifests import manifest_of
 from tests.moved_by_hand import poses, recording
 
 GRAVITY, RATE, REST, RESTS = 9.8, 100.0, 10.0, 6  # m/s², Hz, s
@@ -44,11 +45,7 @@ def rested(
     kept = np.ones(len(t), bool)
     if drop is not None:
         kept[drop] = False
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "rests",
-        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-        "station": {"id": "test", "gravity_m_s2": GRAVITY}, "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of("rests", {"gravity_m_s2": GRAVITY}, segments=segments)
     columns = {name: readings[kept, c].copy() for c, name in enumerate(CHANNELS)}
     return Recording(manifest, Stream(t[kept], columns))
 
@@ -185,14 +182,7 @@ def on_a_shaft(step: float) -> Recording:
     readings = np.random.default_rng(3).standard_normal((len(t), 6)) * SIGMA
     readings[:, 2] += np.gradient(angle, t)
     readings[:, 5] += GRAVITY
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "shaft",
-        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-        "station": {
-            "id": "test", "gravity_m_s2": GRAVITY,
-            "table_axes": [{"name": "shaft", "direction": [0, 0, 1]}],
-        },
-    })  # fmt: skip
+    manifest = manifest_of("shaft", {"gravity_m_s2": GRAVITY}, {"shaft": (0, 0, 1)})
     columns = {name: readings[:, c] for c, name in enumerate(CHANNELS)}
     return Recording(manifest, Stream(t, columns), table=Stream(t, {"shaft_angle": read}))
 

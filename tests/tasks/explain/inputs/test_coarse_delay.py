@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.coarse_delay import MIN_DELAY, coarse_delay
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import advanced
 from tasks.motion.whole import Motion
+from tests.manifests import manifest_of
 
 T = np.arange(0.0, 60.0, 0.01)
 NOISE = 0.01  # rad/s
@@ -67,10 +68,6 @@ def test_only_what_is_before_a_loss_is_looked_at() -> None:
 
 
 def test_stamps_are_taken_back() -> None:
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "late",
-        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-        "station": {"id": "test", "gravity_m_s2": 9.8},
-    })  # fmt: skip
+    manifest = manifest_of("late", {"gravity_m_s2": 9.8})
     read = Recording(manifest, Stream(T, {name: np.zeros(len(T)) for name in CHANNELS}))
     assert advanced(read, 0.03).imu.t == pytest.approx(T - 0.03)

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.labels import disturbed_rows, with_usable_labels
 from tasks.explain.inputs.prepared import prepare
 from tasks.words import say
+from tests.manifests import manifest_of
 
 REST, RATE = 10.0, 100.0  # s, Hz
 UPS = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -36,11 +37,7 @@ def run(
         segments.append({"name": f"turn{k}", "kind": "rate", "axis": "z", "rate_deg_s": label,
                          "up": None if gyro_only else "+z"})  # fmt: skip
     timed = [s | {"t_start": k * REST, "t_end": (k + 1) * REST} for k, s in enumerate(segments)]
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "labels", "segments": timed,
-        "unit": {"manufacturer": "", "model": "", "serial": ""},
-        "station": {"id": "s", "gravity_m_s2": 9.8},
-    })  # fmt: skip
+    manifest = manifest_of("labels", {"gravity_m_s2": 9.8}, segments=timed)
     names = CHANNELS[:3] if gyro_only else CHANNELS
     return Recording(manifest, Stream(t, {name: values[:, c] for c, name in enumerate(names)}))
 

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from schemas.recording import FORMAT, Manifest, Recording, Station, Stream, Unit
+from schemas.recording import Recording, Stream
 from tasks.explain.inputs.remarks import clock_remarks
 from tasks.words import say
+from tests.manifests import manifest_of
 
 CLOCK = {
     "at_s": 300.0, "offset_s": -0.004, "half_width_s": 0.01, "u_offset_s": 0.006, "skew": 1e-6,
@@ -16,15 +17,7 @@ CLOCK = {
 
 
 def recording(**extra: Any) -> Recording:
-    manifest = Manifest.model_validate(
-        {
-            "format": FORMAT,
-            "recording_id": "clocked",
-            "unit": Unit(manufacturer="M", model="U", serial="1"),
-            "station": Station(id="T1"),
-            **extra,
-        }
-    )
+    manifest = manifest_of("clocked", **extra)
     return Recording(manifest, Stream(np.arange(3.0), {}))
 
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from schemas.discrepancy import HeldOut, Where
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.locate.where import locate, settling_time
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.whole import Motion, whole_motion
+from tests.manifests import THREE_AXES, manifest_of
 
 RATE_HZ = 20.0
 NOISE = np.array([1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3])
@@ -66,19 +67,7 @@ def run() -> Recording:
     noise = NOISE[:, None] * rng.standard_normal((6, len(t)))
     columns = dict(zip(GYRO + ACCEL, noise, strict=True))
     columns["temperature"] = 25.0 + 5.0 * np.sin(t / 70.0)  # no other course goes up and down so
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "hand-made",
-        "unit": {"manufacturer": "test", "model": "none", "serial": "1"},
-        "station": {
-            "id": "test", "heading_deg": 0.0,
-            "table_axes": [
-                {"name": "outer", "direction": (0, 0, 1)},
-                {"name": "middle", "direction": (1, 0, 0)},
-                {"name": "inner", "direction": (0, 0, 1)},
-            ],
-        },
-        "segments": table.segments,
-    })  # fmt: skip
+    manifest = manifest_of("hand-made", {"heading_deg": 0.0}, THREE_AXES, segments=table.segments)
     names = ("outer_angle", "middle_angle", "inner_angle")
     air = {"supply_voltage": 5.0 + 0.01 * np.cos(fine[::100] / 31.0)}
     return Recording(

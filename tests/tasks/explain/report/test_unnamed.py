@@ -26,10 +26,8 @@ REFUSALS: dict[str, Refusal] = {
     "both_ways": Refusal("both_ways", "hysteresis"),
     "swings": Refusal("swings", "bandwidth"),
     "switching": Refusal("switching", "bias_random_walk"),
-    "leakage": Refusal("leakage", "encoder_eccentricity", value=34.0),
-    "scatter": Refusal("scatter", "hysteresis", value=13.7),
     "form_error": Refusal("form_error", "gyro_scale_asymmetry", value=360.0),
-    "incomplete": Refusal("incomplete", "bias_random_walk", value=7.2),
+    "overshadowed": Refusal("overshadowed", "bias_random_walk", value=7.2),
     "channel_worse": Refusal("channel_worse", "axis_wobble", channel=4, value=-30.0),
     "undetermined": Refusal(
         "undetermined", "magnetic_sensitivity", "gyro_x", "rad/s", value=1e-5, limit=2e-5
@@ -114,10 +112,10 @@ def test_what_the_errors_of_the_reference_would_make_asks_for_a_better_one() -> 
     assert "finer or smoother encoder" in found.next.en
 
 
-def test_a_random_drift_beside_something_else_says_how_much_is_left() -> None:
-    found = refused("incomplete")
-    assert "still show 7.2 times the noise" in found.statement.en
-    assert "segment by segment" in found.next.en
+def test_a_name_beside_what_nothing_explains_says_how_much_that_is() -> None:
+    found = refused("overshadowed")
+    assert "7.2 times" in found.statement.en
+    assert "first find the cause of the residual" in found.next.en
 
 
 def test_what_is_no_larger_than_its_uncertainty_is_to_be_recorded_again() -> None:

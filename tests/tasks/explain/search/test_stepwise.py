@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import (
     COSINES,
     STRENGTHS,
@@ -21,7 +22,7 @@ from tasks.explain.search.candidates import (
     plausible_half_ranges,
 )
 from tasks.explain.search.design import BandedDesign, banded_design, normal_equations
-from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER, rank
+from tasks.explain.search.scores import PER_PARAMETER, rank
 from tasks.explain.search.stepwise import FALSE_ALARMS, Selection, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
@@ -119,7 +120,7 @@ def test_known_physics_is_compared_by_its_own_size_and_wins_over_what_fits_no_be
             taken_off[:, channel] = series
         direct = misfit(one) - misfit(one, (), taken_off)
         assert own.gain == pytest.approx(direct, rel=2e-3, abs=0.3)
-        ahead = INDISTINGUISHABLE if own.gain > 2.0 * INDISTINGUISHABLE else 0.0
+        ahead = CERTAIN if own.gain > 2.0 * CERTAIN else 0.0
         assert own.score == pytest.approx(own.gain - EARTH.rarity + ahead)
         # Where Earth's rate is absent, or is three times as large, taking it off once is no fit.
         assert (own.gain > 0) == (strength > 0.5)

@@ -7,9 +7,9 @@ import pytest
 
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf1536.angles import fit_angle_noise, pooled_allan
+from tests.tasks.items_only import items_only
 
 AXES = "xyz"
 K, B = (1.001, 0.999, 1.0), (0.002, -0.001, 0.003)
@@ -18,7 +18,7 @@ RATE_NOISE = np.radians(0.2) / 60  # rad/√s: 0.2 °/√h
 
 
 def result(recording: Recording) -> Calibration:
-    return calibrate(JJF1536, recording, run="r", code_version="v")
+    return items_only(JJF1536, recording)
 
 
 def type_a(item: Item, element: str) -> float:

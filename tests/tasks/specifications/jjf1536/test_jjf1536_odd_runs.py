@@ -9,15 +9,15 @@ import pytest
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import ANGLE, Mount, Recording, Segment, Station, Stream
-from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
+from tests.tasks.items_only import items_only
 
 AXES = "xyz"
 DEG = float(np.degrees(1.0))
 
 
 def result(recording: Recording) -> Calibration:
-    return calibrate(JJF1536, recording, run="r", code_version="v")
+    return items_only(JJF1536, recording)
 
 
 NOT_RECORDED = {"no_reference", "supply_not_recorded", "unit_temperature_not_recorded"}
@@ -410,7 +410,7 @@ def test_turns_that_the_named_axis_does_not_read_give_no_misalignment(ahrs_run) 
     names = [name for name in ("angle_x", "angle_y", "gyro_x", "gyro_y") if name in columns]
     swapped = dict(zip(names, (columns[n] for n in (names[1], names[0])), strict=True))
     imu = replace(run.imu, columns=columns | swapped)
-    found = calibrate(JJF1536, replace(run, imu=imu), run="r", code_version="v")
+    found = items_only(JJF1536, replace(run, imu=imu))
     value = found.items["ahrs_misalignment"].value
     assert [value[e] for e in ("xy", "zy", "yx", "zx")] == [None] * 4
     assert "the angle that x reads disagrees" in found.unavailable["ahrs_misalignment"]
@@ -421,4 +421,4 @@ def test_an_angle_that_starts_anew_each_turn_is_refused_with_its_row(ahrs_run) -
     turns = {name: np.angle(np.exp(1j * run.imu.columns[name])) for name in ANGLE}
     imu = replace(run.imu, columns={**run.imu.columns, **turns})
     with pytest.raises(Unusable, match=r"column angle_x, row \d+: the angle jumps by [+-]3\d\d°"):
-        calibrate(JJF1536, replace(run, imu=imu), run="r", code_version="v")
+        items_only(JJF1536, replace(run, imu=imu))

@@ -7,10 +7,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from schemas.calibration import Calibration
-from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
 from tasks.specifications.joint import JOINT
 from tasks.specifications.joint.gravity_fit import fit_gravity
 from tasks.specifications.joint.moves import Moves, fit_moves
+from tests.manifests import manifest_of
 from tests.tasks.items_only import items_only
 
 GRAVITY = 9.8
@@ -45,11 +46,7 @@ def held_by_hand(rests: int = 30, seed: int = 1, **station: float | None) -> Rec
     rate, force = np.concatenate(rates), GRAVITY * np.concatenate(ups)
     gyro = rate @ K_GYRO.T + B_GYRO + 1e-4 * rng.standard_normal(rate.shape)
     accel = force @ K_ACCEL.T + B_ACCEL + 1e-3 * rng.standard_normal(rate.shape)
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "by_hand", "standard": "other",
-        "unit": {"manufacturer": "test", "model": "m", "serial": "1"},
-        "station": {"id": "hand", "gravity_m_s2": GRAVITY, **station},
-    })  # fmt: skip
+    manifest = manifest_of("by_hand", {"gravity_m_s2": GRAVITY, **station}, standard="other")
     columns = dict(zip(GYRO + ACCEL, np.hstack([gyro, accel]).T.copy(), strict=True))
     times = np.round(np.arange(len(gyro)) / RATE, 9)
     return Recording(manifest, Stream(times, columns), digest="0" * 64)

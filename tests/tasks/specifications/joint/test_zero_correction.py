@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
-from tasks.calibrate.calibrate import calibrate
+from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
 from tasks.specifications.joint import JOINT
 from tasks.specifications.joint.zero_correction import Solved, least_squares, zero_corrected
+from tests.manifests import manifest_of
+from tests.tasks.items_only import items_only
 
 GRAVITY = 9.8
 RATES = (20.0, 60.0, 150.0, 300.0)
@@ -41,12 +42,9 @@ def patent_run(
                          "axis": AXES[axis], "rate_deg_s": turn * rate}  # fmt: skip
                 hold(label, np.radians(about), GRAVITY * up)
         hold({"name": f"rest_{mark}", "kind": "static", "up": mark}, np.zeros(3), GRAVITY * up)
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "patent", "standard": "JJF 2003-2022",
-        "unit": {"manufacturer": "test", "model": "m", "serial": "1"},
-        "station": {"id": "t", "gravity_m_s2": GRAVITY},
-        "segments": segments,
-    })  # fmt: skip
+    manifest = manifest_of(
+        "patent", {"gravity_m_s2": GRAVITY}, standard="JJF 2003-2022", segments=segments
+    )
     values = np.concatenate(rows)
     times = np.round(np.arange(len(values)) / RATE_HZ, 9)
     columns = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))
@@ -73,7 +71,7 @@ def codes(calibration: Calibration) -> set[str]:
 
 def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims() -> None:
     planted = unit()
-    found = calibrate(JOINT, patent_run(planted), run="r", code_version="v")
+    found = items_only(JOINT, patent_run(planted))
     named = {
         "gyro_g_sensitivity": np.degrees(planted["G"]),
         "accel_rate_sensitivity": -planted["P"],
@@ -92,9 +90,9 @@ def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims() ->
 
 
 def test_too_few_or_falling_rates_are_remarked() -> None:
-    few = calibrate(JOINT, patent_run(unit(), (20.0, 300.0)), run="r", code_version="v")
+    few = items_only(JOINT, patent_run(unit(), (20.0, 300.0)))
     assert "number_of_rates" in codes(few)
-    falling = calibrate(JOINT, patent_run(unit(), RATES[::-1]), run="r", code_version="v")
+    falling = items_only(JOINT, patent_run(unit(), RATES[::-1]))
     assert "rates_not_rising" in codes(falling)
 
 

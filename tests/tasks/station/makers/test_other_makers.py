@@ -96,7 +96,9 @@ def check(run: Acquired, sink: Any, environment: list[str]) -> None:
     assert np.diff(sink.stream("imu").t).min() > 0
 
 
-@pytest.mark.parametrize("line", ["tcp", "serial", "rtu through tcp"])
+@pytest.mark.parametrize(
+    "line", [pytest.param("tcp", marks=pytest.mark.rehearsal), "serial", "rtu through tcp"]
+)
 def test_a_modbus_table_laid_out_otherwise_runs_a_procedure(brisk, kept, line):
     maker, fields = modbus_maker.ModbusMaker(), sample("modbus_polled")
     if line == "rtu through tcp":

@@ -6,17 +6,13 @@ import numpy as np
 import pytest
 
 from tests.proof.plant.grades import GYRO as GYRO_NOISE
-from tests.proof.plant.rough.case import RoughCase
-from tests.proof.plant.rough.play import Played
+from tests.proof.tests.plant.rough.short_runs import played, readings, rough_of
 
-Roughs = Callable[..., RoughCase]
-Plays = Callable[[RoughCase], Played]
-Reads = Callable[[Played], np.ndarray]
 STEP = GYRO_NOISE["industrial"].step
 
 
 @pytest.fixture
-def pair(rough_of: Roughs, played: Plays, readings: Reads) -> Callable[..., tuple[np.ndarray, ...]]:
+def pair() -> Callable[..., tuple[np.ndarray, ...]]:
     """Readings without and with an effect on the log."""
 
     def build(effect: str, **parameters: object) -> tuple[np.ndarray, ...]:
@@ -113,7 +109,7 @@ def test_rows_are_held_doubled_or_interpolated(
     )
 
 
-def test_stamps_scatter_or_close_up_in_batches(rough_of: Roughs, played: Plays) -> None:
+def test_stamps_scatter_or_close_up_in_batches() -> None:
     plain = played(rough_of("shaft")).recording.imu
     loose = played(rough_of("shaft", "timestamp_jitter", sigma=1e-3)).recording.imu
     assert (loose.t - plain.t).std() == pytest.approx(1e-3, rel=0.05)

@@ -1,18 +1,14 @@
 """Encoders and tracked poses that are no better than they are."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from schemas.recording import Stream
 from tests.proof.plant.rotations import inverse, product, vector_of
-from tests.proof.plant.rough.case import RoughCase, Tracking
-from tests.proof.plant.rough.play import Played
+from tests.proof.plant.rough.case import Tracking
 from tests.proof.plant.rough.reference import scattered
+from tests.proof.tests.plant.rough.short_runs import played, rough_of
 
-Roughs = Callable[..., RoughCase]
-Plays = Callable[[RoughCase], Played]
 DEGREE = np.pi / 180.0
 
 
@@ -21,7 +17,7 @@ def tracking(**fields: object) -> dict[str, object]:
     return {"tracking": Tracking.model_validate(declared)}
 
 
-def test_encoder_has_its_own_rate_steps_and_speeds(rough_of: Roughs, played: Plays) -> None:
+def test_encoder_has_its_own_rate_steps_and_speeds() -> None:
     coarse = {"encoder": {"rate_hz": 40, "step": 0.3 * DEGREE, "noise": 0.0, "speeds": True}}
     table = played(rough_of("shaft", fields=coarse)).recording.table
     assert table is not None
@@ -31,7 +27,7 @@ def test_encoder_has_its_own_rate_steps_and_speeds(rough_of: Roughs, played: Pla
     assert np.allclose(table.columns["shaft_rate"][1:-1], (angle[2:] - angle[:-2]) * 20)
 
 
-def test_coarser_steps_mislead_more(rough_of: Roughs, played: Plays) -> None:
+def test_coarser_steps_mislead_more() -> None:
     misled = [
         played(
             rough_of("shaft", fields={"encoder": {"rate_hz": 100, "step": step, "noise": 0.0}})
@@ -50,7 +46,7 @@ def test_stamps_scatter_and_still_rise() -> None:
     assert scattered(np.random.default_rng(1), t, 0.0) == pytest.approx(t)
 
 
-def test_poses_are_turned_against_the_unit_and_the_room(rough_of: Roughs, played: Plays) -> None:
+def test_poses_are_turned_against_the_unit_and_the_room() -> None:
     straight = played(rough_of("hand", fields=tracking())).recording.reference
     turned = played(rough_of("hand", fields=tracking(turn=(0.0, 0.03, 0.0)))).recording.reference
     tilted = played(rough_of("hand", fields=tracking(tilt=(0.01, 0.0, 0.0)))).recording.reference
@@ -69,7 +65,7 @@ def test_poses_are_turned_against_the_unit_and_the_room(rough_of: Roughs, played
     assert np.allclose(moved, 0.01 * straight.columns["py"], atol=1e-4)
 
 
-def test_poses_come_late_with_gaps_and_between_the_frames(rough_of: Roughs, played: Plays) -> None:
+def test_poses_come_late_with_gaps_and_between_the_frames() -> None:
     on_time = played(rough_of("hand", fields=tracking())).recording
     late = played(rough_of("hand", fields=tracking(delay=1 / 120))).recording
     assert on_time.reference is not None
@@ -86,9 +82,7 @@ def test_poses_come_late_with_gaps_and_between_the_frames(rough_of: Roughs, play
                           axis=0) == pytest.approx(1.0)  # fmt: skip
 
 
-def test_noise_of_poses_and_what_it_does_to_predicted_readings(
-    rough_of: Roughs, played: Plays
-) -> None:
+def test_noise_of_poses_and_what_it_does_to_predicted_readings() -> None:
     rough = rough_of("hand", fields=tracking(position_noise=3e-4, attitude_noise=1e-3))
     run, clear = played(rough), played(rough_of("hand", fields=tracking()))
     assert run.recording.reference is not None
@@ -99,9 +93,7 @@ def test_noise_of_poses_and_what_it_does_to_predicted_readings(
     assert clear.misread[:, 3:].std() < 0.05 * run.misread[:, 3:].std()
 
 
-def test_nuisances_of_the_reference_are_sealed_by_their_names(
-    rough_of: Roughs, played: Plays
-) -> None:
+def test_nuisances_of_the_reference_are_sealed_by_their_names() -> None:
     drawn = tracking(turn=(0.01, 0.0, 0.0), arm=(0.0, 0.02, 0.0), delay=4e-3)
     sealed = played(rough_of("hand", fields=drawn | {"stamp_jitter": 1e-3})).sealed
     assert set(sealed["nuisances"]) == {

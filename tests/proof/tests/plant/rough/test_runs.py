@@ -1,19 +1,14 @@
 """Motions that are no procedure: a shaft to and fro, a body moved by hand."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from tests.proof.plant.rough.case import RoughCase
-from tests.proof.plant.rough.play import Played
 from tests.proof.plant.rough.runs import felt, move_by_hand
-
-Roughs = Callable[..., RoughCase]
-Plays = Callable[[RoughCase], Played]
+from tests.proof.tests.plant.rough.short_runs import played, rough_of
 
 
-def test_hand_reaches_its_top_rate_and_rests_at_both_ends(rough_of: Roughs, played: Plays) -> None:
+def test_hand_reaches_its_top_rate_and_rests_at_both_ends() -> None:
     run = played(rough_of("hand", fields={"top_rate": 3.5}))
     speed = np.abs(run.reported[:, :3])
     assert speed.max() == pytest.approx(3.5, rel=0.03)
@@ -21,7 +16,7 @@ def test_hand_reaches_its_top_rate_and_rests_at_both_ends(rough_of: Roughs, play
     assert speed[-200:].max() < 1e-3
 
 
-def test_motion_by_hand_has_no_fast_part(rough_of: Roughs, played: Plays) -> None:
+def test_motion_by_hand_has_no_fast_part() -> None:
     series = played(rough_of("hand")).reported[:, 0]
     power = np.abs(np.fft.rfft(series * np.hanning(len(series)))) ** 2
     frequency = np.fft.rfftfreq(len(series), 0.01)
@@ -44,7 +39,7 @@ def test_specific_force_of_a_moving_body_is_the_second_derivative_of_its_place()
     assert np.ptp(hand.place[2]) > 0.05
 
 
-def test_an_arm_adds_centripetal_and_tangential_force(rough_of: Roughs, played: Plays) -> None:
+def test_an_arm_adds_centripetal_and_tangential_force() -> None:
     arm = np.array([0.0, 0.03, 0.0])
     with_arm = rough_of("hand", fields={"tracking": {
         "rate_hz": 120, "position_noise": 0, "attitude_noise": 0, "arm": tuple(arm)
@@ -58,9 +53,7 @@ def test_an_arm_adds_centripetal_and_tangential_force(rough_of: Roughs, played: 
     assert difference == pytest.approx(added, abs=0.02 * np.abs(added).max())
 
 
-def test_shaft_turns_both_ways_rests_and_says_nothing_of_segments(
-    rough_of: Roughs, played: Plays
-) -> None:
+def test_shaft_turns_both_ways_rests_and_says_nothing_of_segments() -> None:
     run = played(rough_of("shaft"))
     rate = run.reported[:, 0]
     assert rate.max() > 1.0 > -1.0 > rate.min()

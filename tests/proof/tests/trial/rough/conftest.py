@@ -65,21 +65,3 @@ def engine(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return build
-
-
-@pytest.fixture(scope="session")
-def finding() -> Callable[..., dict[str, Any]]:
-    """A finding as the engine's JSON says it."""
-
-    def build(effect: str, *group: str, **parameters: tuple[float, float, str]) -> dict[str, Any]:
-        return {
-            "effect": effect,
-            "group": [effect, *group] if group else None,
-            "indistinguishable_from": [],
-            "parameters": [
-                {"name": name, "value": value, "u": u, "unit": unit}
-                for name, (value, u, unit) in parameters.items()
-            ],
-        }
-
-    return build

@@ -2,18 +2,17 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from schemas.base import Unusable
+from tests.proof.tests.trial.answers import finding
 from tests.proof.trial.rough import run
 from tests.proof.trial.rough.draw import RoughDrawn
 from tests.proof.trial.rough.engine import explain_rough
 from tests.proof.trial.rough.score import score_rough
 
 Engines = Callable[..., Path]
-Finds = Callable[..., dict[str, Any]]
 
 
 def silent(done: int, of: int) -> None:
@@ -21,7 +20,7 @@ def silent(done: int, of: int) -> None:
 
 
 def test_engine_answers_each_recording_once_and_a_failure_is_kept(
-    sealed_rough: Path, engine: Engines, finding: Finds, monkeypatch: pytest.MonkeyPatch
+    sealed_rough: Path, engine: Engines, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PYTHONPATH", "/another/checkout")
     answers = sealed_rough / "answers-own"
@@ -52,9 +51,12 @@ def test_changed_truth_is_refused(sealed_rough: Path, engine: Engines) -> None:
 
 @pytest.mark.rehearsal
 def test_two_engines_stand_beside_one_another_on_the_same_recordings(
-    two_rough: list[RoughDrawn], engine: Engines, finding: Finds, tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    two_rough: list[RoughDrawn],
+    engine: Engines,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     monkeypatch.setattr(run, "draw_rough", lambda seed, short: two_rough)
     out = tmp_path / "held"
     run.run_rough(1, True, out, engine(finding("bias_step"), name="new"), None)

@@ -1,61 +1,50 @@
 """Answers against the truth: wrong names, names in groups, intervals."""
 
-from collections.abc import Callable
 from typing import Any
 
 import pytest
 
 from tests.proof.plant.case import Case
+from tests.proof.tests.trial.answers import finding
 from tests.proof.trial.rough.page import rough_markdown
 from tests.proof.trial.rough.score import RoughScore, scored_rough
 from tests.proof.trial.rough.table import agreement, cases, rows_rough
 
-Finds = Callable[..., dict[str, Any]]
-Scores = Callable[..., RoughScore]
 
-
-@pytest.fixture
-def scores() -> Scores:
-    """Scores findings for hidden effects, each (called, name, z), and nuisances."""
-
-    def build(findings: list[dict[str, Any]], *hidden: tuple[str, str, float],
-              left: float = 1.5, parameters: dict[str, Any] | None = None,
-              **nuisances: dict[str, Any]) -> RoughScore:  # fmt: skip
-        declared = {
-            "case": {
-                "run": "hand",
-                "case": Case(seed=1).model_dump(mode="json"),
-                "tracking": {"turn": [0.0, 0.0, 0.1]},
-            },
-            "effects": [
-                {"called": called, "name": name, "parameters": parameters or KNOWN_STEP}
-                for called, name, _ in hidden
-            ],
-            "nuisances": nuisances,
-            "parameters": {"Kg": [[1.0, 0, 0]] * 3, "Ka": [[1.0, 0, 0]] * 3},
-        }
-        trial = {"kind": "mixed", "z": {called: z for called, _, z in hidden}}
-        answer = {"verdict": "explained", "findings": findings, "left_over": {"gyro_x": left}}
-        return scored_rough("0001", declared, trial, answer, 3.0)
-
-    return build
+def scores(
+    findings: list[dict[str, Any]], *hidden: tuple[str, str, float], left: float = 1.5,
+    parameters: dict[str, Any] | None = None, **nuisances: dict[str, Any],
+) -> RoughScore:  # fmt: skip
+    """The score of findings for hidden effects, each (called, name, z), and nuisances."""
+    declared = {
+        "case": {
+            "run": "hand",
+            "case": Case(seed=1).model_dump(mode="json"),
+            "tracking": {"turn": [0.0, 0.0, 0.1]},
+        },
+        "effects": [
+            {"called": called, "name": name, "parameters": parameters or KNOWN_STEP}
+            for called, name, _ in hidden
+        ],
+        "nuisances": nuisances,
+        "parameters": {"Kg": [[1.0, 0, 0]] * 3, "Ka": [[1.0, 0, 0]] * 3},
+    }
+    trial = {"kind": "mixed", "z": {called: z for called, _, z in hidden}}
+    answer = {"verdict": "explained", "findings": findings, "left_over": {"gyro_x": left}}
+    return scored_rough("0001", declared, trial, answer, 3.0)
 
 
 KNOWN_STEP = {"gyro": [0.0] * 3, "accel": [0.0] * 3, "time": 30.1}
 STEP = ("bias_step_moving", "bias_step", 45.0)
 
 
-def test_a_form_of_an_effect_is_right_by_the_catalogue_s_name(
-    scores: Scores, finding: Finds
-) -> None:
+def test_a_form_of_an_effect_is_right_by_the_catalogue_s_name() -> None:
     score = scores([finding("bias_step")], STEP)
     assert score.wrong == score.in_group == ()
     assert score.listed[0].named
 
 
-def test_a_name_that_is_neither_hidden_nor_of_the_reference_is_wrong(
-    scores: Scores, finding: Finds
-) -> None:
+def test_a_name_that_is_neither_hidden_nor_of_the_reference_is_wrong() -> None:
     declared = [finding("hysteresis"), finding("unnamed"), finding("time_offset")]
     score = scores(declared, STEP, time_offset={"seconds": -4e-3})
     assert score.wrong == ("hysteresis",)
@@ -63,7 +52,7 @@ def test_a_name_that_is_neither_hidden_nor_of_the_reference_is_wrong(
     assert scores(declared, STEP).wrong == ("hysteresis", "time_offset")
 
 
-def test_a_lever_arm_is_compared_along_the_unit_s_axes(scores: Scores, finding: Finds) -> None:
+def test_a_lever_arm_is_compared_along_the_unit_s_axes() -> None:
     stated = {"r_x": 0.1, "r_y": 0.0, "r_z": 0.0}
     declared = finding("lever_arm") | {
         "parameters": [
@@ -74,7 +63,7 @@ def test_a_lever_arm_is_compared_along_the_unit_s_axes(scores: Scores, finding: 
     assert [each.inside for each in score.parameters] == [True, True, True]
 
 
-def test_what_is_outside_the_catalogue_has_no_right_name(scores: Scores, finding: Finds) -> None:
+def test_what_is_outside_the_catalogue_has_no_right_name() -> None:
     score = scores([finding("bandwidth")], ("x_rig_mode", "x_rig_mode", 400.0))
     assert score.wrong == ("bandwidth",)
     assert score.listed == ()
@@ -82,7 +71,7 @@ def test_what_is_outside_the_catalogue_has_no_right_name(scores: Scores, finding
 
 @pytest.mark.parametrize(("times", "wrong"), [([60.0], ()), ([60.0, 90.0], ("bias_step",))])
 def test_a_telegraph_signal_of_one_jump_is_a_bias_step(
-    scores: Scores, finding: Finds, times: list[float], wrong: tuple[str, ...]
+    times: list[float], wrong: tuple[str, ...]
 ) -> None:
     telegraph = ("x_telegraph", "x_telegraph", 275.0)
     score = scores([finding("bias_step")], telegraph, parameters={"times": times})
@@ -90,7 +79,7 @@ def test_a_telegraph_signal_of_one_jump_is_a_bias_step(
     assert score.listed == ()
 
 
-def test_a_group_that_holds_a_true_name_is_counted_apart(scores: Scores, finding: Finds) -> None:
+def test_a_group_that_holds_a_true_name_is_counted_apart() -> None:
     grouped = scores([finding("bandwidth", "time_offset")], ("time_offset", "time_offset", 50.0))
     assert grouped.wrong == ()
     assert grouped.in_group == ("bandwidth",)
@@ -100,7 +89,7 @@ def test_a_group_that_holds_a_true_name_is_counted_apart(scores: Scores, finding
     assert scores([older], ("time_offset", "time_offset", 50.0)).in_group == ("bandwidth",)
 
 
-def test_parameters_are_compared_where_they_mean_the_same(scores: Scores, finding: Finds) -> None:
+def test_parameters_are_compared_where_they_mean_the_same() -> None:
     response = finding("time_offset", seconds=(-4.1e-3, 1e-4, "s"))
     inside = scores([response], time_offset={"seconds": -4e-3})
     assert [pair.inside for pair in inside.parameters] == [True]
@@ -121,9 +110,7 @@ def test_parameters_are_compared_where_they_mean_the_same(scores: Scores, findin
     assert scores([bent], played, parameters={"amplitude": [1e-3] * 3}).parameters == ()
 
 
-def test_table_counts_recordings_with_a_wrong_name_and_names_at_thirty(
-    scores: Scores, finding: Finds
-) -> None:
+def test_table_counts_recordings_with_a_wrong_name_and_names_at_thirty() -> None:
     listed = [
         scores([finding("bias_step")], STEP),
         scores([finding("hysteresis"), finding("bandwidth")], STEP),
@@ -138,14 +125,14 @@ def test_table_counts_recordings_with_a_wrong_name_and_names_at_thirty(
     assert "| all | 3 |" in rough_markdown(4, "f00d", {"own": listed})
 
 
-def test_what_is_left_stands_beside_the_errors_over_u(scores: Scores, finding: Finds) -> None:
+def test_what_is_left_stands_beside_the_errors_over_u() -> None:
     response = finding("time_offset", seconds=(-4.3e-3, 1e-4, "s"))
     rows = agreement([scores([response], left=30.0, time_offset={"seconds": -4e-3})])
     assert [row[1] for row in rows] == ["0", "0", "1"]
     assert rows[2][3] == "3"
 
 
-def test_no_answer_is_counted_as_that(scores: Scores) -> None:
+def test_no_answer_is_counted_as_that() -> None:
     failed = scores([]).__class__(**(vars(scores([])) | {"failed": "it cannot"}))
     row = rows_rough([failed, scores([])])[0]
     assert (row.failed, row.wrong.of) == (1, 1)

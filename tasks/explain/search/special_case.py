@@ -4,13 +4,10 @@ What fits a recording of the one fits as well with the other; whether it could s
 accelerometers are apart decides whether the lever arm stands alone.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from tasks.explain.confounding.combinations import Combination
-from tasks.explain.confounding.families import Form
-from tasks.explain.confounding.linear_forms import names_of
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import NormalEquations
 from tasks.explain.search.scores import projected
@@ -28,33 +25,6 @@ def places_apart(r: np.ndarray) -> np.ndarray:
     the axes.
     """
     return np.asarray((r + np.linalg.norm(r) / np.sqrt(3.0) * APART).ravel())
-
-
-def with_general(
-    chosen: Combination,
-    near: Iterable[tuple[str, ...]],
-    forms: Sequence[Form],
-    equations: NormalEquations,
-    others: Sequence[Candidate],
-    dispersion: float,
-) -> list[tuple[str, ...]]:
-    """Names that come near; beside a special case the general effect, unless the data would show
-    a departure from it. forms: of their family. others: what else is selected.
-
-    That the general effect fits no better for its further parameters is no evidence where these
-    are not determined.
-    """
-    own, names = names_of(chosen.members), list(near)
-    for special, general in HOLDS.items():
-        places = next((form[0] for form in forms if form[0].name == general), None)
-        if special not in own or places is None:
-            continue
-        arm = next(one.term for one in chosen.members if one.name == special)
-        r = chosen.fit.model.values[chosen.fit.model.places[arm.key]]
-        names = [each for each in names if general not in each]
-        if departure_shown(equations, places, others, r) <= SHOWN * dispersion:
-            names.append((general,))
-    return names
 
 
 def departure_shown(

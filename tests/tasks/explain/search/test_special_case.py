@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from engine_run import NOISY, motion, noise, observed, read
 
-from tasks.explain.confounding.special_case import departure_shown, places_apart
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
+from tasks.explain.search.special_case import departure_shown, places_apart
 from tasks.explain.search.stepwise import search
 from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
 from tasks.motion.whole import Motion

@@ -1,4 +1,4 @@
-"""Families of effects that compensate for one another, and what each family has in common."""
+"""Effects that make a unit late, and so make up for one another: by how much each does."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,11 +14,6 @@ Form = tuple[Candidate, ...]
 
 GYROS_ALONE = "gyro_angular_acceleration"
 DELAYING = ("time_offset", "bandwidth", GYROS_ALONE, "accel_axis_skew")
-FAMILIES = (
-    DELAYING,
-    ("temperature_bias", "thermal_gradient", "thermal_transient", "supply_sensitivity"),
-    ("lever_arm", "size_effect", "structural_compliance", "accel_nonlinearity"),
-)
 ROOT2, THIRD = float(np.sqrt(2.0)), 1.0 / 3.0
 
 
@@ -56,8 +51,8 @@ def delay_of_low_pass(low_pass: Term) -> float:
 def forms_of(
     family: Sequence[str], candidates: Sequence[Candidate], selected: Sequence[Candidate]
 ) -> list[Form]:
-    """The forms of the family's effects, each as candidates to represent it: those selected,
-    else those with the same parameters as selected ones of another effect, else all.
+    """The forms of some effects, each as candidates to represent it: those selected, else those
+    with the same parameters as selected ones of another effect, else all.
     """
     found: list[Form] = []
     for name in family:

@@ -1,0 +1,48 @@
+"""Of names that fit as well as one another, the one that asks for less.
+
+The special case stands before the effect that holds it, and what a working unit may have before
+what is beyond that.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from tasks.explain.confounding.combinations import Combination
+from tasks.explain.confounding.linear_forms import LinearForms, marked
+from tasks.explain.odds import CERTAIN
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.special_case import HOLDS
+from tasks.explain.search.stepwise import Selected
+
+
+def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
+    """The selection with a rival in the place of what asks for more, where that fits no worse.
+
+    candidates: all that were tried. The rivals of what is replaced are those of its replacement.
+    """
+    for one in fit.selection.selected:
+        found = Combination((one.candidate,), fit)
+        for rival in _asking_for_less(one, found, candidates):
+            names = one.candidate.name, rival.name
+            instead = Combination.of((rival,), names, fit)
+            linear = LinearForms(names, ((rival,),), fit)
+            dearer = linear.price * (instead.fitted_count - found.fitted_count)
+            worse = (instead.chi2 - found.chi2) / linear.dispersion
+            if instead.plausible and worse + dearer < CERTAIN:
+                others = tuple(name for name in (names[0], *one.rivals) if name != rival.name)
+                fit = marked(instead, (), others)
+                break
+    return fit
+
+
+def _asking_for_less(
+    one: Selected, found: Combination, candidates: Sequence[Candidate]
+) -> Iterator[Candidate]:
+    """Rivals in whole forms: special cases of it, and any where it is not plausible."""
+    candidate = one.candidate
+    if candidate.nuisance or candidate.known or candidate.prior is not None or one.absorbed_by:
+        return
+    plausible = found.plausible
+    for name in one.rivals:
+        if HOLDS.get(name) == candidate.name or not plausible:
+            yield from [each for each in candidates if each.is_form_of((name,))][:1]

@@ -1,0 +1,17 @@
+"""Passwords that cost a test nothing: Argon2 takes long on purpose."""
+
+from collections.abc import Iterator
+
+import pytest
+from argon2 import PasswordHasher
+
+from flows.pages import passwords
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _passwords_at_once() -> Iterator[None]:
+    hasher = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(passwords, "HASHER", hasher)
+        patch.setattr(passwords, "DUMMY_HASH", hasher.hash(""))
+        yield

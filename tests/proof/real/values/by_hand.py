@@ -1,0 +1,133 @@
+"""The value by hand of what explain may state of a recording: an own fit, or what is documented.
+
+Nothing of `tasks.explain` is used.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, sosfiltfilt
+
+from schemas.recording import ACCEL, GYRO, Recording
+from tests.proof.real.hand.lines import strongest
+from tests.proof.real.hand.measured import Measured
+from tests.proof.real.hand.poses import by_poses
+from tests.proof.real.hand.rests import vertical_earth_rate
+from tests.proof.real.hand.shaft import delay_by_angle, delay_by_phase
+
+UNKNOWN_SCALE = 0.01  # of accelerometers of which gravity was taken
+FIT = "least squares on the poses, four parts in four bands"
+Key = tuple[str, str]  # effect, parameter
+
+
+@dataclass(frozen=True)
+class ByHand:
+    """A value by hand and how it came about."""
+
+    value: Measured
+    how: str
+
+
+def by_hand(name: str, recording: Recording) -> Mapping[Key, ByHand]:
+    """What is known of a recording in a folder of this name, by effect and parameter."""
+    found = dict[Key, ByHand]()
+    if recording.table is None and recording.reference is not None:
+        found |= _of_poses(recording)
+    if recording.table is not None and set(recording.table.columns) == {"shaft_angle"}:
+        phase, angle = delay_by_phase(recording), delay_by_angle(recording)
+        both = Measured(
+            phase.value, float(np.hypot(phase.u, 0.5 * (angle.value - phase.value))), "s"
+        )
+        found["time_offset", "seconds"] = ByHand(both, "phase of the gyro against the encoder")
+    if recording.manifest.station.latitude_deg is not None:
+        vertical = vertical_earth_rate(recording)
+        found["earth_rotation", "vertical_rate"] = ByHand(vertical, "latitude")
+    if name == "gravity_removed":
+        found |= dict(_lever_by_gyros(recording))
+    if name == "adi_mems_two_position":
+        found["mains_pickup", "frequency"] = ByHand(_mains(recording), "strongest line, folded")
+    return found | {
+        (effect, parameter): ByHand(Measured(value, u, unit), how)
+        for own, effect, parameter, value, u, unit, how in DOCUMENTED
+        if own == name
+    }
+
+
+def _of_poses(recording: Recording) -> dict[Key, ByHand]:
+    found = by_poses(recording)
+    names: dict[str, Key] = {
+        "seconds": ("time_offset", "seconds"),
+        **{f"r_{a}": ("lever_arm", f"r_{a}") for a in "xyz"},
+        "lean_x": ("reference_frame", "tilt_east"), "lean_y": ("reference_frame", "tilt_north"),
+    }  # fmt: skip
+    values = {key: found[name] for name, key in names.items() if np.isfinite(found[name].value)}
+    return {
+        key: ByHand(
+            Measured(np.radians(each.value), np.radians(each.u), "rad")
+            if each.unit == "deg" else each,
+            FIT,
+        )
+        for key, each in values.items()
+    }  # fmt: skip
+
+
+def _lever_by_gyros(recording: Recording) -> Iterator[tuple[Key, ByHand]]:
+    """Of accelerometers without gravity: what their readings owe to the gyros, below 5 Hz."""
+    imu = recording.imu
+    rate = 1.0 / float(np.median(np.diff(imu.t)))
+    low = butter(4, 5.0, fs=rate, output="sos")
+    gyro = imu.stack(GYRO)
+    change = CubicSpline(imu.t, gyro)(imu.t, 1)
+    made = [np.cross(change, r) + np.cross(gyro, np.cross(gyro, r)) for r in np.eye(3)]
+    ones = np.ones(len(gyro))
+    columns = np.stack([*made, *(np.outer(ones, axis) for axis in np.eye(3))], axis=2)
+    columns, read = (sosfiltfilt(low, each, axis=0) for each in (columns, imu.stack(ACCEL)))
+    parts = [
+        np.linalg.lstsq(A.reshape(-1, 6), y.ravel(), rcond=None)[0]
+        for A, y in zip(np.array_split(columns, 6), np.array_split(read, 6), strict=True)
+        if np.abs(A[:, :, :3]).max() > 0.5
+    ]
+    for k, name in enumerate(("r_x", "r_y", "r_z")):
+        each = [part[k] for part in parts]
+        scatter = float(np.std(each, ddof=1) / np.sqrt(len(each)))
+        u = float(np.hypot(scatter, UNKNOWN_SCALE * np.mean(each)))
+        yield ("lever_arm", name), ByHand(Measured(float(np.mean(each)), u, "m"),
+                                          "least squares on the gyros")  # fmt: skip
+
+
+def _mains(recording: Recording) -> Measured:
+    """The strongest line of an accelerometer near 40 Hz, which 60 Hz is at 100 Hz."""
+    imu = recording.imu
+    rate = 1.0 / float(np.median(np.diff(imu.t)))
+    first = slice(0, int(30.0 * rate))
+    each = [rate - strongest(imu.t[first], imu.columns[name][first], 38.0, 42.0) for name in ACCEL]
+    return Measured(float(np.mean(each)), float(np.std(each, ddof=1) + 1.0 / 30.0 / 4.0), "Hz")
+
+
+FIRMWARE = "256 counts, by the firmware's joining of two bytes"
+SETTING = "documented"
+GRAVITY = 9.80665
+LOW_BYTE = ("low_byte_signed", "low_byte_signed_or", "low_byte_signed_no_table",
+            "low_byte_signed_25hz")  # fmt: skip
+DOCUMENTED: tuple[tuple[str, str, str, float, float, str, str], ...] = (
+    *(("bmi160_board1", "code_fault", f"jump_gyro_{a}", np.radians(256 / 262.4), 1e-6, "rad/s",
+       FIRMWARE) for a in "xyz"),
+    *(("bmi160_board1", "code_fault", f"jump_accel_{a}", 256 / 16384 * GRAVITY, 1e-6, "m/s2",
+       FIRMWARE) for a in "xyz"),
+    *((name, "code_fault", f"jump_gyro_{a}", np.radians(1.953125), 1e-5, "rad/s", FIRMWARE)
+      for name in LOW_BYTE for a in "xyz"),
+    *((name, "code_fault", f"jump_accel_{a}", 0.306, 5e-4, "m/s2", FIRMWARE)
+      for name in LOW_BYTE for a in "xyz"),
+    ("arrival_stamps_16ms", "time_offset", "seconds", 9.44e-3, 5e-6, "s",
+     "as the packets were made"),
+    ("gyro_range_1137", "range_setting", "factor", 130.0 / 114.3, 0.0, "1", SETTING),
+    ("gravity_removed", "gravity_removed", "at_rest", 0.06, 0.005, "m/s2", SETTING),
+    ("gyro_z_inverted_labels_only", "axis_mapping", "zz", -1.0, 0.0, "1", SETTING),
+    ("vn200_57630_six_position", "axis_mapping", "xx", -1.0, 0.0, "1", "means of the rests"),
+    ("vn200_57630_six_position", "axis_mapping", "yy", -1.0, 0.0, "1", "means of the rests"),
+    *(("sunsided_turns", "axis_mapping", f"accel_{a}{a}", -1.0, 0.0, "1", SETTING) for a in "xyz"),
+    *((name, "coarse_quantisation", "accel", 0.0980665, 1e-7, "m/s2", "values that occur")
+      for name in ("encoder_mpu6050_pitch_slow", "encoder_roll_slow", "encoder_yaw_fast")),
+)  # fmt: skip
