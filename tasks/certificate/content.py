@@ -41,7 +41,7 @@ from tasks.conformity.deviations import deviations
 from tasks.conformity.reasons import conditional
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.specifications.specification import Specification
-from tasks.words import Message, Sayable, clauses, message, say
+from tasks.words import Message, Sayable, clauses, message, say, statement
 from tasks.words.rounding import MINUS, as_given
 from tasks.words.typography import typeset
 
@@ -164,7 +164,8 @@ def in_languages(part: Any, languages: Sequence[str]) -> Any:
     if isinstance(part, Message):
         return tuple(literal(typeset(say(part, lang), lang)) for lang in languages)
     if isinstance(part, Statement):
-        return tuple(literal(say(part, language)) for language in languages)
+        words = statement(part).words  # as the record has kept them
+        return tuple(literal(words[language]) for language in languages)
     if isinstance(part, str):
         return literal(part)
     if isinstance(part, tuple):

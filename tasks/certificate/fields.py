@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 from datetime import date
+from typing import Any
 
 from schemas.text import Statement, text_in
-from tasks.words import Argument, Message, Sayable, known, message, statement, worded
+from tasks.words import Argument, Message, Sayable, known, message, statement
 
 NOT_GIVEN = message("certificate-not-given")
 NONE = statement("—")
@@ -44,7 +45,8 @@ def quoted(text: Statement) -> Message:
     """A sentence of a result, set as its language writes it: in the words that the record has kept,
     whatever the catalogues say by now.
     """
-    return message("certificate-quoted", text=Statement(**{**worded(text), "message": None}))
+    kept: dict[str, Any] = statement(text).words
+    return message("certificate-quoted", text=Statement(**kept))
 
 
 def first_known(*ids: str, **arguments: Argument) -> Message | None:

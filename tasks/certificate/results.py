@@ -21,7 +21,7 @@ from tasks.specifications.items import (
     item_title,
 )
 from tasks.specifications.specification import Specification
-from tasks.words import Message, Sayable, clauses, message, say, texts
+from tasks.words import Message, Sayable, clauses, message, say, statement
 from tasks.words.quantities import unit_text
 from tasks.words.typography import FULL_STOPS, clause
 
@@ -169,7 +169,9 @@ def _missing(
 
 
 def _without_stop(why: Statement) -> Statement:
-    bare: dict[str, Any] = {name: words.rstrip(FULL_STOPS) for name, words in texts(why).items()}
+    bare: dict[str, Any] = {
+        name: words.rstrip(FULL_STOPS) for name, words in statement(why).words.items()
+    }
     return Statement(**bare)
 
 
