@@ -32,6 +32,9 @@ WORKING = 0.05  # standard deviation of a working unit's scale factors about one
 NEAR = 0.08  # of a usual factor: as near as working units are
 OWN = 0.01  # of the factor: what scale factors of the unit's own may have in common
 ALIKE = 0.03  # of the factor: how much the axes may differ
+# Twice the logarithm by which a factor that is found costs more than one that is usual: it may lie
+# anywhere from a tenth to ten, and three axes of working units tell it to 3 %.
+OF_ANY_FACTOR = 2.0 * float(np.log(np.log(100.0) / (0.03 * np.sqrt(2.0 * np.pi))))
 RANGE_SETTING = "range_setting"
 POWERS_OF_TWO = tuple(2.0**n for n in range(-5, 6) if n)
 # By how much each usual mistake multiplies what is read, by triad: gyros, accelerometers.
@@ -119,6 +122,8 @@ def find_range_setting(matrix: TriadMatrix, triad: int) -> RangeSetting | None:
     if cause == "counts" and len(sizes) < 2:  # of one axis it may be the unit's own
         return None
     log_odds = float(np.sum(_surprise(sizes) - _surprise(sizes / factor)))
+    if cause == "counts":
+        log_odds -= OF_ANY_FACTOR
     if log_odds < CERTAIN:
         return None
     u = factor * max(abs(common / factor - 1.0), OWN if cause == "counts" else 0.1 * OWN)

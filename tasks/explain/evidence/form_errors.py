@@ -45,8 +45,7 @@ def named_beside(
         others *= one.effect not in nuisances
         left = float(unexplained[channels].sum())
         by_forms, by_left = float(forms @ others), UNPUBLISHED**2 * left
-        price = one.gain - one.delta_bic
-        if one.gain / (1.0 + by_forms + by_left) - price > CERTAIN:
+        if _log_odds(one, 1.0 + by_forms + by_left) > CERTAIN:
             named.append(one)
             continue
         times = np.array([others.sum(), left]) / max(one.gain, 1e-300)
@@ -57,6 +56,17 @@ def named_beside(
         )
         named.append(without_name(one, refusal))
     return named
+
+
+def _log_odds(finding: Finding, variance: float) -> float:
+    """Twice the logarithm of a finding's odds beside noise of a variance.
+
+    Each parameter costs ln(1 + n) for n informative cells of unit variance; of a larger one they
+    tell as much less.
+    """
+    count = max(1, len(finding.parameters))
+    cells = np.expm1(max(0.0, finding.gain - finding.delta_bic) / count)
+    return finding.gain / variance - count * float(np.log1p(cells / variance))
 
 
 def _gain_by_channel(finding: Finding, noise: np.ndarray) -> np.ndarray:

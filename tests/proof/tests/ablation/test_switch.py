@@ -28,10 +28,10 @@ def test_rules_have_names_of_their_own():
 
 
 def test_a_constant_is_off_in_the_module_that_is_named_and_in_no_other():
-    with off(Switch("slivers", "", "evidence.shares:FORM", 0.0)):
-        assert shares.FORM == 0.0
-        assert groups.LEAKAGE > 0.0
-    assert shares.FORM > 0.0
+    with off(Switch("small", "", "evidence.shares:SMALL", 0.0)):
+        assert shares.SMALL == 0.0
+        assert groups.SAME_STEP > 0.0
+    assert shares.SMALL > 0.0
 
 
 def test_a_rule_acts_where_its_outcome_would_differ_and_nowhere_else():
