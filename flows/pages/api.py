@@ -113,13 +113,9 @@ def openapi() -> dict[str, Any]:
         paths[f"{PREFIX}/{name}"] = {"post": pressed}
     answers = (*(page.answer for page in PAGES), ProductionOrders, ProductionOrder, StopShown,
                Released, Unanswered)  # fmt: skip
-    _, schemas = models_json_schema(
-        [
-            *((model, "serialization") for model in answers),
-            *((model, "validation") for model in (OrderRequest, StopPressed)),
-        ],
-        ref_template=REFERENCE,
-    )
+    models: list[tuple[type[Frozen], Any]] = [(model, "serialization") for model in answers]
+    models += [(OrderRequest, "validation"), (StopPressed, "validation")]
+    _, schemas = models_json_schema(models, ref_template=REFERENCE)
     return {
         "openapi": "3.1.0",
         "info": {"title": "mimucal", "version": code_version()},

@@ -66,11 +66,12 @@ def engine(monkeypatch) -> Callable[[int], dict[str, Any]]:
             asked.update(more)
             return known_answer(recording, count)
 
-        monkeypatch.setattr("tasks.explain.inputs.prepared.prepare", prepare)
-        for name in ("explain", "explained"):
-            monkeypatch.setattr(f"tasks.explain.explain.{name}", explained)
+        monkeypatch.setattr("tasks.stages.explain.prepare", prepare)
+        monkeypatch.setattr("tasks.stages.explain.explained", explained)
+        for room in ("tasks.explain.explain", "tasks.stages.explain_several"):
+            monkeypatch.setattr(f"{room}.explain", explained)
         # Of the page that is kept; a report that is asked for has its own.
-        monkeypatch.setattr("tasks.explain.report.pictures_of", lambda *_: BLANK)
+        monkeypatch.setattr("tasks.stages.explain.pictures_of", lambda *_: BLANK)
         monkeypatch.setattr("tasks.stages.explain.keep_statistics", lambda *_: None)
         return asked
 
@@ -318,7 +319,7 @@ def first_half(plant_on_earth: Path, tmp_path: Path) -> Path:
 def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
     mimucal, first_half, tmp_path, monkeypatch
 ) -> None:
-    monkeypatch.setattr("tasks.explain.report.pictures_of", lambda *_: BLANK)  # of the kept page
+    monkeypatch.setattr("tasks.stages.explain.pictures_of", lambda *_: BLANK)  # of the kept page
     done = mimucal("explain", first_half, "--out", tmp_path / "report", "--json")
     assert done.code == 0, done.err
     assert done.json["verdict"] == "explained"

@@ -11,7 +11,6 @@ from flows.on_prefect.hooks import free_station
 from schemas.run_log import RunStatus
 from storage.home import Home
 from storage.station_lock import one_run_on, write_status
-from tasks.stages import stop
 from tasks.station.virtual import config
 
 
@@ -27,7 +26,10 @@ def station_file(tmp_path: Path) -> Path:
 @pytest.fixture
 def stopped(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
     calls: list[tuple[str, str]] = []
-    monkeypatch.setattr(stop, "stop_station", lambda id_, by, _, **lockout: calls.append((id_, by)))
+    monkeypatch.setattr(
+        "flows.on_prefect.hooks.stop_station",
+        lambda id_, by, _, **lockout: calls.append((id_, by)),
+    )
     return calls
 
 

@@ -45,7 +45,7 @@ def page(
         raise OSError("the table's cable is out")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("tasks.stages.stop.stop_station", stop)
+        patch.setattr("flows.pages.line.stops.stop_station", stop)
         operator = Visitor(name="Wang", role="operator")
         patch.setattr(access, "_identified", lambda *_: operator)
         with served(home) as address, watched_page(address, faults, "en-GB") as page:

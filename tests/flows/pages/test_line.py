@@ -288,7 +288,7 @@ def test_operators_and_administrators_stop_a_station_and_nobody_else(
         asked.append((station, by))
         raise Unusable("the table does not answer")
 
-    monkeypatch.setattr("tasks.stages.stop.stop_station", stop)
+    monkeypatch.setattr("flows.pages.line.stops.stop_station", stop)
     answer = press(home, "T1", visitor)
     may = role in ("operator", "administrator")
     assert asked == ([("T1", "Li")] if may else [])

@@ -117,12 +117,10 @@ def test_what_is_no_address_is_a_sentence_at_once() -> None:
 def test_a_computer_too_busy_for_a_thread_is_tried_again(
     address: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import distributed
-
     def client(*_: object, **__: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr(distributed, "Client", client)
+    monkeypatch.setattr(cluster, "Client", client)
     monkeypatch.setattr(cluster, "PATIENCE_S", 0.0)
     with pytest.raises(Unusable, match=r"--scheduler tcp://127\.0\.0\.1"):
         list(on_cluster(squared, [1, 2], address, died=squared))
