@@ -19,7 +19,7 @@ from tests.flows.on_prefect.test_prefect_flows import SHORT
 from tests.flows.order_homes import no_workers
 from tests.tasks.station.in_thread import serving
 
-pytestmark = pytest.mark.real_time
+pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]  # of test_production and test_identity
 
 
 def mount(url: str, serial: str, seed: int) -> None:

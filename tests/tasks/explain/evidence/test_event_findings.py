@@ -10,8 +10,7 @@ from explained import explanation, finding, nothing_added
 
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.faults import RangeSetting
-from tasks.explain.evidence.event_findings import _needed, with_faults
-from tasks.explain.evidence.shares import WEAK
+from tasks.explain.evidence.event_findings import OF_A_LIMIT, _needed, with_faults
 from tasks.explain.explanation import Explanation
 from tasks.words import message
 
@@ -24,9 +23,9 @@ def needed(effect: str, left: list[float]) -> float:
 @pytest.mark.parametrize("effect", ["gyro_saturation", "accel_saturation"])
 def test_a_limit_must_be_clear_of_what_is_left_in_its_channels(effect: str) -> None:
     quiet = [1.0, 1.0, 1.0, 0.8, 0.9, 50.0]
-    assert needed(effect, quiet) == WEAK
-    assert needed(effect, [1.0, 1.0, 1.0, 9.0, 11.0, 1.0]) == pytest.approx(10.0 * WEAK)
-    assert needed(effect, [np.nan] * 6) == WEAK
+    assert needed(effect, quiet) == OF_A_LIMIT
+    assert needed(effect, [1.0, 1.0, 1.0, 9.0, 11.0, 1.0]) == pytest.approx(10.0 * OF_A_LIMIT)
+    assert needed(effect, [np.nan] * 6) == OF_A_LIMIT
 
 
 def faulty(ideal_run: Any, *faults: Any, beside: float) -> Explanation:
