@@ -44,6 +44,7 @@ REFERENCE_SHARE = (
 DRAWS = 4  # of those errors: what they bring forth by chance alone differs
 SURE = 2.0  # standard deviations of how well so few draws tell how large it is
 SEED = 20
+OF_THREE = 1.6  # Student's t of three values over that of many: so few tell how square axes are
 
 
 def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evidence) -> set[int]:
@@ -138,7 +139,7 @@ def _by_axes(evidence: Evidence) -> np.ndarray:
     covariance = inverse(evidence.whole.normal()[0] + np.diag(evidence.prior))
     u = np.zeros(len(covariance))
     for axis in np.eye(3):
-        turn = np.sqrt((off**2).mean()) * np.broadcast_to(axis, motion.rate.shape)
+        turn = OF_THREE * np.sqrt((off**2).mean()) * np.broadcast_to(axis, motion.rate.shape)
         turned = replace(
             turned_by(motion, turn, None, motion.rate),
             acceleration=motion.acceleration - np.cross(turn, motion.acceleration),

@@ -11,7 +11,7 @@ from schemas.recording import Recording
 from storage.formats.folder import read_folder
 from tasks.version import code_version
 from tests.proof.real.hand.measured import Measured
-from tests.proof.real.values.by_hand import ByHand, Key, by_hand
+from tests.proof.real.values.by_hand import ByHand, Key, by_hand, by_others
 from tests.proof.real.values.page import Explained, markdown
 from tests.proof.real.values.run import explained
 from tests.surroundings import leave_production
@@ -38,7 +38,7 @@ def main(
         answer = json.loads(kept.read_text(encoding="utf-8"))
         named = any(one["effect"] != "unnamed" for one in answer["findings"])
         hand = _by_hand(path.name, read_folder(path), out) if named else {}
-        every.append(Explained(path.name, answer, hand))
+        every.append(Explained(path.name, answer, hand, by_others(path.name)))
         (out / "real.md").write_text(markdown(every, code_version()), encoding="utf-8")
 
 

@@ -131,3 +131,33 @@ DOCUMENTED: tuple[tuple[str, str, str, float, float, str, str], ...] = (
     *((name, "coarse_quantisation", "accel", 0.0980665, 1e-7, "m/s2", "values that occur")
       for name in ("encoder_mpu6050_pitch_slow", "encoder_roll_slow", "encoder_yaw_fast")),
 )  # fmt: skip
+
+OTHERS = "SOURCE.md of the recording"
+# Measured by hand by those who brought the recordings, before any of this: recording, effect,
+# parameter, value, u as far as they state one, unit.
+BY_OTHERS: tuple[tuple[str, str, str, float, float, str], ...] = (
+    ("ring_trial1_seg5", "time_offset", "seconds", -16.1e-3, 0.0, "s"),
+    ("ring_trial1_seg5", "lever_arm", "r_x", 111.9e-3, 0.1e-3, "m"),
+    ("ring_trial1_seg5", "lever_arm", "r_y", 76.8e-3, 0.1e-3, "m"),
+    ("ring_trial1_seg5", "lever_arm", "r_z", 11.3e-3, 0.1e-3, "m"),
+    ("phone_basic_motions", "time_offset", "seconds", 45.2e-3, 0.0, "s"),
+    ("phone_basic_motions", "lever_arm", "r_x", 17.8e-3, 0.0, "m"),
+    ("phone_basic_motions", "lever_arm", "r_y", 53.3e-3, 0.0, "m"),
+    ("phone_basic_motions", "lever_arm", "r_z", 20.4e-3, 0.0, "m"),
+    ("broad_18", "time_offset", "seconds", 4.15e-3, 0.05e-3, "s"),
+    ("broad_18", "lever_arm", "r_x", 2.8e-3, 1e-3, "m"),
+    ("broad_18", "lever_arm", "r_y", -1.5e-3, 1e-3, "m"),
+    ("broad_18", "lever_arm", "r_z", 7.3e-3, 1e-3, "m"),
+    ("encoder_roll_slow", "time_offset", "seconds", 11e-3, 0.5e-3, "s"),
+    ("encoder_yaw_fast", "time_offset", "seconds", 12e-3, 0.25e-3, "s"),
+    ("ln100_two_position", "earth_rotation", "vertical_rate", 11.733, 0.0, "deg/h"),
+)  # fmt: skip
+
+
+def by_others(name: str) -> Mapping[Key, ByHand]:
+    """What others measured of a recording, by effect and parameter."""
+    return {
+        (effect, parameter): ByHand(Measured(value, u, unit), OTHERS)
+        for own, effect, parameter, value, u, unit in BY_OTHERS
+        if own == name
+    }

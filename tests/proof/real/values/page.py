@@ -1,7 +1,7 @@
 """The page of values: one row for each parameter of each named finding."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from tests.proof.real.values.by_hand import ByHand, Key
@@ -28,25 +28,36 @@ class Row:
 
 @dataclass(frozen=True)
 class Explained:
-    """An answer (`run.explained`) and what is known by hand."""
+    """An answer (`run.explained`), and what is known by hand, here and by others."""
 
     name: str
     answer: Mapping[str, Any]
     hand: Mapping[Key, ByHand]
+    others: Mapping[Key, ByHand] = field(default_factory=dict)
 
     def rows(self) -> list[Row]:
+        """Beside the values by hand."""
+        return self._beside(self.hand)
+
+    def rows_by_others(self) -> list[Row]:
+        """Those that others measured."""
+        return [row for row in self._beside(self.others) if row.holds != "—"]
+
+    def _beside(self, hand: Mapping[Key, ByHand]) -> list[Row]:
         found = []
         for finding in self.answer.get("findings", ()):
             if finding["effect"] == "unnamed":
                 continue
-            found += [self._row(finding, each) for each in finding["parameters"]]
+            found += [self._row(finding, each, hand) for each in finding["parameters"]]
         return found
 
-    def _row(self, finding: Mapping[str, Any], each: Mapping[str, Any]) -> Row:
+    def _row(
+        self, finding: Mapping[str, Any], each: Mapping[str, Any], known: Mapping[Key, ByHand]
+    ) -> Row:
         effect, parameter = finding["effect"], each["name"]
         names = (effect, *finding.get("group", ()))
         hand = next(
-            (self.hand[n, parameter] for n in names if (n, parameter) in self.hand), None
+            (known[n, parameter] for n in names if (n, parameter) in known), None
         )  # fmt: skip
         unit, times = IN.get(each["unit"], (each["unit"], 1.0))
         value, U = times * each["value"], times * COVERAGE * each["u"]
@@ -67,6 +78,7 @@ class Explained:
 def markdown(every: Sequence[Explained], code_version: str) -> str:
     """Counts first, then all rows, then the recordings without a name."""
     rows = [row for one in every for row in one.rows()]
+    others = [row for one in every for row in one.rows_by_others()]
     judged = [row for row in rows if row.holds != "—"]
     findings: dict[tuple[str, str], set[Holds]] = {}
     for row in judged:
@@ -83,15 +95,26 @@ def markdown(every: Sequence[Explained], code_version: str) -> str:
         f"with that by hand. Of {len(judged)} parameters {sum(r.holds == 'yes' for r in judged)} "
         f"and {sum(r.holds != 'no' for r in judged)}. {len(rows) - len(judged)} stated parameters "
         "have none by hand.", "",
-        "| recording | effect | parameter | value ± U | by hand ± U | by hand, how | holds |",
-        "|---|---|---|---:|---:|---|---|",
-        *(f"| {r.recording} | {r.effect} | {r.parameter} | {r.stated} | {r.hand} | {r.how} | "
-          f"{r.holds} |" for r in rows), "",
+        *_table(rows), "",
+        "## Beside what others measured", "",
+        "By hand by those who brought the recordings, before and without the fits above: "
+        f"{sum(r.holds == 'yes' for r in others)} of {len(others)} parameters hold by their U "
+        f"alone, {sum(r.holds != 'no' for r in others)} with that by hand where one is stated.",
+        "", *_table(others), "",
         "## Verdicts", "",
         "| recording | verdict | explained | without a name, or refused |", "|---|---|---:|---|",
         *(_verdict(one) for one in every), "", f"{code_version}.", "",
     ]  # fmt: skip
     return "\n".join(lines)
+
+
+def _table(rows: Sequence[Row]) -> list[str]:
+    return [
+        "| recording | effect | parameter | value ± U | by hand ± U | by hand, how | holds |",
+        "|---|---|---|---:|---:|---|---|",
+        *(f"| {r.recording} | {r.effect} | {r.parameter} | {r.stated} | {r.hand} | {r.how} | "
+          f"{r.holds} |" for r in rows),
+    ]  # fmt: skip
 
 
 def _verdict(one: Explained) -> str:

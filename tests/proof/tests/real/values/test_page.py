@@ -33,3 +33,11 @@ def test_a_refusal_is_told() -> None:
     assert "not explained: too short" in markdown(
         [Explained("short", {"refused": "too short", "findings": []}, {})], "1"
     )
+
+
+def test_what_others_measured_stands_apart() -> None:
+    one = explained(0.1, 1e-4)
+    others = {("lever_arm", "r_x"): ByHand(Measured(0.102, 0.0, "m"), "SOURCE.md")}
+    page = markdown([Explained(one.name, one.answer, one.hand, others)], "1")
+    assert "1 findings have a value by hand: 1 hold by their U alone" in page
+    assert "0 of 1 parameters hold by their U alone, 0 with that by hand" in page
