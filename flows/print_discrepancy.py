@@ -31,7 +31,7 @@ MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
 def print_discrepancy(explained: Explained) -> None:
     """Print the verdict, the findings with their parameters, their consequences, and the files."""
     discrepancy, console = explained.discrepancy, stdout()
-    verdict = discrepancy.verdict.replace("_", " ")
+    verdict = say(message(f"report-{discrepancy.verdict}"))
     console.print(f"[bold {COLOURS[discrepancy.verdict]}]{verdict}[/] ", end="")
     console.print(f"({discrepancy.recording_id})", markup=False)
     console.print(say(discrepancy.statement), markup=False)
@@ -101,7 +101,8 @@ def _print_finding(console: Console, finding: ReportedFinding) -> None:
 def print_review(reviewed: Reviewed) -> None:
     """Print the verdict, the common effects with their parameters, and the runs left out."""
     review, console = reviewed.review, stdout()
-    console.print(f"{review.verdict.replace('_', ' ')} ({review.runs} runs)", markup=False)
+    verdict = say(message(f"report-{review.verdict}"))
+    console.print(say(message("flows-of-runs", verdict=verdict, runs=review.runs)), markup=False)
     console.print(say(review.statement), markup=False)
     if review.findings:
         console.print(_review_table(review))

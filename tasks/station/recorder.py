@@ -147,7 +147,7 @@ class Recorder:
             return tuple(alarm for _, alarm in of_each)
         return tuple(
             Alarm(
-                **worded(message("station-alarm-of", unit=unit.serial, alarm=alarm)),
+                **worded(message("station-of-unit", unit=unit.serial, alarm=alarm)),
                 code=alarm.code,
                 at=alarm.at,
             )

@@ -6,6 +6,7 @@ from typing import Any
 
 from schemas.text import Argument, Message, Sayable, Statement
 
+AXIS = re.compile("_[xyz]$")  # as in channel-gyro_x
 CHOICE = re.compile("[a-z]{3,}")  # no name of a segment, and no symbol
 
 
@@ -37,27 +38,26 @@ def clauses(parts: Sequence[Sayable], by: str = "clause-sequence") -> Sayable:
     return joined
 
 
-def kind_of(said: Argument) -> Hashable:
+def kind_of(part: Argument) -> Hashable:
     """What sentences share that differ in names, figures and axes alone: their messages with those
     inside them, and the words by which a message chooses what it says. A statement without a
     message is of a kind of its own.
     """
-    if isinstance(said, Statement):
-        return tuple(said.words.items()) if said.message is None else kind_of(said.message)
-    if isinstance(said, Message):
-        id_ = said.id.removesuffix("x").removesuffix("y").removesuffix("z")
-        return id_, *((name, kind_of(value)) for name, value in said.arguments)
-    if isinstance(said, tuple):
-        return frozenset(map(kind_of, said))
-    return said if isinstance(said, str) and CHOICE.fullmatch(said) else None
+    if isinstance(part, Statement):
+        return tuple(part.words.items()) if part.message is None else kind_of(part.message)
+    if isinstance(part, Message):
+        return AXIS.sub("", part.id), *((name, kind_of(value)) for name, value in part.arguments)
+    if isinstance(part, tuple):
+        return frozenset(map(kind_of, part))
+    return part if isinstance(part, str) and CHOICE.fullmatch(part) else None
 
 
-def argument(said: Argument, name: str) -> Argument | None:
+def argument(part: Argument, name: str) -> Argument | None:
     """The first argument of such a name in a message, or in those inside it."""
-    if isinstance(said, Statement):
-        return argument(said.message, name) if said.message else None
-    if not isinstance(said, Message):
+    if isinstance(part, Statement):
+        return argument(part.message, name) if part.message else None
+    if not isinstance(part, Message):
         return None
-    own = dict(said.arguments)
+    own = dict(part.arguments)
     inside = (argument(value, name) for value in own.values())
     return own[name] if name in own else next((each for each in inside if each is not None), None)

@@ -43,3 +43,4 @@ flows-left-over = left over, χ² per degree of freedom: { $channels }
 flows-more-elements = and { $count } elements more, in the report
 flows-verdict-of = verdict of { $item }: { $change }
 flows-left-out = left out: { $run }: { $why }
+flows-of-runs = { $verdict } ({ $runs } runs)

@@ -37,3 +37,4 @@ flows-left-over = 剩余，每自由度 χ²：{ $channels }
 flows-more-elements = 另有 { $count } 个要素，见报告
 flows-verdict-of = { $item } 的判定：{ $change }
 flows-left-out = 未计入：{ $run }：{ $why }
+flows-of-runs = { $verdict }（{ $runs } 次测量）
