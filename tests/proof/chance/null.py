@@ -106,12 +106,12 @@ def _sewn(slow: np.ndarray, tear: Tear, rng: np.random.Generator) -> np.ndarray:
     return np.concatenate([signs[0] * first, *tear(between, rng), signs[1] * last])
 
 
-def flipped(stretches: list[np.ndarray], rng: np.random.Generator) -> list[np.ndarray]:
+def flipped(parts: list[np.ndarray], rng: np.random.Generator) -> list[np.ndarray]:
     """Half of them with the other sign, at random: as many, so that few leave nothing as it was."""
-    turned = rng.permutation(np.arange(len(stretches)) % 2)
-    return [-one if turn else one for one, turn in zip(stretches, turned, strict=True)]
+    turned = rng.permutation(np.arange(len(parts)) % 2)
+    return [-one if turn else one for one, turn in zip(parts, turned, strict=True)]
 
 
-def scrambled(stretches: list[np.ndarray], rng: np.random.Generator) -> list[np.ndarray]:
+def scrambled(parts: list[np.ndarray], rng: np.random.Generator) -> list[np.ndarray]:
     """All of them in another order."""
-    return [stretches[k] for k in rng.permutation(len(stretches))]
+    return [parts[k] for k in rng.permutation(len(parts))]
