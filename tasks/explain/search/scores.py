@@ -198,8 +198,9 @@ def _random_effects(
     for candidate in candidates:
         gain = sum(gain_of[drift] for drift in drifts[candidate.key])
         price = 2.0 * PER_PARAMETER + 2.0 * np.log(candidate.trials) + candidate.term.rarity
-        # No walk where another drift may explain it as well.
-        price += CERTAIN if candidate.name != UNNAMED else 0.0
+        # No walk where another drift may explain it as well. The name of an unlisted form is
+        # compared with all others once it is selected.
+        price += CERTAIN if candidate.name != UNNAMED and not candidate.unlisted else 0.0
         price += OF_A_FORM * max(gain, 0.0) if candidate.unlisted else 0.0
         p_value = float(np.exp(-0.5 * max(gain, 0.0)))
         score = gain - price
