@@ -9,6 +9,7 @@ import typer
 
 from schemas.base import Unusable
 from tests.proof.ablation.run import run_ablation
+from tests.proof.chance.run import run_chance
 from tests.proof.faults.run import run_faults
 from tests.proof.fleets.run import run_fleets
 from tests.proof.fuzz.run import run_fuzz
@@ -97,7 +98,8 @@ def main(
     minutes: Annotated[
         float | None,
         typer.Option(
-            min=0, help="With --rough, --ablation: begin no explanation after so many minutes."
+            min=0,
+            help="With --rough, --ablation, --chance: begin no explanation after so many minutes.",
         ),
     ] = None,
     ablation: Annotated[
@@ -106,6 +108,14 @@ def main(
             metavar="DIR",
             help="Nothing but the names without each rule in turn, short trials and the station "
             "recorded in DIR, and of --real; goes on where it stopped.",
+        ),
+    ] = None,
+    chance: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Nothing but wrong names in null recordings of --real, and in clean ones; answers "
+            "stay in DIR, where it goes on.",
         ),
     ] = None,
     faults: Annotated[
@@ -182,8 +192,8 @@ def main(
         bool,
         typer.Option(
             "--write",
-            help="With --faults, --fleets, --fuzz, --hostile, --issue, --line, --next, --pages, "
-            "--throughput: into the evidence.",
+            help="With --chance, --faults, --fleets, --fuzz, --hostile, --issue, --line, --next, "
+            "--pages, --throughput: into the evidence.",
         ),
     ] = False,
     as_json: Annotated[
@@ -219,6 +229,8 @@ def main(
             run_throughput(throughput, write)
         elif ablation is not None:
             run_ablation(ablation, seed, real, minutes)
+        elif chance is not None:
+            run_chance(chance, seed, real, minutes, write)
         elif rough:
             run_rough(seed, short, out, engine, minutes)
         else:
