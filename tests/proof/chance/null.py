@@ -88,11 +88,18 @@ def torn(residual: np.ndarray, interval: float, tear: Tear, rng: np.random.Gener
     )
     cuts = np.cumsum(rng.integers(shortest, longest + 1, 1 + len(residual) // shortest))
     fast = np.concatenate(tear(np.split(residual - slow, cuts[cuts < len(residual)]), rng))
-    sewn = [
-        np.concatenate(tear(np.split(column, 1 + np.flatnonzero(np.diff(np.sign(column)))), rng))
-        for column in slow.T
-    ]
+    sewn = [_sewn(column, tear, rng) for column in slow.T]
     return np.asarray(fast + np.column_stack(sewn))
+
+
+def _sewn(slow: np.ndarray, tear: Tear, rng: np.random.Generator) -> np.ndarray:
+    """(n,) torn between its zero crossings. What is before the first and after the last ends at
+    none: it stays in its place, with either sign.
+    """
+    first, *between = np.split(slow, 1 + np.flatnonzero(np.diff(np.sign(slow))))
+    last = between.pop() if between else slow[:0]
+    signs = rng.choice([-1.0, 1.0], 2)
+    return np.concatenate([signs[0] * first, *tear(between, rng), signs[1] * last])
 
 
 def flipped(stretches: list[np.ndarray], rng: np.random.Generator) -> list[np.ndarray]:
