@@ -21,7 +21,8 @@ labels, temperatures and reference are those of the recording. Nothing is true i
 accepted model: a name is wrong where neither it nor one that it cannot be told from was found in
 the original; small remainders count as well. What the accepted model has without reporting it under
 a name (a withdrawn name; what every tracked body has) is in the null recording, and is counted
-apart. Readings whose motion is unknown stay as they were recorded, and none is rounded to codes
+apart. A residual of few plateaus, as of a table with few rates, keeps them with other signs or in
+another order, and an effect of its own may survive in them. Readings whose motion is unknown stay as they were recorded, and none is rounded to codes
 again, so that faults of codes are tried by chance in clean recordings alone. Null recordings of one
 original share its motion and the size of its noise: the bound takes them as drawn independently."""
 Row = Mapping[str, Any]

@@ -61,7 +61,7 @@ def run_chance(
         ) from error
     done = {(row["kind"], row["label"], row["draw"]): row for row in _rows(folder)}
     spent = {_of_real(real, seed, done): 0.0, _clean(seed, done): 0.0}
-    while spent:  # the one that has cost less so far: a null recording may be far shorter
+    while spent and time.monotonic() < until:  # the one that has cost less so far
         source, started = min(spent, key=lambda one: spent[one]), time.process_time()
         if (row := next(source, None)) is None:
             del spent[source]
@@ -69,8 +69,6 @@ def run_chance(
         spent[source] += time.process_time() - started
         with (folder / ANSWERS).open("a", encoding="utf-8") as stream:
             stream.write(json.dumps({**row, "code": code_version()}) + "\n")
-        if time.monotonic() > until:
-            break
     text = markdown(_rows(folder), code_version())
     for path in (folder / PAGE, *([EVIDENCE] if write else [])):
         path.write_text(text, encoding="utf-8")
@@ -98,7 +96,7 @@ def _of_real(real: Path | None, seed: int, done: Done) -> Iterator[Row]:
                 recording = read_folder(folder)
                 explanation = explain(recording)
                 models[name] = accepted(recording, explanation)
-                row |= _said(explanation, None)
+                row |= _said(explanation, models[name])
             except Exception as failure:  # an answer, too
                 models[name] = None
                 row["failed"] = f"{type(failure).__name__}: {failure}"
