@@ -14,6 +14,7 @@ from scipy.ndimage import median_filter
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.readings.lattice import quantiser_of
 
 CHANNELS = (*GYRO, *ACCEL)
 TRIADS = (slice(0, 3), slice(3, 6))
@@ -58,9 +59,9 @@ def offered(finding: Finding) -> set[str]:
 
 
 def null_recording(of: Accepted, tear: Tear, rng: np.random.Generator) -> Recording:
-    """The accepted model's readings with its residual torn; others stay as they were recorded.
+    """The accepted model's readings with its residual torn, rounded to the codes of the recording.
 
-    Readings are not rounded to codes again: the residual has their rounding already.
+    Others stay as they were recorded: rows on codes among rows beside them would be no log at all.
     """
     imu = of.recording.imu
     readings = imu.stack(CHANNELS)
@@ -71,6 +72,9 @@ def null_recording(of: Accepted, tear: Tear, rng: np.random.Generator) -> Record
         rows = known[:, triad].all(axis=1)
         residual = (readings - of.found)[rows, triad]
         null[rows, triad] = of.found[rows, triad] + torn(residual, interval, tear, rng)
+    for c, quantiser in enumerate(map(quantiser_of, readings.T)):
+        if quantiser is not None:
+            null[:, c] = quantiser.offset + quantiser.step * quantiser.codes(null[:, c])
     own = {c: null[:, k] for k, c in enumerate(CHANNELS) if c in imu.columns}
     return replace(of.recording, imu=replace(imu, columns={**imu.columns, **own}), digest="")
 

@@ -22,9 +22,10 @@ accepted model: a name is wrong where neither it nor one that it cannot be told 
 the original; small remainders count as well. What the accepted model has without reporting it under
 a name (a withdrawn name; what every tracked body has) is in the null recording, and is counted
 apart. A residual of few plateaus, as of a table with few rates, keeps them with other signs or in
-another order, and an effect of its own may survive in them. Readings whose motion is unknown stay as they were recorded, and none is rounded to codes
-again, so that faults of codes are tried by chance in clean recordings alone. Null recordings of one
-original share its motion and the size of its noise: the bound takes them as drawn independently."""
+another order, and an effect of its own may survive in them. Readings whose motion is unknown stay
+as they were recorded; the others are rounded to the codes of the recording, which adds a twelfth of
+a squared step to their variance. Null recordings of one original share its motion and the size of its
+noise: the bound takes them as drawn independently."""
 Row = Mapping[str, Any]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tasks.explain.explain import explain
+from tasks.readings.lattice import quantiser_of
 from tests.proof.chance.null import CHANNELS, Accepted, flipped, null_recording, scrambled, torn
 from tests.proof.chance.page import markdown, upper_bound
 from tests.proof.chance.run import _answered, _said
@@ -64,8 +65,16 @@ def test_readings_whose_motion_is_unknown_stay(planted):
     of = replace(planted, found=found)
     null = null_recording(of, flipped, np.random.default_rng(5)).imu.stack(CHANNELS)
     recorded = of.recording.imu.stack(CHANNELS)
-    np.testing.assert_array_equal(null[100:300], recorded[100:300])
+    np.testing.assert_allclose(null[100:300], recorded[100:300], atol=1e-9)
     assert (null[300:] != recorded[300:]).mean() > 0.3
+
+
+def test_a_null_recording_has_the_codes_of_the_recording(planted):
+    null = null_recording(planted, scrambled, np.random.default_rng(8)).imu.stack(CHANNELS)
+    for own, recorded in zip(null.T, planted.recording.imu.stack(CHANNELS).T, strict=True):
+        codes = quantiser_of(recorded)
+        assert quantiser_of(own).step == pytest.approx(codes.step)
+        assert np.abs(codes.codes(own) - (own - codes.offset) / codes.step).max() < 1e-6
 
 
 def test_an_effect_that_survives_in_the_residual_is_counted_and_one_that_is_torn_is_not(planted):
