@@ -24,8 +24,8 @@ a name (a withdrawn name; what every tracked body has) is in the null recording,
 apart. A residual of few plateaus, as of a table with few rates, keeps them with other signs or in
 another order, and an effect of its own may survive in them. Readings whose motion is unknown stay
 as they were recorded; the others are rounded to the codes of the recording, which adds a twelfth of
-a squared step to their variance. Null recordings of one original share its motion and the size of its
-noise: the bound takes them as drawn independently."""
+a squared step to their variance. Null recordings of one original share its motion and the size of
+its noise: the bound takes them as drawn independently."""
 Row = Mapping[str, Any]
 
 
