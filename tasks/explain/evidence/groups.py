@@ -7,9 +7,10 @@ from itertools import pairwise
 import numpy as np
 
 from tasks.explain.explanation import UNNAMED
+from tasks.explain.search.kinds import is_at_bound
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.model import Model
-from tasks.model.term import COUNTS, Column, Term
+from tasks.model.term import Column, Term
 from tasks.motion.whole import Motion
 
 PER_TURN = "per_turn"  # the shape of what comes so many times a turn
@@ -85,7 +86,7 @@ def _name_of(some: Sequence[Selected]) -> str:
     times = [one.candidate.term.at[0] for one in some if first.time_course == "jump"]
     several = max(times, default=0.0) - min(times, default=0.0) > SAME_STEP
     doubtful = any(one.candidate.unlisted and UNNAMED in one.rivals for one in some)
-    unnamed = several or doubtful or _at_one_place(some) or _at_bound(first)
+    unnamed = several or doubtful or _at_one_place(some) or is_at_bound(first)
     return UNNAMED if unnamed else first.name
 
 
@@ -104,16 +105,6 @@ def _at_one_place(some: Sequence[Selected]) -> bool:
         axis == other and lower > 1.0 and higher == lower + 1.0
         for (axis, lower), (other, higher) in pairwise(orders)
     )
-
-
-def _at_bound(term: Term) -> bool:
-    """Whether a continuous shape was driven out of what is plausible: another form fits better."""
-    for shape, value in zip(term.shapes, term.at, strict=True):
-        low, high = shape.plausible
-        searched = shape.unit not in (COUNTS, "deg") and shape.name != "time"
-        if searched and (value >= 0.99 * high or value <= 1.01 * low):
-            return True
-    return False
 
 
 def fitted_columns(

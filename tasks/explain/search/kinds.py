@@ -13,7 +13,7 @@ from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.stepwise import Selected
 from tasks.model.model import Model
-from tasks.model.term import Term
+from tasks.model.term import COUNTS, Term
 from tasks.model.terms.hysteresis import PLAYS
 from tasks.motion.whole import Motion
 
@@ -55,17 +55,19 @@ def _in_doubt(one: Candidate, model: Model) -> bool:
     return (
         one.name == UNNAMED
         or one.term.source == PLAYS
-        or _at_bound(one.term)
+        or is_at_bound(one.term)
         or _of_other_sign(one.term, model)
     )
 
 
-def _at_bound(term: Term) -> bool:
+def is_at_bound(term: Term) -> bool:
     """Whether a continuous shape was driven out of what is plausible: another form fits better."""
-    if not term.has_continuous_shape or term.shapes[0].unit == "deg":
-        return False
-    low, high = term.shapes[0].plausible
-    return not 1.01 * low < term.at[0] < 0.99 * high
+    for shape, value in zip(term.shapes, term.at, strict=True):
+        low, high = shape.plausible
+        searched = shape.unit not in (COUNTS, "deg") and shape.name != "time"
+        if searched and (value >= 0.99 * high or value <= 1.01 * low):
+            return True
+    return False
 
 
 def _of_other_sign(term: Term, model: Model) -> bool:

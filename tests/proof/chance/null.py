@@ -61,7 +61,7 @@ def offered(finding: Finding) -> set[str]:
 def null_recording(of: Accepted, tear: Tear, rng: np.random.Generator) -> Recording:
     """The accepted model's readings with its residual torn, rounded to the codes of the recording.
 
-    Others stay as they were recorded: rows on codes among rows beside them would be no log at all.
+    Others stay as they were recorded. Rows on codes beside rows off them would be no log at all.
     """
     imu = of.recording.imu
     readings = imu.stack(CHANNELS)
