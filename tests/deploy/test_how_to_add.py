@@ -160,9 +160,12 @@ def bench() -> Iterator[dict[str, str]]:
 
     class OfUnit(socketserver.BaseRequestHandler):
         def handle(self) -> None:
+            began_s, sent = time.monotonic(), 0
             with suppress(OSError):
-                while True:
-                    self.request.sendall(b"IMU,0.001,0,0,0,0,9.79\n")
+                while True:  # 50 Hz, also where this thread is late
+                    due = round(50 * (time.monotonic() - began_s))
+                    self.request.sendall((due - sent) * b"IMU,0.001,0,0,0,0,9.79\n")
+                    sent = due
                     time.sleep(0.02)
 
     servers = {":4001": listening(OfTable), ":4002": listening(OfUnit)}
