@@ -147,7 +147,7 @@ SCRUTINISED = (
 )  # fmt: skip
 
 NAMED = (
-    Switch("at_bound", "shape driven to its limit", f"{G}:_at_bound", says(False)),
+    Switch("at_bound", "shape driven to its limit", f"{G}:is_at_bound", says(False)),
     Switch("at_one_place", "neighbouring orders a turn", f"{G}:_at_one_place", says(False)),
     Switch("several jumps", "steps at several times are no bias_step",
            f"{G}:SAME_STEP", INF, f"{G}:_name_of"),

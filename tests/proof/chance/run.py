@@ -96,7 +96,7 @@ def _of_real(real: Path | None, seed: int, done: Done) -> Iterator[Row]:
                 recording = read_folder(folder)
                 explanation = explain(recording)
                 models[name] = accepted(recording, explanation)
-                row |= _said(explanation, models[name])
+                row |= _reported(explanation, models[name])
             except Exception as failure:  # an answer, too
                 models[name] = None
                 row["failed"] = f"{type(failure).__name__}: {failure}"
@@ -129,13 +129,13 @@ def _clean(seed: int, done: Done) -> Iterator[Row]:
 def _answered(row: Row, null: Recording, of: Accepted | None) -> Row:
     started = time.process_time()
     try:
-        row |= _said(explain(null), of)
+        row |= _reported(explain(null), of)
     except Exception as failure:  # an answer, too
         row["failed"] = f"{type(failure).__name__}: {failure}"
     return row | {"seconds": round(time.process_time() - started, 1)}
 
 
-def _said(explanation: Explanation, of: Accepted | None) -> Row:
+def _reported(explanation: Explanation, of: Accepted | None) -> Row:
     """What is said and what of it is wrong. of: what is true of a null recording."""
     every = (*explanation.findings, *explanation.small)
     true, unreported = (of.names, of.unreported) if of else (frozenset[str](), frozenset[str]())

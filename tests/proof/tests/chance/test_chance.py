@@ -9,7 +9,7 @@ from tasks.explain.explain import explain
 from tasks.readings.lattice import quantiser_of
 from tests.proof.chance.null import CHANNELS, Accepted, flipped, null_recording, scrambled, torn
 from tests.proof.chance.page import markdown, upper_bound
-from tests.proof.chance.run import _answered, _said
+from tests.proof.chance.run import _answered, _reported
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
 
@@ -78,7 +78,7 @@ def test_a_null_recording_has_the_codes_of_the_recording(planted):
 
 
 def test_an_effect_that_survives_in_the_residual_is_counted_and_one_that_is_torn_is_not(planted):
-    survives = null_recording(planted, lambda stretches, _: stretches, np.random.default_rng(6))
+    survives = null_recording(planted, lambda parts, _: parts, np.random.default_rng(6))
     rows = [_answered({"kind": "flipped", "label": "made", "draw": 0}, survives, planted)]
     torn_ = null_recording(planted, flipped, np.random.default_rng(7))
     rows.append(_answered({"kind": "flipped", "label": "made", "draw": 1}, torn_, planted))
@@ -91,9 +91,9 @@ def test_an_effect_that_survives_in_the_residual_is_counted_and_one_that_is_torn
 def test_a_name_of_the_accepted_model_is_not_wrong(planted):
     explanation = explain(planted.recording)
     named = frozenset({PLANTED})
-    assert _said(explanation, planted)["wrong"] == [PLANTED]
-    assert _said(explanation, replace(planted, names=named))["wrong"] == []
-    unreported = _said(explanation, replace(planted, unreported=named))
+    assert _reported(explanation, planted)["wrong"] == [PLANTED]
+    assert _reported(explanation, replace(planted, names=named))["wrong"] == []
+    unreported = _reported(explanation, replace(planted, unreported=named))
     assert (unreported["wrong"], unreported["returned"]) == ([], [PLANTED])
 
 
