@@ -14,6 +14,7 @@ from rich.text import Text
 from flows.progress import CONSOLE
 from schemas.run_log import RunStatus
 from tasks.station.progress import Progress
+from tasks.words import say
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -70,6 +71,6 @@ def facts(progress: Progress | RunStatus) -> dict[str, str]:
         f"{progress.wall_s_left:.0f} s left",
         "rates": rates,
         "noise": noise,
-        "alarms": ", ".join(alarm.en for alarm in progress.alarms),
+        "alarms": ", ".join(say(alarm) for alarm in progress.alarms),
     }
     return {name: value for name, value in shown.items() if value}

@@ -76,18 +76,23 @@ def check(
     result: equipment_options.CheckResult,
     limit: equipment_options.CheckLimit,
     unit: equipment_options.CheckUnit = "",
-    what_zh: equipment_options.CheckedZh = "",
+    translated: equipment_options.CheckedInChinese = "",
     on: equipment_options.CheckedOn = None,
     by: options.By = None,
 ) -> None:
     """Record an intermediate check of a standard; one beyond its limit prevents every pass."""
     from schemas.equipment import IntermediateCheck
+    from schemas.text import no_text
     from storage.catalogue import equipment
 
     day = on.date() if on else date.today()
     try:
         made = IntermediateCheck(
-            checked_on=day, what=what, what_zh=what_zh, result=result, limit=limit, unit=unit
+            **dict(zip(no_text("what"), (what, translated), strict=True)),
+            checked_on=day,
+            result=result,
+            limit=limit,
+            unit=unit,
         )
     except ValidationError as fault:
         raise Unusable(f"the check of {serial}: {first_fault(fault)}; correct it.") from fault

@@ -9,6 +9,7 @@ import typer
 from flows.options import _day as day
 from flows.options import _option as option
 from flows.options import _whole_days as not_in_future
+from schemas.text import CONTRACTED
 
 StandardDcc = Annotated[
     Path, typer.Argument(metavar="FILE", help="XML of the standard's calibration certificate.")
@@ -20,7 +21,9 @@ Deviation = Annotated[
 Entry = Annotated[Path, option("FILE", "New file for the entry (.json).", "--out")]
 OfStandard = Annotated[str, typer.Argument(metavar="SERIAL", help="Serial number of the standard.")]
 Checked = Annotated[str, option("TEXT", "What was checked.", "--what")]
-CheckedZh = Annotated[str, option("TEXT", "The same in Chinese.", "--what-zh")]
+CheckedInChinese = Annotated[
+    str, option("TEXT", "The same in Chinese.", f"--what-{CONTRACTED[-1]}")
+]
 CheckResult = Annotated[float, option("NUMBER", "What it found.", "--result")]
 CheckLimit = Annotated[float, option("NUMBER", "Largest size of a result that passes.", "--limit")]
 CheckedOn = Annotated[

@@ -6,6 +6,7 @@ import typer
 
 from flows import options
 from schemas.base import Unusable
+from tasks.words import say
 
 app = typer.Typer()
 
@@ -75,7 +76,7 @@ def next_recording(
     if as_json:
         print(answer.model_dump_json(indent=1))
         return
-    print(answer.statement.en)
+    print(say(answer.statement))
     if answer.procedure:
         print(answer.procedure)
 

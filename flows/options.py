@@ -164,7 +164,7 @@ OF_PROCEDURE = "Name of a procedure, or a standard."
 CODE_VERSION = "Version, or its beginning, that produced the latest result."
 SCHEDULER = "Scheduler of the dask cluster (with --engine dask)."
 WORKERS = "Number of processes; default: one per processor."
-CHANGES = "Folder for report.json, changed.csv and changed.svg (changed-zh.svg in Chinese)."
+CHANGES = "Folder for report.json, changed.csv and changed.svg (changed-LANGUAGE.svg: the others)."
 Since = Annotated[datetime | None, _option("YYYY-MM-DD", "First day of recording.", parser=_day)]
 Until = Annotated[datetime | None, _option("YYYY-MM-DD", "Last day of recording.", parser=_day)]
 Model = Annotated[str | None, _option("NAME", "Model of the unit.")]

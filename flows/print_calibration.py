@@ -8,17 +8,11 @@ from rich.text import Text
 
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
-from schemas.text import RunVerdict, Validity
+from schemas.text import Validity, text_of, texts_of
 from tasks.specifications.items import item_title
-from tasks.words import say
+from tasks.words import known, message, say
 from tasks.words.quantities import unit_text
 from tasks.words.rounding import column
-
-WORDS: dict[RunVerdict, str] = {
-    "valid": "the run is valid",
-    "remarks": "the run is valid with remarks, on which no unit passes",
-    "invalid": "the run is invalid, and nothing is decided on the unit",
-}
 
 
 def print_calibration(calibration: Calibration) -> None:
@@ -26,39 +20,45 @@ def print_calibration(calibration: Calibration) -> None:
     console = stdout()
     table = _results_table(f"{calibration.recording_id} · {calibration.procedure}", "item")
     for name, item in calibration.items.items():
-        _add_item(table, say(item_title(name), "en"), item)
+        _add_item(table, say(item_title(name)), item)
     console.print(table)
-    console.print(WORDS[calibration.validity.verdict], style="bold")
+    console.print(say(message(f"flows-run.{calibration.validity.verdict}")), style="bold")
     _print_information(console, calibration)
-    for name, reason in calibration.unavailable.items():
-        console.print("[yellow]not determined[/] ", end="")
-        console.print(f"{say(item_title(name), 'en')}: {reason}", markup=False)
+    for name in calibration.unavailable:
+        console.print(f"[yellow]{say(message('flows-not-determined'))}[/] ", end="")
+        why = say(calibration.why_unavailable(name) or "")
+        console.print(f"{say(item_title(name))}: {why}", markup=False)
     for remark in calibration.remarks:
         mark = "[red]![/]" if remark.blocks_pass else "[dim]·[/]"
         console.print(f"{mark} ", end="")
-        console.print(remark.en, markup=False)
+        console.print(say(remark), markup=False)
 
 
 def _print_information(console: Console, calibration: Calibration) -> None:
     """Print a second table with the additional information, and its sentences."""
     if not calibration.information:
         return
-    table = _results_table("for information, not decided on", "quantity")
+    table = _results_table(say(message("flows-for-information")), "quantity")
     for shown in calibration.information.values():
         if any(value is not None for value in shown.value.values()):
-            _add_item(table, shown.title, shown)
+            _add_item(table, say(text_of(shown, "title") or ""), shown)
     console.print(table)
     for shown in calibration.information.values():
-        console.print(f"[dim]· {shown.title}:[/] ", end="")
-        console.print(shown.en, markup=False)
+        console.print(f"[dim]· {say(text_of(shown, 'title') or '')}:[/] ", end="")
+        console.print(say(shown), markup=False)
 
 
 def _results_table(title: str, of: str) -> Table:
     table = Table(title=Text(title))
     for name, justify in ((of, "left"), ("", "left"), ("value", "right"), ("U", "right"),
                           ("k", "right"), ("unit", "left")):  # fmt: skip
-        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+        table.add_column(column_title(name), justify=justify)  # type: ignore[arg-type]
     return table
+
+
+def column_title(name: str) -> str:
+    """The heading of a column; a symbol stays as it is."""
+    return say(message(f"flows-column.{name}")) if known(f"flows-column.{name}") else name
 
 
 def _add_item(table: Table, name: str, item: Item | Information) -> None:
@@ -85,4 +85,7 @@ def summary(validity: Validity) -> dict[str, Any]:
 
 def lines(validity: Validity) -> list[str]:
     """The validity, and a line for each reason."""
-    return [WORDS[validity.verdict], *(f"  {reason}" for reason in validity.reasons)]
+    return [
+        say(message(f"flows-run.{validity.verdict}")),
+        *(f"  {say(reason)}" for reason in texts_of(validity, "reasons")),
+    ]

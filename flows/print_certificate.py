@@ -9,19 +9,16 @@ from flows.printing import print_json, print_rows, stdout
 from schemas.base import Unusable
 from schemas.certificate import AsFound
 from schemas.decision import Verdict
+from schemas.text import texts_of
 from storage.catalogue import trail
 from storage.catalogue.trail import Entry
 from storage.home import home
-from tasks.words import say
+from tasks.words import known, message, say
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
 
 COLOURS: dict[Verdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
-NEXT = {
-    "draft": "next: mimucal check {number} --by NAME, then mimucal issue {number} --by NAME",
-    "checked": "next: mimucal issue {number} --by NAME",
-}
 
 
 def print_certificate(published: "Published", as_json: bool) -> None:
@@ -43,26 +40,26 @@ def print_verdict(published: "Published") -> None:
 
     certificate, console = published.certificate, stdout()
     decision = certificate.decision
-    verdict = f"[bold {COLOURS[decision.verdict]}]{say(verdict_title(decision), 'en')}[/]"
+    verdict = f"[bold {COLOURS[decision.verdict]}]{say(verdict_title(decision))}[/]"
     console.print(f"{certificate.number}: {verdict} ({published.state})")
     for reason in (
-        *decision.reasons,
-        *(say(condition, "en") for condition in conditional(decision)),
+        *map(say, texts_of(decision, "reasons")),
+        *(say(condition) for condition in conditional(decision)),
     ):
         console.print(f"  {reason}", markup=False)
     for changed in certificate.replaces.changes if certificate.replaces else ():
         console.print(
-            f"  {changed.what.en}: {changed.before.en} → {changed.after.en}", markup=False
+            f"  {say(changed.what)}: {say(changed.before)} → {say(changed.after)}", markup=False
         )
     for sentence in published.missing:
-        console.print(f"  {say(sentence, 'en')}", markup=False)
+        console.print(f"  {say(sentence)}", markup=False)
     if published.due:
-        console.print(f"recalibration due {published.due}")
+        console.print(say(message("flows-due", day=f"{published.due}")))
     for path in (published.pdf, published.dcc, published.record, published.evidence):
         if path:
             print(path)
-    if published.state in NEXT:
-        print(NEXT[published.state].format(number=certificate.number))
+    if known(following := f"flows-next.{published.state}"):
+        print(say(message(following, number=certificate.number)))
 
 
 def _document(published: "Published") -> dict[str, Any]:
@@ -83,7 +80,7 @@ def _document(published: "Published") -> dict[str, Any]:
         "steps": [step.model_dump(mode="json") for step in certificate.steps],
         "due": published.due.isoformat() if published.due else None,
         "reasons": list(decision.reasons),
-        "missing": [say(sentence, "en") for sentence in published.missing],
+        "missing": [say(sentence) for sentence in published.missing],
         "conditional": decision.marginal,
         "decisions": [made.model_dump(mode="json") for made in decision.limits],
     }

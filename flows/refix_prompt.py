@@ -8,6 +8,7 @@ import termios
 from flows.progress import CONSOLE
 from schemas.base import Unusable
 from schemas.procedure import Refix
+from schemas.text import text_of
 from tasks.station.ports import Ask
 from tasks.words import message, texts
 
@@ -32,7 +33,8 @@ async def _ask(refix: Refix) -> None:
     """
     terminal = sys.stdin.fileno()
     termios.tcflush(terminal, termios.TCIFLUSH)
-    CONSOLE.print(f"{refix.instruction}\n{refix.instruction_zh}", markup=False)
+    if instruction := text_of(refix, "instruction"):
+        CONSOLE.print(*instruction.words.values(), sep="\n", markup=False)
     CONSOLE.print(*texts(message("flows-press-enter")).values(), markup=False)
     loop, pressed = asyncio.get_running_loop(), asyncio.Event()
     loop.add_reader(terminal, pressed.set)

@@ -13,6 +13,7 @@ from storage.catalogue import certificates, results, runs
 from storage.home import Home, home
 from tasks.stages.import_recording import run_of
 from tasks.stages.validity import validity_of
+from tasks.words import say
 
 if TYPE_CHECKING:
     from schemas.text import Validity
@@ -78,7 +79,7 @@ def show_log(reference: str, as_json: bool) -> None:
         entries = [entry.model_dump(mode="json") for entry in log]
         print_json({"format": "mimu-run-log/1", "run": run.id, "log": entries})
         return
-    rows = [(f"{e.at:%F %T}", f"{e.t:.2f}", e.state.replace("_", " "), e.en) for e in log]
+    rows = [(f"{e.at:%F %T}", f"{e.t:.2f}", e.state.replace("_", " "), say(e)) for e in log]
     print_rows(f"Log of run {run.id}", ("UTC", "at s", "state", "cause"), rows)
 
 
@@ -93,7 +94,7 @@ def print_acquired(acquired: "AcquiredRuns", home: Home, as_json: bool) -> bool:
     else:
         for run, made, validity in judged:
             print(run.id)
-            for sentence in (*(remark.en for remark in made.warnings), *lines(validity)):
+            for sentence in (*(say(remark) for remark in made.warnings), *lines(validity)):
                 print(sentence, file=sys.stderr)
     return all(validity.verdict != "invalid" for *_, validity in judged)
 
@@ -104,6 +105,6 @@ def _as_data(run: "Run", made: "Acquired", validity: "Validity") -> dict[str, An
         "recording_id": run.recording_id,
         "lost_samples": made.lost_samples,
         "bad_frames": made.bad_frames,
-        "warnings": [remark.en for remark in made.warnings],
+        "warnings": [say(remark) for remark in made.warnings],
         "validity": summary(validity),
     }

@@ -10,7 +10,9 @@ import typer
 from flows import deploy_commands, options, order_options
 from flows.signals import stopping
 from schemas.base import BrokenOff, Unusable
+from schemas.text import CONTRACTED, text_fields
 from storage.home import home
+from tasks.words import say
 
 if TYPE_CHECKING:
     from schemas.production import ProductionOrder
@@ -88,7 +90,7 @@ def check(
     if as_json:
         print_json({"format": "mimu-station-check/1", "trials": list(map(_as_data, trials))})
     else:
-        rows = [(t.device, t.tried, "works" if t.works else "FAILS", t.found.en) for t in trials]
+        rows = [(t.device, t.tried, "works" if t.works else "FAILS", say(t.found)) for t in trials]
         print_rows(str(station_file), ("device", "tried", "", "found"), rows)
     if not all(trial.works for trial in trials):
         raise typer.Exit(1)
@@ -228,7 +230,7 @@ def page(
 
 
 def _as_data(trial: "Trial") -> dict[str, Any]:
-    sentences = {"found": trial.found.en, "found_zh": trial.found.zh}
+    sentences = text_fields("found", trial.found, CONTRACTED)
     return {"device": trial.device, "tried": trial.tried, "works": trial.works} | sentences
 
 

@@ -164,7 +164,7 @@ def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
         document = {"format": "mimu-interval/1", "unit": unit, "agreed_days": agreed}
         print_json(document | asdict(advice))
         return
-    print(say(sentence(unit, agreed, advice), "en"))
+    print(say(sentence(unit, agreed, advice)))
 
 
 @app.command(epilog="Example: mimucal validate --units 2000")

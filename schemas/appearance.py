@@ -9,13 +9,6 @@ from pydantic import model_validator
 from schemas.base import Frozen
 
 
-class Wording(Frozen):
-    """A label of the certificate in the laboratory's own words."""
-
-    en: str
-    zh: str
-
-
 class Appearance(Frozen):
     """The content of the laboratory's files, so that the same record gives the same pages anywhere.
 

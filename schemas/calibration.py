@@ -7,7 +7,16 @@ from pydantic import Field, computed_field, model_validator
 from schemas.base import Finite, Frozen
 from schemas.discrepancy import FoundParameter
 from schemas.recording import Axis, Kind, Up
-from schemas.text import RUN_VERDICTS, Remark, Validity
+from schemas.text import (
+    RUN_VERDICTS,
+    AnyMessage,
+    Message,
+    Remark,
+    Statement,
+    Validity,
+    text_in,
+    texts_fields,
+)
 from schemas.uncertainty import Budget
 
 Method = Literal["jjf2003", "joint", "jjf1536"]
@@ -63,22 +72,22 @@ class Covariance(Frozen):
         return self
 
 
-class Information(Frozen):
-    """Additional information in the data, beside the results of the clauses; no decision uses it.
+class Information(Statement):
+    """Additional information in the data, beside the results of the clauses, and in sentences what
+    it is and how it was found; no decision uses it.
 
     `about`: the item it refers to, if any. Elements as in `Item`, or channels.
     """
 
     title: str
     title_zh: str
+    title_message: AnyMessage = None
     unit: str
     value: Elements
     u: Elements | None = None
     U: Elements | None = None
     k: Finite = 2.0
     about: str | None = None
-    en: str = Field(description="what it is and how it was found, as sentences")
-    zh: str
 
 
 class AdoptedTerm(Frozen):
@@ -87,6 +96,7 @@ class AdoptedTerm(Frozen):
     name: str
     title: str
     title_zh: str
+    title_message: AnyMessage = None
     parameters: tuple[FoundParameter, ...] = ()
 
 
@@ -139,6 +149,9 @@ class Calibration(Frozen):
     information: dict[str, Information] = Field(default_factory=dict)
     unavailable: dict[str, str]
     unavailable_zh: dict[str, str] = Field(default_factory=dict)
+    unavailable_message: dict[str, Message] = Field(
+        default_factory=dict, exclude_if=lambda messages: not messages
+    )
     remarks: tuple[Remark, ...] = ()
     segments: tuple[SegmentUsed, ...] = ()
     environment: EnvironmentSeen = EnvironmentSeen()
@@ -170,6 +183,10 @@ class Calibration(Frozen):
         verdicts = (remark.run for remark in reasons)
         return Validity(
             verdict=max(verdicts, key=RUN_VERDICTS.index, default="valid"),
-            reasons=tuple(remark.en for remark in reasons),
-            reasons_zh=tuple(remark.zh for remark in reasons),
+            **texts_fields("reasons", tuple(reasons)),
         )
+
+    def why_unavailable(self, item: str) -> Statement | None:
+        """Why there is no such item; None where that is not stated."""
+        words = [texts.get(item) for texts in (self.unavailable, self.unavailable_zh)]
+        return text_in(words, self.unavailable_message.get(item))

@@ -7,7 +7,7 @@ from typing import Literal, Self
 from pydantic import AwareDatetime, Field, model_validator
 
 from schemas.access import Authorised
-from schemas.appearance import Appearance, Wording
+from schemas.appearance import Appearance
 from schemas.base import Frozen
 from schemas.calibration import Calibration
 from schemas.capability import Capability, check_apart
@@ -17,7 +17,7 @@ from schemas.decision import Decision
 from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
 from schemas.recording import Manifest
 from schemas.signature import SigningSettings
-from schemas.text import Statement
+from schemas.text import BOTH, CONTRACTED, AnyMessage, Language, Statement, Wording
 from schemas.tolerance import Tolerance
 
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
@@ -27,12 +27,6 @@ State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 LIVE: tuple[State, ...] = ("draft", "checked", "issued")  # valid, or may become valid
 INVALID_RUN = "invalid-run"  # ends the purpose of a report of an invalid run
 StepName = Literal["draft", "check", "issue"]
-PrintedIn = Literal["zh", "en", "both"]
-PRINTED_IN: dict[PrintedIn, tuple[str, ...]] = {  # the large one first
-    "zh": ("zh",),
-    "en": ("en",),
-    "both": ("zh", "en"),
-}
 # Conditions of a specification without which no unit passes, unless the client waives them.
 ConditionName = Literal["largest_rate", "environment"]
 
@@ -82,7 +76,7 @@ class Laboratory(Frozen):
     certificate_prefix: str = DEFAULT_PREFIX
     number_scheme: str = DEFAULT_SCHEME
     separate_persons: bool = True
-    language: PrintedIn = "both"
+    language: Language = BOTH
     equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
     capabilities: tuple[Capability, ...] = ()
@@ -153,7 +147,7 @@ class Order(Frozen):
     configuration: Configuration = Configuration()
     place: str | None = None
     place_zh: str | None = None
-    language: PrintedIn | None = None
+    language: Language | None = None
     axes: ResultAxes | None = None
 
     @property
@@ -231,6 +225,7 @@ class Certificate(Frozen):
     as_found: AsFound | None = None
     budgets: bool = False
     validation: tuple[str, str] | None = None
+    validation_message: AnyMessage = None
     curves: tuple[Curve, ...] = ()
     evidence_sha256: str | None = None
     steps: tuple[Step, ...] = ()
@@ -254,8 +249,8 @@ class Certificate(Frozen):
         laboratory.
         """
         ordered = self.order.language if self.order else None
-        usual = self.laboratory.language if self.laboratory else "both"
-        return PRINTED_IN[ordered or usual]
+        language = ordered or (self.laboratory.language if self.laboratory else BOTH)
+        return CONTRACTED[::-1] if language == BOTH else (language,)
 
     @property
     def purpose(self) -> str:

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from schemas.base import Finite, Frozen
+from schemas.text import Messages
 from schemas.tolerance import Quantity, Rule
 
 Verdict = Literal["pass", "fail", "inconclusive"]
@@ -65,4 +66,5 @@ class Decision(Frozen):
     limits: tuple[LimitDecision, ...]
     reasons: tuple[str, ...] = ()
     reasons_zh: tuple[str, ...] = ()
+    reasons_message: Messages = ()
     marginal: bool = False

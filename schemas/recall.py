@@ -7,6 +7,7 @@ from zoneinfo import ZoneInfo
 from pydantic import Field, field_validator, model_validator
 
 from schemas.base import Frozen
+from schemas.text import CONTRACTED, Language
 
 CHANNEL = "an Apprise URL; ${NAME} in it is taken from the environment"
 
@@ -29,17 +30,17 @@ class SilentHours(Frozen):
 
 
 class RecallClient(Frozen):
-    """A client as named in the orders, in English or Chinese, and the channels that reach it."""
+    """A client as named in the orders, and the channels that reach it."""
 
     name: str = Field(min_length=1)
-    language: Literal["en", "zh"] = "en"
+    language: Language = CONTRACTED[0]
     channels: dict[str, Annotated[str, Field(description=CHANNEL)]]
 
 
 class Operators(Frozen):
     """Who is alerted when something of the line or the program fails, at any hour."""
 
-    language: Literal["en", "zh"] = "en"
+    language: Language = CONTRACTED[0]
     channels: dict[str, Annotated[str, Field(description=CHANNEL)]] = Field(min_length=1)
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, PlainSerializer
 
 from schemas.base import Finite, Frozen
+from schemas.text import AnyMessage
 
 Kind = Literal["A", "B"]
 Distribution = Literal["normal", "rectangular", "triangular", "arcsine", "t"]
@@ -38,6 +39,7 @@ class BudgetInput(Frozen):
 
     name: str
     name_zh: str
+    name_message: AnyMessage = None
     symbol: str
     kind: Kind
     distribution: Distribution

@@ -7,18 +7,17 @@ from pydantic import Field
 
 from schemas.base import Finite, Frozen
 from schemas.calibration import Method
+from schemas.text import Statement
 
 Evidence = Literal["worked example", "truth recovery", "coverage", "independent program"]
 EVIDENCE: tuple[Evidence, ...] = get_args(Evidence)
 TARGET_SHARE = (0.93, 0.97)  # of truths inside a 95 % interval, for an item and for each element
 
 
-class Check(Frozen):
+class Check(Statement):
     """One piece of evidence: what was compared, the figures, and whether they agree."""
 
     passed: bool
-    en: str
-    zh: str
 
 
 class Coverage(Frozen):

@@ -108,7 +108,7 @@ def show_changes(report: Reprocessing) -> None:
 def show_certificate(published: "Published") -> None:
     """The certificate with its items, verdict, reasons and path, as Prefect artifacts."""
     certificate = published.certificate
-    verdict = say(verdict_title(certificate.decision), "en")
+    verdict = say(verdict_title(certificate.decision))
     reasons = "\n".join(f"- {reason}" for reason in certificate.decision.reasons)
     show_items(certificate.calibration, certificate.manifest.unit.serial)
     create_markdown_artifact(
@@ -122,7 +122,7 @@ def show_certificate(published: "Published") -> None:
 def show_discrepancy(explained: "Explained") -> None:
     """The verdict and the findings as a Prefect artifact."""
     discrepancy = explained.discrepancy
-    sentences = [discrepancy.statement.en, *(f.statement.en for f in discrepancy.findings)]
+    sentences = [say(discrepancy.statement), *(say(f.statement) for f in discrepancy.findings)]
     create_markdown_artifact(
         key="discrepancy",
         markdown=f"# {discrepancy.verdict}\n\n" + "\n\n".join(sentences),
@@ -137,10 +137,11 @@ def show_review(reviewed: "Reviewed") -> None:
         key="review",
         table=[
             {"effect": f.effect, "level": f.level, "carrier": f.carrier,
-             "since": f.since and f.since.at, "runs": f.evidence.runs, "statement": f.statement.en}
+             "since": f.since and f.since.at, "runs": f.evidence.runs,
+             "statement": say(f.statement)}
             for f in review.findings
         ],
-        description=review.statement.en,
+        description=say(review.statement),
     )  # fmt: skip
     create_table_artifact(
         key="review-touched",

@@ -7,9 +7,9 @@ from flows.pages.models.run import BudgetQuestion, BudgetShown
 from flows.pages.page import Page, View
 from flows.pages.parts import table
 from schemas.base import Unusable
-from schemas.text import Statement
 from storage.catalogue import results
 from storage.home import Home
+from tasks.conformity.equipment import name_of
 from tasks.specifications.items import item_title, symbol
 from tasks.words import message, statement
 from tasks.words.quantities import plain, power_of_ten, unit_text
@@ -42,7 +42,7 @@ def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
     names = ("input", "kind", "u", "sensitivity", "contribution", "share", "source")
     rows = [
         (
-            f"{view.say(Statement(en=each.name, zh=each.name_zh))} ({each.symbol})",
+            f"{view.say(name_of(each))} ({each.symbol})",
             f"{each.kind}, {view.say(message(f'pages-distribution.{each.distribution}'))}",
             f"{plain(each.u)} {unit_text(each.unit)}",
             plain(each.sensitivity),

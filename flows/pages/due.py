@@ -14,6 +14,7 @@ from flows.pages.parts import GRID_OPTIONS, locale, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
 from flows.pages.query_controls import asks
 from flows.pages.states import Kind, StepState, badge
+from schemas.text import text_in
 from tasks.words import message
 
 HORIZONS = (0, 30, 60, 90, 180, 365)  # days
@@ -62,8 +63,7 @@ def _choices(shown: DueShown, view: View, question: DueQuestion) -> Component:
         {"value": str(days), "label": view.say(message("pages-due-within", days=days))}
         for days in sorted({*HORIZONS, question.within})
     ]
-    clients = {name: {"value": name, "label": _client((name, zh), view)}
-               for name, zh in shown.clients}  # fmt: skip
+    clients = {each[0]: {"value": each[0], "label": _client(each, view)} for each in shown.clients}
     controls = [
         select("client", list(clients.values()), question.client),
         select("model", list(shown.models), question.model),
@@ -73,7 +73,7 @@ def _choices(shown: DueShown, view: View, question: DueQuestion) -> Component:
 
 
 def _client(client: tuple[str, str], view: View) -> str:
-    return client[1] if view.language == "zh" else client[0]
+    return view.say(text_in(client) or "")
 
 
 def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component]:
@@ -178,7 +178,7 @@ def _equipment(shown: DueShown, view: View) -> Component:
 
 def _standard(each: StandardDue, shown: DueShown, view: View) -> tuple[Any, ...]:
     return (
-        each.name_zh if view.language == "zh" else each.name,
+        view.say(each.name),
         each.serial,
         each.certificate,
         str(each.valid_until or "–"),

@@ -22,8 +22,9 @@ from schemas.recall import DueUnit
 from storage.catalogue import equipment, reminders
 from storage.catalogue.reminders import Reminder
 from storage.home import Home
+from tasks.conformity.equipment import name_of
 from tasks.stages import remind
-from tasks.words import message
+from tasks.words import message, statement
 
 SOON = timedelta(days=90)
 MONTHS = 12
@@ -99,7 +100,7 @@ def _equipment(home: Home, now: date) -> list[StandardDue]:
     """Each standard with the certificate that counts now, the first that falls due first."""
     counted = [
         StandardDue(
-            serial=each.serial, name=each.name, name_zh=each.name_zh, certificate=each.certificate,
+            serial=each.serial, name=statement(name_of(each)), certificate=each.certificate,
             valid_until=each.valid_until,
             days=(each.valid_until - now).days if each.valid_until else None,
         )

@@ -23,11 +23,12 @@ def rows_of(shown: Sequence[Frozen], **same: Any) -> list[Row]:
 
 
 def _flat(fields: Row) -> dict[str, Any]:
-    """A model inside a model is a column for each of its fields, as title_en and title_zh."""
+    """A model inside a model is a column for each of its fields, a text one for each language."""
     flat: dict[str, Any] = {}
     for name, value in fields.items():
         if isinstance(value, Mapping):
-            flat |= {f"{name}_{inner}": each for inner, each in value.items()}
+            inside = ((inner, each) for inner, each in value.items() if inner != "message")
+            flat |= {f"{name}_{inner}": each for inner, each in inside}
         else:
             flat[name] = value
     return flat

@@ -13,7 +13,7 @@ from flows.pages.numbers import Numbers
 from schemas.access import Visitor
 from schemas.base import Frozen
 from storage.home import Home
-from tasks.words import LANGUAGES, Sayable, message, say
+from tasks.words import LANGUAGES, MAIN, Sayable, message, say
 
 LANGUAGE, THEME = "mimucal_language", "mimucal_theme"
 Theme = Literal["light", "dark"]
@@ -28,7 +28,7 @@ def parameters(search: str) -> dict[str, str]:
 class View:
     """How somebody looks at the pages."""
 
-    language: str = "en"
+    language: str = MAIN
     theme: Theme = "light"
     visitor: Visitor = field(default_factory=Visitor)
 
@@ -77,7 +77,7 @@ class Page:
 def view_of_request() -> View:
     """The view that the request asks for: its cookies, else the browser's language, and light."""
     chosen = request.cookies.get(LANGUAGE)
-    accepted = request.accept_languages.best_match(LANGUAGES, default="en")
+    accepted = request.accept_languages.best_match(LANGUAGES, default=MAIN)
     theme: Theme = "dark" if request.cookies.get(THEME) == "dark" else "light"
     language = chosen if chosen in LANGUAGES else accepted
     return View(language=language, theme=theme, visitor=g.get("visitor") or Visitor())

@@ -67,7 +67,7 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
 
 def _reasons(reasons: Sequence[Statement | Remark], view: View) -> list[Component]:
     """Sentences in one box; nothing where there are none."""
-    texts = [dmc.Text(getattr(reason, view.language), size="sm") for reason in reasons]
+    texts = [dmc.Text(view.say(reason), size="sm") for reason in reasons]
     return [dmc.Alert(dmc.Stack(texts, gap=6), color="yellow", p="sm")] if texts else []
 
 
@@ -155,7 +155,7 @@ def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
             message("pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out)
         )
     checks = [
-        dmc.Text(getattr(remark, view.language), size="sm")
+        dmc.Text(view.say(remark), size="sm")
         for remark in segment.remarks
         if len(remark.segments) <= MAX_INLINE_SEGMENTS
     ]

@@ -22,7 +22,7 @@ from schemas.calibration import Calibration, SegmentUsed
 from schemas.decision import LimitDecision
 from schemas.recording import Manifest, Segment
 from schemas.run_log import LogEntry
-from schemas.text import Statement
+from schemas.text import Statement, texts_of
 from storage.catalogue import certificates, database, results, runs, tables
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.run_index import find
@@ -44,12 +44,11 @@ def data(question: RunQuestion, home: Home) -> RunShown:
     made = newest.calibration if newest else None
     printing = next((e for e in reversed(entries) if newest and e.result == newest.id), None)
     validity = made.validity if made else None
-    reasons = zip(validity.reasons, validity.reasons_zh, strict=True) if validity else ()
     return RunShown(
         run=line,
         digest=run.digest,
         validity=validity.verdict if validity else None,
-        reasons=tuple(Statement(en=en, zh=zh) for en, zh in reasons),
+        reasons=texts_of(validity, "reasons") if validity else (),
         segments=tuple(_segments(manifest, made)),
         elements=tuple(_elements(made, _limits(printing, home))) if made else (),
         unavailable=_unavailable(made) if made else {},
@@ -124,10 +123,8 @@ def margin(decision: LimitDecision) -> float | None:
 
 
 def _unavailable(made: Calibration) -> dict[str, Statement]:
-    return {
-        item: Statement(en=why, zh=made.unavailable_zh.get(item, why))
-        for item, why in made.unavailable.items()
-    }
+    reasons = {item: made.why_unavailable(item) for item in made.unavailable}
+    return {item: why for item, why in reasons.items() if why}
 
 
 def _log(manifest: Manifest) -> tuple[LogEntry, ...]:

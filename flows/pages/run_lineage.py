@@ -47,7 +47,7 @@ def log(shown: RunShown, view: View) -> Component:
             second_of(entry.at),
             f"{entry.t:.2f}",
             view.say(message(f"pages-run-state.{entry.state.replace('_', '-')}")),
-            getattr(entry, view.language),
+            view.say(entry),
         )
         for entry in shown.log
     ]

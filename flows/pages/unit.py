@@ -114,7 +114,7 @@ def _facts(line: UnitLine, view: View) -> Component:
 
 
 def _advice(shown: UnitShown, view: View) -> Component:
-    sentence = view.say(shown.advice) if shown.advice else shown.why_no_advice or ""
+    sentence = view.say(shown.advice or shown.why_no_advice or "")
     name = dmc.Text(view.say(message("pages-unit-interval")), size="xs", c="dimmed")
     return dmc.Box([name, dmc.Text(sentence, size="sm")])
 

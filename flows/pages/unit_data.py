@@ -27,7 +27,7 @@ from storage.catalogue.units import UnitLine
 from storage.home import Home
 from tasks.quality.charts import DriftRate, drift
 from tasks.specifications.items import ITEMS, item_title, symbol
-from tasks.stages.remind import advice_by, sentence
+from tasks.stages.remind import NoAdvice, advice_by, sentence
 from tasks.words import statement
 
 YEAR_D = 365.25
@@ -68,8 +68,10 @@ def data(question: UnitQuestion, home: Home) -> UnitShown:
 def _advice(entries: list[Entry], line: UnitLine, home: Home) -> dict[str, Any]:
     try:
         return {"advice": statement(sentence(*advice_by(entries, line.serial, home)))}
+    except NoAdvice as error:
+        return {"why_no_advice": statement(error.why)}
     except Unusable as error:
-        return {"why_no_advice": str(error)}
+        return {"why_no_advice": statement(str(error))}
 
 
 def _limits(line: UnitLine, home: Home) -> _Limits:

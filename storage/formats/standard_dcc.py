@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.equipment import LimitName, MeasurementStandard
+from schemas.text import CONTRACTED, no_text
 from storage.whole_files import text_bytes
 
 NAMES = {"dcc": "https://ptb.de/dcc", "si": "https://ptb.de/si"}
@@ -59,10 +60,11 @@ def read_standard(path: Path, deviation: Literal["corrected", "budgeted"]) -> Me
                 "no result has both basic_nominalValue (over rad/s, °/s, rad or °) and "
                 "basic_measurementError"
             )
+        content = f"{item}/dcc:name/dcc:content"
+        names = [_text(root, f"{content}[@lang='{language}']") for language in CONTRACTED]
+        names[0] = names[0] or _text(root, content)
         return MeasurementStandard.model_validate({
-            "name": _text(root, f"{item}/dcc:name/dcc:content[@lang='en']")
-            or _text(root, f"{item}/dcc:name/dcc:content"),
-            "name_zh": _text(root, f"{item}/dcc:name/dcc:content[@lang='zh']"),
+            **dict(zip(no_text("name"), names, strict=True)),
             "serial": _text(root, f"{item}/dcc:identifications/dcc:identification/dcc:value"),
             "accuracy": "",
             "certificate": _text(root, f"{core}/dcc:uniqueIdentifier"),

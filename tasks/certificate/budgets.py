@@ -11,8 +11,9 @@ from decimal import Decimal
 
 from schemas.calibration import Calibration, Item
 from schemas.uncertainty import Budget, BudgetInput
-from tasks.certificate.equipment import half_width, limits_of, name_of, source
+from tasks.certificate.equipment import half_width, limits_of, source
 from tasks.certificate.fields import first_known, slug
+from tasks.conformity.equipment import name_of
 from tasks.specifications.items import item_title, symbol
 from tasks.words import Message, Sayable, message
 from tasks.words.quantities import unit_text

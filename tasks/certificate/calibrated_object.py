@@ -6,6 +6,7 @@ ISO/IEC 17025:2017, 7.8.2.1 g), 7.8.4.1 d) and 7.8.5.
 from collections.abc import Iterator
 
 from schemas.certificate import Certificate
+from schemas.text import text_of
 from tasks.certificate.fields import Field, field, given
 from tasks.words import Sayable, message
 from tasks.words.rounding import as_given
@@ -21,7 +22,7 @@ def calibrated_object(certificate: Certificate) -> tuple[Field, ...]:
     configuration = certificate.configuration
     adjusted = "no" if certificate.as_found is None else "yes"
     return (
-        field("condition", given(configuration.condition, configuration.condition_zh)),
+        field("condition", given(text_of(configuration, "condition"))),
         *_configuration(certificate),
         field("adjustment", message(f"certificate-adjusted.{adjusted}")),
         field("sampling", message("certificate-sampling")),

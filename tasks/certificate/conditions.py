@@ -10,7 +10,7 @@ from tasks.certificate.fields import NONE, NOT_GIVEN, Field, field, given
 from tasks.certificate.positions import positions, turns, zero_positions
 from tasks.conformity.deviations import largest_rate
 from tasks.specifications.specification import Specification
-from tasks.words import Message, Sayable, clauses, message
+from tasks.words import Message, Sayable, clauses, message, say
 from tasks.words.rounding import as_given
 
 
@@ -92,10 +92,10 @@ def _rate_for_p(calibration: Calibration, axis: Axis) -> str:
     """The largest rate about an axis that stood vertical; — where p of that axis has no value."""
     p = calibration.items.get("accel_rate_sensitivity")
     if p is None or all(v is None for element, v in p.value.items() if element[-1] == axis):
-        return NONE.en
+        return say(NONE)
     held = _held(calibration, axis)
     upright = [s for s in held if (s.up or "")[1:] == axis] or held
-    return as_given(max(abs(s.rate_deg_s or 0.0) for s in upright)) if upright else NONE.en
+    return as_given(max(abs(s.rate_deg_s or 0.0) for s in upright)) if upright else say(NONE)
 
 
 def _dwell(calibration: Calibration, _: Manifest) -> Sayable:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
 from schemas.certificate import Certificate
-from schemas.text import Statement
+from schemas.text import Statement, text_in, text_of
 from tasks.certificate import cover
 from tasks.certificate.amended import changes
 from tasks.certificate.as_found import FoundSection, as_found, scope_with_found
@@ -41,7 +41,7 @@ from tasks.conformity.deviations import deviations
 from tasks.conformity.reasons import conditional
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.specifications.specification import Specification
-from tasks.words import Message, Sayable, clauses, message, say
+from tasks.words import Message, Sayable, clauses, message, say, statement
 from tasks.words.rounding import MINUS, as_given
 from tasks.words.typography import typeset
 
@@ -164,7 +164,8 @@ def in_languages(part: Any, languages: Sequence[str]) -> Any:
     if isinstance(part, Message):
         return tuple(literal(typeset(say(part, lang), lang)) for lang in languages)
     if isinstance(part, Statement):
-        return tuple(literal(say(part, language)) for language in languages)
+        words = statement(part).words  # as the record has kept them
+        return tuple(literal(words[language]) for language in languages)
     if isinstance(part, str):
         return literal(part)
     if isinstance(part, tuple):
@@ -179,15 +180,15 @@ def _validation(certificate: Certificate) -> tuple[Message, ...]:
     """Which record validates the estimation."""
     if certificate.validation is None:
         return ()
-    en, zh = certificate.validation
-    return (message("certificate-validation", record=Statement(en=en, zh=zh)),)
+    record = text_in(certificate.validation, certificate.validation_message)
+    return (message("certificate-validation", record=record or ""),)
 
 
 def _standards(certificate: Certificate) -> tuple[StandardRow, ...]:
     equipment = certificate.laboratory.equipment if certificate.laboratory else ()
     rows = [
         StandardRow(
-            given(standard.name, standard.name_zh),
+            given(text_of(standard, "name")),
             given(standard.serial),
             accuracy(standard),
             given(standard.certificate),
@@ -206,7 +207,7 @@ def _traceability(certificate: Certificate) -> Message:
     if certificate.calibration.validity.verdict == "invalid":
         return message("certificate-traceability.invalid-run")
     standards = certificate.laboratory.equipment if certificate.laboratory else ()
-    bare = tuple(given(each.name, each.name_zh) for each in standards if not is_traceable(each))
+    bare = tuple(given(text_of(each, "name")) for each in standards if not is_traceable(each))
     if len(bare) == len(standards):
         return message("certificate-traceability.none")
     if bare:

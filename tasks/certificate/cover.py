@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Party, StepName
 from schemas.decision import Decision
+from schemas.text import text_of
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal, slug
 from tasks.certificate.mandatory import issuer_title, unstated
 from tasks.conformity.limits import verdict_title
@@ -25,11 +26,11 @@ class Signature:
 
 
 def party_name(party: Party | None) -> Sayable:
-    return given(party.name, party.name_zh) if party else NOT_GIVEN
+    return given(text_of(party, "name")) if party else NOT_GIVEN
 
 
 def party_address(party: Party | None) -> Sayable:
-    return given(party.address, party.address_zh) if party else NOT_GIVEN
+    return given(text_of(party, "address")) if party else NOT_GIVEN
 
 
 def by_method(what: str, calibration: Calibration, deviates: bool) -> str:
@@ -94,8 +95,8 @@ def _replaced(certificate: Certificate) -> Iterator[Field]:
 def _place(certificate: Certificate) -> Iterator[Field]:
     """Where it was calibrated, if not at the laboratory's address: as ordered goes first."""
     for paper in (certificate.order, certificate.laboratory):
-        if paper and (paper.place or paper.place_zh):
-            yield field("place", given(paper.place, paper.place_zh))
+        if paper and (place := text_of(paper, "place")):
+            yield field("place", place)
             return
 
 
@@ -103,9 +104,8 @@ def laboratory_fields(laboratory: Laboratory | None) -> Iterator[Field]:
     """Accreditation and contact of the laboratory, where they are known."""
     if laboratory is None:
         return
-    if laboratory.accreditation or laboratory.accreditation_zh:
-        named = given(laboratory.accreditation, laboratory.accreditation_zh)
-        yield field("accreditation", named)
+    if accreditation := text_of(laboratory, "accreditation"):
+        yield field("accreditation", accreditation)
     contact = laboratory.contact
     if reached := [literal(way) for way in (contact.phone, contact.e_mail, contact.web) if way]:
         yield field("contact", given(", ".join(reached)))
@@ -129,7 +129,7 @@ def signatures(certificate: Certificate) -> tuple[Signature, ...]:
     return (
         Signature(operator, given(certificate.carried_out_by)),
         Signature(checker, _person(certificate, "check")),
-        Signature(issuer, _person(certificate, "issue"), given(*issuer_title(certificate)), issued),
+        Signature(issuer, _person(certificate, "issue"), given(issuer_title(certificate)), issued),
     )
 
 

@@ -7,11 +7,11 @@ import numpy as np
 
 from schemas.calibration import Calibration
 from schemas.equipment import ErrorBound, ErrorFunction, LimitName, MeasurementStandard
-from schemas.text import Statement
+from schemas.text import text_of
 from schemas.uncertainty import BudgetInput
 from tasks.certificate.cover import by_document
 from tasks.certificate.fields import given
-from tasks.conformity.equipment import bound_text
+from tasks.conformity.equipment import bound_text, name_of
 from tasks.specifications.specification import Specification
 from tasks.uncertainty.equipment import GRAVITY, LATITUDE, LEVELLED, RECOMMENDED, limit_of
 from tasks.uncertainty.standards import FunctionSource, error_at, extent, stated_at
@@ -39,11 +39,6 @@ def limits_of(calibration: Calibration) -> tuple[BudgetInput, ...]:
         if line.source is not None and line.half_width is not None
     )
     return tuple({(line.symbol, line.source): line for line in lines}.values())
-
-
-def name_of(line: BudgetInput) -> Statement:
-    """The name of an input quantity."""
-    return Statement(en=line.name, zh=line.name_zh)
 
 
 def source(line: BudgetInput) -> Sayable:
@@ -83,7 +78,7 @@ def size(half_width: float, unit: str, is_latitude: bool) -> str:
 def accuracy(standard: MeasurementStandard) -> Sayable:
     """What a standard may be off by: the limits that go into the budgets, else as it was given."""
     if not standard.limits and not standard.functions:
-        return given(standard.accuracy, standard.accuracy_zh)
+        return given(text_of(standard, "accuracy"))
     limits = [_limit(name, bound) for name, bound in standard.limits.items()]
     functions = [_function(name, function) for name, function in standard.functions.items()]
     return clauses([*limits, *functions])

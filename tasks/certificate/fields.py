@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass
 from datetime import date
+from typing import Any
 
-from schemas.text import Statement
-from tasks.words import Argument, Message, Sayable, known, message
+from schemas.text import Statement, text_in
+from tasks.words import Argument, Message, Sayable, known, message, statement
 
 NOT_GIVEN = message("certificate-not-given")
-NONE = Statement(en="—", zh="—")
+NONE = statement("—")
 
 
 @dataclass(frozen=True)
@@ -30,10 +31,9 @@ def literal(text: str) -> str:
     return " ".join(text.split())
 
 
-def given(en: str | None, zh: str | None = None) -> Sayable:
-    """A text of the user as it stands, one for every language where only one is there."""
-    first, second = literal(en or ""), literal(zh or "")
-    return Statement(en=first or second, zh=second or first) if first or second else NOT_GIVEN
+def given(text: Statement | str | None) -> Sayable:
+    """A text of the user as it stands, or “not given”."""
+    return (text_in([literal(text)]) if isinstance(text, str) else text) or NOT_GIVEN
 
 
 def day(when: date | None) -> Sayable:
@@ -41,9 +41,12 @@ def day(when: date | None) -> Sayable:
     return given(when.isoformat() if when else None)
 
 
-def quoted(en: str, zh: str) -> Message:
-    """A sentence of a result, set as its language writes it."""
-    return message("certificate-quoted", text=Statement(en=en, zh=zh))
+def quoted(text: Statement) -> Message:
+    """A sentence of a result, set as its language writes it: in the words that the record has kept,
+    whatever the catalogues say by now.
+    """
+    kept: dict[str, Any] = statement(text).words
+    return message("certificate-quoted", text=Statement(**kept))
 
 
 def first_known(*ids: str, **arguments: Argument) -> Message | None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Elements, Information
-from schemas.text import Statement
+from schemas.text import text_of
 from tasks.certificate.fields import first_known, quoted, slug
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, message
@@ -97,11 +97,11 @@ def _row(shown: Information) -> InformationRow:
     known = any(value is not None for value in printed.values)
     prefix = PREFIXES.get(printed.exponent, "") if shown.unit in PREFIXED else ""
     return InformationRow(
-        title=Statement(en=shown.title, zh=shown.title_zh),
+        title=text_of(shown, "title") or "",
         unit=unit_text(prefix + shown.unit),
         exponent=0 if prefix else printed.exponent,
         lines=tuple(_lines(cells)) if known else (),
-        sentences=quoted(shown.en, shown.zh),
+        sentences=quoted(shown),
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from schemas.certificate import Certificate, Laboratory, Party
 from schemas.equipment import MeasurementStandard
 from schemas.recording import Standard
+from schemas.text import Statement, text_of
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.words import Message, message
 
@@ -51,8 +52,7 @@ def _of_client(name: str) -> Callable[[Certificate], bool]:
 
 
 def _of_party(party: Party | None, name: str) -> bool:
-    texts = (getattr(party, name), getattr(party, f"{name}_zh")) if party else ()
-    return any(text.strip() for text in texts)
+    return party is not None and text_of(party, name) is not None
 
 
 def _of_unit(name: str) -> Callable[[Certificate], bool]:
@@ -84,13 +84,13 @@ def _has_uncertainties(made: Certificate) -> bool:
 def _has_title(made: Certificate) -> bool:
     """Of who issued it; until then, of anybody who may."""
     if made.state == "issued":
-        return any(issuer_title(made))
+        return issuer_title(made) is not None
     laboratory = made.laboratory
-    return bool(laboratory and (laboratory.issuer_title or laboratory.issuer_title_zh)) or any(
-        each.title or each.title_zh
-        for each in (laboratory.authorised if laboratory else ())
-        if "issue" in each.may
-    )
+    if laboratory is None:
+        return False
+    issuers = (each for each in laboratory.authorised if "issue" in each.may)
+    titles = (text_of(laboratory, "issuer_title"), *(text_of(each, "title") for each in issuers))
+    return any(titles)
 
 
 def standards_of(certificate: Certificate) -> tuple[MeasurementStandard, ...]:
@@ -98,21 +98,23 @@ def standards_of(certificate: Certificate) -> tuple[MeasurementStandard, ...]:
     return certificate.laboratory.equipment if certificate.laboratory else ()
 
 
-def title_of(laboratory: Laboratory | None, person: str) -> tuple[str | None, str | None]:
-    """The title of a person by a laboratory, English and Chinese."""
-    for each in laboratory.authorised if laboratory else ():
-        if each.name == person and (each.title or each.title_zh):
-            return each.title, each.title_zh
-    if laboratory is None or (laboratory.issuer and person != laboratory.issuer):
-        return None, None
-    return laboratory.issuer_title, laboratory.issuer_title_zh
+def title_of(laboratory: Laboratory | None, person: str) -> Statement | None:
+    """The title of a person by a laboratory."""
+    if laboratory is None:
+        return None
+    own = (text_of(each, "title") for each in laboratory.authorised if each.name == person)
+    if title := next(filter(None, own), None):
+        return title
+    if laboratory.issuer and person != laboratory.issuer:
+        return None
+    return text_of(laboratory, "issuer_title")
 
 
-def issuer_title(certificate: Certificate) -> tuple[str | None, str | None]:
-    """The title of who issued a certificate, as it was kept; English and Chinese."""
+def issuer_title(certificate: Certificate) -> Statement | None:
+    """The title of who issued a certificate, as it was kept."""
     step = certificate.step("issue")
-    if step and (step.title or step.title_zh):
-        return step.title, step.title_zh
+    if step and (title := text_of(step, "title")):
+        return title
     issuer = certificate.laboratory.issuer if certificate.laboratory else None
     return title_of(certificate.laboratory, step.person if step else issuer or "")
 
@@ -129,12 +131,11 @@ CLAUSE_8 = (
     Required("calibrated", "g)", "7.8.2.1 i)", lambda made: made.calibrated_on is not None),
     Required("standards", "h)", "7.8.4.1 c)", lambda made: bool(standards_of(made))),
     Required("standard-name", "h)", "7.8.4.1 c)", _of_standards(
-        lambda each: bool(each.name.strip() or each.name_zh.strip()))),
+        lambda each: text_of(each, "name") is not None)),
     Required("standard-serial", "h)", "7.8.4.1 c)", _of_standards(
         lambda each: bool(each.serial.strip()))),
     Required("standard-accuracy", "h)", "7.8.4.1 c)", _of_standards(
-        lambda each: bool(
-            each.accuracy.strip() or each.accuracy_zh.strip() or each.limits or each.functions))),
+        lambda each: bool(text_of(each, "accuracy") or each.limits or each.functions))),
     Required("standard-certificate", "h)", "7.8.4.1 c)", _of_standards(
         lambda each: bool(each.certificate.strip()))),
     Required("temperature", "i)", "7.8.4.1 b)",

@@ -17,14 +17,13 @@ import typst
 from schemas.appearance import Appearance
 from schemas.base import Unusable
 from schemas.certificate import Certificate, Laboratory
-from schemas.text import Statement
 from tasks.certificate.content import content, in_languages
 from tasks.certificate.dcc import dcc_of, record_of
 from tasks.certificate.figures import drawn
-from tasks.words import identifiers, message
+from tasks.words import MAIN, identifiers, message, say, statement
 
 LAYOUT = {path.name: path.read_bytes() for path in Path(__file__).parent.glob("*.typ")}
-HOUSE, MAIN = "certificate.typ", "main.typ"  # MAIN: what the typesetter begins with
+HOUSE, ENTRY = "certificate.typ", "main.typ"  # ENTRY: what the typesetter begins with
 LABEL = "certificate-label-"
 PAGE = {"here": "<here>", "last": "<last>"}  # known to the typesetter alone
 
@@ -49,6 +48,8 @@ def render(
     appearance = (laboratory and laboratory.appearance) or Appearance()
     printed = {
         "languages": tuple(languages),
+        "script": say(message("typography-script"), languages[0]),
+        "region": say(message("typography-script.region"), languages[0]),
         "labels": _labels(certificate.laboratory, languages),
         "pictures": tuple(appearance.pictures),
         **asdict(in_languages(content(certificate), languages)),
@@ -59,7 +60,7 @@ def render(
     attached = dcc_of(certificate) if dcc is None else dcc
     try:
         return typst.compile(
-            {**LAYOUT, MAIN: main, **appearance.pictures},
+            {**LAYOUT, ENTRY: main, **appearance.pictures},
             root=Path(__file__).parent,
             format="pdf",
             font_paths=_fonts(),
@@ -105,11 +106,12 @@ def _labels(laboratory: Laboratory | None, languages: Sequence[str]) -> dict[str
     if unknown := sorted(own.keys() - set(names)):
         raise Unusable(
             f"laboratory.toml: wording names {unknown[0]!r}, which no certificate has; the names "
-            "are those of `certificate-label-…` in tasks/words/en/certificate.ftl."
+            f"are those of `certificate-label-…` in tasks/words/{MAIN}/certificate.ftl."
         )
-    worded = {name: Statement(en=words.en, zh=words.zh) for name, words in own.items()}
     return {
-        name: in_languages(worded.get(name) or message(f"{LABEL}{name}", **PAGE), languages)
+        name: in_languages(
+            statement(own[name]) if name in own else message(f"{LABEL}{name}", **PAGE), languages
+        )
         for name in names
     }
 

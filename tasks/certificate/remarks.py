@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration
@@ -10,10 +10,8 @@ from schemas.recording import Manifest
 from schemas.text import Remark
 from tasks.certificate.fields import quoted
 from tasks.conformity.deviations import NOT_RECORDED, Deviation
-from tasks.words import Message, Sayable, clauses, message
+from tasks.words import Message, Sayable, clauses, kind_of, message, say
 
-NUMBER = re.compile(r"[+−-]?\d+(?:\.\d+)?(?:[eE][+−-]?\d+)?")
-AXIS = re.compile(r"(?<![A-Za-z])[+−-]?[XYZxyz](?![A-Za-z])")
 FEW = 3  # segments that are named where the remark stands
 # Stated under the item that it is about, with its size.
 STATED_AT_ITEM = {"earth_rotation"}
@@ -40,18 +38,11 @@ def remarks(
 
 def alike(remarks: Iterable[Remark]) -> list[list[Remark]]:
     """Remarks in order; together those that differ in segment, axis and figures alone."""
-    groups: dict[tuple[object, ...], list[Remark]] = {}
+    groups: dict[Hashable, list[Remark]] = {}
     for number, remark in enumerate(remarks):
-        key = (remark.code, remark.blocks_pass, remark.run, _wording(remark))
-        groups.setdefault(key if remark.segments else (number,), []).append(remark)
+        key = (remark.code, remark.blocks_pass, remark.run, kind_of(remark))
+        groups.setdefault(key if remark.segments else number, []).append(remark)
     return list(groups.values())
-
-
-def _wording(remark: Remark) -> str:
-    text = remark.en
-    for name in sorted(remark.segments, key=len, reverse=True):
-        text = re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", "segment", text)
-    return NUMBER.sub("#", AXIS.sub("axis", text))
 
 
 def _remark(group: list[Remark], kinds: Mapping[str, str]) -> RemarkRow:
@@ -59,8 +50,8 @@ def _remark(group: list[Remark], kinds: Mapping[str, str]) -> RemarkRow:
     does not name, by name or by how many there are of each kind; what it prevents.
     """
     remark, *others = group
-    sentence = quoted(remark.en, remark.zh)
-    named = (re.search(rf"(?<!\w){re.escape(n)}(?!\w)", remark.en) for n in remark.segments)
+    sentence = quoted(remark)
+    named = (re.search(rf"(?<!\w){re.escape(n)}(?!\w)", say(remark)) for n in remark.segments)
     names = dict.fromkeys(() if all(named) else remark.segments)
     if others:
         more = dict.fromkeys(name for other in others for name in other.segments)

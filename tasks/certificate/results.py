@@ -4,6 +4,7 @@ Numbers are texts by JJF 1059.1, in units of 10^exponent.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 from schemas.calibration import Calibration
 from schemas.decision import Decision, LimitDecision
@@ -13,7 +14,6 @@ from tasks.certificate.fields import first_known, slug
 from tasks.certificate.information import contained
 from tasks.certificate.statements import determined
 from tasks.conformity.limits import quantity_title, relative_text
-from tasks.conformity.reasons import unavailable
 from tasks.specifications.items import (
     MATRIX_ELEMENTS,
     OFF_DIAGONAL_ELEMENTS,
@@ -21,7 +21,7 @@ from tasks.specifications.items import (
     item_title,
 )
 from tasks.specifications.specification import Specification
-from tasks.words import Message, Sayable, clauses, message
+from tasks.words import Message, Sayable, clauses, message, say, statement
 from tasks.words.quantities import unit_text
 from tasks.words.typography import FULL_STOPS, clause
 
@@ -97,7 +97,7 @@ def _group(
     return Group(
         title=item_title(name),
         determined=known,
-        clause=at if at and at.en else None,
+        clause=at if at and say(at) else None,
         k=f"{item.k:g}" if item else "",
         kind=message(f"certificate-kind.{slug(item.uncertainty_kind)}") if item else None,
         unit=unit_text(item.unit if item else definition.unit if definition else ""),
@@ -156,7 +156,7 @@ def _missing(
     """Why an element, or the whole item, has no number."""
     item, causes = calibration.items.get(name), list[Sayable]()
     if name in calibration.unavailable:
-        why = unavailable(calibration, name)
+        why = calibration.why_unavailable(name)
         causes.append(_without_stop(why) if why else "")
     elif item is None:
         causes.append(message("certificate-missing.item"))
@@ -169,7 +169,10 @@ def _missing(
 
 
 def _without_stop(why: Statement) -> Statement:
-    return Statement(en=why.en.rstrip(FULL_STOPS), zh=why.zh.rstrip(FULL_STOPS))
+    bare: dict[str, Any] = {
+        name: words.rstrip(FULL_STOPS) for name, words in statement(why).words.items()
+    }
+    return Statement(**bare)
 
 
 def _matrices(
@@ -184,9 +187,9 @@ def _matrices(
     diagonal = dict.fromkeys((axis * 2 for axis in "xyz"), "0")
     matrices = []
     values = ([row.value for row in rows], [row.second for row in rows])
-    for caption, texts in zip(columns, values, strict=False):
-        if any(texts):
-            cells = diagonal | dict(zip(elements, texts, strict=True))
+    for caption, printed in zip(columns, values, strict=False):
+        if any(printed):
+            cells = diagonal | dict(zip(elements, printed, strict=True))
             grid = tuple(tuple(cells[row + col] for col in "xyz") for row in "xyz")
             matrices.append(Matrix(definition.letter, caption, grid))
     return tuple(matrices)

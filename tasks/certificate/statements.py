@@ -1,26 +1,26 @@
 """Sentences of the certificate and of its annex: basis, uncertainty, reasons, readings."""
 
 import math
-import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.decision import Decision
+from schemas.text import CONTRACTED, Statement, text_of, texts_of
 from tasks.certificate.cover import by_document, by_method
 from tasks.certificate.equipment import axes_of_results, flatness, whose_limits
 from tasks.certificate.fields import given, quoted, slug
 from tasks.certificate.remarks import alike
 from tasks.conformity.deviations import Deviation
-from tasks.specifications.items import item_title, symbol
+from tasks.specifications.items import item_title
 from tasks.specifications.specification import Specification
-from tasks.words import Message, Sayable, clauses, message, statement
+from tasks.words import Message, Sayable, argument, clauses, kind_of, message, say, statement
 from tasks.words.quantities import quantity
 from tasks.words.rounding import USUAL_K
 from tasks.words.typography import clause
 
-FIGURE = re.compile(r"(?:[<>] )?[+−±-]?\d[\d.]*")  # “< 0.1”, “−0.00095”, “±0.05”
+SYMBOL = "symbol"  # the argument of a reason by which it is of one element
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def basis(
         title = message(by_document("specification", specification))
         followed = message(by_method("basis", calibration, deviates), specification=title)
         clauses = {clause(item.clause, specification.standard) for item in values}
-        named = sorted((c for c in clauses if c.en), key=lambda c: (c.zh, c.en))
+        named = sorted(filter(say, clauses), key=lambda each: each.words[CONTRACTED[-1]])
         if named:
             followed = message("certificate-basis.clauses", basis=followed, clauses=tuple(named))
         statements.append(message("certificate-basis.end", basis=followed))
@@ -69,7 +69,7 @@ def basis(
 
 def _taken_off(term: AdoptedTerm) -> Message:
     """What was corrected for: the parameters that the recording determines, with U."""
-    title = quoted(term.title, term.title_zh)
+    title = quoted(text_of(term, "title") or statement(term.name))
     if not term.parameters:
         return message("certificate-taken-off", title=title)
     sizes = tuple(f"{p.name} = {quantity(p.value, USUAL_K * p.u, p.unit)}" for p in term.parameters)
@@ -129,37 +129,27 @@ def reasons(
     """Why a unit does not pass, what is alike of several elements once; the remarks that stand
     below anyway are only counted.
     """
-    translated = dict(zip(decision.reasons, decision.reasons_zh, strict=False))
-    blocking = [remark.en for remark in calibration.remarks if remark.blocks_pass]
-    open_ = [statement(each.printed).en for each in deviating if not each.waived]
+    blocking = [say(remark) for remark in calibration.remarks if remark.blocks_pass]
+    open_ = [say(each.printed) for each in deviating if not each.waived]
     count = len(open_) + sum(group[0].blocks_pass for group in alike(calibration.remarks))
     blocking += open_
-    own = [
-        _reason(given(en, translated.get(en)), symbols)
-        for en, symbols in _of_elements(decision, blocking)
-    ]
+    groups = defaultdict[Hashable, list[Statement]](list)
+    for reason in texts_of(decision, "reasons"):
+        if say(reason) not in blocking:
+            one_by_one = argument(reason, SYMBOL) is None
+            groups[reason if one_by_one else kind_of(reason)].append(reason)
+    own = [_reason(*group) for group in groups.values()]
     if blocking:
         own.append(message("certificate-see-remarks", count=count))
     return tuple(own)
 
 
-def _of_elements(decision: Decision, blocking: list[str]) -> Iterator[tuple[str, list[str]]]:
+def _reason(first: Statement, *others: Statement) -> Message:
     """The first of reasons that differ in symbol and figures alone, and the others' symbols."""
-    symbols = "|".join(re.escape(symbol(each.item, each.element)) for each in decision.limits)
-    groups = defaultdict[str, list[tuple[str, str]]](list)
-    for en in decision.reasons:
-        if en not in blocking:
-            found = re.search(rf"\b(?:{symbols})\b", en) if symbols else None
-            wording = FIGURE.sub("#", en.replace(found[0], "")) if found else en
-            groups[wording].append((en, found[0] if found else ""))
-    for (en, _), *others in groups.values():
-        yield en, [name for _, name in others]
-
-
-def _reason(sentence: Sayable, symbols: list[str]) -> Message:
-    if not symbols:
-        return message("certificate-quoted", text=sentence)
-    return message("certificate-reason-alike", reason=sentence, symbols=", ".join(symbols))
+    if not others:
+        return quoted(first)
+    symbols = ", ".join(str(argument(each, SYMBOL)) for each in others)
+    return message("certificate-reason-alike", reason=quoted(first), symbols=symbols)
 
 
 def readings(calibration: Calibration) -> tuple[ReadingRow, ...]:

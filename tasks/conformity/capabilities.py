@@ -10,6 +10,7 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration, Elements, Item
 from schemas.capability import Capability, Range
 from schemas.certificate import Certificate, Laboratory
+from schemas.text import no_text, text_of
 from tasks.conformity.equipment import untraceable
 from tasks.specifications.items import ITEMS
 
@@ -54,7 +55,7 @@ def certificate_as_stated(certificate: Certificate) -> Certificate:
         return certificate
     capabilities = laboratory.capabilities
     if not_accredited(certificate) or outside_accreditation(certificate):
-        laboratory = laboratory.model_copy(update={"accreditation": None, "accreditation_zh": None})
+        laboratory = laboratory.model_copy(update=no_text("accreditation"))
     return certificate.model_copy(
         update={
             "laboratory": laboratory,
@@ -70,7 +71,7 @@ def certificate_as_stated(certificate: Certificate) -> Certificate:
 def not_accredited(certificate: Certificate) -> Literal["report", "untraceable"] | None:
     """Why a whole certificate is none under the accreditation that its laboratory names."""
     laboratory = certificate.laboratory
-    if laboratory is None or not (laboratory.accreditation or laboratory.accreditation_zh):
+    if laboratory is None or not text_of(laboratory, "accreditation"):
         return None
     if certificate.report or certificate.calibration.validity.verdict == "invalid":
         return "report"
@@ -82,7 +83,7 @@ def outside_accreditation(certificate: Certificate) -> tuple[str, ...]:
     laboratory, found = certificate.laboratory, certificate.as_found
     if laboratory is None or not laboratory.capabilities:
         return ()
-    if not (laboratory.accreditation or laboratory.accreditation_zh):
+    if not text_of(laboratory, "accreditation"):
         return ()
     results = [certificate.calibration, *([found.calibration] if found else [])]
     outside = (

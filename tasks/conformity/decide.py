@@ -11,7 +11,7 @@ from typing import Any
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Elements, Item
 from schemas.decision import Decision, LimitDecision, Verdict
-from schemas.text import Statement
+from schemas.text import Statement, texts_fields
 from schemas.tolerance import Limit, Tolerance
 from tasks.conformity.equipment import taken_to_be_met
 from tasks.conformity.reasons import (
@@ -71,7 +71,7 @@ def decide(
     doubted = (each.item for each in decisions if is_doubted(doubts_of, each.item, each.element))
     reasons += [doubts_of[item].sentence for item in dict.fromkeys(doubted)]
     reasons += doubts
-    reasons += [Statement(en=r.en, zh=r.zh) for r in calibration.remarks if r.blocks_pass]
+    reasons += [remark for remark in calibration.remarks if remark.blocks_pass]
     statements = tuple(dict.fromkeys(map(statement, reasons)))
     verdict = _overall(decisions, statements)
     return Decision(
@@ -79,8 +79,7 @@ def decide(
         rule=tolerance.rule if tolerance else "simple_acceptance",
         document=tolerance.document if tolerance else None,
         limits=decisions,
-        reasons=tuple(reason.en for reason in statements),
-        reasons_zh=tuple(reason.zh for reason in statements),
+        **texts_fields("reasons", statements),
         marginal=_marginal(decisions, verdict),
     )
 

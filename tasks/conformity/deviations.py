@@ -7,7 +7,6 @@ from schemas.calibration import Calibration
 from schemas.certificate import ConditionName
 from schemas.configuration import Configuration
 from schemas.recording import AXES, Standard
-from schemas.text import Statement
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.words import Message, Sayable, message
 from tasks.words.rounding import as_given
@@ -47,9 +46,7 @@ def deviations(
     if rates is not None and not rates.included:
         found.append(("largest_rate", rates.sentence))
     found += [
-        ("environment", Statement(en=remark.en, zh=remark.zh))
-        for remark in calibration.remarks
-        if remark.code in NOT_RECORDED
+        ("environment", remark) for remark in calibration.remarks if remark.code in NOT_RECORDED
     ]
     return tuple(Deviation(name, sentence, name in waived) for name, sentence in found)
 

@@ -7,7 +7,7 @@ from datetime import date
 from schemas.calibration import Calibration
 from schemas.decision import LimitDecision
 from schemas.equipment import EquipmentLimit, MeasurementStandard
-from schemas.text import Statement
+from schemas.text import text_of
 from schemas.uncertainty import BudgetInput
 from tasks.uncertainty.equipment import (
     LIMIT_NAMES,
@@ -16,7 +16,7 @@ from tasks.uncertainty.equipment import (
     stated_limits,
 )
 from tasks.uncertainty.standards import FunctionSource
-from tasks.words import Message, message
+from tasks.words import Message, Sayable, message
 from tasks.words.quantities import plain, quantity_text
 from tasks.words.typography import clause
 
@@ -62,7 +62,7 @@ def failed_checks(equipment: Iterable[MeasurementStandard]) -> tuple[Message, ..
         message(
             "conformity-check-failed",
             name=name_of(standard), serial=standard.serial, day=str(check.checked_on),
-            what=Statement(en=check.what, zh=check.what_zh or check.what),
+            what=text_of(check, "what") or "",
             result=quantity_text(plain(check.result, 6), check.unit or "1"),
             limit=quantity_text(plain(check.limit, 6), check.unit or "1"),
         )
@@ -87,7 +87,7 @@ def taken_to_be_met(
     ]
     if not lines:
         return ()
-    names = dict.fromkeys(Statement(en=line.name, zh=line.name_zh) for line in lines)
+    names = dict.fromkeys(map(name_of, lines))
     sources = dict.fromkeys(clause(str(line.source)) for line in lines)
     return (message("conformity-taken-to-be-met", limits=tuple(names), sources=tuple(sources)),)
 
@@ -106,7 +106,7 @@ def smaller_than_stated(
     return tuple(
         message(
             "conformity-smaller-than-stated",
-            limit=Statement(en=line.name, zh=line.name_zh), source=str(line.source),
+            limit=name_of(line), source=str(line.source),
             used=bound_text(line.half_width or 0.0, line.unit), shape=_shape(line.distribution),
             stated=bound_text(stated[name].half_width, line.unit),
             stated_shape=_shape(stated[name].distribution), paper=stated[name].source,
@@ -118,9 +118,9 @@ def smaller_than_stated(
     )  # fmt: skip
 
 
-def name_of(standard: MeasurementStandard) -> Statement:
-    """The name of a standard; the English one where it has no Chinese."""
-    return Statement(en=standard.name, zh=standard.name_zh or standard.name)
+def name_of(each: MeasurementStandard | BudgetInput) -> Sayable:
+    """The name of a standard, or of an input quantity."""
+    return text_of(each, "name") or ""
 
 
 def bound_text(half_width: float, unit: str) -> str:

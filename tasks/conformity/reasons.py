@@ -6,7 +6,6 @@ from decimal import Decimal
 
 from schemas.calibration import Calibration
 from schemas.decision import Decision, LimitDecision
-from schemas.text import Statement
 from tasks.conformity.limits import (
     accepted_text,
     limits_text,
@@ -98,16 +97,10 @@ def missing(calibration: Calibration, decisions: Iterable[LimitDecision]) -> lis
     return [
         message(
             "conformity-missing", item=item_title(item), elements=elements,
-            why=unavailable(calibration, item) or message("conformity-no-cause"),
+            why=calibration.why_unavailable(item) or message("conformity-no-cause"),
         )
         for item, elements in _by_item(decisions)
     ]  # fmt: skip
-
-
-def unavailable(calibration: Calibration, item: str) -> Statement | None:
-    """Why a calibration does not have an item; None where it does not say."""
-    why = calibration.unavailable.get(item)
-    return Statement(en=why, zh=calibration.unavailable_zh.get(item) or why) if why else None
 
 
 def _by_item(decisions: Iterable[LimitDecision]) -> list[tuple[str, str]]:

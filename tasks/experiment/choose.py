@@ -11,6 +11,7 @@ import numpy as np
 
 from schemas.procedure import Position, Procedure
 from schemas.recording import Manifest, Recording
+from schemas.text import CONTRACTED, text_fields
 from tasks.experiment.abilities import Abilities
 from tasks.experiment.blocks import (
     NOISE_S,
@@ -254,7 +255,7 @@ class Experiment:
         steps = steps if rests else (noise_rest(able), *steps)
         slowest, acceleration = min(able.rates_deg_s), able.acceleration_deg_s2
         return Procedure(
-            name=self.name, title=title.en, title_zh=title.zh, standard="other",
+            name=self.name, **text_fields("title", title, CONTRACTED), standard="other",
             environment=room_of(steps, base.environment if base else ROOM),
             warm_up_s=base.warm_up_s if base else 0.0,
             settle_s=base.settle_s if base else SETTLE_S,

@@ -11,7 +11,7 @@ from zoneinfo import ZoneInfo
 from schemas.base import Unusable
 from schemas.recall import DueUnit, SilentHours
 from schemas.secret_urls import filled
-from schemas.text import Statement
+from schemas.text import text_in
 from tasks.words import message, say
 
 if TYPE_CHECKING:
@@ -109,12 +109,11 @@ def title(due_unit: DueUnit, days: int, language: str) -> str:
 def body(due_unit: DueUnit, days: int, language: str) -> str:
     """The message: which unit, by which certificate, and how many days from then."""
     day = due_unit.due + timedelta(days=days)
-    english, chinese = due_unit.laboratory
     return say(
         message(
             f"reminder-body.{_side(days)}", unit=due_unit.unit, certificate=due_unit.certificate,
             issued=due_unit.issued_on.isoformat(), due=due_unit.due.isoformat(),
-            days=str(abs(days)), day=day.isoformat(), laboratory=Statement(en=english, zh=chinese),
+            days=str(abs(days)), day=day.isoformat(), laboratory=text_in(due_unit.laboratory) or "",
         ),
         language,
     )  # fmt: skip

@@ -11,7 +11,7 @@ from unicodedata import east_asian_width
 
 import numpy as np
 
-from tasks.words import LANGUAGES, message, say
+from tasks.words import MAIN, message, say
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -84,8 +84,8 @@ def draw(
 
 
 def picture_file(name: str, language: str) -> str:
-    """`where.svg` in the first language, `where-zh.svg` in another."""
-    return f"{name}.svg" if language == LANGUAGES[0] else f"{name}-{language}.svg"
+    """`where.svg` in the main language, `where-LANGUAGE.svg` in another."""
+    return f"{name}.svg" if language == MAIN else f"{name}-{language}.svg"
 
 
 def text_width(text: str) -> float:

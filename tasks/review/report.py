@@ -50,7 +50,7 @@ def review_of(
         detection=Detection(p_value=p_value, false_alarm_rate=FALSE_ALARMS),
         findings=findings,
         sites=sites_of(pool),
-        statement=sentence(words),
+        statement=statement(sentence(words)),
     )
 
 

@@ -15,7 +15,6 @@ from schemas.discrepancy import (
     Verdict,
     Where,
 )
-from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.report.names import parameter_text, sentence
 from tasks.explain.report.statements import sentences
@@ -65,7 +64,7 @@ def discrepancy_together(
         findings=findings,
         held_out=_held_out([one.held_out for one in fitted]),
         remarks=tuple(statement(each) for each in own),
-        statement=sentence(words),
+        statement=statement(sentence(words)),
     )
 
 
@@ -123,7 +122,7 @@ def _finding(
         source=like.source if like else "",
         indistinguishable_from=one.names,
         separating_recording=statement(separating) if separating else None,
-        next=like.next if like else Statement(en="", zh=""),
+        next=like.next if like else statement(""),
         statement=statement(sentences([sentence(part) for part in parts])),
     )
 

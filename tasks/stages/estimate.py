@@ -117,7 +117,7 @@ def _with_terms(
         if name not in findings:
             raise Unusable(f"--terms {name}: {recording_id} does not determine it; leave it out")
         if refusal := findings[name].refusal:
-            why = say(refused(refusal, setting=False), "en")
+            why = say(refused(refusal, setting=False))
             raise Unusable(f"--terms {name}: {recording_id}: {why} Leave it out")
     found = [findings[name] for name in names]  # two names may be one finding
     taken = [one for k, one in enumerate(found) if all(one is not each for each in found[:k])]

@@ -57,7 +57,7 @@ def doubts_of(recording: Recording) -> tuple[str, ...]:
     """Sentences on what a recording cannot be."""
     rates = as_mean_rates(codes_put_right(with_instants(recording)))
     found = implausible(rates, segments_of(rates))
-    return (*(say(one.sentence, "en") for one in found), *label_doubts(rates, found))
+    return (*(say(one.sentence) for one in found), *label_doubts(rates, found))
 
 
 def label_doubts(recording: Recording, found: Sequence[Implausible]) -> tuple[str, ...]:

@@ -55,7 +55,7 @@ def _of_limits(certificate: Certificate) -> Iterator[str]:
 
 def _of_content(certificate: Certificate) -> Iterator[str]:
     """What clause 8 asks for and it does not state."""
-    if absent := [say(each, "en") for each in missing(certificate)]:
+    if absent := [say(each) for each in missing(certificate)]:
         yield f"{'; '.join(absent)}: {AS_REPORT}"
 
 
@@ -69,7 +69,7 @@ def _of_equipment(certificate: Certificate, home: Home) -> Iterator[str]:
         yield f"it does not list {unlisted[serial]} ({serial}), which the run names: {AGAIN}"
     late = {standard.serial: standard for standard in equipment.past_due(home, day)}
     for expired in conformity.expired([late.get(each.serial, each) for each in listed], day):
-        yield f"{say(expired, 'en').rstrip('.')}; calibrate with equipment that is in date"
+        yield f"{say(expired).rstrip('.')}; calibrate with equipment that is in date"
 
 
 def _of_operator(certificate: Certificate, home: Home) -> Iterator[str]:

@@ -12,6 +12,7 @@ import sqlalchemy as sql
 from schemas.access import Authority
 from schemas.base import Unusable
 from schemas.certificate import DEFAULT_PREFIX, DEFAULT_SCHEME, Certificate, State, Step, StepName
+from schemas.text import CONTRACTED, text_fields
 from storage import settings
 from storage.catalogue import certificates, database, keep_certificate, trail
 from storage.catalogue.certificates import Entry, record_of
@@ -166,8 +167,9 @@ def _with_step(
     home: Home,
 ) -> Certificate:
     """The certificate after a step, with the person's title as the home's laboratory has it."""
-    title, title_zh = title_of(settings.laboratory(home) or certificate.laboratory, person)
-    taken = Step(step=step, person=person, at=now, reason=reason, title=title, title_zh=title_zh)
+    title = title_of(settings.laboratory(home) or certificate.laboratory, person)
+    titled = text_fields("title", title, CONTRACTED) if title else {}
+    taken = Step(step=step, person=person, at=now, reason=reason, **titled)
     return certificate.model_copy(update={"state": state, "steps": (*certificate.steps, taken)})
 
 

@@ -5,7 +5,9 @@ from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from schemas.base import Unusable
+from schemas.certificate import Party
 from schemas.recall import DueUnit, RecallFile
+from schemas.text import text_of
 from storage import settings
 from storage.catalogue import certificates, reminders
 from storage.catalogue.certificates import Entry
@@ -15,7 +17,7 @@ from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
 from tasks.stages.events import logger_of
 from tasks.stages.stage import announce
-from tasks.words import Message, message
+from tasks.words import MAIN, Message, message, say, statement
 
 LOG = logger_of("remind")
 Send = Callable[[str, str, str, bytes | None], str | None]
@@ -41,11 +43,16 @@ def due_units(home: Home, until: date = date.max) -> list[DueUnit]:
                     certificate=due.certificate,
                     issued_on=terms.issued_on,
                     due=due.due,
-                    client=(order.client.name, order.client.name_zh),
-                    laboratory=(party.name, party.name_zh) if party else ("", ""),
+                    client=_names(order.client),
+                    laboratory=_names(party),
                 )
             )
     return found
+
+
+def _names(party: Party | None) -> tuple[str, str]:
+    named = text_of(party, "name") if party else None
+    return (named or statement("")).pair
 
 
 def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
@@ -112,7 +119,7 @@ def feed(home: Home, name: str, now: datetime) -> bytes:
             f"No client {name!r} stands in recall.toml or on an issued certificate with an agreed "
             "interval; give the name as the orders have it."
         )
-    return calendar(own, client.language if client else "en", now)
+    return calendar(own, client.language if client else MAIN, now)
 
 
 def _sent(
@@ -126,10 +133,18 @@ def _side(days: int) -> str:
     return "before" if days < 0 else "after"
 
 
+class NoAdvice(Unusable):
+    """Certificates that say nothing of an interval."""
+
+    def __init__(self, why: Message) -> None:
+        super().__init__(say(why))
+        self.why = why
+
+
 def interval_advice(serial: str, home: Home) -> tuple[str, int, IntervalAdvice]:
     """The unit, its agreed interval in days, and the advice on it.
 
-    Raises Unusable for a serial number without such a certificate, of several products, or
+    Raises NoAdvice for a serial number without such a certificate, of several products, or
     whose last certificate has no agreed date.
     """
     entries = [entry for entry in certificates.register(home) if entry.serial == serial]
@@ -145,10 +160,9 @@ def advice_by(of_unit: Sequence[Entry], serial: str, home: Home) -> tuple[str, i
     entries = [entry for entry in of_unit if entry.state == "issued" and entry.calibrated_on]
     units = {f"{entry.manufacturer} {entry.model} {entry.serial}" for entry in entries}
     if len(units) != 1:
-        found = "there is none" if not units else f"{' and '.join(sorted(units))} have"
-        raise Unusable(
-            f"The interval of {serial!r} needs issued certificates of one unit with the day of "
-            f"calibration; {found}: see `mimucal table certificates`."
+        kind = "several" if units else "none"
+        raise NoAdvice(
+            message(f"reminder-no-advice.{kind}", serial=serial, units=tuple(sorted(units)))
         )
     dated = sorted(entries, key=_day)
     verdicts = [_verdict_found(entry, home) for entry in dated]
@@ -159,10 +173,7 @@ def advice_by(of_unit: Sequence[Entry], serial: str, home: Home) -> tuple[str, i
     ]
     last = dated[-1]
     if last.due is None:
-        raise Unusable(
-            f"Certificate {last.number} has no recalibration date to start from: agree on one in "
-            "the order (recalibration_agreed = true)."
-        )
+        raise NoAdvice(message("reminder-no-advice.not-agreed", certificate=last.number))
     agreed = (last.due - _day(last)).days
     return units.pop(), agreed, advise(history, agreed)
 

@@ -2,7 +2,7 @@
 
 from schemas.base import Unusable
 from schemas.calibration import OF_NO_STANDARD, OF_STANDARD
-from schemas.text import Validity
+from schemas.text import Validity, texts_fields
 from storage import settings
 from storage.catalogue import results, runs
 from storage.catalogue.run_index import Run
@@ -12,6 +12,7 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
 from tasks.version import code_version
+from tasks.words import statement
 
 
 def validity_of(run: Run, home: Home) -> Validity:
@@ -37,5 +38,5 @@ def validity_of(run: Run, home: Home) -> Validity:
             own_latitude_deg=laboratory.latitude_deg if laboratory else None,
         )  # fmt: skip
     except Unusable as fault:
-        return Validity(verdict="remarks", reasons=(str(fault),), reasons_zh=(str(fault),))
+        return Validity(verdict="remarks", **texts_fields("reasons", (statement(str(fault)),)))
     return calibration.validity

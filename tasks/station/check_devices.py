@@ -88,7 +88,7 @@ class _Trials:
             given = await work
             sentence = statement(found(given))
         except Unusable as fault:
-            self.made.append(Trial(device, tried, False, Statement(en=str(fault), zh=str(fault))))
+            self.made.append(Trial(device, tried, False, statement(str(fault))))
             return None
         self.made.append(Trial(device, tried, True, sentence))
         return given

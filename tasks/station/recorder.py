@@ -13,7 +13,7 @@ from tasks.station.clock import StationClock
 from tasks.station.connected_station import Bench
 from tasks.station.stream_readers import ClimateReader, EncoderReader
 from tasks.station.unit_recorder import UnitRecorder
-from tasks.words import LANGUAGES, Message, message, texts
+from tasks.words import Message, message, worded
 
 FLUSH_S = 0.2  # wall time: what a kill may lose
 MOST_REPEATED = 12
@@ -146,8 +146,10 @@ class Recorder:
         if len(self.units) == 1:
             return tuple(alarm for _, alarm in of_each)
         return tuple(
-            alarm.model_copy(
-                update={each: f"{unit.serial}: {getattr(alarm, each)}" for each in LANGUAGES}
+            Alarm(
+                **worded(message("station-alarm-of", unit=unit.serial, alarm=alarm)),
+                code=alarm.code,
+                at=alarm.at,
             )
             for unit, alarm in of_each
         )
@@ -167,7 +169,7 @@ def _given_up(unit: UnitRecorder) -> tuple[Alarm, ...]:
     if unit.given_up is None:
         return ()
     cause = message("station-log-given-up", cause=unit.given_up)
-    return (Alarm(code=GIVEN_UP, at=unit.log.entries[-1].at, **texts(cause)),)
+    return (Alarm(code=GIVEN_UP, at=unit.log.entries[-1].at, **worded(cause)),)
 
 
 def _most(

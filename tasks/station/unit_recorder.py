@@ -18,7 +18,7 @@ from tasks.station.drivers.unit import UnitDriver
 from tasks.station.monitor import SegmentMonitor
 from tasks.station.run_manifest import ManifestBuilder
 from tasks.station.stream_readers import UnitReader
-from tasks.words import Message, message, texts
+from tasks.words import Message, message, worded
 
 ROWS = 400  # the last ones, of which the figures are
 MOST_OF = {"gyro": (GYRO, 180.0 / np.pi), "accel": (ACCEL, 1.0)}
@@ -116,7 +116,7 @@ class RunLog:
         return tuple(
             Alarm(
                 code=code, at=self._noticed_at[code, subject],
-                **texts(message("station-log-times", alarm=_alarm(code, subject), count=count)),
+                **worded(message("station-log-times", alarm=_alarm(code, subject), count=count)),
             )
             for (code, subject), count in self._noticed.items()
             if code != REPEATED
@@ -125,7 +125,7 @@ class RunLog:
     def _note(self, cause: Message) -> None:
         t = round(self._clock.station_s - self._origin_s, 3)
         at = datetime.now(UTC)
-        self.entries.append(LogEntry(at=at, t=t, state=self.state, **texts(cause)))
+        self.entries.append(LogEntry(at=at, t=t, state=self.state, **worded(cause)))
 
 
 class Sink(Protocol):

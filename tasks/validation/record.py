@@ -21,7 +21,7 @@ from tasks.rendering import draw, inline, page
 from tasks.specifications.items import item_title
 from tasks.validation.fingerprint import fingerprint, text_digest
 from tasks.version import code_version
-from tasks.words import Message, clauses, message, statement
+from tasks.words import Message, clauses, message, worded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,8 +41,7 @@ def clause_item(name: str) -> str:
 
 def checked(passed: bool, sentence: Message) -> Check:
     """A piece of evidence with what was compared."""
-    stated = statement(sentence)
-    return Check(passed=passed, en=stated.en, zh=stated.zh)
+    return Check(**worded(sentence), passed=passed)
 
 
 def shipped() -> ValidationRecord | None:

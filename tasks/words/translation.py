@@ -1,24 +1,39 @@
 """The message catalogues, and messages rendered in one language."""
 
 import re
-from collections.abc import Mapping
-from functools import cache, lru_cache
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import cache, lru_cache, partial
 from importlib.resources import files
 from threading import Lock
 from typing import Any
 
-from schemas.text import Remark, RunVerdict, Statement
-from tasks.words.message import Argument, Message, Sayable
+from schemas.base import Unusable
+from schemas.text import (
+    BOTH,
+    CONTRACTED,
+    Argument,
+    Message,
+    Remark,
+    RunVerdict,
+    Sayable,
+    Statement,
+    Wording,
+)
 
 COMMON = "common.ftl"  # every language has it
 IDENTIFIER = re.compile(r"^([a-zA-Z][\w-]*) *=", re.MULTILINE)
 PLAIN = re.compile(r"(?:[a-zA-Z][\w-]*|    \.(?P<attribute>[\w-]+)) *= *(?P<text>[^{}]*[^{}\s])")
 WORD = re.compile(r"[a-zA-Z][\w-]*")
-LONG = 1000  # characters; the formatter takes no argument of more than 2500
+LONG = 2400  # characters; the formatter takes no argument of more than 2500
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
 FOLDER = files("tasks.words")
+MAIN = CONTRACTED[0]  # of the terminal, the logs, and where nobody chooses
 LANGUAGES: tuple[str, ...] = tuple(
-    sorted(each.name for each in FOLDER.iterdir() if (each / COMMON).is_file())
+    sorted(
+        (each.name for each in FOLDER.iterdir() if (each / COMMON).is_file()),
+        key=lambda name: (name != MAIN, name),
+    )
 )
 
 
@@ -26,8 +41,13 @@ LANGUAGES: tuple[str, ...] = tuple(
 def _file_of(language: str) -> Mapping[str, str]:
     """Where each message of a language stands: its identifier, and the name of its file.
 
-    Raises ValueError where an identifier stands twice.
+    Raises ValueError where an identifier stands twice, Unusable for a language without catalogues.
     """
+    if language not in LANGUAGES:
+        raise Unusable(
+            f"language {language!r} of an order, laboratory.toml or recall.toml has no catalogue: "
+            f"give one of {', '.join(LANGUAGES)} (of certificates also {BOTH!r})."
+        )
     found: dict[str, str] = {}
     catalogues = (each for each in (FOLDER / language).iterdir() if each.name.endswith(".ftl"))
     for source in catalogues:
@@ -46,7 +66,17 @@ def _bundle(language: str) -> Any:
     # Late: a command that says nothing needs no parser.
     from fluent.runtime import FluentBundle
 
-    return FluentBundle([language], use_isolating=False)
+    functions: dict[str, Any] = {
+        "CAPITAL": partial(_initial, str.upper),
+        "LOWER": partial(_initial, str.lower),
+    }
+    return FluentBundle([language], use_isolating=False, functions=functions)
+
+
+def _initial(change: Callable[[str], str], text: str) -> str:
+    """A text with another initial; a symbol stays as it is."""
+    is_word = text[1:2].islower() or text.startswith("a ")
+    return change(text[:1]) + text[1:] if is_word else text
 
 
 class _File:
@@ -111,17 +141,25 @@ def identifiers(prefix: str) -> tuple[str, ...]:
     return tuple(sorted(id_ for id_ in _file_of(LANGUAGES[0]) if id_.startswith(prefix)))
 
 
-@lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
-def say(sayable: Sayable, language: str) -> str:
+def say(sayable: Sayable, language: str = MAIN) -> str:
     """A message or statement in one language; mere text is the same in all.
 
-    Raises KeyError for a message that the catalogue lacks, or that asks for an argument it has
-    not got.
+    A statement is rendered from its message; in the words that it was kept in where it has none, or
+    one that the catalogues do not have any more. Raises KeyError for a message that the catalogue
+    lacks, or that asks for an argument it has not got.
     """
     if isinstance(sayable, str):
         return sayable
     if isinstance(sayable, Statement):
-        return str(getattr(sayable, language, sayable.en))
+        if sayable.message is not None:
+            with suppress(KeyError):
+                return say(sayable.message, language)
+        return sayable.words.get(language) or sayable.words[MAIN]
+    return _rendered(sayable, language)
+
+
+@lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
+def _rendered(sayable: Message, language: str) -> str:
     bundle, pattern = _pattern(language, sayable.id)
     if pattern is None:
         raise KeyError(f"the {language} catalogue has no message {sayable.id}")
@@ -138,17 +176,23 @@ def say(sayable: Sayable, language: str) -> str:
     return str(text)
 
 
-@lru_cache(maxsize=4096)
 def texts(sayable: Sayable) -> Mapping[str, str]:
     """A message in every language, by language: the fields of a `Remark`, for one."""
     return {language: say(sayable, language) for language in LANGUAGES}
 
 
-def statement(sayable: Sayable) -> Statement:
+def statement(sayable: Sayable | Wording) -> Statement:
     """A message rendered for publication, in every language."""
+    return Statement(**worded(sayable))
+
+
+def worded(sayable: Sayable | Wording) -> dict[str, Any]:
+    """A message as the fields of a statement: in every language, and as it is."""
     if isinstance(sayable, Statement):
-        return sayable
-    return Statement(**texts(sayable))
+        return {**texts(sayable), **sayable.words, "message": sayable.message}
+    if isinstance(sayable, Wording):
+        return dict(sayable.words)
+    return {**texts(sayable), "message": sayable if isinstance(sayable, Message) else None}
 
 
 def remark(
@@ -160,10 +204,7 @@ def remark(
     run: RunVerdict = "valid",
 ) -> Remark:
     """A message as a remark of a calibration."""
-    words = statement(sayable)
-    return Remark(
-        code=code, en=words.en, zh=words.zh, segments=segments, blocks_pass=blocks_pass, run=run
-    )
+    return Remark(**worded(sayable), code=code, segments=segments, blocks_pass=blocks_pass, run=run)
 
 
 def _argument(value: Argument, language: str) -> object:

@@ -6,11 +6,12 @@ the messages `typography-…` of each catalogue.
 
 import re
 from functools import lru_cache, partial
+from typing import Any
 
 from schemas.text import Statement
 from tasks.words.message import Argument, message
 from tasks.words.rounding import MINUS
-from tasks.words.translation import say
+from tasks.words.translation import LANGUAGES, say
 
 NO_BREAK = "\u00a0"
 FULL_STOPS = ".\u3002"  # Latin and Chinese
@@ -52,7 +53,8 @@ def clause(text: str, specification: str = "") -> Statement:
     """A clause in every language, without the name of the specification that is meant anyway."""
     short = text.removeprefix(specification).strip(" ,")
     short = re.sub(rf"(eq\. {_NUMBER})-(?={_NUMBER})", r"\1–", short)
-    return Statement(en=_clause(short, "en"), zh=_clause(short, "zh"))
+    made: dict[str, Any] = {language: _clause(short, language) for language in LANGUAGES}
+    return Statement(**made)
 
 
 def _clause(text: str, language: str) -> str:

@@ -9,7 +9,6 @@ from datetime import UTC, datetime, timedelta
 from flows.pages.models.line import AlarmShown, FlowRun, Flows, StationNow
 from schemas.production import ProductionState
 from schemas.run_log import Alarm
-from schemas.text import Statement
 from storage.catalogue import orders, reminders
 from storage.catalogue.reminders import Reminder
 from storage.home import Home
@@ -37,11 +36,7 @@ def of_station(now: StationNow) -> Iterator[AlarmShown]:
         todo = message(f"pages-line-todo.{now.state}", station=now.station)
         yield _alarm(run.at, now.station, units, cause, todo)
     for each in run.alarms:
-        yield _alarm(each.at or run.at, now.station, units, _cause(each), _todo(each))
-
-
-def _cause(alarm: Alarm) -> Statement:
-    return Statement(en=alarm.en, zh=alarm.zh)
+        yield _alarm(each.at or run.at, now.station, units, each, _todo(each))
 
 
 def _todo(alarm: Alarm) -> Sayable:

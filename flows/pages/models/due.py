@@ -6,6 +6,7 @@ from typing import Literal
 from pydantic import Field
 
 from schemas.base import Frozen
+from schemas.text import Statement
 
 HORIZON_DAYS = 90
 MessageState = Literal["sent", "failed", "waiting"]
@@ -66,8 +67,7 @@ class StandardDue(Frozen):
     """A measurement standard with the certificate that counts now."""
 
     serial: str
-    name: str
-    name_zh: str
+    name: Statement
     certificate: str
     valid_until: date | None
     days: int | None

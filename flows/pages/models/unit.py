@@ -78,4 +78,4 @@ class UnitShown(Frozen):
     elements: tuple[ElementHistory, ...] = ()
     certificates: tuple[CertificateShown, ...] = ()
     advice: Statement | None = None
-    why_no_advice: str | None = None
+    why_no_advice: Statement | None = None

@@ -7,8 +7,9 @@ import numpy as np
 
 from schemas.calibration import Elements, Information, Item
 from schemas.recording import AXES
+from schemas.text import text_fields
 from tasks.uncertainty.propagation import coverage_factor
-from tasks.words import Message, message, say
+from tasks.words import Message, clauses, message, statement, worded
 from tasks.words.rounding import USUAL_K
 
 Numbers = Sequence[float | None] | np.ndarray
@@ -42,16 +43,14 @@ def entry(
         return dict(zip(elements, finite, strict=True))
 
     return Information(
-        title=say(title, "en"),
-        title_zh=say(title, "zh"),
+        **text_fields("title", statement(title)),
         unit=unit,
         value=known(values),
         u=known(us),
         U=known(expanded),
         k=k,
         about=about,
-        en=" ".join(say(sentence, "en") for sentence in sentences),
-        zh="".join(say(sentence, "zh") for sentence in sentences),
+        **worded(clauses(sentences, by="report-sentences")),
     )
 
 

@@ -3,12 +3,13 @@
 from datetime import date
 
 from schemas.certificate import Certificate, Contact, Laboratory, Party
+from schemas.text import text_of
 from tasks.certificate.cover import party_address, party_name, signatures
 from tasks.certificate.dcc.equipment import identification
 from tasks.certificate.dcc.software import software
-from tasks.certificate.dcc.xml import LANGUAGES, Element, dcc, described, named, plain
+from tasks.certificate.dcc.xml import Element, dcc, described, languages, named, plain
 from tasks.certificate.fields import given
-from tasks.words import message
+from tasks.words import message, say
 
 COUNTRY = "CN"  # of the specifications
 NO_CONTACT = Contact()
@@ -29,9 +30,9 @@ def administration(certificate: Certificate, statements: Element) -> Element:
 
 def _laboratory(laboratory: Laboratory | None) -> Element:
     """The laboratory, its accreditation as its code."""
-    code = laboratory.accreditation or laboratory.accreditation_zh if laboratory else None
+    code = text_of(laboratory, "accreditation") if laboratory else None
     return dcc.calibrationLaboratory(
-        *([plain("calibrationLaboratoryCode", code)] if code else []),
+        *([plain("calibrationLaboratoryCode", say(code))] if code else []),
         _party(
             "contact",
             laboratory.party if laboratory else None,
@@ -44,8 +45,8 @@ def _core(certificate: Certificate) -> Element:
     """If no day of calibration is given, that of issue replaces it, as in `due`."""
     order = certificate.order
     performed = day(certificate.calibrated_on or certificate.issued_on)
-    used = [dcc.usedLangCodeISO639_1(language) for language in LANGUAGES]
-    mandatory = [dcc.mandatoryLangCodeISO639_1(language) for language in LANGUAGES]
+    used = [dcc.usedLangCodeISO639_1(language) for language in languages()]
+    mandatory = [dcc.mandatoryLangCodeISO639_1(language) for language in languages()]
     return dcc.coreData(
         dcc.countryCodeISO3166_1(COUNTRY),
         *used,

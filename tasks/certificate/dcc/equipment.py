@@ -5,6 +5,7 @@ from decimal import Decimal
 
 from schemas.certificate import Certificate
 from schemas.equipment import MeasurementStandard
+from schemas.text import text_of
 from tasks.certificate.dcc.quantities import plain_quantity, ref_type, text_quantity
 from tasks.certificate.dcc.units import UNITS
 from tasks.certificate.dcc.xml import Element, dcc, named, plain
@@ -33,7 +34,7 @@ def _standard(standard: MeasurementStandard) -> Element:
         message("certificate-label-valid-until"),
     )
     return dcc.measuringEquipment(
-        named(given(standard.name, standard.name_zh)),
+        named(given(text_of(standard, "name"))),
         dcc.identifications(
             identification("manufacturer", standard.serial, message("certificate-label-serial")),
             identification(

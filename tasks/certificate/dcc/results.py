@@ -6,6 +6,7 @@ from itertools import chain
 from schemas.calibration import Calibration, Elements, Information, Item
 from schemas.certificate import Certificate
 from schemas.decision import Decision
+from schemas.text import text_of
 from tasks.certificate.dcc.conditions import influences, methods
 from tasks.certificate.dcc.conformity import conformity
 from tasks.certificate.dcc.covariance import covariance_result
@@ -21,7 +22,7 @@ from tasks.certificate.results import Group, sections
 from tasks.specifications.items import ITEMS
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.specifications.specification import Specification
-from tasks.words import message
+from tasks.words import message, statement
 from tasks.words.rounding import stated
 
 
@@ -130,7 +131,8 @@ def _values(
 
 def _information(certificate: Certificate, name: str, shown: Information) -> Element:
     """Something that the data show beside the items; nothing is decided on it."""
-    title, unit = quoted(shown.title, shown.title_zh), dsi_unit(shown.unit, gravity_of(certificate))
+    title = quoted(text_of(shown, "title") or statement(name))
+    unit = dsi_unit(shown.unit, gravity_of(certificate))
     U, made = shown.U or {}, []
     for element, value in shown.value.items():
         number, expanded = stated(value, U.get(element), shown.k, WITHOUT_U)
@@ -139,7 +141,7 @@ def _information(certificate: Certificate, name: str, shown: Information) -> Ele
         made.append(quantity(of_element, f"{name}.{element}", number, unit, expanded, at))
     return dcc.result(
         named(title),
-        described(quoted(shown.en, shown.zh)),
+        described(quoted(shown)),
         dcc.data(dcc.list(*made) if made else without_number(title)),
         refType=f"{ref_type('information')} {ref_type(name)}",
     )

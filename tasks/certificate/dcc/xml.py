@@ -6,14 +6,13 @@ from typing import Any
 from lxml import etree
 from lxml.builder import ElementMaker
 
-from schemas.text import Statement
+from schemas.text import CONTRACTED, Statement
 from tasks.certificate.fields import literal
-from tasks.words import Sayable, say
+from tasks.words import LANGUAGES, Sayable, say
 from tasks.words.typography import typeset
 
 DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"
 NAMES = {"dcc": DCC, "si": SI}
-LANGUAGES = ("zh", "en")  # that of the specifications first
 
 Element = Any  # lxml's element, which has no public type
 
@@ -21,9 +20,14 @@ dcc = ElementMaker(namespace=DCC, nsmap=NAMES)
 si = ElementMaker(namespace=SI, nsmap=NAMES)
 
 
+def languages() -> tuple[str, ...]:
+    """Every language, that of the specifications first."""
+    return tuple(sorted(LANGUAGES, key=lambda language: language != CONTRACTED[-1]))
+
+
 def contents(sayable: Sayable) -> list[Element]:
     """A text in every language, set as the printed certificate sets it."""
-    return [dcc.content(_set(sayable, language) or "—", lang=language) for language in LANGUAGES]
+    return [dcc.content(_set(sayable, language) or "—", lang=language) for language in languages()]
 
 
 def named(sayable: Sayable, tag: str = "name") -> Element:
@@ -33,10 +37,10 @@ def named(sayable: Sayable, tag: str = "name") -> Element:
 
 def described(*sayables: Sayable, tag: str = "description") -> Element:
     """Sentences by their tag, each in both languages: one after the other in each language."""
-    texts = [[_set(each, language) for each in sayables] for language in LANGUAGES]
+    texts = [[_set(each, language) for each in sayables] for language in languages()]
     joined = ["\n".join(filter(None, lines)) or "—" for lines in texts]
     parts = [
-        dcc.content(text, lang=language) for text, language in zip(joined, LANGUAGES, strict=True)
+        dcc.content(text, lang=language) for text, language in zip(joined, languages(), strict=True)
     ]
     return dcc(tag, *parts)
 

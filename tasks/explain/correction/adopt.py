@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.recording import Recording, Stream
-from schemas.text import Remark
+from schemas.text import Remark, no_text, text_fields
 from tasks.calibrate.information.earth import WITHOUT_EARTH
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
@@ -22,7 +22,7 @@ from tasks.explain.determined import DeterminedModel
 from tasks.explain.explanation import Finding
 from tasks.model.effect import effect_name
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
-from tasks.words import Message, clauses, message, remark, say
+from tasks.words import Message, clauses, message, remark, statement
 from tasks.words.quantities import quantity
 from tasks.words.rounding import USUAL_K
 
@@ -137,8 +137,7 @@ def _adopted_term(finding: Finding, determined: DeterminedModel | None) -> Adopt
     taken = [one for one in every if not one.held]
     return AdoptedTerm(
         name=finding.effect,
-        title=say(finding.title, "en"),
-        title_zh=say(finding.title, "zh"),
+        **text_fields("title", statement(finding.title)),
         parameters=tuple(map(in_si, taken)) or finding.parameters,
     )
 
@@ -159,7 +158,7 @@ def _without_earth(result: Calibration, plain: Calibration) -> Calibration:
         "information": kept,
     }
     if None not in item.value.values():
-        for field in ("unavailable", "unavailable_zh"):
+        for field in ("unavailable", "unavailable_message", *no_text("unavailable")):
             reasons = getattr(result, field)
             update[field] = {name: why for name, why in reasons.items() if name != G_SENSITIVITY}
     return result.model_copy(update=update)

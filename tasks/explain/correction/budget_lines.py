@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.calibration import Elements, Item
+from schemas.text import text_fields
 from schemas.uncertainty import Budget, BudgetInput, Correlation
 from tasks.calibrate.evaluation import common_factor, expanded
 from tasks.explain.correction.sensitivity import UncertainInput
 from tasks.uncertainty.budget import half_width
 from tasks.uncertainty.propagation import coverage_factor, variance_terms
-from tasks.words import message, say
+from tasks.words import message, statement
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,7 @@ def _line(one: UncertainInput, symbol: str, change: float, share: float) -> Budg
     parameter = one.parameter
     name = message("explain-budget-line", title=one.finding.title, parameter=parameter.name)
     return BudgetInput(
-        name=say(name, "en"), name_zh=say(name, "zh"), symbol=symbol, kind="A",
+        **text_fields("name", statement(name)), symbol=symbol, kind="A",
         distribution="normal", u=parameter.u, unit=parameter.unit,
         sensitivity=change / parameter.u, contribution=abs(change), share=share,
     )  # fmt: skip

@@ -6,7 +6,6 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.code_fault import code_fault, find_torn_codes
 from tasks.explain.events.detect import events_in_readings
@@ -119,7 +118,7 @@ def prepare(
     on_sight = implausible(right, segments_of(right))
     if any(one.kind == "time_unit" for one in on_sight):
         name = recording.manifest.recording_id
-        raise Unusable(f"recording {name}: {say(on_sight[0].sentence, 'en')}")
+        raise Unusable(f"recording {name}: {say(on_sight[0].sentence)}")
     if any(one.kind == "labels_shifted" for one in on_sight):
         shift = shift_of_labels(right)
         if shift is not None:
@@ -132,7 +131,7 @@ def prepare(
         recorded, right = (replace(one, reference=pose) for one in (recorded, right))
         full = full_rate(right)
     on_reading: tuple[Sayable, ...] = (
-        *(Statement(en=each.en, zh=each.zh) for each in right.put_right),
+        *right.put_right,
         *(one.sentence for one in on_sight),
         *empty_remarks(recorded.imu.t, empty),
     )

@@ -13,7 +13,6 @@ from schemas.discrepancy import (
     VerdictChange,
     Where,
 )
-from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.explanation import UNNAMED, Explanation, Finding, Refusal
@@ -35,7 +34,7 @@ from tasks.version import code_version
 from tasks.words import LANGUAGES, Sayable, message, statement
 
 PICTURES = ("where", "before_after", "shares")
-NOT_WRITTEN = Statement(en="", zh="")
+NOT_WRITTEN = statement("")
 
 
 def discrepancy_of(

@@ -1,13 +1,10 @@
 """Names of channels, elements and quantities with U in the sentences of the report."""
 
-from collections.abc import Callable
-
 from schemas.discrepancy import Consequence, FoundParameter, VerdictChange
-from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import OVERALL
 from tasks.specifications.items import ITEMS
-from tasks.words import Message, Sayable, known, message, texts
+from tasks.words import Message, Sayable, known, message
 from tasks.words.quantities import Quantities, multiple, quantities, quantity
 from tasks.words.rounding import USUAL_K
 
@@ -60,27 +57,19 @@ def before_and_after(moved: Consequence) -> Quantities:
     return quantities(values, [None if value is None else U for value, U in pairs], moved.unit)
 
 
-def capital(phrase: Sayable) -> Statement:
+def capital(phrase: Sayable) -> Message:
     """The text with a capital initial; a symbol stays as it is."""
-    return _beginning(phrase, str.upper)
+    return message("initial", text=phrase)
 
 
-def sentence(phrase: Sayable) -> Statement:
+def sentence(phrase: Sayable) -> Message:
     """What stands alone as a sentence, with its full stop."""
     return capital(message("report-sentence", text=phrase))
 
 
-def lower(phrase: Sayable) -> Statement:
+def lower(phrase: Sayable) -> Message:
     """The text with a lower-case initial; a symbol stays as it is."""
-    return _beginning(phrase, str.lower)
-
-
-def _beginning(phrase: Sayable, change: Callable[[str], str]) -> Statement:
-    def changed(text: str) -> str:
-        word = text[1:2].islower() or text.startswith("a ")
-        return change(text[:1]) + text[1:] if word else text
-
-    return Statement(**{language: changed(text) for language, text in texts(phrase).items()})
+    return message("initial.lower", text=phrase)
 
 
 def parameter_name(name: str) -> Sayable:

@@ -24,7 +24,7 @@ from tasks.explain.report.names import (
     verdict_title,
 )
 from tasks.model.effect import effect_name
-from tasks.words import Message, Sayable, clauses, message
+from tasks.words import Message, Sayable, clauses, message, statement
 from tasks.words.quantities import (
     chi2,
     multiple,
@@ -60,13 +60,13 @@ def finding_statement(
     """
     if not finding.share and not finding.evidence.delta_bic:
         left = _nothing_removes(finding, left_over)
-        return capital(sentences([what(finding), where(finding), left, to_do(finding)]))
+        return statement(capital(sentences([what(finding), where(finding), left, to_do(finding)])))
     parts = (
         what(finding), finding.refused or "", where(finding), why(finding.share, finding.evidence),
         other_tests(finding, left_over), alternatives(finding),
         to_record(finding), on_certificate(finding, together), to_do(finding),
     )  # fmt: skip
-    return capital(sentences(parts))
+    return statement(capital(sentences(parts)))
 
 
 def _nothing_removes(finding: ReportedFinding, left_over: Mapping[str, float]) -> Message:

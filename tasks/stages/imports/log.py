@@ -24,6 +24,7 @@ from tasks.segments.find import find_segments
 from tasks.stages.import_checks import label_doubts
 from tasks.stages.import_recording import Imported
 from tasks.stages.stage import stage
+from tasks.words import MAIN
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -195,7 +196,7 @@ def draw_recording(recording: Recording, path: Path) -> Path:
             axes.tick_params(colors=GREY)
             axes.legend(loc="upper right", ncols=3)
         every[-1].set_xlim(imu.t[0], imu.t[-1])
-        time_axis(every[-1], "en")
+        time_axis(every[-1], MAIN)
 
     with writing_in_home(path):
         path.write_text(

@@ -14,10 +14,11 @@ from schemas.equipment import ErrorBound, LimitName, MeasurementStandard
 from schemas.limits import ChamberLimits
 from schemas.recording import Mount, TableAxis
 from schemas.station import StationFile
+from schemas.text import CONTRACTED, text_fields
 from tasks.station import stations
 from tasks.station.virtual.protocol import FRAMES, SERIAL_ANSWER, SERIAL_REQUEST, TRIADS
 from tasks.station.virtual.unit import G, UnitTruth, draw_ahrs, draw_unit
-from tasks.words import Message, message, say
+from tasks.words import Message, message, statement
 
 STEP_S = 1e-3  # of the plant, station time
 STEP_US = 1000
@@ -188,8 +189,7 @@ def _equipment(station: str, axes: int) -> tuple[MeasurementStandard, ...]:
     )
     return tuple(
         MeasurementStandard(
-            name=say(name, "en"),
-            name_zh=say(name, "zh"),
+            **text_fields("name", statement(name), CONTRACTED),
             serial=f"{station}-{serial}",
             accuracy=accuracy,
             certificate="VIRTUAL",

@@ -19,3 +19,5 @@ triad-gyro = gyros
 triad-accel = accelerometers
 language-name = English
 list = { $entries }
+initial = { CAPITAL($text) }
+    .lower = { LOWER($text) }

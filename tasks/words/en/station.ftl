@@ -90,3 +90,4 @@ station-todo =
     .stuck-channel = Restart the unit; if the channel stays stuck, the unit is faulty: reject it.
     .spikes = Check the unit's connector, supply and clamping; if spikes stay, the unit is faulty: reject it.
     .given-up = Take this unit out and check its cable and supply; the others go on. Order it again afterwards.
+station-alarm-of = { $unit }: { $alarm }

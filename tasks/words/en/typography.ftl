@@ -1,5 +1,8 @@
 ## How clauses, equations and ranges are written.
 
+# The script that a certificate is set in, and the region of its letterforms.
+typography-script = latin
+    .region = {""}
 typography-specification = JJF { $number }-{ $year }
 typography-equation = { $number }
 typography-equations = eq. { $numbers }

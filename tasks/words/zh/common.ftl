@@ -19,3 +19,5 @@ triad-gyro = 陀螺
 triad-accel = 加速度计
 language-name = 中文
 list = { $entries }
+initial = { CAPITAL($text) }
+    .lower = { LOWER($text) }

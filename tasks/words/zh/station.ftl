@@ -93,3 +93,4 @@ station-todo =
     .stuck-channel = 重新启动器件；若输出仍不变，则器件有故障：剔除。
     .spikes = 检查器件的接头、供电与夹紧；若仍有野值，则器件有故障：剔除。
     .given-up = 取下该器件，检查其电缆与供电；其余器件继续测量。之后重新下单。
+station-alarm-of = { $unit }: { $alarm }

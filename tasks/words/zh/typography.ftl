@@ -1,5 +1,8 @@
 ## How clauses, equations and ranges are written.
 
+# The script that a certificate is set in, and the region of its letterforms.
+typography-script = han
+    .region = cn
 typography-specification = JJF { $number }—{ $year }
 typography-equation = 式{ $number }
 typography-equations = { $numbers }

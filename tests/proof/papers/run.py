@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pypdfium2  # type: ignore[import-untyped]
 
-from schemas.certificate import PRINTED_IN
+from schemas.text import BOTH, CONTRACTED
 from tasks.certificate.documents import faces_of
 from tests.proof.papers.cases import FOLDERS, cases
 
@@ -16,7 +16,7 @@ def run_papers(folder: Path | None, *_: object) -> None:
     assert folder is not None
     for method in FOLDERS:
         for name, certificate in cases(method):
-            for language in PRINTED_IN:
+            for language in (*CONTRACTED, BOTH):
                 assert certificate.order is not None
                 order = certificate.order.model_copy(update={"language": language})
                 pdf = faces_of(certificate.model_copy(update={"order": order}), None).pdf

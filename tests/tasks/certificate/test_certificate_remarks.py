@@ -9,16 +9,19 @@ from schemas.certificate import Step, StepName
 from schemas.recording import Segment
 from schemas.text import Remark
 from tasks.certificate.remarks import alike
+from tasks.run_validity.remark import run_remark
+from tasks.words import remark
 
 NAMES = [f"rate_{axis}_{rate:+d}" for axis in "xyz" for rate in (-300, -100, -10, 10, 100, 300)]
 MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
 
 
 def unsteady(name: str, number: int, **changes: object) -> Remark:
-    text = f"{name}: about {name[5].upper()} the rate varies by {number / 100} %."
-    return Remark.model_validate(
-        {"code": "unsteady_rate", "en": text, "zh": text, "segments": (name,)} | changes
-    )
+    varies = run_remark(
+        "unsteady_rate", name, segment=name, witness="encoders", wander=f"{number / 100}",
+        clause="7.2", percent="0.1",
+    )  # fmt: skip
+    return varies.model_copy(update=changes)
 
 
 def test_what_is_so_of_one_segment_after_the_other_is_told_once_with_the_list() -> None:
@@ -26,8 +29,8 @@ def test_what_is_so_of_one_segment_after_the_other_is_told_once_with_the_list() 
     made = content(certificate(calibration(remarks=every)))
     (row,) = made.remarks
     zh, en = row.text
-    assert en.startswith("rate_x_-300: about X the rate varies by 0.0 %. The same applies")
-    assert en.endswith("to 17 more segments.")
+    assert en.startswith("rate_x_-300: according to ")
+    assert en.endswith("to 17 more segments. This prevents a pass.")
     assert row.segments == ", ".join(NAMES[1:])
     assert "另有 17 段" in zh
 
@@ -53,8 +56,8 @@ def test_of_many_segments_only_number_and_kind_stand_in_the_remark() -> None:
 
 
 def test_remarks_that_differ_in_more_than_figures_stay_apart() -> None:
-    other = unsteady(NAMES[0], 1, en="Something else.")
-    blocking = unsteady(NAMES[1], 1, blocks_pass=True)
+    other = remark("unsteady_rate", "Something else.", NAMES[:1], blocks_pass=True, run="remarks")
+    blocking = unsteady(NAMES[1], 1, blocks_pass=False)
     whole = Remark(code="unsteady_rate", en="A.", zh="A.")
     groups = alike([unsteady(NAMES[0], 1), other, blocking, whole, whole])
     assert [len(group) for group in groups] == [1, 1, 1, 1, 1]

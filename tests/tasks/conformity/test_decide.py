@@ -268,9 +268,9 @@ def test_a_standard_that_ran_out_before_the_day_is_a_reason() -> None:
     last = date(2026, 11, 20)
     assert expired([standard(last), standard(None)], last) == ()
     (reason,) = expired([standard(last)], date(2026, 11, 21))
-    assert statement(reason) == Statement(
-        en="Table (T-1): its certificate was valid until 2026-11-20, before 2026-11-21",
-        zh="转台（T-1）：其证书有效期至 2026-11-20，早于 2026-11-21",
+    assert statement(reason).pair == (
+        "Table (T-1): its certificate was valid until 2026-11-20, before 2026-11-21",
+        "转台（T-1）：其证书有效期至 2026-11-20，早于 2026-11-21",
     )
 
 

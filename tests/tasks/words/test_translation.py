@@ -9,7 +9,7 @@ from fluent.syntax.visitor import Visitor
 
 from schemas.text import Statement
 from tasks.words import LANGUAGES, Message, known, message, say, statement, texts
-from tasks.words.translation import _catalogue_file, _file_of
+from tasks.words.translation import _catalogue_file, _file_of, _rendered
 
 WORDS = Path("tasks/words")
 
@@ -89,7 +89,7 @@ def test_a_message_refers_only_to_messages_of_its_own_file(language: str) -> Non
 
 def test_saying_a_message_parses_it_alone_of_its_own_catalogue_file() -> None:
     _catalogue_file.cache_clear()
-    say.cache_clear()
+    _rendered.cache_clear()
     say(message("clause-sequence", first="a", rest="b"), "en")
     assert _catalogue_file.cache_info().currsize == 1
     file = _file_of("en")["clause-sequence"]
