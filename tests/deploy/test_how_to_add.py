@@ -171,9 +171,12 @@ def bench() -> Iterator[dict[str, str]]:
 
     class OfUnit(socketserver.BaseRequestHandler):
         def handle(self) -> None:
+            began_s, sent = time.monotonic(), 0
             with suppress(OSError):
-                while True:
-                    self.request.sendall(b"IMU,0.001,0,0,0,0,9.79\n")
+                while True:  # 50 Hz, also where this thread is late
+                    due = round(50 * (time.monotonic() - began_s))
+                    self.request.sendall((due - sent) * b"IMU,0.001,0,0,0,0,9.79\n")
+                    sent = due
                     time.sleep(0.02)
 
     servers = {":4001": listening(OfTable), ":4002": listening(OfUnit)}
@@ -187,12 +190,12 @@ def bench() -> Iterator[dict[str, str]]:
 
 def install(project: Path, into: Path) -> None:
     """What pip writes of the entry points of a project."""
-    told = tomllib.loads((project / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    info = into / f"{told['name'].replace('-', '_')}-{told['version']}.dist-info"
+    declared = tomllib.loads((project / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    info = into / f"{declared['name'].replace('-', '_')}-{declared['version']}.dist-info"
     info.mkdir()
-    (info / "METADATA").write_text(f"Name: {told['name']}\nVersion: {told['version']}\n")
+    (info / "METADATA").write_text(f"Name: {declared['name']}\nVersion: {declared['version']}\n")
     lines = [
-        line for group, points in told["entry-points"].items()
+        line for group, points in declared["entry-points"].items()
         for line in (f"[{group}]", *(f"{name} = {place}" for name, place in points.items()))
     ]  # fmt: skip
     (info / "entry_points.txt").write_text("\n".join(lines))
