@@ -46,6 +46,17 @@ certificate = certificate_of(SimpleNamespace(serial="1"), calibration)
 print([section.title.id for section in content(certificate).sections])
 print(dcc_of(certificate).decode())
 """
+REPORT = """.venv/bin/python - <<'END'
+from pathlib import Path
+from tasks.explain.report import write_report
+from tasks.model.effect import effect_name
+from tests.tasks.explain.report import made_report
+
+found = made_report.finding(effect="lever_arm", title=effect_name("lever_arm"))
+explained = made_report.explanation(found)
+write_report(made_report.answer(explained), explained, Path("report"))
+END
+"""
 
 
 class Clone:
@@ -278,3 +289,11 @@ def test_a_reader_imports_a_file(clone: Clone) -> None:
     lines = [json.dumps(dict(zip(names, row, strict=True))) for row in rows.tolist()]
     (clone.folder / "log.jsonl").write_text("\n".join(lines), encoding="utf-8")
     clone.walk("A reader of a file format")
+
+
+def test_a_language_is_spoken_by_a_report(clone: Clone) -> None:
+    clone.walk("A language")
+    clone.run(REPORT)
+    report = (clone.folder / "report" / "report.html").read_text(encoding="utf-8")
+    assert 'lang="de"' in report
+    assert "in Hebelarm" in report
