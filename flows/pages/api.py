@@ -111,10 +111,8 @@ def openapi() -> dict[str, Any]:
         became = {200: ("What became of it.", answer)}
         pressed = _operation(name, what, became, PRESS_REFUSALS, takes=StopPressed)
         paths[f"{PREFIX}/{name}"] = {"post": pressed}
-    answers: tuple[type[Frozen], ...] = (
-        *(page.answer for page in PAGES),
-        ProductionOrders, ProductionOrder, StopShown, Released, Unanswered,
-    )  # fmt: skip
+    answers: list[type[Frozen]] = [page.answer for page in PAGES]
+    answers += [ProductionOrders, ProductionOrder, StopShown, Released, Unanswered]
     models: list[tuple[type[Frozen], Any]] = [(model, "serialization") for model in answers]
     models += [(OrderRequest, "validation"), (StopPressed, "validation")]
     _, schemas = models_json_schema(models, ref_template=REFERENCE)

@@ -47,8 +47,8 @@ def give(home: Home) -> Response:
         given = order_queue.give(asked, visitor.name, home)
     except ValidationError as error:
         faults = error.errors(include_url=False, include_input=False)
-        stated = (f"{'.'.join(map(str, at['loc'])) or 'document'}: {at['msg']}" for at in faults)
-        return refusal(400, "; ".join(stated))
+        named = (f"{'.'.join(map(str, at['loc'])) or 'document'}: {at['msg']}" for at in faults)
+        return refusal(400, "; ".join(named))
     except Busy as error:
         return refusal(503, str(error))
     except Unusable as error:
