@@ -29,7 +29,8 @@ MOST_OF = {"faint": 12, "several": 30, "clean": 20}  # recordings of a kind; of 
 MOST_RATE = 100  # Hz
 STATION_CASES = 60
 # What is known to be true of a recording by those who reported it or by hand: names of the
-# catalogue; those in `tests.proof.real.stated.known` are not repeated. All of `field` turn with Earth.
+# catalogue; those in `tests.proof.real.stated.known` are not repeated. All
+# of `field` turn with Earth.
 TRUE_OF: dict[str, set[str]] = {
     "bmi160_board1": {"code_fault"},
     "openaxes_triangle250_radius": {
