@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from schemas.base import Unusable
@@ -92,6 +91,8 @@ def _read(path: Path) -> tuple[Stream, tuple[str, str]]:
 def to_numpy(column: pa.ChunkedArray) -> np.ndarray:
     """(n,) float64, NaN where the column is null; without a copy where it has one chunk."""
     if column.null_count:
+        import pyarrow.compute as pc  # late: what was kept has no nulls
+
         column = pc.fill_null(column, from_numpy(np.array([np.nan]))[0])
     parts = [np.from_dlpack(chunk) for chunk in column.chunks]
     return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -15,9 +15,10 @@ from schemas.recording import Recording
 from storage import settings
 from storage.catalogue import runs
 from storage.home import Home
-from tasks.experiment import abilities, open_question, rehearsal, separation
+from tasks.experiment import abilities, separation
 from tasks.experiment.choose import Choice, Experiment
 from tasks.experiment.open_question import OpenQuestion
+from tasks.stages import next_recording
 
 PROCEDURE = Procedure(
     name="decide", title="t", title_zh="t", standard="other", warm_up_s=0.0, settle_s=0.1,
@@ -40,8 +41,8 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
         fit = SimpleNamespace(blocks=None, noises=())
         names = names or ("time_offset", "bandwidth")
         question = OpenQuestion(names, {}, {}, fit)  # type: ignore[arg-type]
-        monkeypatch.setattr(rehearsal, "rivals_of", lambda *_: {})
-        monkeypatch.setattr(open_question, "open_question", lambda *_: question)
+        monkeypatch.setattr(next_recording, "rivals_of", lambda *_: {})
+        monkeypatch.setattr(next_recording, "open_question", lambda *_: question)
         monkeypatch.setattr(separation.UnitNoise, "of", lambda *_: None)
         able = SimpleNamespace(chamber=None)
         monkeypatch.setattr(abilities.Abilities, "of_recording", lambda *_: able)
@@ -97,7 +98,7 @@ def test_what_the_station_cannot_decide_is_said_and_nothing_is_written(
 def test_where_nothing_is_open_it_asks_what_to_tell_apart(
     run: str, mimucal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(open_question, "open_question", lambda *_: None)
+    monkeypatch.setattr(next_recording, "open_question", lambda *_: None)
     refused = mimucal("next", run)
     assert refused.code == 2
     assert "--for" in refused.err
@@ -124,7 +125,7 @@ def test_unusable_options_are_one_sentence_each(run: str, mimucal, tmp_path: Pat
 def test_what_is_no_effect_is_refused_before_any_work(
     run: str, mimucal, monkeypatch: pytest.MonkeyPatch, effects: str, says: str
 ) -> None:
-    monkeypatch.setattr(open_question, "open_question", _is_long)
+    monkeypatch.setattr(next_recording, "open_question", _is_long)
     refused = mimucal("next", run, "--for", effects)
     assert refused.code == 2
     assert says in refused.err
@@ -137,7 +138,7 @@ def _is_long(*_: object) -> None:
 def test_a_file_that_is_there_is_refused_before_any_work_and_stays(
     run: str, mimucal, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(open_question, "open_question", _is_long)
+    monkeypatch.setattr(next_recording, "open_question", _is_long)
     out = tmp_path / "next.json"
     out.write_text("kept", encoding="utf-8")
     for taken in (out, tmp_path, tmp_path / "none" / "next.json"):
@@ -224,8 +225,8 @@ def test_one_effect_is_told_in_the_singular(
     answered(80.0)
     fit = SimpleNamespace(blocks=None, noises=())
     question = OpenQuestion(("time_offset",), {}, {}, fit)  # type: ignore[arg-type]
-    monkeypatch.setattr(open_question, "open_question", lambda *_: question)
-    monkeypatch.setattr(rehearsal, "rivals_of", lambda *_: {})
+    monkeypatch.setattr(next_recording, "open_question", lambda *_: question)
+    monkeypatch.setattr(next_recording, "rivals_of", lambda *_: {})
     done = mimucal("next", run, "--json", "--out", str(tmp_path / "next.json"))
     assert "it separates it from the nearest alternative" in done.json["statement"]["en"]
     assert "两者" not in done.json["statement"]["zh"]

@@ -25,7 +25,7 @@ from tests.storage.small import small
 STEPS = (
     "storage.formats.mcap.writer.write_mcap",
     "storage.formats.columns.write_columns",
-    "storage.catalogue.runs._add",
+    "storage.catalogue.runs.unit_id",
 )
 
 
