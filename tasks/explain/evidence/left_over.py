@@ -220,5 +220,6 @@ def band_of(
     )  # fmt: skip
     noise = 2.0 * interval / left.rows
     above = np.maximum.accumulate(np.cumsum(power[1:].sum(axis=1) - noise * len(channels)))
-    low, high = np.searchsorted(above, above[-1] * np.array(BAND))
+    # Less than the noise in all, as of few large readings: quantiles lie beyond the end.
+    low, high = np.minimum(np.searchsorted(above, above[-1] * np.array(BAND)), len(above) - 1)
     return float(frequency[1:][low]), float(frequency[1:][high])

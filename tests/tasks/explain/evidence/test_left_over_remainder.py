@@ -60,3 +60,11 @@ def test_what_may_be_the_noise_of_the_reference_is_not_told_of() -> None:
     left = left_of(full, found)
     assert left.chi2_per_degree[4] > 2.0
     assert remainder(full, found, replace(left, reference=0.5 * left.noise)) is None
+
+
+def test_a_residual_of_less_power_than_noise_has_a_band_all_the_same() -> None:
+    """As where the few readings that are above the noise are masked."""
+    full, found = run(), read(RUN)
+    full = replace(full, readings=found)
+    low, high = band_of(full, found, left_of(full, found), (4,))
+    assert 0.0 < low <= high
