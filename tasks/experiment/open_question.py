@@ -11,6 +11,7 @@ from tasks.explain.confounding.delays import DELAYING, GYROS_ALONE
 from tasks.explain.evidence.determination import undetermined
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import UNNAMED, Explanation
+from tasks.explain.odds import COVERAGE
 from tasks.explain.progress import Progress, silent
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
@@ -18,7 +19,6 @@ from tasks.explain.search.special_case import HOLDS, places_apart
 from tasks.model.effect import EVENTS
 from tasks.model.model import Model
 
-COVERAGE = 2.0  # standard uncertainties in U
 SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "reference_noise")
 
 

@@ -22,6 +22,7 @@ from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.model.term import Term
 
+STRETCH = 30.0  # s of what has no segments
 CANCELLED = 0.5  # of the larger of two delays: less is left where one cancels the other
 
 
@@ -175,6 +176,18 @@ class Combination:
                 longer.free[longer.places[one.term.key]] = False
             longer.free[longer.places[one.term.key].start + np.array(one.own)] = True
         return longer
+
+
+def dispersion_of(fit: FittedSelection) -> float:
+    """Chi-squared per reading of the residual, at least one."""
+    return max(1.0, chi2_of(fit.model, fit) / fit.blocks.used)
+
+
+def price_of(fit: FittedSelection) -> float:
+    """Of a parameter: ln of the number of stretches that are independent of each other."""
+    blocks = fit.blocks
+    span = float(blocks.t[-1] - blocks.t[0])
+    return float(np.log(max(len(np.unique(blocks.segment)), span / STRETCH, 3.0)))
 
 
 def chi2_of(model: Model, fit: FittedSelection) -> float:

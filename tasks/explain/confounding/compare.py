@@ -57,7 +57,7 @@ def compared(
     if nuisances and selected:
         fit = fit.without(selected)
     present = tuple(one.candidate for one in nuisances or selected)
-    forms = tuple(forms_of(DELAYING, candidates, present))
+    forms = tuple(forms_of(candidates, present))
     delays = _Delays(forms, present, fit, prune, by_reference)
     return delays.with_rivals() if nuisances else delays.compared()
 

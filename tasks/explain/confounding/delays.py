@@ -48,14 +48,12 @@ def delay_of_low_pass(low_pass: Term) -> float:
     return max(delay.gyro, delay.accel)
 
 
-def forms_of(
-    family: Sequence[str], candidates: Sequence[Candidate], selected: Sequence[Candidate]
-) -> list[Form]:
-    """The forms of some effects, each as candidates to represent it: those selected, else those
-    with the same parameters as selected ones of another effect, else all.
+def forms_of(candidates: Sequence[Candidate], selected: Sequence[Candidate]) -> list[Form]:
+    """The forms of delays and filters, each as candidates to represent it: those selected, else
+    those with the same parameters as selected ones of another effect, else all.
     """
     found: list[Form] = []
-    for name in family:
+    for name in DELAYING:
         own = tuple(one for one in selected if one.name == name)
         found += [own] if own else []
         forms: dict[TermKey, list[Candidate]] = {}

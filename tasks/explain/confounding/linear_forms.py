@@ -4,9 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
-from tasks.explain.confounding.combinations import Combination, chi2_of
+from tasks.explain.confounding.combinations import Combination, dispersion_of, price_of
 from tasks.explain.confounding.delays import Form
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import joint_gain
@@ -14,7 +12,6 @@ from tasks.explain.search.scores import joint_gain
 # Chi-squared that tells two apart: where ramps are sharp, smoothing the reference makes twenty.
 DISTINGUISHABLE = 30.0
 FORM = 0.02  # of an effect: what its published equation and a real filter or clock differ by
-STRETCH = 30.0  # s of what has no segments
 
 
 @dataclass(frozen=True)
@@ -45,16 +42,13 @@ class LinearForms:
 
     @cached_property
     def dispersion(self) -> float:
-        """Chi-squared per reading of the residual, at least one."""
-        used = self.fit.blocks.used
-        return max(1.0, chi2_of(self.fit.model, self.fit) / used)
+        """As `dispersion_of` has it, of the fit."""
+        return dispersion_of(self.fit)
 
     @cached_property
     def price(self) -> float:
-        """Of a parameter: ln of the number of stretches that are independent of each other."""
-        blocks = self.fit.blocks
-        span = float(blocks.t[-1] - blocks.t[0])
-        return float(np.log(max(len(np.unique(blocks.segment)), span / STRETCH, 3.0)))
+        """As `price_of` has it, of the fit."""
+        return price_of(self.fit)
 
     @cached_property
     def triads_differ(self) -> bool:

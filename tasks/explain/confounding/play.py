@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.explain.confounding.combinations import Combination
-from tasks.explain.confounding.linear_forms import DISTINGUISHABLE, LinearForms
+from tasks.explain.confounding.combinations import Combination, dispersion_of, price_of
+from tasks.explain.confounding.linear_forms import DISTINGUISHABLE
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.empirical_terms import Tip
 from tasks.explain.search.fitted import FittedSelection
@@ -33,9 +33,8 @@ def with_play(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSe
     members = (_best_tip(replace(fit, model=rest), tips),)
     tipping = Combination.of(members, TILTING, fit)
     bending = Combination(tuple(one.candidate for one in named), fit)
-    linear = LinearForms(TILTING, (members,), fit)
-    dearer = linear.price * (tipping.parameter_count + DIRECTION - bending.parameter_count)
-    worse = (tipping.chi2 - bending.chi2) / linear.dispersion
+    dearer = price_of(fit) * (tipping.parameter_count + DIRECTION - bending.parameter_count)
+    worse = (tipping.chi2 - bending.chi2) / dispersion_of(fit)
     return tipping.fit if worse + dearer < DISTINGUISHABLE else fit
 
 

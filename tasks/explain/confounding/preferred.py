@@ -6,8 +6,8 @@ what is beyond that.
 
 from collections.abc import Iterator, Sequence
 
-from tasks.explain.confounding.combinations import Combination
-from tasks.explain.confounding.linear_forms import LinearForms, marked
+from tasks.explain.confounding.combinations import Combination, dispersion_of, price_of
+from tasks.explain.confounding.linear_forms import marked
 from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
@@ -25,9 +25,8 @@ def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> Fit
         for rival in _asking_for_less(one, found, candidates):
             names = one.candidate.name, rival.name
             instead = Combination.of((rival,), names, fit)
-            linear = LinearForms(names, ((rival,),), fit)
-            dearer = linear.price * (instead.fitted_count - found.fitted_count)
-            worse = (instead.chi2 - found.chi2) / linear.dispersion
+            dearer = price_of(fit) * (instead.fitted_count - found.fitted_count)
+            worse = (instead.chi2 - found.chi2) / dispersion_of(fit)
             if instead.plausible and worse + dearer < CERTAIN:
                 others = tuple(name for name in (names[0], *one.rivals) if name != rival.name)
                 fit = marked(instead, (), others)

@@ -7,9 +7,9 @@ import numpy as np
 
 from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.lookalikes import COVERAGE
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.odds import COVERAGE
 from tasks.explain.search.refit import fitted
 from tasks.explain.whitening import equations_of
 from tasks.model.model import Model

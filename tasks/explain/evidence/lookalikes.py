@@ -31,6 +31,7 @@ from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, fitted_columns
 from tasks.explain.explanation import Refusal, RefusalKind
+from tasks.explain.odds import COVERAGE
 from tasks.explain.whitening import equations_of
 from tasks.model.regression import inverse
 from tasks.model.term import Inputs, Parameter, parameters_of
@@ -38,7 +39,6 @@ from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.gyro import THRESHOLD
 from tasks.motion.whole import Motion
 
-COVERAGE = 2.0  # standard uncertainties in U
 KNOWN_SIZE = 0.3  # by which physics that is known beforehand may differ from what is known
 SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
 UNSEEN = 1e-3  # p value of coefficients that the faster rates show

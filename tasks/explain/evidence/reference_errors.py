@@ -38,9 +38,8 @@ from tasks.motion.smoothing_error import lost_acceleration
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion
 
-REFERENCE_SHARE = (
-    1 / 9
-)  # of a finding's gain, a third of its size: what errors of the reference may make
+# Of a finding's gain, a third of its size: what errors of the reference may make of it.
+REFERENCE_SHARE = 1 / 9
 DRAWS = 4  # of those errors: what they bring forth by chance alone differs
 SURE = 2.0  # standard deviations of how well so few draws tell how large it is
 SEED = 20

@@ -16,7 +16,6 @@ from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partitions, partwise
 from tasks.explain.evidence.lookalikes import (
-    COVERAGE,
     SIZE,
     Examined,
     jump_at_one_end,
@@ -26,6 +25,7 @@ from tasks.explain.evidence.lookalikes import (
     unseen_turning,
 )
 from tasks.explain.explanation import UNNAMED, Refusal
+from tasks.explain.odds import COVERAGE
 from tasks.model.regression import inverse
 
 UNLIKE = 1e-3  # p value, corrected, from which on the parts of a recording are not alike

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tasks.explain.evidence.lookalikes import COVERAGE
+from tasks.explain.odds import COVERAGE
 from tasks.explain.search.fitted import FittedSelection
 from tasks.model.term import Term
 

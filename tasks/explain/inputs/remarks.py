@@ -5,6 +5,7 @@ from pydantic import ValidationError
 
 from schemas.recording import ACCEL, Recording
 from schemas.unit_link import ClockComparison
+from tasks.explain.odds import COVERAGE
 from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.pose_frames import BRIDGED
 from tasks.motion.samples import SLOW, sample_interval
@@ -13,7 +14,6 @@ from tasks.words import Sayable, message
 from tasks.words.quantities import plain
 
 WORTH_SAYING = 0.005  # of the recording
-COVERAGE = 2.0
 
 
 def reference_remarks(recording: Recording, motion: Motion) -> tuple[Sayable, ...]:

@@ -7,7 +7,7 @@ forms of every name and with empirical terms, less those that the kinds have amo
 from collections.abc import Sequence
 
 from tasks.explain.explanation import UNNAMED
-from tasks.explain.inputs.remarks import COVERAGE
+from tasks.explain.odds import COVERAGE
 from tasks.explain.search.behaviours import behaviours
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.empirical import empirical
