@@ -25,15 +25,15 @@ def codes_put_right(recording: Recording) -> Recording:
     """
     if recording.wrong_codes:
         return recording
-    readings = recording.imu.stack(CHANNELS)
-    lattices = code_lattices(readings[:: len(readings) // SAMPLE_ROWS + 1])
+    imu = recording.imu  # by columns: all side by side are a copy of the recording
+    lattices = code_lattices(imu.at(slice(0, None, len(imu) // SAMPLE_ROWS + 1)).stack(CHANNELS))
     if not lattices:
         return recording
-    numbers = {c: np.rint(readings[:, c] / q.step) for c, q in lattices.items()}
+    numbers = {c: np.rint(imu.columns[CHANNELS[c]] / q.step) for c, q in lattices.items()}
     course = Course(recording)
-    columns, wrong = dict(recording.imu.columns), list[WrongCodes]()
+    columns, wrong = dict(imu.columns), list[WrongCodes]()
     for c, found in faults_of(numbers).items():
-        read, undecided = numbers[c], np.zeros(len(readings), bool)
+        read, undecided = numbers[c], np.zeros(len(imu), bool)
         right = read
         for fault in found:
             right, left = _put_right(right, fault, partial(course.line, c, lattices[c].step))
@@ -45,8 +45,7 @@ def codes_put_right(recording: Recording) -> Recording:
             wrong += _described(CHANNELS[c], found, off, undecided, step)
     if not wrong:
         return recording
-    imu = replace(recording.imu, columns=columns)
-    return replace(recording, imu=imu, wrong_codes=tuple(wrong))
+    return replace(recording, imu=replace(imu, columns=columns), wrong_codes=tuple(wrong))
 
 
 def _put_right(
