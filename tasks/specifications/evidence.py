@@ -6,14 +6,16 @@ from functools import cached_property
 
 import numpy as np
 
-from schemas.recording import AXES, UPS, Axis, Kind, Recording, Segment, Up
+from schemas.recording import AXES, GYRO, UPS, Axis, Kind, Recording, Segment, Stream, Up
 from tasks.motion.whole import north_at_rest
+from tasks.segments.one_pass import cosine_and_sine
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import CHANNELS, SegmentMean, coarsely_quantised
 from tasks.specifications.earth_gain import EarthRotationGain
 from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means
 
 SAMPLES = 20  # times within a rest at which north is looked up
+COURSE = 4000  # samples of a turn, at most twice as many: a hundred a turn and more
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,6 +116,14 @@ class ClauseEvidence:
             north[rests] = found.reshape(len(rests), SAMPLES, 3).mean(axis=1)
         return north
 
+    @cached_property
+    def course(self) -> dict[int, complex]:
+        """Mean of e^(iψ) over each segment that is no rest, by index; ψ: what the unit read of its
+        turn about the axis so far. Zero where it is not known.
+        """
+        turning = (i for i, label in enumerate(self.labels) if label.kind != "static")
+        return {i: _mean_course(self.recording.imu, self.labels[i]) for i in turning}
+
     @property
     def mounted_once(self) -> bool:
         """Whether one mounting held all segments: none has a mounting of its own."""
@@ -157,3 +167,18 @@ class ClauseEvidence:
             held = [i for i, other in enumerate(place) if other == same]
             shared[np.ix_(held, held)] = step**2 / 12.0
         return shared
+
+
+def _mean_course(imu: Stream, label: Segment) -> complex:
+    rows, gyro = imu.rows(label.t_start, label.t_end), GYRO[AXES.index(label.axis or "x")]
+    t, rate = imu.t[rows], imu.views((gyro,), rows)[0]
+    if len(t) < 2 or not np.isfinite(rate).all():
+        return 0j
+    steps = rate[1:] + rate[:-1]
+    steps *= np.diff(t)
+    every = max(1, len(steps) // COURSE)
+    whole = (len(steps) - 1) // every
+    between = steps[1 : 1 + whole * every].reshape(whole, every) @ np.ones(every)
+    turned = 0.5 * np.cumsum(np.append(steps[0], between))
+    cosine, sine = cosine_and_sine(turned)
+    return complex(cosine.mean(), sine.mean())

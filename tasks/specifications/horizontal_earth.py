@@ -12,15 +12,13 @@ from functools import cache
 
 import numpy as np
 
-from schemas.recording import AXES, GYRO, Segment
+from schemas.recording import AXES, Segment
 from tasks.motion.table import EARTH_RATE
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.error_sources import ErrorSource
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.uncertainty.budget import InputQuantity
 from tasks.words import message
-
-SAMPLES = 4000  # of a segment's course, at most twice as many: a hundred a turn and more
 
 
 def horizontal_earth(evidence: ClauseEvidence) -> Iterator[ErrorSource]:
@@ -34,7 +32,7 @@ def horizontal_earth(evidence: ClauseEvidence) -> Iterator[ErrorSource]:
     effects = np.zeros((2 * len(places), len(evidence.segments), len(CHANNELS)))
     for i, place in zip(turning, begun, strict=True):
         axis = AXES.index(evidence.labels[i].axis or "x")
-        left, north = _left(evidence, i, axis), places[place]
+        left, north = evidence.course[i], places[place]
         across = [(axis + 1) % 3, (axis + 2) % 3]
         effects[north, i, across] = left.real, -left.imag
         effects[north + 1, i, across] = left.imag, left.real
@@ -45,18 +43,6 @@ def horizontal_earth(evidence: ClauseEvidence) -> Iterator[ErrorSource]:
 def _beginning(label: Segment) -> str:
     """What tells apart where segments that turn begin."""
     return f"{label.axis} {label.up}" if label.kind == "rotation" else label.name
-
-
-def _left(evidence: ClauseEvidence, i: int, axis: int) -> complex:
-    """Mean of e^(iψ) over a segment, ψ what the unit read of its turn about the axis so far."""
-    label, imu = evidence.labels[i], evidence.recording.imu
-    rows = imu.rows(label.t_start, label.t_end)
-    t, rate = imu.t[rows], imu.views((GYRO[axis],), rows)[0]
-    if len(t) < 2 or not np.isfinite(rate).all():
-        return 0j
-    turned = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))
-    some = turned[:: max(1, len(turned) // SAMPLES)]
-    return complex(np.exp(1j * some).mean())
 
 
 @cache
