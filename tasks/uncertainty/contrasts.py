@@ -94,12 +94,16 @@ def _tilt_variance(residual: np.ndarray, flicker: np.ndarray, tilted: np.ndarray
         detectable = 1.0 / np.linalg.eigvalsh(shape)[-1]
         strengths.append((strength_grid(detectable, MAX_SHARE * detectable), detectable))
     (flickers, usual), (tilts, visible) = strengths
-    total = np.eye(len(residual)) + np.multiply.outer(flickers, flicker)[:, None]
-    total = total + np.multiply.outer(tilts, tilted)
+    # Bordered by the residual, each factor ends with a row that is the residual whitened.
+    count = len(residual)
+    total = np.empty((len(flickers), len(tilts), count + 1, count + 1))
+    total[..., :count, :count] = np.multiply.outer(flickers, flicker)[:, None] + np.eye(count)
+    total[..., :count, :count] += np.multiply.outer(tilts, tilted)
+    total[..., count, :count] = total[..., :count, count] = residual
+    total[..., count, count] = 1.0 + 2.0 * residual @ residual  # so much that it stays positive
     root = np.linalg.cholesky(total)
-    likelihood = -np.log(np.diagonal(root, axis1=2, axis2=3)).sum(axis=2)
-    whitened = np.linalg.solve(root, residual[:, None])[..., 0]
-    likelihood = likelihood - 0.5 * (whitened**2).sum(axis=2)
+    likelihood = -np.log(np.diagonal(root, axis1=2, axis2=3)[..., :count]).sum(axis=2)
+    likelihood = likelihood - 0.5 * (root[..., count, :count] ** 2).sum(axis=2)
     prior = strength_prior(tilts, visible, TILT_ABSENT)
     posterior = np.exp(likelihood - likelihood.max())
     posterior *= strength_prior(flickers, usual, 0.0)[:, None] * prior
