@@ -50,15 +50,12 @@ def quantiser_of(readings: np.ndarray) -> Quantiser | None:
     if len(values) < 3:
         return None
     apart = np.diff(values)
-    apart = apart[apart > 1e-9 * np.abs(values).max()]
+    apart = np.sort(apart[apart > 1e-9 * np.abs(values).max()])
     if len(apart) < 2:
         return None
-    found = _through(values, float(apart.min()))
-    return found or _through(
-        values,
-        _common_divisor(
-            np.quantile(apart, np.linspace(0.0, 0.5, NEAREST), method="nearest").tolist()
-        ),
+    lesser = np.rint(np.linspace(0.0, 0.5, NEAREST) * (len(apart) - 1)).astype(int)
+    return _through(values, float(apart[0])) or _through(
+        values, _common_divisor(apart[lesser].tolist())
     )
 
 
@@ -134,8 +131,9 @@ def _through(values: np.ndarray, step: float) -> Quantiser | None:
         near = values[np.abs(values - origin) <= span * step]
         codes = np.round((near - origin) / step)
         if codes.any():
-            slope, start = np.polyfit(codes, near, 1)
-            step, origin = float(slope), float(start)
+            of_mean = codes - codes.mean()
+            step = float(of_mean @ near / (of_mean @ of_mean))
+            origin = float(near.mean() - step * codes.mean())
             if (np.abs(near - origin - step * codes) > OFF_CODE * step).mean() > MOST_OFF:
                 return None
     off = np.abs(values - origin - step * np.round((values - origin) / step))
