@@ -111,10 +111,8 @@ def _fit_at_both_ends(recording: Recording, labels: list[Segment], gain: float) 
         ends += [recording.imu.rows(label.t_start, label.t_start + edge),
                  recording.imu.rows(label.t_end - edge, label.t_end)]  # fmt: skip
         own += [label, label]
-    means = np.array([
-        [v.mean() if len(v) else np.nan for v in recording.imu.views(GYRO + ACCEL, rows)]
-        for rows in ends
-    ])  # fmt: skip
+    read = (recording.imu.channels(GYRO + ACCEL, rows) for rows in ends)
+    means = np.array([one.mean(axis=1) if one.size else np.full(6, np.nan) for one in read])
     at_rest = np.array([label.kind == "static" for label in own])
     gyro = _from_rest(means[:, :3], at_rest) / gain
     direction = _directed(means[:, 3:])

@@ -36,7 +36,7 @@ def covariance_of(
     total = noise * np.outer(scale, scale)
     free = np.array([estimate.without_earth for estimate in estimates])
     for source in errors.sources:
-        felt = np.array([source.felt(each) for each in weights]).reshape(len(estimates), -1)
+        felt = np.tensordot(weights, source.effects, axes=((1, 2), (2, 1)))
         if source.of_latitude:
             felt = felt * free[:, None]
         total += source.quantity.u**2 * felt @ felt.T

@@ -27,16 +27,13 @@ class ErrorSource:
     followed: bool = False
     of_latitude: bool = False
 
-    def felt(self, operator: np.ndarray) -> np.ndarray:
-        """What each draw (m,) does to Σ o·U over the channels, per unit; operator: o (6, n)."""
-        used = np.flatnonzero(operator.any(axis=0))
-        channels = np.flatnonzero(operator.any(axis=1))
-        effects = self.effects[:, used[:, None], channels]
-        return np.asarray(np.einsum("mnc,cn->m", effects, operator[channels[:, None], used]))
+    def line(self, weights: np.ndarray, channels: np.ndarray, segments: np.ndarray) -> Contribution:
+        """The line in the budget of Σ o·U: independent draws count as root of the sum of their
+        squares.
 
-    def line(self, operator: np.ndarray) -> Contribution:
-        """The line of a budget: independent draws count as root of the sum of their squares."""
-        felt = self.felt(operator)
+        weights: o of some channels (c,) in some segments (k,), (c, k); of all others it is zero.
+        """
+        felt = np.einsum("mnc,cn->m", self.effects[:, segments[:, None], channels], weights)
         if len(felt) == 1 or not felt.any():
             return Contribution(self.quantity, float(felt[0]))
         squares = felt**2
@@ -53,8 +50,12 @@ class EquipmentErrors:
 
     def lines(self, operator: np.ndarray, without_earth: bool) -> tuple[Contribution, ...]:
         """The lines of Σ o·U, o (6, n), but rounding; without_earth: Earth's rate was taken off."""
+        channels, segments = (np.flatnonzero(operator.any(axis=axis)) for axis in (1, 0))
+        weights = operator[np.ix_(channels, segments)]
         every = [
-            each.line(operator) for each in self.sources if without_earth or not each.of_latitude
+            each.line(weights, channels, segments)
+            for each in self.sources
+            if without_earth or not each.of_latitude
         ]
         sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
         least = LEAST_SHARE * max(sizes, default=0.0)
