@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-ROWS = 1 << 16  # of a piece: half a megabyte, which stays in a processor's cache
+ROWS = 1 << 14  # of a piece: those of six channels stay in a processor's cache
 BLOCKS = 32  # finest blocks of the Allan variances
 
 
@@ -91,7 +91,9 @@ def cosine_and_sine(angle: np.ndarray) -> np.ndarray:
     By the tangent of half the angle, which numpy has nine times as fast as cosine and sine.
     """
     half, both = np.tan(0.5 * angle), np.empty((2, *angle.shape))
-    np.divide(2.0, 1.0 + half**2, out=both[0])  # 1 + cosine
+    np.multiply(half, half, out=both[0])
+    both[0] += 1.0
+    np.divide(2.0, both[0], out=both[0])  # 1 + cosine
     np.multiply(half, both[0], out=both[1])
     both[0] -= 1.0
     return both
