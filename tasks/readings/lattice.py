@@ -50,12 +50,13 @@ def quantiser_of(readings: np.ndarray) -> Quantiser | None:
     if len(values) < 3:
         return None
     apart = np.diff(values)
-    apart = np.sort(apart[apart > 1e-9 * np.abs(values).max()])
+    apart = apart[apart > 1e-9 * np.abs(values).max()]
     if len(apart) < 2:
         return None
-    lesser = np.rint(np.linspace(0.0, 0.5, NEAREST) * (len(apart) - 1)).astype(int)
-    return _through(values, float(apart[0])) or _through(
-        values, _common_divisor(apart[lesser].tolist())
+    places = np.rint(np.linspace(0.0, 0.5, NEAREST) * (len(apart) - 1)).astype(int)
+    lesser = np.sort(np.partition(apart, places[-1])[: places[-1] + 1])
+    return _through(values, float(lesser[0])) or _through(
+        values, _common_divisor(lesser[places].tolist())
     )
 
 
