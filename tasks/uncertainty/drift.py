@@ -205,9 +205,11 @@ def _likelihood(strengths: np.ndarray, contrasts: Contrasts, allan: PooledAllan)
     expected = white / tau + slow
     likelihood = -0.5 * allan.degrees @ (np.log(expected) + variance / expected)
     if contrasts.value.size:
-        spread = contrasts.gain.swapaxes(1, 2) @ strengths + white / allan.white
+        spread = contrasts.gain.swapaxes(1, 2) @ strengths
+        spread += white / allan.white
+        logarithm = np.log(spread).sum(axis=1)
         square = contrasts.value[:, None] ** 2
-        likelihood -= 0.5 * (np.log(spread).sum(axis=1) + (square @ (1.0 / spread))[:, 0])
+        likelihood -= 0.5 * (logarithm + (square @ np.reciprocal(spread, out=spread))[:, 0])
     return np.asarray(likelihood)
 
 
