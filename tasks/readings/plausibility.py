@@ -35,16 +35,19 @@ from tasks.readings.wrong_units import (
 from tasks.words import message
 
 
-def implausible(recording: Recording, segments: Sequence[Segment]) -> tuple[Implausible, ...]:
+def implausible(
+    recording: Recording, segments: Sequence[Segment], read: np.ndarray | None = None
+) -> tuple[Implausible, ...]:
     """What the recording cannot be, each in one sentence; nothing for a plausible one.
 
-    segments: its labels, or what was found.
+    segments: its labels, or what was found; read: (k, 6) means of all their rows, where each is
+    measured and they are known.
     """
     scales = _units_of_source(recording)
     used = [s for s in segments if s.kind in ("static", "rate", "rotation")]
     if len(recording.imu) < 2:
         return ()
-    means = segment_means(recording, used)
+    means = segment_means(recording, used, read)
     if (wrong := wrong_time(recording, used, means)) is not None:
         return (wrong,)
     if not used:

@@ -31,14 +31,17 @@ class SegmentMeans:
     static: np.ndarray
 
 
-def segment_means(recording: Recording, segments: Sequence[Segment]) -> SegmentMeans:
-    """Means and inputs of segments."""
-    imu = recording.imu
-    rows = [imu.rows(s.t_start, s.t_end) for s in segments]
-    read = np.array([
-        [values.mean() if len(values) else np.nan for values in imu.views(GYRO + ACCEL, place)]
-        for place in rows
-    ]).reshape(-1, 6)  # fmt: skip
+def segment_means(
+    recording: Recording, segments: Sequence[Segment], read: np.ndarray | None = None
+) -> SegmentMeans:
+    """Means and inputs of segments; read: (k, 6), where their means are known."""
+    if read is None:
+        imu = recording.imu
+        rows = [imu.rows(s.t_start, s.t_end) for s in segments]
+        read = np.array([
+            [values.mean() if len(values) else np.nan for values in imu.views(GYRO + ACCEL, place)]
+            for place in rows
+        ]).reshape(-1, 6)  # fmt: skip
     static = np.array([s.kind == "static" for s in segments], bool)
     rates = np.zeros((len(segments), 3))
     for k in np.flatnonzero(~static).tolist():

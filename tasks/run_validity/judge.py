@@ -72,7 +72,9 @@ def _of_readings(
 
 def plausibility_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     """What the recording cannot be: wrong units, axes and clocks make the run invalid."""
-    for one in implausible(evidence.recording, evidence.labels):
+    of_all_rows = not evidence.accumulates and not any(s.left_out for s in evidence.segments)
+    read = evidence.means if of_all_rows else None
+    for one in implausible(evidence.recording, evidence.labels, read):
         yield remark(one.kind, one.sentence, blocks_pass=True, run="invalid")
 
 
