@@ -1,52 +1,130 @@
 """Codes that firmware joined wrongly, put right before any model."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import takewhile
 
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording, WrongCodes
-from tasks.readings.code_faults import Fault, faults_of
+from schemas.text import Remark
+from tasks.readings.code_faults import PERIODS, Fault, faults_of, period_of, wrap
+from tasks.readings.judge import CERTAIN, ROUNDING, in_course, in_motion
 from tasks.readings.lattice import code_lattices
 from tasks.readings.line import Course, Line
 from tasks.readings.resolved import resolved
 from tasks.readings.stuck_bits import put_back
-from tasks.words import Message, message
+from tasks.words import Message, message, remark
 
 CHANNELS: tuple[str, ...] = GYRO + ACCEL
 SAMPLE_ROWS = 20_000  # that a lattice is looked for in
+ANY_PERIOD = 10.0  # log odds that a period costs which is found by the jumps themselves
+SUSPECTED = "codes_suspected"
+
+
+@dataclass(frozen=True)
+class Repair:
+    """What a fault that is undone makes of a channel's numbers, and how likely that is.
+
+    right: (n,) numbers. undecided: (n,) bool. odds: log odds of the fault against a real event.
+    """
+
+    fault: Fault
+    right: np.ndarray
+    undecided: np.ndarray
+    odds: float
+
+    @property
+    def kind(self) -> tuple[str, float]:
+        return self.fault.bug, self.fault.size
 
 
 def codes_put_right(recording: Recording) -> Recording:
     """The recording with wrong codes put right, and which they were (`Recording.wrong_codes`).
 
-    The same recording where none is wrong, and where they were put right before.
+    What one channel's numbers and its motion make likely counts for the others, too: one loop of
+    the firmware joins them all. A fault that is not certain is told in a remark, and nothing is
+    changed. The same recording where none is wrong, and where they were put right before.
     """
-    if recording.wrong_codes:
+    if recording.wrong_codes or any(one.code == SUSPECTED for one in recording.put_right):
         return recording
     readings = recording.imu.stack(CHANNELS)
     lattices = code_lattices(readings[:: len(readings) // SAMPLE_ROWS + 1])
-    if not lattices:
-        return recording
     numbers = {c: np.rint(readings[:, c] / q.step) for c, q in lattices.items()}
+    steps = {c: q.step for c, q in lattices.items()}
+    faults = faults_of(numbers)
+    for c in set(range(len(CHANNELS))) - lattices.keys():  # no whole numbers, but they may wrap
+        found = period_of(readings[:, c])
+        if found is not None:
+            numbers[c], steps[c], faults[c] = readings[:, c], 1.0, [wrap(found)]
+    if not faults:
+        return recording
     course = Course(recording)
-    columns, wrong = dict(recording.imu.columns), list[WrongCodes]()
-    for c, found in faults_of(numbers).items():
-        read, undecided = numbers[c], np.zeros(len(readings), bool)
-        right = read
-        for fault in found:
-            right, left = _put_right(right, fault, partial(course.line, c, lattices[c].step))
-            undecided |= left
-        off = np.nan_to_num(right - read)
+    repairs = {
+        c: list(_repairs(numbers[c], found, c in lattices, partial(course.line, c, steps[c])))
+        for c, found in faults.items()
+    }
+    odds = dict[tuple[str, float], float]()
+    for each in (repair for own in repairs.values() for repair in own):
+        odds[each.kind] = odds.get(each.kind, 0.0) + max(each.odds, 0.0)
+    columns, wrong, told = dict(recording.imu.columns), list[WrongCodes](), list[Remark]()
+    for c, own in repairs.items():
+        sure = list(takewhile(lambda one: one.odds >= 0.0 and odds[one.kind] > CERTAIN, own))
+        told += [
+            _suspected(_wrong(c, one.fault, steps[c], c in lattices))
+            for one in own[len(sure) :][:1]
+            if one.odds > 0.0
+        ]
+        if not sure:
+            continue
+        off = np.nan_to_num(sure[-1].right - numbers[c])
+        undecided = np.any([one.undecided for one in sure], axis=0)
         if off.any() or undecided.any():
-            step = lattices[c].step
-            columns[CHANNELS[c]] = columns[CHANNELS[c]] + off * step
-            wrong += _described(CHANNELS[c], found, off, undecided, step)
-    if not wrong:
+            columns[CHANNELS[c]] = columns[CHANNELS[c]] + off * steps[c]
+            share = float(np.mean(off != 0.0))
+            wrong += [
+                replace(
+                    _wrong(c, one.fault, steps[c], c in lattices), share=share, undecided=undecided
+                )
+                for one in sure
+            ]
+    if not (wrong or told):
         return recording
     imu = replace(recording.imu, columns=columns)
-    return replace(recording, imu=imu, wrong_codes=tuple(wrong))
+    return replace(
+        recording,
+        imu=imu if wrong else recording.imu,
+        wrong_codes=tuple(wrong),
+        put_right=(*recording.put_right, *told),
+    )
+
+
+def _repairs(
+    numbers: np.ndarray, faults: Sequence[Fault], whole: bool, line: Callable[[], Line]
+) -> Iterator[Repair]:
+    """The faults of a channel undone one after the other; whole: of whole numbers."""
+    for fault in faults:
+        right, undecided = _put_right(numbers, fault, line)
+        odds = fault.odds
+        if fault.right is not None or fault.free is not None:
+            decided = np.where(undecided, np.nan, right)
+            odds += in_course(numbers, decided, ROUNDING if whole else 0.0)
+        if fault.free is not None:
+            odds += in_motion(numbers, decided, line())
+            odds -= 0.0 if fault.size in PERIODS else ANY_PERIOD
+        yield Repair(fault, right, undecided, odds)
+        numbers = right
+
+
+def _suspected(wrong: WrongCodes) -> Remark:
+    return remark(
+        SUSPECTED,
+        message(
+            "codes-suspected", channel=message(f"channel-{wrong.channel}"),
+            bug=bug_in_words(wrong), size=size_in_words(wrong),
+        ),
+    )  # fmt: skip
 
 
 def _put_right(
@@ -61,14 +139,21 @@ def _put_right(
     return put_back(numbers, weight, line())
 
 
-def _described(
-    channel: str, faults: Sequence[Fault], off: np.ndarray, undecided: np.ndarray, step: float
-) -> Iterator[WrongCodes]:
-    share = float(np.mean(np.abs(off) > 0.5))
-    for fault in faults:
-        yield WrongCodes(channel, fault.bug, fault.size, fault.size * step, share, undecided)
+def _wrong(channel: int, fault: Fault, step: float, whole: bool) -> WrongCodes:
+    """A fault of which nothing is put right yet; whole: of whole numbers."""
+    codes = fault.size if whole else 0.0
+    nothing = np.zeros(0, bool)
+    return WrongCodes(CHANNELS[channel], fault.bug, codes, fault.size * step, 0.0, nothing)
 
 
 def bug_in_words(wrong: WrongCodes) -> Message:
     """What the firmware does to a channel's codes."""
-    return message(f"codes-{wrong.bug}", codes=f"{wrong.codes:.0f}")
+    return message(f"codes-{wrong.bug}", size=size_in_words(wrong))
+
+
+def size_in_words(wrong: WrongCodes) -> Message:
+    """What readings are off by whole multiples of: codes, where they are known."""
+    unit = "rad/s" if wrong.channel in GYRO else "m/s²"
+    if wrong.codes:
+        return message("codes-size", codes=f"{wrong.codes:.0f}")
+    return message("codes-jump", jump=f"{wrong.jump:.4g} {unit}")

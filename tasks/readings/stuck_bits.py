@@ -10,13 +10,14 @@ from tasks.readings.line import Line
 
 BITS = tuple(range(2, 15))
 MIN_PERIODS = 3  # of 2ᵇ⁺¹ codes, with readings
-MIN_AT_END = 25  # readings within half of the noise of either end
 ROUNDS = 8  # of expectation and maximisation
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
 
 
-def stuck_bit(numbers: np.ndarray) -> int | None:
-    """What a stuck bit adds to a number, by whole numbers (n,): ±2ᵇ; None where none is stuck."""
+def stuck_bit(numbers: np.ndarray) -> tuple[int, float] | None:
+    """What a stuck bit adds to a number, by whole numbers (n,): ±2ᵇ, and its log odds against
+    chance; None where none may be stuck.
+    """
     number = numbers[np.isfinite(numbers)].astype(np.int64)
     if len(number) < 2:
         return None
@@ -29,8 +30,9 @@ def stuck_bit(numbers: np.ndarray) -> int | None:
         place = number & (1 << bit) - 1
         width = min(near, 1 << bit - 2)
         ends = (place < width).sum(), (place >= (1 << bit) - width).sum()
-        if min(ends) >= MIN_AT_END:
-            return int(1 << bit if level[0] else -(1 << bit))
+        if min(ends):  # of those at an end, chance puts half of them beyond
+            odds = 2.0 * float(np.log(2.0)) * min(ends)
+            return (1 << bit if level[0] else -(1 << bit)), odds
     return None
 
 

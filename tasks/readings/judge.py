@@ -1,0 +1,108 @@
+"""Whether readings that were put right fit themselves better than they did as they were.
+
+One ratio of likelihoods for all that is put right on sight. By a fault, what was put right goes on
+as the readings beside it that nothing touched. By a real event (a tap, a shock, a stop) it goes on
+as it was, and an event is of any size: its logarithm is spread evenly. So a repair that leaves as
+large a jump as it takes away, or one among readings that jump as far by themselves, gains nothing;
+only one after which jumps of many times the usual change are gone, each to within that change.
+"""
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from tasks.readings.line import Line
+from tasks.readings.robust import TO_SIGMA, deviation
+
+CERTAIN = 20.0  # log odds from which on something is put right: one in 5e8 against it
+BLOCK = 32  # rows whose scatter is taken as that of each of them
+ACCIDENT = 1e-3  # of what was put right: it may hold anything
+EVENTS = (ACCIDENT, 0.03, 0.1, 0.3, 1.0)  # shares of what was not, that events may have made
+SIZES = 11.0  # natural logarithm of the range of an event's size: five powers of ten
+CORE = 3.0  # standard deviations within which all is as usual, whatever the form of the noise
+ROUNDING = 0.7  # numbers: standard deviation of a bend of whole ones
+SOME = 1500  # blocks, or stretches, that are looked at, of more
+
+
+def log_odds(off: np.ndarray, was: np.ndarray, usual: np.ndarray) -> float:
+    """Log odds that things are off by less now that they were put right, against real events.
+
+    off, was: (k,) by how much each is off what is expected, put right and before. usual:
+    (k,) standard deviation of what nothing happens to.
+    """
+    anything = 0.5 / SIZES / np.maximum(np.maximum(np.abs(off), np.abs(was)), usual)
+    fault = (1.0 - ACCIDENT) * _density(off, usual) + ACCIDENT * anything
+    calm = _density(was, usual)
+    event = max(float(np.log((1.0 - q) * calm + q * anything).sum()) for q in EVENTS)
+    return float(np.log(fault).sum()) - event
+
+
+def _density(off: np.ndarray, usual: np.ndarray) -> np.ndarray:
+    """Even in the core, and beyond falling as Student's of three degrees of freedom does."""
+    return np.asarray(0.375 / CORE / usual / np.maximum(1.0, np.abs(off) / (CORE * usual)) ** 4)
+
+
+def in_course(numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING) -> float:
+    """Log odds of a repair, by how numbers (n,) and those put right bend from row to row.
+
+    rounding: standard deviation of a bend, at least; that of whole numbers.
+    """
+    blocks = _blocks(numbers), _blocks(right)
+    touched = np.flatnonzero((np.diff(blocks[1] - blocks[0], axis=1) != 0.0).any(axis=1))
+    touched = touched[:: len(touched) // SOME + 1]
+    return in_blocks(blocks[0][touched], blocks[1][touched], rounding)
+
+
+def in_blocks(numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING) -> float:
+    """The same of numbers in blocks of successive rows, (blocks, rows)."""
+    was, off = bend(numbers), bend(right)
+    known = np.isfinite(was) & np.isfinite(off)
+    touched = known & (np.abs(was - off) > 1e-9 * np.abs(was))
+    if not touched.any():
+        return 0.0
+    # Each jump bends two rows.
+    usual = np.minimum(*(_usual(each, known, rounding) for each in (off, was)))
+    return 0.5 * log_odds(off[touched], was[touched], usual[touched])
+
+
+def _usual(bends: np.ndarray, known: np.ndarray, rounding: float) -> np.ndarray:
+    """Standard deviation of most bends of a block, at each of them (blocks, rows)."""
+    size = np.sort(np.where(known, np.abs(bends), np.inf), axis=1)
+    middle = np.take_along_axis(size, known.sum(axis=1, keepdims=True) // 2, axis=1)
+    return np.asarray(
+        np.broadcast_to(np.maximum(TO_SIGMA * middle, max(rounding, 1e-12)), bends.shape)
+    )
+
+
+def in_motion(numbers: np.ndarray, right: np.ndarray, line: Line) -> float:
+    """Log odds of a repair, by a line that numbers (n,) follow which were not moved: one for each
+    stretch of rows that was.
+    """
+    known = line.known & np.isfinite(numbers) & np.isfinite(right)
+    calm = known & (numbers == right)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], known & ~calm, [False]])))
+    middle = edges.reshape(-1, 2).mean(axis=1).astype(int)
+    middle = middle[:: len(middle) // SOME + 1]
+    if not (len(middle) and calm.any()):
+        return 0.0
+    scatter = deviation((numbers - line.columns @ line.ideal)[calm])
+    predicted, u = line.through(numbers, calm, max(scatter, 1e-12))
+    usual = np.hypot(u[middle], deviation((numbers - predicted)[calm]))
+    off, was = ((each - predicted)[middle] for each in (right, numbers))
+    return log_odds(off, was, usual)
+
+
+def spread(numbers: np.ndarray, count: int) -> np.ndarray:
+    """(blocks, rows) of numbers (n,), about `count` blocks from all over."""
+    blocks = _blocks(numbers)
+    return np.asarray(blocks[:: len(blocks) // count + 1])
+
+
+def bend(numbers: np.ndarray) -> np.ndarray:
+    """By how much the middle one of three numbers (…, n) is off the middle of the others, twice."""
+    return np.asarray(np.diff(numbers, 2, axis=-1))
+
+
+def _blocks(numbers: np.ndarray) -> np.ndarray:
+    """Numbers (n,) in blocks in which each bend stands once, (blocks, BLOCK + 2)."""
+    width = min(BLOCK + 2, len(numbers))
+    return sliding_window_view(numbers, width)[::BLOCK]
