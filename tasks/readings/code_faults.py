@@ -28,7 +28,7 @@ LOW_BITS = range(3, 21)
 BYTE = 256.0
 BYTE_ORDERS = ((1, 0), (2, 1, 0), (1, 0, 3, 2), (2, 3, 0, 1), (3, 2, 1, 0))  # lowest byte first
 PERIODS = tuple(2.0**bits for bits in range(8, 33))
-NEAR = 2e-3  # of a period, by which it may be found off a power of two
+NEAR = 2e-3  # of a period, by which it may be found off
 ACCIDENT = 1e-3  # of the rows: they may hold anything
 MIN_PAGES = 3  # of 2ᵐ numbers each, that are read beside them
 PIECE = 1 << 20  # rows at a time, for memory
@@ -83,7 +83,11 @@ def _turned(numbers: np.ndarray) -> list[Fault]:
     """Faults whose map can be turned round, and numbers that wrap, one after the other."""
     found: list[Fault] = []
     for _ in range(ROUNDS):
-        fault = _likeliest(numbers, {one.size for one in found}) or _wrapped(numbers)
+        fault = (
+            _likeliest(numbers, {one.size for one in found})
+            or _unsigned(numbers)
+            or _wrapped(numbers)
+        )
         if fault is None:
             break
         found.append(fault)
@@ -196,20 +200,23 @@ def _negative_low(sign: float, size: float) -> Callable[[np.ndarray], np.ndarray
     return lambda numbers: _above(sign * numbers, size, 0.5)[0]
 
 
-def _wrapped(numbers: np.ndarray) -> Fault | None:
-    """A number that begins again where it is full, or whose negative half is read above it."""
+def _unsigned(numbers: np.ndarray) -> Fault | None:
+    """Two's complement whose negative half is read above the other."""
     known = numbers[np.isfinite(numbers)]
     if len(known) < 2:
         return None
     change = float(np.abs(np.diff(known)).max())
     for sign in (1.0, -1.0):
         least, most = float((sign * known).min()), float((sign * known).max())
-        unsigned = least >= 0.0
-        full = most + 1.0 if unsigned else 2.0 * max(most + 1.0, -least)
-        period = next((p for p in PERIODS if full <= p), np.inf)
-        if change > 0.5 * period and unsigned:
+        period = next((p for p in PERIODS if most < p), np.inf)
+        if least >= 0.0 and change > 0.5 * period:
             return Fault("unsigned", period, sign, _both(sign, _signed(period)))
-    found = period_of(known)
+    return None
+
+
+def _wrapped(numbers: np.ndarray) -> Fault | None:
+    """A number that begins again where it is full."""
+    found = period_of(jumps(numbers))
     if found is None:
         return None
     usual = min(PERIODS, key=lambda one: abs(one - found))
@@ -221,21 +228,30 @@ def wrap(period: float) -> Fault:
     return Fault("wrap", period, free=np.isfinite)
 
 
-def period_of(known: np.ndarray) -> float | None:
-    """What numbers (n,) begin again after, by those jumps that are longer than half of all that is
-    read; None where there are none.
+def jumps(numbers: np.ndarray) -> np.ndarray:
+    """By how much (k,) numbers (n,) jump from row to row, where by more than half of all that is
+    read, beside the change in the rows about.
     """
-    half = 0.5 * float(np.fmax.reduce(known) - np.fmin.reduce(known))
-    found = [
-        start + np.flatnonzero(np.abs(np.diff(known[start : start + PIECE + 1])) > half)
-        for start in range(0, len(known), PIECE)
-    ]
-    rows = np.concatenate(found)
-    rows = rows[(rows > 0) & (rows < len(known) - 2)]
-    if not half > 0.0 or len(rows) < 2:
+    half = 0.5 * float(np.fmax.reduce(numbers) - np.fmin.reduce(numbers))
+    rows = np.concatenate([
+        start + np.flatnonzero(np.abs(np.diff(numbers[start : start + PIECE + 1])) > half)
+        for start in range(0, len(numbers), PIECE)
+    ])  # fmt: skip
+    rows = rows[(rows > 0) & (rows < len(numbers) - 2)]
+    change = [numbers[rows + k + 1] - numbers[rows + k] for k in (-1, 0, 1)]
+    size = np.abs(change[1] - 0.5 * (change[0] + change[2]))
+    return size[np.isfinite(size)]
+
+
+def period_of(own: np.ndarray, others: Sequence[np.ndarray] = ()) -> float | None:
+    """What numbers begin again after, by a channel's jumps (k,), two and more, and those of others
+    of the same step that are nearly as long.
+    """
+    if len(own) < 2:
         return None
-    change = [known[rows + k + 1] - known[rows + k] for k in (-1, 0, 1)]
-    return float(np.nanmedian(np.abs(change[1] - 0.5 * (change[0] + change[2]))))
+    middle = float(np.median(own))
+    every = np.concatenate([own, *others])
+    return float(every[np.abs(every - middle) <= NEAR * middle].mean())
 
 
 def _above_half(numbers: np.ndarray, fault: Fault) -> bool:

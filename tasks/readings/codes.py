@@ -9,7 +9,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording, WrongCodes
 from schemas.text import Remark
-from tasks.readings.code_faults import PERIODS, Fault, faults_of, period_of, wrap
+from tasks.readings.code_faults import PERIODS, Fault, faults_of, jumps, period_of, wrap
 from tasks.readings.judge import CERTAIN, ROUNDING, in_course, in_motion
 from tasks.readings.lattice import code_lattices
 from tasks.readings.line import Course, Line
@@ -54,9 +54,11 @@ def codes_put_right(recording: Recording) -> Recording:
     numbers = {c: np.rint(readings[:, c] / q.step) for c, q in lattices.items()}
     steps = {c: q.step for c, q in lattices.items()}
     faults = faults_of(numbers)
-    for c in set(range(len(CHANNELS))) - lattices.keys():  # no whole numbers, but they may wrap
-        found = period_of(readings[:, c])
-        if found is not None:
+    continuous = set(range(len(CHANNELS))) - lattices.keys()  # they may wrap nevertheless
+    sizes = {c: jumps(readings[:, c]) for c in continuous}
+    for c in continuous:
+        alike = [sizes[other] for other in continuous - {c} if other // 3 == c // 3]
+        if (found := period_of(sizes[c], alike)) is not None:
             numbers[c], steps[c], faults[c] = readings[:, c], 1.0, [wrap(found)]
     if not faults:
         return recording

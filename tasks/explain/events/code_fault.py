@@ -68,7 +68,8 @@ def _event(found: Sequence[WrongCodes], off: np.ndarray) -> CodeFault:
     texts = tuple(
         message(
             "events-code-fault-at", channel=message(f"channel-{one.channel}"),
-            size=size_in_words(one), jump=f"{one.jump:.4g} {_unit(one)}", share=f"{100.0 * one.share:.2g}",
+            size=size_in_words(one), jump=f"{one.jump:.4g} {_unit(one)}",
+            share=f"{100.0 * one.share:.2g}",
         )
         for one in found
     )  # fmt: skip
