@@ -124,9 +124,9 @@ def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
         if fault.bug == "bytes" and not fault.size / (2.0 * BYTE) <= largest < fault.size:
             continue  # another word
         assert fault.right is not None
-        if in_blocks(some, fault.right(some)) < -CLEARLY:
+        if in_blocks(some, fault.right(some)).sum() < -CLEARLY:
             continue
-        odds = in_blocks(rows, fault.right(rows))
+        odds = float(in_blocks(rows, fault.right(rows)).sum())
         if odds > most:
             best, most = fault, odds + max(CLEARLY, ALIKE * odds)
     return best
@@ -244,14 +244,14 @@ def jumps(numbers: np.ndarray) -> np.ndarray:
 
 
 def period_of(own: np.ndarray, others: Sequence[np.ndarray] = ()) -> float | None:
-    """What numbers begin again after, by a channel's jumps (k,), two and more, and those of others
-    of the same step that are nearly as long.
+    """What numbers begin again after, by a channel's jumps (k,) and those of others of the same
+    step that are nearly as long; None where there are not two such.
     """
-    if len(own) < 2:
+    if not len(own):
         return None
-    middle = float(np.median(own))
-    every = np.concatenate([own, *others])
-    return float(every[np.abs(every - middle) <= NEAR * middle].mean())
+    middle, every = float(np.median(own)), np.concatenate([own, *others])
+    alike = every[np.abs(every - middle) <= NEAR * middle]
+    return float(alike.mean()) if len(alike) > 1 else None
 
 
 def _above_half(numbers: np.ndarray, fault: Fault) -> bool:

@@ -36,8 +36,8 @@ class Repair:
     odds: float
 
     @property
-    def kind(self) -> tuple[str, float]:
-        return self.fault.bug, self.fault.size
+    def kind(self) -> str:
+        return f"{self.fault.bug} {self.fault.size:.3g}"
 
 
 def codes_put_right(recording: Recording) -> Recording:
@@ -67,7 +67,7 @@ def codes_put_right(recording: Recording) -> Recording:
         c: list(_repairs(numbers[c], found, c in lattices, partial(course.line, c, steps[c])))
         for c, found in faults.items()
     }
-    odds = dict[tuple[str, float], float]()
+    odds = dict[str, float]()
     for each in (repair for own in repairs.values() for repair in own):
         odds[each.kind] = odds.get(each.kind, 0.0) + max(each.odds, 0.0)
     columns, wrong, told = dict(recording.imu.columns), list[WrongCodes](), list[Remark]()
@@ -109,11 +109,14 @@ def _repairs(
     for fault in faults:
         right, undecided = _put_right(numbers, fault, line)
         odds = fault.odds
-        if fault.right is not None or fault.free is not None:
-            decided = np.where(undecided, np.nan, right)
-            odds += in_course(numbers, decided, ROUNDING if whole else 0.0)
+        if fault.right is not None:
+            odds += in_course(numbers, right)
         if fault.free is not None:
-            odds += in_motion(numbers, decided, line())
+            # Where a unit saturates it jumps from end to end, too.
+            ends = np.fmin.reduce(numbers), np.fmax.reduce(numbers)
+            decided = np.where(undecided | np.isin(numbers, ends), np.nan, right)
+            odds += in_course(numbers, decided, ROUNDING if whole else 0.0, fault.size)
+            odds += in_motion(numbers, decided, line(), fault.size)
             odds -= 0.0 if fault.size in PERIODS else ANY_PERIOD
         yield Repair(fault, right, undecided, odds)
         numbers = right

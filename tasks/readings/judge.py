@@ -16,24 +16,30 @@ from tasks.readings.robust import TO_SIGMA, deviation
 CERTAIN = 20.0  # log odds from which on something is put right: one in 5e8 against it
 BLOCK = 32  # rows whose scatter is taken as that of each of them
 ACCIDENT = 1e-3  # of what was put right: it may hold anything
+# Log odds of a block, which may hold one event, or a beat of one oscillation; a fault spares none.
+AT_LEAST, AT_MOST = -24.0, 8.0
 EVENTS = (ACCIDENT, 0.03, 0.1, 0.3, 1.0)  # shares of what was not, that events may have made
-SIZES = 11.0  # natural logarithm of the range of an event's size: five powers of ten
 CORE = 3.0  # standard deviations within which all is as usual, whatever the form of the noise
+SIZES = 11.0  # natural logarithm of the range of an event's size: five powers of ten
 ROUNDING = 0.7  # numbers: standard deviation of a bend of whole ones
 SOME = 1500  # blocks, or stretches, that are looked at, of more
 
 
-def log_odds(off: np.ndarray, was: np.ndarray, usual: np.ndarray) -> float:
-    """Log odds that things are off by less now that they were put right, against real events.
+def log_odds(
+    off: np.ndarray, was: np.ndarray, usual: np.ndarray, chosen: float = np.inf
+) -> np.ndarray:
+    """Log odds (…) that things are off by less now that they were put right, against real events.
 
-    off, was: (k,) by how much each is off what is expected, put right and before. usual:
-    (k,) standard deviation of what nothing happens to.
+    off, was: (…, k) by how much each is off what is expected, put right and before; NaN of those
+    that were not touched. usual: (…, k) standard deviation of what nothing happens to. chosen: a
+    size, multiples of which were chosen for the least off: by chance that lies anywhere within it.
     """
     anything = 0.5 / SIZES / np.maximum(np.maximum(np.abs(off), np.abs(was)), usual)
+    anything = np.maximum(anything, 0.5 / chosen)
     fault = (1.0 - ACCIDENT) * _density(off, usual) + ACCIDENT * anything
-    calm = _density(was, usual)
-    event = max(float(np.log((1.0 - q) * calm + q * anything).sum()) for q in EVENTS)
-    return float(np.log(fault).sum()) - event
+    calm = np.where(np.isfinite(off), _density(was, usual), np.nan)
+    event = [np.nansum(np.log((1.0 - q) * calm + q * anything), axis=-1) for q in EVENTS]
+    return np.asarray(np.nansum(np.log(fault), axis=-1) - np.max(event, axis=0))
 
 
 def _density(off: np.ndarray, usual: np.ndarray) -> np.ndarray:
@@ -41,7 +47,9 @@ def _density(off: np.ndarray, usual: np.ndarray) -> np.ndarray:
     return np.asarray(0.375 / CORE / usual / np.maximum(1.0, np.abs(off) / (CORE * usual)) ** 4)
 
 
-def in_course(numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING) -> float:
+def in_course(
+    numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING, chosen: float = np.inf
+) -> float:
     """Log odds of a repair, by how numbers (n,) and those put right bend from row to row.
 
     rounding: standard deviation of a bend, at least; that of whole numbers.
@@ -49,19 +57,20 @@ def in_course(numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING
     blocks = _blocks(numbers), _blocks(right)
     touched = np.flatnonzero((np.diff(blocks[1] - blocks[0], axis=1) != 0.0).any(axis=1))
     touched = touched[:: len(touched) // SOME + 1]
-    return in_blocks(blocks[0][touched], blocks[1][touched], rounding)
+    odds = in_blocks(blocks[0][touched], blocks[1][touched], rounding, chosen)
+    return float(np.clip(odds, AT_LEAST, AT_MOST).sum())
 
 
-def in_blocks(numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING) -> float:
-    """The same of numbers in blocks of successive rows, (blocks, rows)."""
+def in_blocks(
+    numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING, chosen: float = np.inf
+) -> np.ndarray:
+    """The same (blocks,) of numbers in blocks of successive rows, (blocks, rows)."""
     was, off = bend(numbers), bend(right)
     known = np.isfinite(was) & np.isfinite(off)
     touched = known & (np.abs(was - off) > 1e-9 * np.abs(was))
-    if not touched.any():
-        return 0.0
     # Each jump bends two rows.
     usual = np.minimum(*(_usual(each, known, rounding) for each in (off, was)))
-    return 0.5 * log_odds(off[touched], was[touched], usual[touched])
+    return 0.5 * log_odds(np.where(touched, off, np.nan), was, usual, chosen)
 
 
 def _usual(bends: np.ndarray, known: np.ndarray, rounding: float) -> np.ndarray:
@@ -73,7 +82,7 @@ def _usual(bends: np.ndarray, known: np.ndarray, rounding: float) -> np.ndarray:
     )
 
 
-def in_motion(numbers: np.ndarray, right: np.ndarray, line: Line) -> float:
+def in_motion(numbers: np.ndarray, right: np.ndarray, line: Line, chosen: float) -> float:
     """Log odds of a repair, by a line that numbers (n,) follow which were not moved: one for each
     stretch of rows that was.
     """
@@ -88,7 +97,7 @@ def in_motion(numbers: np.ndarray, right: np.ndarray, line: Line) -> float:
     predicted, u = line.through(numbers, calm, max(scatter, 1e-12))
     usual = np.hypot(u[middle], deviation((numbers - predicted)[calm]))
     off, was = ((each - predicted)[middle] for each in (right, numbers))
-    return log_odds(off, was, usual)
+    return float(log_odds(off, was, usual, chosen))
 
 
 def spread(numbers: np.ndarray, count: int) -> np.ndarray:

@@ -66,7 +66,7 @@ def with_instants(recording: Recording) -> Recording:
     itself where they did not."""
     imu = recording.imu
     packets = in_packets(imu.t)
-    if packets is None or packets.odds + _in_line(imu, packets.t) < CERTAIN:
+    if packets is None or packets.odds + min(_in_line(imu, packets.t), 0.0) < CERTAIN:
         return recording
     late, every = imu.t - packets.t, packets.size * packets.interval
     sentence = message(
@@ -101,7 +101,7 @@ def in_packets(t: np.ndarray) -> Packets | None:
     step, size = np.diff(t[last]), np.diff(last)
     off = step - interval * size
     usual = np.full(len(off), max(deviation(off), STEADY * interval))
-    odds = log_odds(off, step - interval, usual)
+    odds = float(log_odds(off, step - interval, usual))
     return Packets(instants, interval, u, len(last), np.column_stack([rows, missing])[lost], odds)
 
 
@@ -216,7 +216,7 @@ def _in_line(imu: Stream, even: np.ndarray) -> float:
     usual = TO_SIGMA * np.minimum(*(_middle(each) for each in (off, was)))
     known &= usual > 0.0
     usual = np.broadcast_to(usual, off.shape)
-    return log_odds(off[known], was[known], usual[known])
+    return float(log_odds(off[known], was[known], usual[known]))
 
 
 def _middle(off: np.ndarray) -> np.ndarray:
