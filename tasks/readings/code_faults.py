@@ -28,7 +28,7 @@ LOW_BITS = range(3, 21)
 BYTE = 256.0
 BYTE_ORDERS = ((1, 0), (2, 1, 0), (1, 0, 3, 2), (2, 3, 0, 1), (3, 2, 1, 0))  # lowest byte first
 PERIODS = tuple(2.0**bits for bits in range(8, 33))
-NEAR = 2e-3  # of a period, by which it may be found off
+NEAR, SAME = 5e-3, 0.02  # of a period: off a power of two, and jumps of one period apart
 ACCIDENT = 1e-3  # of the rows: they may hold anything
 MIN_PAGES = 3  # of 2ᵐ numbers each, that are read beside them
 PIECE = 1 << 20  # rows at a time, for memory
@@ -250,7 +250,7 @@ def period_of(own: np.ndarray, others: Sequence[np.ndarray] = ()) -> float | Non
     if not len(own):
         return None
     middle, every = float(np.median(own)), np.concatenate([own, *others])
-    alike = every[np.abs(every - middle) <= NEAR * middle]
+    alike = every[np.abs(every - middle) <= SAME * middle]
     return float(alike.mean()) if len(alike) > 1 else None
 
 

@@ -16,8 +16,12 @@ from tasks.readings.robust import TO_SIGMA, deviation
 CERTAIN = 20.0  # log odds from which on something is put right: one in 5e8 against it
 BLOCK = 32  # rows whose scatter is taken as that of each of them
 ACCIDENT = 1e-3  # of what was put right: it may hold anything
-# Log odds of a block, which may hold one event, or a beat of one oscillation; a fault spares none.
-AT_LEAST, AT_MOST = -24.0, 8.0
+AT_MOST = (
+    8.0  # log odds of a block either way: all of it may be one event, or a beat of one oscillation
+)
+SPEAKS = 1.0  # log odds from which on a block speaks for a fault or against it
+# Share of those that may speak against it by an event of their own, and what each of more counts.
+SPARED, DENIED = 0.2, 24.0
 EVENTS = (ACCIDENT, 0.03, 0.1, 0.3, 1.0)  # shares of what was not, that events may have made
 CORE = 3.0  # standard deviations within which all is as usual, whatever the form of the noise
 SIZES = 11.0  # natural logarithm of the range of an event's size: five powers of ten
@@ -35,7 +39,7 @@ def log_odds(
     size, multiples of which were chosen for the least off: by chance that lies anywhere within it.
     """
     anything = 0.5 / SIZES / np.maximum(np.maximum(np.abs(off), np.abs(was)), usual)
-    anything = np.maximum(anything, 0.5 / chosen)
+    anything = np.maximum(anything, 0.5 / np.maximum(chosen, 4.0 * usual))
     fault = (1.0 - ACCIDENT) * _density(off, usual) + ACCIDENT * anything
     calm = np.where(np.isfinite(off), _density(was, usual), np.nan)
     event = [np.nansum(np.log((1.0 - q) * calm + q * anything), axis=-1) for q in EVENTS]
@@ -58,7 +62,9 @@ def in_course(
     touched = np.flatnonzero((np.diff(blocks[1] - blocks[0], axis=1) != 0.0).any(axis=1))
     touched = touched[:: len(touched) // SOME + 1]
     odds = in_blocks(blocks[0][touched], blocks[1][touched], rounding, chosen)
-    return float(np.clip(odds, AT_LEAST, AT_MOST).sum())
+    better, worse = (odds > SPEAKS).sum(), (odds < -SPEAKS).sum()
+    denied = DENIED * max(0.0, worse - SPARED * better)
+    return float(np.clip(odds, -AT_MOST, AT_MOST).sum() - denied)
 
 
 def in_blocks(
@@ -83,20 +89,28 @@ def _usual(bends: np.ndarray, known: np.ndarray, rounding: float) -> np.ndarray:
 
 
 def in_motion(numbers: np.ndarray, right: np.ndarray, line: Line, chosen: float) -> float:
-    """Log odds of a repair, by a line that numbers (n,) follow which were not moved: one for each
-    stretch of rows that was.
+    """Log odds of a repair, by the motion: one for each stretch of rows that was moved as a whole.
+
+    Numbers (n,) that were not moved tell the line that all follow. Where no motion is known, a unit
+    turns and moves within about the range that it was made for.
     """
-    known = line.known & np.isfinite(numbers) & np.isfinite(right)
-    calm = known & (numbers == right)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], known & ~calm, [False]])))
-    middle = edges.reshape(-1, 2).mean(axis=1).astype(int)
+    off = np.where(np.isfinite(right), right - numbers, 0.0)
+    edges = np.flatnonzero(np.diff(off, prepend=0.0, append=0.0))
+    middle = (edges[:-1] + edges[1:]) // 2
+    middle = middle[off[middle] != 0.0]
     middle = middle[:: len(middle) // SOME + 1]
-    if not (len(middle) and calm.any()):
+    if not len(middle):
         return 0.0
-    scatter = deviation((numbers - line.columns @ line.ideal)[calm])
-    predicted, u = line.through(numbers, calm, max(scatter, 1e-12))
-    usual = np.hypot(u[middle], deviation((numbers - predicted)[calm]))
-    off, was = ((each - predicted)[middle] for each in (right, numbers))
+    predicted, usual = np.zeros(len(middle)), np.full(len(middle), 0.5 * chosen)
+    calm = line.known & np.isfinite(numbers) & (right == numbers)
+    if calm.any():
+        scatter = deviation((numbers - line.columns @ line.ideal)[calm])
+        least = 1e-4 * float(np.abs(numbers[calm]).max()) + 1e-12
+        through, u = line.through(numbers, calm, max(scatter, least))
+        felt = line.known[middle]
+        predicted[felt] = through[middle][felt]
+        usual[felt] = np.hypot(u[middle], deviation((numbers - through)[calm]))[felt]
+    off, was = ((each[middle] - predicted) for each in (right, numbers))
     return float(log_odds(off, was, usual, chosen))
 
 
