@@ -229,8 +229,8 @@ def wrap(period: float) -> Fault:
 
 
 def jumps(numbers: np.ndarray) -> np.ndarray:
-    """By how much (k,) numbers (n,) jump from row to row, where by more than half of all that is
-    read, beside the change in the rows about.
+    """By how much (k,) numbers (n,) jump from row to row, beside the change in the rows about:
+    where by all that is ever read, for what wraps reads no more than that.
     """
     half = 0.5 * float(np.fmax.reduce(numbers) - np.fmin.reduce(numbers))
     rows = np.concatenate([
@@ -240,17 +240,14 @@ def jumps(numbers: np.ndarray) -> np.ndarray:
     rows = rows[(rows > 0) & (rows < len(numbers) - 2)]
     change = [numbers[rows + k + 1] - numbers[rows + k] for k in (-1, 0, 1)]
     size = np.abs(change[1] - 0.5 * (change[0] + change[2]))
-    return size[np.isfinite(size)]
+    return size[size >= 2.0 * (1.0 - SAME) * half]
 
 
-def period_of(own: np.ndarray, others: Sequence[np.ndarray] = ()) -> float | None:
-    """What numbers begin again after, by a channel's jumps (k,) and those of others of the same
-    step that are nearly as long; None where there are not two such.
-    """
-    if not len(own):
+def period_of(sizes: np.ndarray) -> float | None:
+    """What numbers begin again after, by their jumps (k,); None where no two are alike."""
+    if len(sizes) < 2:
         return None
-    middle, every = float(np.median(own)), np.concatenate([own, *others])
-    alike = every[np.abs(every - middle) <= SAME * middle]
+    alike = sizes[np.abs(sizes - np.median(sizes)) <= SAME * np.median(sizes)]
     return float(alike.mean()) if len(alike) > 1 else None
 
 

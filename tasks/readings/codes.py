@@ -9,7 +9,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording, WrongCodes
 from schemas.text import Remark
-from tasks.readings.code_faults import PERIODS, Fault, faults_of, jumps, period_of, wrap
+from tasks.readings.code_faults import PERIODS, TRIADS, Fault, faults_of, jumps, period_of, wrap
 from tasks.readings.judge import CERTAIN, ROUNDING, in_course, in_motion
 from tasks.readings.lattice import code_lattices
 from tasks.readings.line import Course, Line
@@ -28,16 +28,15 @@ class Repair:
     """What a fault that is undone makes of a channel's numbers, and how likely that is.
 
     right: (n,) numbers. undecided: (n,) bool. odds: log odds of the fault against a real event.
+    kind: that channels may have in common, and its log odds before anything is looked at.
     """
 
     fault: Fault
     right: np.ndarray
     undecided: np.ndarray
     odds: float
-
-    @property
-    def kind(self) -> str:
-        return f"{self.fault.bug} {self.fault.size:.3g}"
+    kind: str
+    before: float
 
 
 def codes_put_right(recording: Recording) -> Recording:
@@ -54,22 +53,22 @@ def codes_put_right(recording: Recording) -> Recording:
     numbers = {c: np.rint(readings[:, c] / q.step) for c, q in lattices.items()}
     steps = {c: q.step for c, q in lattices.items()}
     faults = faults_of(numbers)
-    continuous = set(range(len(CHANNELS))) - lattices.keys()  # they may wrap nevertheless
-    sizes = {c: jumps(readings[:, c]) for c in continuous}
-    for c in continuous:
-        alike = [sizes[other] for other in continuous - {c} if other // 3 == c // 3]
-        if (found := period_of(sizes[c], alike)) is not None:
-            numbers[c], steps[c], faults[c] = readings[:, c], 1.0, [wrap(found)]
+    for triad in TRIADS:  # what is no whole number may wrap, too
+        sizes = {c: jumps(readings[:, c]) for c in triad if c not in lattices}
+        period = period_of(np.concatenate([*sizes.values(), []]))
+        if period is not None:
+            for c in (c for c, own in sizes.items() if len(own)):
+                numbers[c], steps[c], faults[c] = readings[:, c], 1.0, [wrap(period)]
     if not faults:
         return recording
     course = Course(recording)
     repairs = {
-        c: list(_repairs(numbers[c], found, c in lattices, partial(course.line, c, steps[c])))
+        c: list(_repairs(numbers[c], found, steps[c], partial(course.line, c, steps[c])))
         for c, found in faults.items()
     }
     odds = dict[str, float]()
     for each in (repair for own in repairs.values() for repair in own):
-        odds[each.kind] = odds.get(each.kind, 0.0) + max(each.odds, 0.0)
+        odds[each.kind] = odds.get(each.kind, each.before) + max(each.odds, 0.0)
     columns, wrong, told = dict(recording.imu.columns), list[WrongCodes](), list[Remark]()
     for c, own in repairs.items():
         sure = list(takewhile(lambda one: one.odds >= 0.0 and odds[one.kind] > CERTAIN, own))
@@ -103,9 +102,9 @@ def codes_put_right(recording: Recording) -> Recording:
 
 
 def _repairs(
-    numbers: np.ndarray, faults: Sequence[Fault], whole: bool, line: Callable[[], Line]
+    numbers: np.ndarray, faults: Sequence[Fault], step: float, line: Callable[[], Line]
 ) -> Iterator[Repair]:
-    """The faults of a channel undone one after the other; whole: of whole numbers."""
+    """The faults of a channel undone one after the other; step: rad/s or m/s² of its numbers."""
     for fault in faults:
         right, undecided = _put_right(numbers, fault, line)
         odds = fault.odds
@@ -115,10 +114,11 @@ def _repairs(
             # Where a unit saturates it jumps from end to end, too.
             ends = np.fmin.reduce(numbers), np.fmax.reduce(numbers)
             decided = np.where(undecided | np.isin(numbers, ends), np.nan, right)
-            odds += in_course(numbers, decided, ROUNDING if whole else 0.0, fault.size)
+            odds += in_course(numbers, decided, ROUNDING if step != 1.0 else 0.0, fault.size)
             odds += in_motion(numbers, decided, line(), fault.size)
-            odds -= 0.0 if fault.size in PERIODS else ANY_PERIOD
-        yield Repair(fault, right, undecided, odds)
+        usual = fault.bug != "wrap" or fault.size in PERIODS
+        kind = f"{fault.bug} {fault.size if usual else fault.size * step:.2g}"
+        yield Repair(fault, right, undecided, odds, kind, 0.0 if usual else -ANY_PERIOD)
         numbers = right
 
 

@@ -92,7 +92,7 @@ def in_motion(numbers: np.ndarray, right: np.ndarray, line: Line, chosen: float)
     """Log odds of a repair, by the motion: one for each stretch of rows that was moved as a whole.
 
     Numbers (n,) that were not moved tell the line that all follow. Where no motion is known, a unit
-    turns and moves within about the range that it was made for.
+    turns and moves within about the range that it reads.
     """
     off = np.where(np.isfinite(right), right - numbers, 0.0)
     edges = np.flatnonzero(np.diff(off, prepend=0.0, append=0.0))
@@ -101,7 +101,8 @@ def in_motion(numbers: np.ndarray, right: np.ndarray, line: Line, chosen: float)
     middle = middle[:: len(middle) // SOME + 1]
     if not len(middle):
         return 0.0
-    predicted, usual = np.zeros(len(middle)), np.full(len(middle), 0.5 * chosen)
+    predicted = np.zeros(len(middle))
+    usual = np.full(len(middle), 0.5 * float(np.fmax.reduce(numbers) - np.fmin.reduce(numbers)))
     calm = line.known & np.isfinite(numbers) & (right == numbers)
     if calm.any():
         scatter = deviation((numbers - line.columns @ line.ideal)[calm])

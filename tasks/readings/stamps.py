@@ -25,7 +25,7 @@ APART = 0.65  # rows farther from each other did not; few are between
 BETWEEN = 0.1  # of the rows that came together: more between, and stamps scatter
 FEWEST = 20  # packets
 GLANCE = 50_000  # rows that show whether there are any
-LEAST = 0.05  # of the rows that came together with the one before
+LEAST = 0.05  # of the packets: those of more than one row
 NEAR = 31  # packets, at most, whose median tells a loss
 LOST = 0.6  # of the sampling interval by which packets stay late where a sample is missing
 CLEAR = 6.0  # times the scatter of such medians
@@ -66,7 +66,7 @@ def with_instants(recording: Recording) -> Recording:
     itself where they did not."""
     imu = recording.imu
     packets = in_packets(imu.t)
-    if packets is None or packets.odds + min(_in_line(imu, packets.t), 0.0) < CERTAIN:
+    if packets is None or packets.odds + _in_line(imu, packets.t) < CERTAIN:
         return recording
     late, every = imu.t - packets.t, packets.size * packets.interval
     sentence = message(
@@ -115,7 +115,11 @@ def _came_together(steps: np.ndarray) -> np.ndarray | None:
     interval = float(np.minimum(steps, FAR * _step_of_most_time(steps[steps < HELD])).mean())
     together = steps < TOGETHER * interval
     between = np.count_nonzero((steps < APART * interval) & ~together)
-    few = together.mean() < LEAST or between > BETWEEN * np.count_nonzero(together)
+    edges = np.flatnonzero(np.diff(together, prepend=False, append=False))
+    sizes = edges[1::2] - edges[::2]
+    # One that is far larger than all others is a backlog.
+    usual = int(sizes.sum() - sizes.max(initial=0))
+    few = len(sizes) < LEAST * np.count_nonzero(~together) or between > BETWEEN * usual
     return None if few else together
 
 
