@@ -70,7 +70,7 @@ def codes_put_right(recording: Recording) -> Recording:
     for each in (repair for own in repairs.values() for repair in own):
         odds[each.kind] = odds.get(each.kind, each.before) + max(each.odds, 0.0)
     columns, wrong, told = dict(recording.imu.columns), list[WrongCodes](), list[Remark]()
-    for c, own in repairs.items():
+    for c, own in sorted(repairs.items()):
         sure = list(takewhile(lambda one: one.odds >= 0.0 and odds[one.kind] > CERTAIN, own))
         told += [
             _suspected(_wrong(c, one.fault, steps[c], c in lattices))

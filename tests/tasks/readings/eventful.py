@@ -126,9 +126,7 @@ def _falls(rng: np.random.Generator, t: np.ndarray, read: np.ndarray, span: floa
         read[last : last + 200, 3:] = read[last : last + 200, 3:][:, [1, 2, 0]]
 
 
-def _converted(
-    rng: np.random.Generator, read: np.ndarray, span: tuple[float, float]
-) -> np.ndarray:
+def _converted(rng: np.random.Generator, read: np.ndarray, span: tuple[float, float]) -> np.ndarray:
     """What an output of some bits holds of the readings, no more than its span."""
     bits, decimals = int(rng.choice([10, 12, 16, 16, 16, 20])), rng.choice([0, 3, 5])
     limit = np.repeat(span, 3)
