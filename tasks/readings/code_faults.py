@@ -31,7 +31,6 @@ PERIODS = tuple(2.0**bits for bits in range(8, 33))
 NEAR, SAME = 5e-3, 0.02  # of a period: off a power of two, and jumps of one period apart
 ACCIDENT = 1e-3  # of the rows: they may hold anything
 MIN_PAGES = 3  # of 2ᵐ numbers each, that are read beside them
-PIECE = 1 << 20  # rows at a time, for memory
 ROUNDS = 3  # of faults of one channel
 OF_ALL = ("signed-low", "unsigned")  # of which a channel need not show anything
 Right = Callable[[np.ndarray], np.ndarray]  # of numbers
@@ -232,15 +231,13 @@ def jumps(numbers: np.ndarray) -> np.ndarray:
     """By how much (k,) numbers (n,) jump from row to row, beside the change in the rows about:
     where by all that is ever read, for what wraps reads no more than that.
     """
-    half = 0.5 * float(np.fmax.reduce(numbers) - np.fmin.reduce(numbers))
-    rows = np.concatenate([
-        start + np.flatnonzero(np.abs(np.diff(numbers[start : start + PIECE + 1])) > half)
-        for start in range(0, len(numbers), PIECE)
-    ])  # fmt: skip
-    rows = rows[(rows > 0) & (rows < len(numbers) - 2)]
+    least = float(np.fmin.reduce(numbers, initial=np.inf))
+    most = float(np.fmax.reduce(numbers, initial=-np.inf))
+    above = numbers > 0.5 * (least + most)  # what jumps by more than half passes the middle
+    rows = np.flatnonzero(above[1:-2] != above[2:-1]) + 1
     change = [numbers[rows + k + 1] - numbers[rows + k] for k in (-1, 0, 1)]
     size = np.abs(change[1] - 0.5 * (change[0] + change[2]))
-    return size[size >= 2.0 * (1.0 - SAME) * half]
+    return size[size >= (1.0 - SAME) * (most - least)] if most > least else size[:0]
 
 
 def period_of(sizes: np.ndarray) -> float | None:

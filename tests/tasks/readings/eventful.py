@@ -128,7 +128,7 @@ def _falls(rng: np.random.Generator, t: np.ndarray, read: np.ndarray, span: floa
 
 def _converted(rng: np.random.Generator, read: np.ndarray, span: tuple[float, float]) -> np.ndarray:
     """What an output of some bits holds of the readings, no more than its span."""
-    bits, decimals = int(rng.choice([10, 12, 16, 16, 16, 20])), rng.choice([0, 3, 5])
+    bits, decimals = int(rng.choice([10, 12, 16, 16, 16, 20])), int(rng.choice([0, 3, 5]))
     limit = np.repeat(span, 3)
     step = limit / 2.0 ** (bits - 1)
     code = np.clip(np.rint(read / step), -(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1)
@@ -155,7 +155,7 @@ def _logged(
         stamps = stamps + np.abs(rng.normal(0.0, rng.choice([0.02, 0.3]) / rate, len(rows)))
     if "backlog" in happens and len(rows) > 400:
         size = int(rng.integers(40, 350))
-        first = int(rng.choice([0, rng.integers(0, len(rows) - size - 1)]))
+        first = int(rng.choice([0, int(rng.integers(0, len(rows) - size - 1))]))
         last = stamps[first + size - 1]
         stamps[first : first + size] = last - 1e-4 * np.arange(size)[::-1]
     return kept, np.maximum.accumulate(stamps + 1e-9 * np.arange(len(rows)))

@@ -161,7 +161,7 @@ def test_what_a_stuck_bit_leaves_is_whole_or_undecided() -> None:
     assert decided.mean() > 0.85
     off = np.abs(number - one.right[one.held, 2] / one.step[2])[decided]
     assert np.mean(off > 0.5) < 2e-3
-    assert found.undecided[one.held].mean() < 0.01
+    assert found.undecided[one.held].mean() < 0.05
 
 
 def test_a_bias_that_jumps_to_and_fro_by_a_byte_is_no_fault_of_the_codes() -> None:
