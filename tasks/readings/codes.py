@@ -43,7 +43,7 @@ def codes_put_right(recording: Recording) -> Recording:
     """The recording with wrong codes put right, and which they were (`Recording.wrong_codes`).
 
     What one channel's numbers and its motion make likely counts for the others, too: one loop of
-    the firmware joins them all. A fault that is not certain is told in a remark, and nothing is
+    the firmware joins them all. A fault that is not certain is said in a remark, and nothing is
     changed. The same recording where none is wrong, and where they were put right before.
     """
     if recording.wrong_codes or any(one.code == SUSPECTED for one in recording.put_right):
@@ -69,10 +69,10 @@ def codes_put_right(recording: Recording) -> Recording:
     odds = dict[str, float]()
     for each in (repair for own in repairs.values() for repair in own):
         odds[each.kind] = odds.get(each.kind, each.before) + max(each.odds, 0.0)
-    columns, wrong, told = dict(recording.imu.columns), list[WrongCodes](), list[Remark]()
+    columns, wrong, suspected = dict(recording.imu.columns), list[WrongCodes](), list[Remark]()
     for c, own in sorted(repairs.items()):
         sure = list(takewhile(lambda one: one.odds >= 0.0 and odds[one.kind] > CERTAIN, own))
-        told += [
+        suspected += [
             _suspected(_wrong(c, one.fault, steps[c], c in lattices))
             for one in own[len(sure) :][:1]
             if one.odds > 0.0
@@ -90,14 +90,14 @@ def codes_put_right(recording: Recording) -> Recording:
                 )
                 for one in sure
             ]
-    if not (wrong or told):
+    if not (wrong or suspected):
         return recording
     imu = replace(recording.imu, columns=columns)
     return replace(
         recording,
         imu=imu if wrong else recording.imu,
         wrong_codes=tuple(wrong),
-        put_right=(*recording.put_right, *told),
+        put_right=(*recording.put_right, *suspected),
     )
 
 
