@@ -1,14 +1,14 @@
-"""Codes that firmware joined wrongly, put right by what the numbers themselves show.
+"""Codes that firmware joined wrongly: what the numbers themselves make likely.
 
 Readings on a lattice through zero are the whole numbers that the unit sent. Each usual mistake
 makes neighbouring numbers jump by powers of two wherever the right ones pass an edge, and what puts
-it right makes them follow one another; of right numbers it makes jumps. So each is a test of signs
-over rows and those beside them, whatever moved the unit. Three kinds:
+it right makes them follow one another; of right numbers it makes jumps. Three kinds:
 
 - a map of the number that can be turned round: a low part joined as a signed number, bytes in
   another order, two's complement read as unsigned;
-- the number but for whole multiples of 2ᵐ: the low part joined by OR, which wipes out all above it,
-  and a number that wraps where it is full: the multiple follows from the rows beside or the motion;
+- the number but for whole multiples of a size: the low part joined by OR, which wipes out all above
+  it, and a number that wraps where it is full: the multiple follows from the rows beside or the
+  motion;
 - a bit that sticks: every other block of 2ᵇ numbers never occurs (`tasks.readings.stuck_bits`).
 """
 
@@ -17,30 +17,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tasks.readings.judge import CERTAIN, bend, in_blocks, spread
 from tasks.readings.stuck_bits import stuck_bit
 
 TRIADS = ((0, 1, 2), (3, 4, 5))
-TRIPLES = 40_000  # rows, each between two others, that are compared
-GLANCE = 1_500  # of them by which most faults are ruled out
-MUCH = 3.0  # times smoother, or rougher: numbers of several clusters become a little so by chance
-MOST_ROUGHER = 0.4  # of the rows that become smoother: fast motion makes some
-CLEARLY = 0.05  # of a mean logarithm: of two that do nearly as well the first, of usual sign
-QUIET = 0.25  # of a size: a fourth of the rows bend by less, or the fault is below the noise
-AS_USUAL, ROUNDING = 6.0, 3.0  # times what rows bend by, and numbers beside
-Z = 6.0  # by which pairs that come nearer outnumber those that part: p = 1e-9
+GLANCE, LOOK = 50, 1200  # blocks of rows by which most faults are ruled out, and the others judged
+FEWEST = 6  # rows that bend by the fault
+CLEARLY, ALIKE = 5.0, 0.02  # log odds, of them: of two that do as well the first, of usual sign
 LOW_BITS = range(3, 21)
 BYTE = 256.0
 BYTE_ORDERS = ((1, 0), (2, 1, 0), (1, 0, 3, 2), (2, 3, 0, 1), (3, 2, 1, 0))  # lowest byte first
 PERIODS = tuple(2.0**bits for bits in range(8, 33))
+NEAR, SAME = 5e-3, 0.02  # of a period: off a power of two, and jumps of one period apart
 ACCIDENT = 1e-3  # of the rows: they may hold anything
-MIN_CROSSINGS = 15  # into the rows whose high part is gone
 MIN_PAGES = 3  # of 2ᵐ numbers each, that are read beside them
-MIN_JUMPS = 2  # by a whole period
-QUICK = 1.0 / 16.0  # of a period: 99 of 100 rows move by less
-ALIKE = 0.9  # of the jumps by a period that are as small as changes beside them
-BESIDE = 3  # rows
-OF_ALL = ("signed-low", "unsigned")  # of which a channel need not show anything
 ROUNDS = 3  # of faults of one channel
+OF_ALL = ("signed-low", "unsigned")  # of which a channel need not show anything
 Right = Callable[[np.ndarray], np.ndarray]  # of numbers
 
 
@@ -49,7 +41,8 @@ class Fault:
     """How a channel's numbers are wrong. bug: of WrongCodes. size: numbers, a power of two.
 
     sign: −1.0 where the file has the numbers inverted. right: turns the map round. free: tells the
-    rows whose number is known but for multiples of `size`; of the others it is right.
+    rows whose number is known but for multiples of `size`; of the others it is right. odds: log
+    odds by numbers that never occur, against chance.
     """
 
     bug: str
@@ -57,13 +50,13 @@ class Fault:
     sign: float = 1.0
     right: Right | None = None
     free: Callable[[np.ndarray], np.ndarray] | None = None
+    odds: float = 0.0
 
 
 def faults_of(numbers: dict[int, np.ndarray]) -> dict[int, list[Fault]]:
-    """The faults of each channel that has any, in the order in which they are undone.
+    """The faults that each channel may have, in the order in which they are undone.
 
-    One loop of the firmware joins the bytes of all channels: what is sure of one is held for the
-    others, too, unless they speak against it.
+    One loop of the firmware joins the bytes of all channels: what one has, others may have, too.
     """
     found: dict[int, list[Fault]] = {}
     for triad in TRIADS:
@@ -71,25 +64,29 @@ def faults_of(numbers: dict[int, np.ndarray]) -> dict[int, list[Fault]]:
         wiped = next((f for c in own if (f := _wiped(numbers[c]))), None)
         for c in own:
             bit = None if wiped else stuck_bit(numbers[c])
-            found[c] = [wiped] if wiped else [_stuck(bit)] if bit else _turned(numbers[c])
-    sure = [
-        fault for c in found for fault in found[c][:1] if fault.bug in ("signed-low", "unsigned")
-    ]
+            found[c] = [wiped] if wiped else [_stuck(*bit)] if bit else _turned(numbers[c])
+    maps = [fault for faults in found.values() for fault in faults[:1] if fault.bug in OF_ALL]
     for c, read in numbers.items():
         if not found[c]:
-            found[c] = [fault for fault in sure[:1] if _does_no_harm(read, fault)]
+            found[c] = [
+                fault for fault in maps[:1] if fault.bug != "unsigned" or _above_half(read, fault)
+            ]
     return {c: faults for c, faults in found.items() if faults}
 
 
-def _stuck(weight: int) -> Fault:
-    return Fault("stuck-high" if weight > 0 else "stuck-low", float(abs(weight)))
+def _stuck(weight: int, odds: float) -> Fault:
+    return Fault("stuck-high" if weight > 0 else "stuck-low", float(abs(weight)), odds=odds)
 
 
 def _turned(numbers: np.ndarray) -> list[Fault]:
     """Faults whose map can be turned round, and numbers that wrap, one after the other."""
     found: list[Fault] = []
     for _ in range(ROUNDS):
-        fault = _likeliest(numbers, {one.size for one in found}) or _wrapped(numbers)
+        fault = (
+            _likeliest(numbers, {one.size for one in found})
+            or _unsigned(numbers)
+            or _wrapped(numbers)
+        )
         if fault is None:
             break
         found.append(fault)
@@ -109,65 +106,29 @@ def _maps() -> Iterator[Fault]:
 
 
 def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
-    """The map whose inverse makes the numbers smoother than any other, if clearly smoother.
+    """The map whose inverse is likelier than any other, and than the numbers as they are.
 
-    tried: sizes that were put right. Noise as wide as the fault hides it: then nothing is said.
+    tried: sizes that were put right.
     """
-    rows = _in_a_row(numbers)
-    if not rows.size:
+    if not np.isfinite(numbers).any():
         return None
-    before, best, least = _bend(rows), None, float(np.inf)
-    some = rows[:, :: rows.shape[1] // GLANCE + 1]
-    largest, far = np.abs(rows).max(), np.sort(before)
+    rows, some = spread(numbers, LOOK), spread(numbers, GLANCE)
+    bent = np.abs(bend(rows))
+    bent = np.sort(bent[np.isfinite(bent)])
+    largest, best, most = np.nanmax(np.abs(rows)), None, CERTAIN
     for fault in MAPS:
         edge = 0.5 * (fault.size if fault.bug == "signed-low" else BYTE)
-        if fault.size in tried or len(far) - np.searchsorted(far, edge) < Z**2:
+        if fault.size in tried or len(bent) - np.searchsorted(bent, edge) < FEWEST:
             continue
         if fault.bug == "bytes" and not fault.size / (2.0 * BYTE) <= largest < fault.size:
             continue  # another word
-        better, worse, _ = _smoother(some, fault)
-        if worse - better > np.sqrt(better + worse):
+        assert fault.right is not None
+        if in_blocks(some, fault.right(some)).sum() < -CLEARLY:
             continue
-        better, worse, after = _smoother(rows, fault)
-        clear = better - worse > Z * np.sqrt(better + worse) and worse < MOST_ROUGHER * better
-        if not clear or (fault.bug == "signed-low" and not _as_usual(before, after, edge)):
-            continue
-        rough = float(np.log1p(after).mean())
-        if rough < least - CLEARLY:
-            best, least = fault, rough
-    return best if least < float(np.log1p(before).mean()) else None
-
-
-def _as_usual(before: np.ndarray, after: np.ndarray, edge: float) -> bool:
-    """Whether rows that jumped bend (m,) as all others do when they are put right, and less than
-    the fault: another fault would leave a part of each jump. edge: half of the fault's size.
-    """
-    jumped = (before > edge) & (MUCH * after < before)
-    usual = float(np.median(after[~jumped])) if not jumped.all() else float(np.median(after))
-    quiet = np.quantile(after, 0.25) <= 2.0 * QUIET * edge
-    return bool(quiet and np.median(after[jumped]) <= AS_USUAL * usual + ROUNDING)
-
-
-def _smoother(rows: np.ndarray, fault: Fault) -> tuple[int, int, np.ndarray]:
-    """How many of the numbers (3, m) bend much less by what puts a fault right, how many much more,
-    and by how much (m,) they then bend.
-    """
-    assert fault.right is not None
-    before, after = _bend(rows), _bend(fault.right(rows))
-    return int((MUCH * after < before).sum()), int((after > MUCH * before).sum()), after
-
-
-def _bend(rows: np.ndarray) -> np.ndarray:
-    """By how much (m,) the second of three numbers (3, m) is off a straight line."""
-    return np.asarray(np.abs(rows[0] - 2.0 * rows[1] + rows[2]))
-
-
-def _in_a_row(numbers: np.ndarray) -> np.ndarray:
-    """Numbers of three rows one after the other, (3, m), all known."""
-    known = np.isfinite(numbers)
-    rows = np.flatnonzero(known[2:] & known[1:-1] & known[:-2])
-    rows = rows[:: len(rows) // TRIPLES + 1]
-    return np.array([numbers[rows], numbers[rows + 1], numbers[rows + 2]])
+        odds = float(in_blocks(rows, fault.right(rows)).sum())
+        if odds > most:
+            best, most = fault, odds + max(CLEARLY, ALIKE * odds)
+    return best
 
 
 def _both(sign: float, right: Right) -> Right:
@@ -221,8 +182,10 @@ def _wiped(numbers: np.ndarray) -> Fault | None:
             crossings = pile[1:] & far[:-1]
             edge = crossings & _above(sign * known, size, 0.375)[1][:-1]
             if outside.sum() <= ACCIDENT * pile.sum() and len(pages) >= MIN_PAGES and \
-                    crossings.sum() >= MIN_CROSSINGS and edge.sum() >= MIN_PAGES:  # fmt: skip
-                return Fault("signed-low-or", size, sign, free=_negative_low(sign, size))
+                    edge.sum() >= MIN_PAGES:  # fmt: skip
+                # By a real event a number may come to lie on any page.
+                odds = float(crossings.sum() * np.log(2.0 * len(pages)))
+                return Fault("signed-low-or", size, sign, free=_negative_low(sign, size), odds=odds)
     return None
 
 
@@ -236,42 +199,56 @@ def _negative_low(sign: float, size: float) -> Callable[[np.ndarray], np.ndarray
     return lambda numbers: _above(sign * numbers, size, 0.5)[0]
 
 
-def _wrapped(numbers: np.ndarray) -> Fault | None:
-    """A number that begins again where it is full, or whose negative half is read above it."""
+def _unsigned(numbers: np.ndarray) -> Fault | None:
+    """Two's complement whose negative half is read above the other."""
     known = numbers[np.isfinite(numbers)]
     if len(known) < 2:
         return None
+    change = float(np.abs(np.diff(known)).max())
     for sign in (1.0, -1.0):
         least, most = float((sign * known).min()), float((sign * known).max())
-        unsigned = least >= 0.0
-        full = most + 1.0 if unsigned else 2.0 * max(most + 1.0, -least)
-        period = next((p for p in PERIODS if full <= p), np.inf)
-        if np.isfinite(period) and _jumps(known, period):
-            if unsigned:
-                return Fault("unsigned", period, sign, _both(sign, _signed(period)))
-            return Fault("wrap", period, free=np.isfinite)
+        period = next((p for p in PERIODS if most < p), np.inf)
+        if least >= 0.0 and change > 0.5 * period:
+            return Fault("unsigned", period, sign, _both(sign, _signed(period)))
     return None
 
 
-def _jumps(known: np.ndarray, period: float) -> bool:
-    """Whether numbers jump by a whole period where they would else move as they do beside."""
-    change = np.diff(known)
-    within = change - period * np.round(change / period)
-    jump = np.abs(change) > 0.5 * period
-    if jump.sum() < MIN_JUMPS or np.quantile(np.abs(within), 0.99) > QUICK * period:
-        return False
-    rows = np.flatnonzero(jump)
-    calm = np.where(jump, 0.0, np.abs(within))
-    beside = [k for k in range(-BESIDE, BESIDE + 1) if k]
-    places = np.clip(rows[:, None] + beside, 0, len(within) - 1)
-    usual = calm[places].max(axis=1)
-    return bool((np.abs(within[rows]) <= 4.0 * usual + 4.0).mean() >= ALIKE)
+def _wrapped(numbers: np.ndarray) -> Fault | None:
+    """A number that begins again where it is full."""
+    found = period_of(jumps(numbers))
+    if found is None:
+        return None
+    usual = min(PERIODS, key=lambda one: abs(one - found))
+    return wrap(usual if abs(usual - found) <= NEAR * usual else float(np.rint(found)))
 
 
-def _does_no_harm(numbers: np.ndarray, fault: Fault) -> bool:
-    """Whether a channel's numbers (n,) may have a fault that is sure of another channel."""
-    if fault.bug == "unsigned":
-        own = fault.sign * numbers[np.isfinite(numbers)]
-        return bool(len(own) and own.min() >= 0.0 and 0.5 * fault.size <= own.max() < fault.size)
-    better, worse, _ = _smoother(_in_a_row(numbers), fault)
-    return worse <= better
+def wrap(period: float) -> Fault:
+    """That a number begins again after a period."""
+    return Fault("wrap", period, free=np.isfinite)
+
+
+def jumps(numbers: np.ndarray) -> np.ndarray:
+    """By how much (k,) numbers (n,) jump from row to row, beside the change in the rows about:
+    where by all that is ever read, for what wraps reads no more than that.
+    """
+    least = float(np.fmin.reduce(numbers, initial=np.inf))
+    most = float(np.fmax.reduce(numbers, initial=-np.inf))
+    above = numbers > 0.5 * (least + most)  # what jumps by more than half passes the middle
+    rows = np.flatnonzero(above[1:-2] != above[2:-1]) + 1
+    change = [numbers[rows + k + 1] - numbers[rows + k] for k in (-1, 0, 1)]
+    size = np.abs(change[1] - 0.5 * (change[0] + change[2]))
+    return size[size >= (1.0 - SAME) * (most - least)] if most > least else size[:0]
+
+
+def period_of(sizes: np.ndarray) -> float | None:
+    """What numbers begin again after, by their jumps (k,); None where no two are alike."""
+    if len(sizes) < 2:
+        return None
+    alike = sizes[np.abs(sizes - np.median(sizes)) <= SAME * np.median(sizes)]
+    return float(alike.mean()) if len(alike) > 1 else None
+
+
+def _above_half(numbers: np.ndarray, fault: Fault) -> bool:
+    """Whether all numbers (n,) are as those that are read as unsigned."""
+    own = fault.sign * numbers[np.isfinite(numbers)]
+    return bool(len(own) and own.min() >= 0.0 and 0.5 * fault.size <= own.max() < fault.size)

@@ -43,9 +43,9 @@ class Line:
         covariance = np.linalg.inv(rows.T @ rows + np.eye(len(self.ideal)))
         off = (readings[used] - columns[used] @ self.ideal) / scatter
         coefficients = self.ideal + self.spread * (covariance @ (rows.T @ off))
-        root = np.linalg.cholesky(covariance)
-        u = np.linalg.norm((columns * self.spread) @ root, axis=1)
-        return columns @ coefficients, u
+        scaled = columns * self.spread
+        variance = np.einsum("nk,nk->n", scaled @ covariance, scaled)
+        return columns @ coefficients, np.sqrt(np.maximum(variance, 0.0))
 
 
 class Course:

@@ -14,8 +14,10 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter
 
-from schemas.recording import Recording
+from schemas.recording import Recording, Stream
 from tasks.motion.samples import NORMAL_QUANTILES
+from tasks.readings.judge import CERTAIN, log_odds
+from tasks.readings.robust import TO_SIGMA, deviation, median
 from tasks.words import message, remark
 
 TOGETHER = 0.35  # of the sampling interval: rows nearer to each other came in one packet
@@ -23,14 +25,17 @@ APART = 0.65  # rows farther from each other did not; few are between
 BETWEEN = 0.1  # of the rows that came together: more between, and stamps scatter
 FEWEST = 20  # packets
 GLANCE = 50_000  # rows that show whether there are any
-LEAST = 0.05  # of the rows that came together with the one before
+LEAST = 0.05  # of the packets: those of more than one row
 NEAR = 31  # packets, at most, whose median tells a loss
 LOST = 0.6  # of the sampling interval by which packets stay late where a sample is missing
 CLEAR = 6.0  # times the scatter of such medians
 BLOCK = 100  # packets: over as many a clock wanders
 WANDERING = 3.0  # times what the scatter of packets makes of their means
 FAR = 5.0  # times the usual time between packets: more is a gap, and no part of the rate
-DENIED = 1.2  # times the roughness: readings that are smooth by the stamps were taken then
+HELD = 4.0  # s: no logger holds samples back for longer, so that a longer step is a pause
+ARRIVING = 0.5  # s that a packet takes to arrive: rows that take longer were sampled as they came
+STEADY = 0.05  # of the sampling interval: standard deviation of arrivals, at least
+ROWS = 60_000  # that are compared with their neighbours
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,8 @@ class Packets:
 
     t: (n,) s, even but where samples are missing, with the mean of the stamps. interval: s. u: s,
     standard uncertainty of an instant beside one delay of all. count: of packets. missing: (k, 2)
-    the row after which samples are missing, and how many.
+    the row after which samples are missing, and how many. odds: log odds, by the time between
+    packets, that these follow the number of their rows, against pauses.
     """
 
     t: np.ndarray
@@ -47,6 +53,7 @@ class Packets:
     u: float
     count: int
     missing: np.ndarray
+    odds: float
 
     @property
     def size(self) -> float:
@@ -59,7 +66,7 @@ def with_instants(recording: Recording) -> Recording:
     itself where they did not."""
     imu = recording.imu
     packets = in_packets(imu.t)
-    if packets is None or _denied(imu.t, packets.t, np.array(list(imu.columns.values()))):
+    if packets is None or packets.odds + _in_line(imu, packets.t) < CERTAIN:
         return recording
     late, every = imu.t - packets.t, packets.size * packets.interval
     sentence = message(
@@ -83,7 +90,7 @@ def in_packets(t: np.ndarray) -> Packets | None:
     ):
         return None
     last = np.append(np.flatnonzero(~together), len(t) - 1)  # rows: of each packet
-    if len(last) < FEWEST:
+    if len(last) < FEWEST or np.median(t[last[1:]] - t[last[:-1] + 1]) > ARRIVING:
         return None
     interval, breaks = _rate_and_breaks(t[last], last)
     instants, u = _even(t, last, interval, breaks)
@@ -91,7 +98,11 @@ def in_packets(t: np.ndarray) -> Packets | None:
     missing = np.round((instants[rows + 1] - instants[rows]) / interval - 1).astype(int)
     lost = missing > 0
     instants = np.round(instants, 9)  # as stamps are kept
-    return Packets(instants, interval, u, len(last), np.column_stack([rows, missing])[lost])
+    step, size = np.diff(t[last]), np.diff(last)
+    off = step - interval * size
+    usual = np.full(len(off), max(deviation(off), STEADY * interval))
+    odds = float(log_odds(off, step - interval, usual))
+    return Packets(instants, interval, u, len(last), np.column_stack([rows, missing])[lost], odds)
 
 
 def _came_together(steps: np.ndarray) -> np.ndarray | None:
@@ -100,10 +111,15 @@ def _came_together(steps: np.ndarray) -> np.ndarray | None:
     """
     if len(steps) < 2 * FEWEST:
         return None
-    interval = float(np.minimum(steps, FAR * _step_of_most_time(steps)).mean())
+    steps = np.minimum(steps, HELD)
+    interval = float(np.minimum(steps, FAR * _step_of_most_time(steps[steps < HELD])).mean())
     together = steps < TOGETHER * interval
     between = np.count_nonzero((steps < APART * interval) & ~together)
-    few = together.mean() < LEAST or between > BETWEEN * np.count_nonzero(together)
+    edges = np.flatnonzero(np.diff(together, prepend=False, append=False))
+    sizes = edges[1::2] - edges[::2]
+    # One that is far larger than all others is a backlog.
+    usual = int(sizes.sum() - sizes.max(initial=0))
+    few = len(sizes) < LEAST * np.count_nonzero(~together) or between > BETWEEN * usual
     return None if few else together
 
 
@@ -111,7 +127,7 @@ def _step_of_most_time(steps: np.ndarray) -> float:
     """The step (s) that a moment of the recording usually lies in: from packet to packet."""
     ordered = np.sort(steps)
     passed = np.cumsum(ordered)
-    return float(ordered[np.searchsorted(passed, 0.5 * passed[-1])])
+    return float(ordered[np.searchsorted(passed, 0.5 * passed[-1])]) if len(steps) else HELD
 
 
 def _rate_and_breaks(at: np.ndarray, last: np.ndarray) -> tuple[float, np.ndarray]:
@@ -193,20 +209,35 @@ def _wander(late: np.ndarray) -> np.ndarray:
     return np.interp(np.arange(len(late)), middles, means)
 
 
-def _denied(t: np.ndarray, even: np.ndarray, readings: np.ndarray) -> bool:
-    """Whether readings (c, n) are smoother at the times t (n,) s than at the even ones: they were
-    taken in bursts, and the stamps are right.
+def _in_line(imu: Stream, even: np.ndarray) -> float:
+    """Log odds that readings were taken at even times (n,) s, and not in bursts when they were
+    stamped, by how far they lie off the lines between their neighbours.
     """
-    by_stamps, by_even = _roughness(t, readings), _roughness(even, readings)
-    moved = by_stamps > 0.0
-    return bool(moved.any() and np.median(by_even[moved] / by_stamps[moved]) > DENIED)
+    rows = np.arange(1, len(imu) - 1)[:: len(imu) // ROWS + 1]
+    readings = np.array(list(imu.columns.values()))
+    off, was = (_off_line(at, readings, rows) for at in (even, imu.t))
+    known = np.isfinite(off)
+    usual = TO_SIGMA * np.minimum(*(_middle(each) for each in (off, was)))
+    known &= usual > 0.0
+    usual = np.broadcast_to(usual, off.shape)
+    return float(log_odds(off[known], was[known], usual[known]))
 
 
-def _roughness(at: np.ndarray, readings: np.ndarray) -> np.ndarray:
-    """(c,) by how far readings (c, n) at times (n,) s lie off the lines between their neighbours,
-    squared, over what white noise makes of that.
+def _middle(off: np.ndarray) -> np.ndarray:
+    """(c, 1) medians of the sizes of (c, n) that are known; NaN of none."""
+    return np.array(
+        [
+            [float(median(np.abs(c[np.isfinite(c)])))] if np.isfinite(c).any() else [np.nan]
+            for c in off
+        ]
+    )
+
+
+def _off_line(at: np.ndarray, readings: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """(c, k) by how far readings (c, n) at times (n,) s lie off the lines between their neighbours
+    in some rows (k,), over what white noise makes of that.
     """
-    share = (at[1:-1] - at[:-2]) / np.maximum(at[2:] - at[:-2], 1e-12)
-    line = readings[:, :-2] + share * (readings[:, 2:] - readings[:, :-2])
-    off = (readings[:, 1:-1] - line) ** 2 / (1.0 + share**2 + (1.0 - share) ** 2)
-    return np.asarray(np.nansum(off, axis=1))
+    share = (at[rows] - at[rows - 1]) / np.maximum(at[rows + 1] - at[rows - 1], 1e-12)
+    before, here, after = (readings[:, rows + k] for k in (-1, 0, 1))
+    off = here - before - share * (after - before)
+    return np.asarray(off / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))

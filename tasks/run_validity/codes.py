@@ -6,7 +6,7 @@ import numpy as np
 
 from schemas.recording import WrongCodes
 from schemas.text import Remark
-from tasks.readings.codes import bug_in_words
+from tasks.readings.codes import bug_in_words, size_in_words
 from tasks.run_validity.remark import run_remark
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words.quantities import plain
@@ -28,7 +28,7 @@ def code_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
         yield run_remark(
             "codes_undecided" if lost else "codes_put_right", *undecided,
             run="invalid" if lost else "remarks", bug=bug_in_words(alike[0]),
-            channels=tuple(one.channel for one in alike), codes=f"{codes:.0f}",
+            channels=tuple(one.channel for one in alike), size=size_in_words(alike[0]),
             share=plain(100.0 * max(one.share for one in alike), 2), segments=len(undecided),
         )  # fmt: skip
 

@@ -11,7 +11,7 @@ from tasks.explain.events.event import CHANNELS, UNITS, Event, channel_names
 from tasks.explain.events.torn_codes import BYTE, torn_codes
 from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
-from tasks.readings.codes import bug_in_words
+from tasks.readings.codes import bug_in_words, size_in_words
 from tasks.readings.lattice import quantiser_of
 from tasks.words import Message, clauses, message
 
@@ -67,8 +67,9 @@ def _event(found: Sequence[WrongCodes], off: np.ndarray) -> CodeFault:
     )
     texts = tuple(
         message(
-            "events-code-fault-at", channel=message(f"channel-{one.channel}"), codes=int(one.codes),
-            jump=f"{one.jump:.4g} {_unit(one)}", share=f"{100.0 * one.share:.2g}",
+            "events-code-fault-at", channel=message(f"channel-{one.channel}"),
+            size=size_in_words(one), jump=f"{one.jump:.4g} {_unit(one)}",
+            share=f"{100.0 * one.share:.2g}",
         )
         for one in found
     )  # fmt: skip

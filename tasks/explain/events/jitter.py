@@ -19,10 +19,12 @@ from tasks.explain.channels import CHANNELS, GYROS
 from tasks.explain.events.event import Event
 from tasks.motion.samples import gaps, interpolated, sample_interval
 from tasks.motion.whole import Motion
+from tasks.readings.robust import deviation
 from tasks.words import message
 
 GAP = 1.5  # sample intervals by which stamps are late: rows are missing, evenness begins anew
 SMOOTH = 101  # rows over which the true instants are even
+WAITED, QUICK = SMOOTH // 2, 0.35  # rows that come in so small a part of their time: a backlog
 LEAST = 1e-6  # s: less is the rounding of stamps in double precision
 NEAR_ONE = 0.15  # how near the share of what the stamps claim must be to one
 SLOPE_WINDOW, FEWEST = 0.15, 5  # s, and rows at least, of a parabola whose slope is the motion's
@@ -53,13 +55,14 @@ def find_jitter(
     t = motion.t
     if len(t) < 3 * SMOOTH or not motion.known.any():
         return None
-    late = _uneven(t)
-    if not np.std(late) > LEAST:
+    late, usual = _uneven(t)
+    if not np.std(late[usual]) > LEAST:
         return None
+    used = np.where(masked | ~usual[:, None], np.nan, readings)
     shares = [
         estimate
         for c in range(len(CHANNELS))
-        if (estimate := _share(t, np.where(masked, np.nan, readings)[:, c], predicted[:, c], late))
+        if (estimate := _share(t, used[:, c], predicted[:, c], late))
     ]
     if not shares:
         return None
@@ -71,7 +74,7 @@ def find_jitter(
     p_value = 2.0 * float(norm.sf(abs(share) / u))
     if p_value > SIGNIFICANT or abs(share - 1.0) > max(NEAR_ONE, 3.0 * u) or 3.0 * u > 0.5:
         return None
-    size = float(np.std(late))
+    size = float(np.std(late[usual]))
     return StampJitter(
         "timestamp_jitter", GYROS if np.isfinite(readings[:, :3]).any() else (3, 4, 5),
         (FoundParameter(name="jitter", value=size, unit="s", u=size * max(u, 0.02)),),
@@ -79,20 +82,30 @@ def find_jitter(
     )  # fmt: skip
 
 
-def _uneven(t: np.ndarray) -> np.ndarray:
-    """(n,) s by which stamps are after an even course, between gaps each for itself."""
+def _uneven(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) s by which stamps are after an even course, between gaps each for itself and 0 on the
+    mean, and which of them (n,) bool scatter: those of a backlog are late by what waited.
+    """
     interval = sample_interval(t)
-    late = np.zeros(len(t))
+    late, usual = np.zeros(len(t)), ~_backlog(t, interval)
     edges = [0, *(gaps(t, interval, GAP) + 1).tolist(), len(t)]
     for start, stop in pairwise(edges):
-        if stop - start < SMOOTH:
+        rows = np.flatnonzero(usual[start:stop])
+        if len(rows) < SMOOTH:
             continue
-        rows = np.arange(stop - start)
-        line = np.polyfit(rows, t[start:stop] - t[start], 1)
-        off = t[start:stop] - t[start] - np.polyval(line, rows)
-        course = uniform_filter1d(median_filter(off, SMOOTH, mode="nearest"), SMOOTH)
-        late[start:stop] = off - course
-    return late
+        since, every = t[start:stop] - t[start], np.arange(stop - start)
+        off = since - np.polyval(np.polyfit(rows, since[rows], 1), every)
+        course = uniform_filter1d(median_filter(off[rows], SMOOTH, mode="nearest"), SMOOTH)
+        off -= np.interp(every, rows, course)
+        late[start:stop] = off - off[rows].mean()
+    return late, usual & (np.abs(late) <= TRIMMED * deviation(late[usual]))
+
+
+def _backlog(t: np.ndarray, interval: float) -> np.ndarray:
+    """(n,) bool: rows that had waited, as many that came in a small part of the time they take."""
+    waited = t[WAITED:] - t[:-WAITED] < QUICK * WAITED * interval
+    after = np.convolve(waited, np.ones(WAITED + 1))
+    return np.asarray(after > 0.5)
 
 
 def _share(

@@ -10,16 +10,15 @@ spikes, held rows or a bias that jumps.
 import numpy as np
 from scipy.ndimage import median_filter
 
+from tasks.readings.judge import CERTAIN, in_course
+
 BYTE = 256.0  # codes
 ABOUT = 25  # rows about one, most of which are right
 FIT_ROUNDS = 3
 SLOW = 64.0  # codes from row to row: faster, a delay has the high byte of the row before, too
 MIN_TORN = 15
-Z = 6.0  # by which rows before outnumber rows after: p = 1e-9
 MIN_RATIO = 3.0  # of rows that have it of the row before to those of the row after
 MAX_HELD = 0.2  # of the rows in which a change is expected
-ROUGHER = 1.5  # times what they are put right: a unit that lags is off by a byte as well, smoothly
-MAX_NOISE = 50.0  # codes, median: of noise that fills a byte it is 64
 
 
 def torn_codes(code: np.ndarray, predicted: np.ndarray) -> np.ndarray | None:
@@ -47,19 +46,10 @@ def torn_codes(code: np.ndarray, predicted: np.ndarray) -> np.ndarray | None:
     from_before, from_after = (off != 0.0) & (off == before), (off != 0.0) & (off == after)
     count = int((from_before & ~from_after)[slow].sum())
     chance = int((from_after & ~from_before)[slow].sum())
-    noise = float(np.median(np.abs(right - near)[slow]))
-    clear = count - chance > Z * np.sqrt(count + chance) and count > MIN_RATIO * chance
-    torn = known & from_before
-    rougher = _deviation(read)[torn].sum() > ROUGHER * _deviation(right)[torn].sum()
-    if count < MIN_TORN or not clear or noise > MAX_NOISE or not rougher:
-        return None
-    return np.asarray(np.where(torn, BYTE * off, 0.0))
-
-
-def _deviation(code: np.ndarray) -> np.ndarray:
-    """(n,) by how much each code lies off the middle of its neighbours."""
-    about = np.convolve(np.pad(code, 1, mode="edge"), [0.5, 0.0, 0.5], mode="valid")
-    return np.abs(code - about)
+    torn = np.where(known & from_before, BYTE * off, 0.0)
+    # Noise puts as many readings into the byte of the row after.
+    odds = float(np.log(2.0)) * (count - MIN_RATIO * chance)
+    return torn if odds > CERTAIN and in_course(code, code - torn) > 0.0 else None
 
 
 def _held(read: np.ndarray, expected: np.ndarray) -> bool:

@@ -1,5 +1,6 @@
 """Codes that firmware joined wrongly are put right, and right ones are left alone."""
 
+from dataclasses import replace
 from functools import partial
 
 import firmware
@@ -113,6 +114,54 @@ def test_bits_lost_above_are_put_back_by_following_the_numbers() -> None:
     wrong, bugs, _ = off(made(unit, 1, partial(firmware.wrapped, bits=13), EVERY, "neither"))
     assert wrong.max() == 0.0
     assert bugs == {"wrap"}
+
+
+@pytest.mark.parametrize(
+    ("rate", "quick", "top", "limit", "tells", "decimals"),
+    [
+        (100.0, 100.0, 300.0, 250.0, "table", None), (25.0, 50.0, 300.0, 220.5, "neither", None),
+        (10.0, 40.0, 140.0, 125.0, "labels", 4), (100.0, 200.0, 600.0, 500.0, "labels", 3),
+    ],
+)  # fmt: skip
+def test_readings_on_no_lattice_wrap_at_any_full_scale(
+    rate: float, quick: float, top: float, limit: float, tells: str, decimals: int | None
+) -> None:
+    unit = Unit(rate=rate, quick=quick, top=top, counts=(20.0, 8192.0))
+    one = made(unit, 3, None, known=tells)
+    full, columns = np.radians(limit), dict(one.recording.imu.columns)
+    for c, name in enumerate(GYRO):
+        fine = one.right[:, c] + 1e-4 * np.random.default_rng(c).standard_normal(len(one.right))
+        read = np.mod(fine + full, 2.0 * full) - full
+        columns[name] = read if decimals is None else np.round(read, decimals)
+    imu = replace(one.recording.imu, columns=columns)
+    right = codes_put_right(replace(one.recording, imu=imu))
+    assert [(each.channel, each.bug) for each in right.wrong_codes] == [(c, "wrap") for c in GYRO]
+    off = np.abs(right.imu.stack(GYRO) - one.right[:, :3])
+    assert off[one.held].max() < 2e-3 * full
+
+
+def test_a_tap_that_jumps_by_the_whole_range_is_no_wrap_and_may_be_told() -> None:
+    one = made(FULL[1], 4, None, known="neither")
+    columns = dict(one.recording.imu.columns)
+    for row, size in ((700, (121.0, -155.0, -18.0, 92.0)), (2300, (140.0, -139.0, 97.0))):
+        columns["accel_z"][row : row + len(size)] = size
+    tapped = replace(one.recording, imu=replace(one.recording.imu, columns=columns))
+    right = codes_put_right(tapped)
+    assert not right.wrong_codes
+    assert right.imu is tapped.imu
+
+
+def test_what_a_stuck_bit_leaves_is_whole_or_undecided() -> None:
+    unit = Unit(noise=(0.05, 0.001))
+    one = made(unit, 5, partial(firmware.stuck, bit=5, level=1), (2,), "table")
+    right = codes_put_right(one.recording)
+    (found,) = right.wrong_codes
+    number = right.imu.columns["gyro_z"][one.held] / one.step[2]
+    decided = np.abs(number - np.rint(number)) < 1e-6
+    assert decided.mean() > 0.85
+    off = np.abs(number - one.right[one.held, 2] / one.step[2])[decided]
+    assert np.mean(off > 0.5) < 2e-3
+    assert found.undecided[one.held].mean() < 0.05
 
 
 def test_a_bias_that_jumps_to_and_fro_by_a_byte_is_no_fault_of_the_codes() -> None:

@@ -66,6 +66,24 @@ def test_other_stamps_are_left_alone(stamped, rate: float) -> None:
     assert in_packets(stamped(np.random.default_rng(7), rate)) is None
 
 
+@pytest.mark.parametrize(
+    ("rate", "run", "pause"),
+    [
+        (100.0, 30.0, 30.0),
+        (10.0, 10.0, 60.0),
+        (1.0, 30.0, 30.0),
+        (200.0, 5.0, 5.0),
+        (50.0, 2.0, 5.0),
+    ],
+)
+@pytest.mark.parametrize("loose", [0.0, 0.1])
+def test_pauses_are_no_packets(rate: float, run: float, pause: float, loose: float) -> None:
+    rng = np.random.default_rng(round(run))
+    starts = np.cumsum((run + pause) * (1.0 + loose * rng.uniform(-1.0, 1.0, 30)))
+    stamps = (starts[:, None] + np.arange(0.0, run, 1.0 / rate)).ravel()
+    assert in_packets(stamps) is None
+
+
 def test_what_was_put_right_is_said_and_done_once() -> None:
     course, rng = procedure(rest=4.0, hold=4.0), np.random.default_rng(3)
     at = np.arange(0.0, course.until, 0.01)

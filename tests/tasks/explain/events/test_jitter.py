@@ -43,6 +43,22 @@ def test_stamps_that_scatter_about_even_sampling_are_told(size: float) -> None:
     assert np.std(event.sampled_at(t) - MADE.t) < 0.3 * size
 
 
+@pytest.mark.parametrize(("first", "size"), [(0, 300), (4000, 300), (2500, 90)])
+def test_a_backlog_is_no_part_of_the_jitter_and_moves_no_other_stamp(first: int, size: int) -> None:
+    scatter = jitter(2e-3, 6)
+    t = MADE.t + scatter
+    last = t[first + size - 1]
+    t[first : first + size] = last - 1e-4 * np.arange(size)[::-1]
+    t = np.maximum.accumulate(t + 1e-9 * np.arange(COUNT))
+    events = found(t, counted(noisy(mean_readings(MADE), 2)))
+    event = next(event for event in events.events if event.effect == "timestamp_jitter")
+    (parameter,) = event.parameters
+    assert parameter.value == pytest.approx(np.std(scatter), rel=0.1)
+    off = event.sampled_at(t) - MADE.t
+    assert abs(np.delete(off, np.s_[first : first + size]).mean()) < 2e-4
+    assert np.abs(off[first : first + size]).mean() < 5e-3
+
+
 def test_stamps_in_whole_milliseconds_scatter() -> None:
     t = np.round(MADE.t * 1.00037, 3)
     readings = counted(noisy(mean_readings(moved(MADE.t * 1.00037)), 3))
