@@ -8,6 +8,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, MEASURED, Manifest, Recording, Segment, Stream
+from schemas.text import Remark
 from storage.catalogue.lineage import stated_day
 from storage.formats import recordings
 from storage.formats.checks import absent
@@ -15,8 +16,7 @@ from storage.formats.convert import Changes
 from storage.verify import StoreFault
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.codes import codes_put_right
-from tasks.readings.implausible import Implausible
-from tasks.readings.plausibility import implausible
+from tasks.readings.plausibility import on_sight
 from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
 from tasks.segments.find import segments_of, up_of
@@ -56,15 +56,17 @@ def read(
 def doubts_of(recording: Recording) -> tuple[str, ...]:
     """Sentences on what a recording cannot be."""
     rates = as_mean_rates(codes_put_right(with_instants(recording)))
-    found = implausible(rates, segments_of(rates))
-    return (*(say(one.sentence) for one in found), *label_doubts(rates, found))
+    found = on_sight(rates, segments_of(rates))
+    return (*map(say, (*rates.put_right, *found)), *label_doubts(rates, found))
 
 
-def label_doubts(recording: Recording, found: Sequence[Implausible]) -> tuple[str, ...]:
+def label_doubts(recording: Recording, found: Sequence[Remark]) -> tuple[str, ...]:
     """Sentences on labels that share rows, and on positions that gravity contradicts where nothing
     that was found wrong with the whole recording may be why.
     """
-    contradicted = () if found else _contradicted_positions(recording)
+    contradicted = (
+        () if any(one.run == "invalid" for one in found) else _contradicted_positions(recording)
+    )
     return (*contradicted, *_overlapping_labels(recording))
 
 

@@ -42,8 +42,9 @@ class Sheet:
     """The columns of a table as they were written.
 
     names, units: of each column; empty units where none were written. frame: the rows. lines: the
-    number of the file's line of each row. preamble: what stands before the header. notes: what was
-    left out or taken for granted. faults: what makes rows unusable.
+    number of the file's line of each row. preamble: what stands before the header. begun: lines in
+    which the header stands again. notes: what was left out or taken for granted. faults: what makes
+    rows unusable.
     """
 
     path: Path
@@ -53,6 +54,7 @@ class Sheet:
     lines: np.ndarray
     preamble: str = ""
     named: bool = True
+    begun: tuple[int, ...] = ()
     notes: list[str] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
 
@@ -164,6 +166,7 @@ def _of_lines(path: Path, lines: list[str], separator: str | None = None) -> She
     sheet = Sheet(path, names or [str(k + 1) for k in range(count)], units, _empty(), np.empty(0))
     sheet.preamble, sheet.named = preamble, bool(names)
     if again:
+        sheet.begun = tuple(again)
         sheet.notes.append(f"the header stands again in line {again[0]}: left out")
     data = _even(sheet, data, separator, count)
     if len(data) < 2:

@@ -1,0 +1,106 @@
+"""What stands in a triad's columns that is no reading: marks of no data, and copies of a column.
+
+A mark is one number for each axis that stands there again and again, and is not near what stands
+beside it: an end of the codes' range, exact zeros, a constant. A shock or a turn that a range cuts
+off reaches the same end, but does so axis by axis, and through what lies between; a sensor that
+hangs repeats the row before.
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from schemas.recording import ACCEL, GYRO
+from schemas.text import Message, Seen
+
+FEWEST = 3  # rows with a mark
+MOST = 0.9  # of the rows
+FAR = 8.0  # times what neighbours usually differ by
+USUAL = 0.8  # quantile of how far marks are off the readings beside them: of gyros few turn
+SPREAD = 0.01  # of the rows: as many marks of one axis alone are no shocks
+GAP = 0.7  # of a mark's distance from the middle within which all readings of its axis lie
+SAMPLED = 20_000  # rows that constants are looked for in
+VARIED = 10  # different numbers of a column that is a copy of another, and not just as still
+
+
+def without_marks(raw: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], list[Seen]]:
+    """The channels (n,) with NaN where a triad holds marks of no data, and what was left out; the
+    whole triad where two of its columns are one.
+    """
+    made, seen = dict(raw), list[Seen]()
+    for triad in (GYRO, ACCEL):
+        if not set(triad) <= set(raw):
+            continue
+        values, name = np.array([raw[c] for c in triad]), triad[0][:-2]
+        if copied := _copies(values):
+            first, *others = (triad[k] for k in copied)
+            seen.append(Seen("column_copied", Message("seen-copies", (
+                ("first", first), ("others", ", ".join(others)), ("rows", values.shape[1]),
+                ("sensors", name),
+            )), run="invalid"))  # fmt: skip
+            made |= {c: np.full(values.shape[1], np.nan) for c in triad}
+            continue
+        for mark in _candidates(values):
+            rows = _marked(values, mark)
+            if rows is not None:
+                seen.append(Seen("no_data", Message("seen-no-data", (
+                    ("sensors", name), ("count", int(rows.sum())), ("rows", len(rows)),
+                    ("mark", ", ".join(f"{one:g}" for one in mark if np.isfinite(one))),
+                )), run="valid"))  # fmt: skip
+                values = np.where(rows, np.nan, values)
+        made |= dict(zip(triad, values, strict=True))
+    return made, seen
+
+
+def _copies(values: np.ndarray) -> list[int]:
+    """The columns (3, n) of which one repeats another in every row."""
+    for first in range(2):
+        others = [k for k in range(first + 1, 3) if np.array_equal(values[k], values[first])]
+        if others and len(np.unique(values[first, :SAMPLED])) > VARIED:
+            return [first, *others]
+    return []
+
+
+def _candidates(values: np.ndarray) -> Iterator[np.ndarray]:
+    """Numbers (3,) that may be marks: the ends of what is read, zeros, what stands there most; and
+    of one axis alone, with NaN for the others.
+    """
+    if not np.isfinite(values).any():
+        return
+    low, high = np.nanmin(values, axis=1), np.nanmax(values, axis=1)
+    yield from (low, high, np.zeros(3))
+    sample = values[:, :: values.shape[1] // SAMPLED + 1]
+    often, count = np.unique(sample, axis=1, return_counts=True)
+    yield often[:, int(count.argmax())]
+    for k in range(3):
+        for end in (low[k], high[k]):
+            yield np.where(np.arange(3) == k, end, np.nan)
+
+
+def _marked(values: np.ndarray, mark: np.ndarray) -> np.ndarray | None:
+    """Which rows (n,) bool of a triad (3, n) hold a mark; None where it is none."""
+    own = np.isfinite(mark)
+    rows = np.all(values[own] == mark[own, None], axis=0)
+    count = int(rows.sum())
+    if not FEWEST <= count <= MOST * len(rows):
+        return None
+    known = values[own][:, ~rows & np.isfinite(values).all(axis=0)]
+    if known.shape[1] < FEWEST:
+        return None
+    step = np.abs(np.diff(known, axis=1))
+    moved = np.where(step > 0.0, step, np.inf).min(axis=1)
+    usual = np.maximum(np.median(step, axis=1), moved)  # of what never moves nothing is far
+    before = np.searchsorted(np.flatnonzero(~rows), np.flatnonzero(rows)).clip(0, known.shape[1])
+    beside = known[:, (before - 1).clip(0, known.shape[1] - 1)]
+    off = (np.abs(mark[own, None] - beside) / usual[:, None]).max(axis=0)
+    if np.quantile(off, USUAL) < FAR:
+        return None
+    if own.sum() < len(mark) and not _alone(known[0], float(mark[own][0]), count / len(rows)):
+        return None
+    return rows
+
+
+def _alone(known: np.ndarray, mark: float, share: float) -> bool:
+    """Whether an end of what one axis reads is a mark: it stands there often, and far from all."""
+    middle = float(np.median(known))
+    return share > SPREAD and bool(np.abs(known - middle).max() < GAP * abs(mark - middle))
