@@ -78,9 +78,11 @@ def across_breaks(
 
 
 def _after(recording: Recording, row: int) -> Recording:
-    """The rows from one on, with the labels that begin after the row before."""
-    labels = recording.manifest.segments or ()
-    later = tuple(s for s in labels if s.t_start > recording.imu.t[row - 1])
+    """The rows from one on, with the labels that begin after the row before; without the first,
+    which may have begun while no row was logged.
+    """
+    labels = sorted(recording.manifest.segments or (), key=lambda label: label.t_start)
+    later = tuple(s for s in labels if s.t_start > recording.imu.t[row - 1])[1:]
     manifest = recording.manifest.model_copy(update={"segments": later})
     return replace(recording, manifest=manifest, imu=recording.imu.at(slice(row, None)))
 

@@ -16,6 +16,7 @@ from storage.formats.convert import Changes
 from storage.verify import StoreFault
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.codes import codes_put_right
+from tasks.readings.offset_binary import offset_taken_off
 from tasks.readings.plausibility import on_sight
 from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
@@ -55,7 +56,7 @@ def read(
 
 def doubts_of(recording: Recording) -> tuple[str, ...]:
     """Sentences on what a recording cannot be."""
-    rates = as_mean_rates(codes_put_right(with_instants(recording)))
+    rates = as_mean_rates(codes_put_right(offset_taken_off(with_instants(recording))))
     found = on_sight(rates, segments_of(rates))
     return (*map(say, (*rates.put_right, *found)), *label_doubts(rates, found))
 
@@ -133,7 +134,7 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
 
 def _wrong_unit(recording: Recording) -> str | None:
     labels = tuple(s for s in recording.manifest.segments or () if s.kind in ("rate", "static"))
-    segments = summarise_all(codes_put_right(recording), labels, "label")
+    segments = summarise_all(codes_put_right(offset_taken_off(recording)), labels, "label")
     return wrong_rate_unit(segments) or wrong_accel_unit(segments)
 
 

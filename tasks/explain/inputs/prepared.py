@@ -29,6 +29,7 @@ from tasks.motion.whole import Motion
 from tasks.readings.codes import codes_put_right
 from tasks.readings.label_shift import shift_of_labels
 from tasks.readings.lattice import quantiser_of
+from tasks.readings.offset_binary import offset_taken_off
 from tasks.readings.plausibility import on_sight
 from tasks.readings.rows import (
     empty_remarks,
@@ -118,7 +119,7 @@ def prepare(
     Raises Unusable where the recording tells no motion or is too short.
     """
     report_progress(progress, "motion")
-    recorded = _rows_of_both(as_mean_rates(with_instants(recording)))
+    recorded = _rows_of_both(as_mean_rates(with_instants(offset_taken_off(recording))))
     right = codes_put_right(recorded)
     empty = rows_without_readings(right)
     recorded, right = (without_readings_removed(one, empty) for one in (recorded, right))

@@ -103,3 +103,7 @@ seen-restarted = The unit or its logger began anew before line { $line }: { $kno
         [none] {""}
        *[other] ; left out: { $left }
     }. Calibrate each on its own, or record again.
+plausibility-offset-binary = The { $sensors ->
+        [gyro] gyros read { $read } rad/s
+       *[accel] accelerometers read { $read } m/s²
+    } where nothing acts, half of their range: { $codes } codes were never taken off (offset binary); they are taken off here.

@@ -100,3 +100,7 @@ seen-restarted = 被校对象或其记录器在第 { $line } 行之前重新启�
         [none] {""}
        *[other] ；未采用：{ $left }
     }。请分别校准，或重新记录。
+plausibility-offset-binary = 无输入时{ $sensors ->
+        [gyro] 陀螺读数为 { $read } rad/s
+       *[accel] 加速度计读数为 { $read } m/s²
+    }，为其量程之半：未扣除 { $codes } 个码（偏移二进制）；此处已扣除。
