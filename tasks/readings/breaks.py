@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from schemas.recording import Recording
+from schemas.recording import GYRO, Recording
 from schemas.text import Seen
 from tasks.readings.label_shift import LEFT, share_against, shift_of_labels
 from tasks.words import message
@@ -87,12 +87,22 @@ def _after(recording: Recording, row: int) -> Recording:
     return replace(recording, manifest=manifest, imu=recording.imu.at(slice(row, None)))
 
 
+def _zero(recording: Recording, row: int) -> np.ndarray | None:
+    """(3,) what the gyros read in the rests before a row; None where none was labelled."""
+    imu, until = recording.imu, recording.imu.t[row - 1]
+    rests = [s for s in recording.manifest.segments or () if s.kind == "static"]
+    places = [imu.rows(s.t_start, s.t_end) for s in rests if s.t_end <= until]
+    read = [imu.channels(GYRO, rows).mean(axis=1) for rows in places if rows.stop > rows.start]
+    zero = np.median(read, axis=0) if read else np.full(3, np.nan)
+    return zero if np.isfinite(zero).all() else None
+
+
 def _passed(recording: Recording, one: Break) -> tuple[float, float]:
     """s that passed at a break whose rows go on at once, and within how much; 0 where the labels
     after it fit, or do not tell."""
     if len(recording.imu) - one.row < 2:
         return 0.0, 0.0
-    found = shift_of_labels(_after(recording, one.row))
+    found = shift_of_labels(_after(recording, one.row), zero=_zero(recording, one.row))
     return (0.0, 0.0) if found is None or found.seconds > 0 else (-found.seconds, found.within)
 
 
@@ -100,7 +110,8 @@ def _is_denied(stamped: Recording, running: Recording, row: int) -> bool:
     """Whether labels after a pause deny it, and fit the rows that go on at once."""
     if len(stamped.imu) - row < 2:
         return False
-    against, left = (share_against(_after(one, row)) for one in (stamped, running))
+    zero = _zero(stamped, row)
+    against, left = (share_against(_after(one, row), zero) for one in (stamped, running))
     return against is not None and left is not None and against > DENIED and left < LEFT
 
 

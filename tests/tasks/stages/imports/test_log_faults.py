@@ -46,7 +46,8 @@ def counts(one: Bench) -> np.ndarray:
 
 def understood(
     folder: Path, one: Bench, values: np.ndarray, *, stamps: Sequence | None = None,
-    sign: str = ",", time: str = "t (s)", names: Sequence[str] = NAMES, header_before: int | None = None,
+    sign: str = ",", time: str = "t (s)", names: Sequence[str] = NAMES,
+    header_before: int | None = None,
     units: dict[str, str] | None = None,
 ) -> tuple[Recording, tuple[Remark, ...]]:  # fmt: skip
     header = sign.join([time, *names])
