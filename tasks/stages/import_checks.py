@@ -21,10 +21,9 @@ from tasks.readings.plausibility import on_sight
 from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
 from tasks.segments.find import segments_of, up_of
-from tasks.segments.summarise import summarise_all
-from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
-from tasks.words import say
+from tasks.words import argument, say
 
+MIXED_UP = ("deg/s", "57.2958rad/s", "g")  # of columns in rad/s and m/s²: nothing is estimated
 LISTED = 5  # positions named in one sentence
 
 
@@ -56,9 +55,8 @@ def read(
 
 def doubts_of(recording: Recording) -> tuple[str, ...]:
     """Sentences on what a recording cannot be."""
-    rates = as_mean_rates(codes_put_right(offset_taken_off(with_instants(recording))))
-    found = on_sight(rates, segments_of(rates))
-    return (*map(say, (*rates.put_right, *found)), *label_doubts(rates, found))
+    rates, found = _on_sight(recording)
+    return (*map(say, found), *label_doubts(rates, found))
 
 
 def label_doubts(recording: Recording, found: Sequence[Remark]) -> tuple[str, ...]:
@@ -133,9 +131,15 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
 
 
 def _wrong_unit(recording: Recording) -> str | None:
-    labels = tuple(s for s in recording.manifest.segments or () if s.kind in ("rate", "static"))
-    segments = summarise_all(codes_put_right(offset_taken_off(recording)), labels, "label")
-    return wrong_rate_unit(segments) or wrong_accel_unit(segments)
+    """A sentence where rates or forces are in another of the two units that are mixed up most."""
+    found = _on_sight(recording)[1] if recording.manifest.segments else ()
+    return next((say(one) for one in found if argument(one, "unit") in MIXED_UP), None)
+
+
+def _on_sight(recording: Recording) -> tuple[Recording, tuple[Remark, ...]]:
+    """The recording put right, with rates, and all that is found of it on sight."""
+    right = as_mean_rates(codes_put_right(offset_taken_off(with_instants(recording))))
+    return right, (*right.put_right, *on_sight(right, segments_of(right)))
 
 
 def _missing_triad(manifest: Manifest, imu: Stream) -> str | None:
