@@ -31,7 +31,8 @@ def offset_taken_off(recording: Recording) -> Recording:
     for triad in TRIADS:
         if not set(triad) <= set(columns):
             continue
-        sample = imu.channels(triad, slice(0, len(imu)))[:, :: len(imu) // SAMPLE + 1]
+        every = len(imu) // SAMPLE + 1
+        sample = np.array([each[::every] for each in imu.views(triad, slice(0, len(imu)))])
         sample = sample[:, np.isfinite(sample).all(axis=0)]
         if not sample.shape[1] or sample.min() <= 0.0:
             continue

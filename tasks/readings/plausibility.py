@@ -30,6 +30,7 @@ from tasks.readings.segment_means import (
     responses,
     segment_means,
     sizes_beside_poses,
+    sizes_by_rates,
 )
 from tasks.readings.standing import coarse_remarks, held_remarks
 from tasks.readings.wrong_axes import columns_of_others, turned_aslant, wrong_axes
@@ -91,7 +92,7 @@ def _impossible(recording: Recording, used: Sequence[Segment]) -> tuple[Remark, 
     if not _is_usual(gyro) and (wrong := wrong_table(recording, means, between_rests)) is not None:
         return (wrong,)
     source = "labels" if recording.table is None else "table"
-    rates = wrong_rates(recording, responses(gyro), scales[0], source)
+    rates = wrong_rates(recording, responses(gyro), sizes_by_rates(means), scales[0], source)
     if gyro is None and not (means.rate[~means.static] != 0.0).any():
         rates = wrong_rates_by_ways(recording, between_rests(), scales[0])
     shifted = _shift(recording, gyro) if recording.manifest.segments else None
@@ -104,7 +105,7 @@ def _impossible(recording: Recording, used: Sequence[Segment]) -> tuple[Remark, 
 
 def _beside_poses(recording: Recording, scales: tuple[float, float]) -> tuple[Remark, ...]:
     """The rates of a tracked body's unit, which may be turned against it in any way."""
-    wrong = wrong_rates(recording, sizes_beside_poses(recording), scales[0], "pose")
+    wrong = wrong_rates(recording, sizes_beside_poses(recording), np.zeros(0), scales[0], "pose")
     return () if wrong is None else (wrong,)
 
 

@@ -15,6 +15,7 @@ DEG = np.pi / 180.0
 SPARE = 2  # segments more than a matrix of rates needs: what they leave shows whether it fits
 FEW = 2  # segments that tell a unit
 VARIED = 0.1  # standard deviation of a component of up that shows how it is read
+NOT_SLOW = 0.2  # of the fastest rate: biases hide what is read of slower ones
 STRETCH = 0.25  # s over which gyros and poses turn as far
 SLOW, FAST = 0.05, 0.5  # rad/s of a pose: it rests, and it turns by far more than biases
 MOSTLY = 0.9  # of a turn that is about one axis
@@ -111,6 +112,15 @@ def matrix_of_directions(read: np.ndarray, up: np.ndarray) -> TriadMatrix | None
     if found is None or np.linalg.norm(found.reads, axis=0).min() < WHOLE:
         return None
     return found
+
+
+def sizes_by_rates(means: SegmentMeans) -> np.ndarray:
+    """(r,) how much the gyros read of each rate that is not slow beside the fastest."""
+    rest = means.gyro[means.static] if means.static.any() else means.gyro
+    zero = np.nanmedian(rest, axis=0) if np.isfinite(rest).any() else np.zeros(3)
+    rate = np.linalg.norm(np.nan_to_num(means.rate), axis=1)
+    used = (rate > NOT_SLOW * rate.max(initial=0.0)) & np.isfinite(means.gyro).all(axis=1)
+    return np.asarray(np.linalg.norm(means.gyro[used] - zero, axis=1) / rate[used])
 
 
 def responses(matrix: TriadMatrix | None) -> np.ndarray:

@@ -115,18 +115,19 @@ def wrong_table(
 
 
 def wrong_rates(
-    recording: Recording, sizes: np.ndarray, scale: float, source: str
+    recording: Recording, sizes: np.ndarray, by_rate: np.ndarray, scale: float, source: str
 ) -> Remark | None:
     """A factor of the gyros' that no scale factor is.
 
-    sizes: (r,) of their responses to the inputs. source: of the rates that these are: labels, table
-    or pose.
+    sizes: (r,) of their responses to the inputs; by_rate: (k,) to each rate alone: of a range that
+    is too small they differ. source: of the rates that these are: labels, table or pose.
     """
     common = common_factor(sizes)
     if common is None or abs(np.log(common)) < NEAR:
         return None
     if GAINS[0] < common < GAINS[1]:
-        if len(sizes) < 2 or np.abs(np.log(sizes / common)).max() > ALIKE:
+        every = np.concatenate([sizes, by_rate])
+        if len(sizes) < 2 or np.abs(np.log(np.maximum(every, 1e-9) / common)).max() > ALIKE:
             return None
         sentence = message("plausibility-rate-setting", ratio=f"{common:.3f}", source=source)
         return found_on_sight("rate_setting", sentence, run="remarks")

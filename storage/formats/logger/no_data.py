@@ -17,7 +17,9 @@ FEWEST = 3  # rows with a mark
 MOST = 0.9  # of the rows
 FAR = 8.0  # times what neighbours usually differ by
 USUAL = 0.8  # quantile of how far marks are off the readings beside them: of gyros few turn
-SPREAD = 0.01  # of the rows: as many marks of one axis alone are no shocks
+SPREAD = 0.01  # of the rows: as many marks of one axis alone are no shocks, and as many rows with
+# one constant are held by no sensor that hangs
+BY_ONE = 0.1  # of the marks: rows in which one axis alone is there, as of a range that is too small
 GAP = 0.7  # of a mark's distance from the middle within which all readings of its axis lie
 SAMPLED = 20_000  # rows that constants are looked for in
 VARIED = 10  # different numbers of a column that is a copy of another, and not just as still
@@ -71,7 +73,8 @@ def _candidates(values: np.ndarray) -> Iterator[np.ndarray]:
     yield from (low, high, np.zeros(3))
     sample = values[:, :: values.shape[1] // SAMPLED + 1]
     often, count = np.unique(sample, axis=1, return_counts=True)
-    yield often[:, int(count.argmax())]
+    if count.max() > SPREAD * sample.shape[1]:
+        yield often[:, int(count.argmax())]
     for k in range(3):
         for end in (low[k], high[k]):
             yield np.where(np.arange(3) == k, end, np.nan)
@@ -87,17 +90,24 @@ def _marked(values: np.ndarray, mark: np.ndarray) -> np.ndarray | None:
     known = values[own][:, ~rows & np.isfinite(values).all(axis=0)]
     if known.shape[1] < FEWEST:
         return None
-    step = np.abs(np.diff(known, axis=1))
-    moved = np.where(step > 0.0, step, np.inf).min(axis=1)
-    usual = np.maximum(np.median(step, axis=1), moved)  # of what never moves nothing is far
-    before = np.searchsorted(np.flatnonzero(~rows), np.flatnonzero(rows)).clip(0, known.shape[1])
-    beside = known[:, (before - 1).clip(0, known.shape[1] - 1)]
+    usual = _usual_steps(known)
+    before = np.cumsum(~rows & np.isfinite(values).all(axis=0))[rows] - 1
+    beside = known[:, before.clip(0)]
     off = (np.abs(mark[own, None] - beside) / usual[:, None]).max(axis=0)
     if np.quantile(off, USUAL) < FAR:
         return None
-    if own.sum() < len(mark) and not _alone(known[0], float(mark[own][0]), count / len(rows)):
-        return None
-    return rows
+    if own.sum() < len(mark):
+        return rows if _alone(known[0], float(mark[own][0]), count / len(rows)) else None
+    by_one = int((values == mark[:, None]).any(axis=0).sum()) - count
+    return rows if by_one <= BY_ONE * count or not mark.any() else None
+
+
+def _usual_steps(known: np.ndarray) -> np.ndarray:
+    """(k,) by how much readings (k, n) usually differ from the one before where they differ at all;
+    without end for those that never move: of them nothing is far.
+    """
+    step = np.abs(np.diff(known, axis=1))
+    return np.array([np.median(one[one > 0.0]) if (one > 0.0).any() else np.inf for one in step])
 
 
 def _alone(known: np.ndarray, mark: float, share: float) -> bool:

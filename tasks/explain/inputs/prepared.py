@@ -42,7 +42,7 @@ from tasks.segments.find import segments_of
 from tasks.words import Sayable, say
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
-THINNED = 0.1  # of the rows that lack a triad, at least: it is read less often than the other
+THINNED = 0.1  # of the rows, at least, that lack a triad, and that have both
 SCATTERED = 100  # rows without it in one stretch: more, and it was not recorded there
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
 
@@ -167,7 +167,7 @@ def _rows_of_both(recording: Recording) -> Recording:
     lost = [np.isnan(recording.imu.columns[c]) for c in CHANNELS if c in recording.imu.columns]
     read = ~np.any(lost, axis=0) if lost else np.ones(len(recording.imu), bool)
     longest = max((run.stop - run.start for run in runs(~read)), default=0)
-    is_thin = read.mean() < 1.0 - THINNED and longest < SCATTERED
+    is_thin = THINNED < read.mean() < 1.0 - THINNED and longest < SCATTERED
     return replace(recording, imu=recording.imu.at(read)) if is_thin else recording
 
 
