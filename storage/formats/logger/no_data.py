@@ -70,7 +70,7 @@ def _candidates(values: np.ndarray) -> Iterator[np.ndarray]:
     if not np.isfinite(values).any():
         return
     low, high = np.nanmin(values, axis=1), np.nanmax(values, axis=1)
-    yield from (low, high, np.zeros(3))
+    yield from (low, high, np.where(-low > high, low, high), np.zeros(3))
     sample = values[:, :: values.shape[1] // SAMPLED + 1]
     often, count = np.unique(sample, axis=1, return_counts=True)
     if count.max() > SPREAD * sample.shape[1]:
