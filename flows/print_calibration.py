@@ -9,7 +9,7 @@ from rich.text import Text
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
 from schemas.text import Validity, text_of, texts_of
-from tasks.certificate.remarks import told_once
+from tasks.certificate.remarks import once_for_all
 from tasks.specifications.items import item_title
 from tasks.words import known, message, say
 from tasks.words.quantities import unit_text
@@ -29,7 +29,7 @@ def print_calibration(calibration: Calibration) -> None:
         console.print(f"[yellow]{say(message('flows-not-determined'))}[/] ", end="")
         why = say(calibration.why_unavailable(name) or "")
         console.print(f"{say(item_title(name))}: {why}", markup=False)
-    for first, sentence in told_once(calibration.remarks):
+    for first, sentence in once_for_all(calibration.remarks):
         mark = "[red]![/]" if first.blocks_pass else "[dim]·[/]"
         console.print(f"{mark} ", end="")
         console.print(say(sentence), markup=False)

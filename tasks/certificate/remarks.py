@@ -45,7 +45,7 @@ def alike(remarks: Iterable[Remark]) -> list[list[Remark]]:
     return list(groups.values())
 
 
-def told_once(remarks: Iterable[Remark]) -> Iterator[tuple[Remark, Sayable]]:
+def once_for_all(remarks: Iterable[Remark]) -> Iterator[tuple[Remark, Sayable]]:
     """Remarks in order with their sentences; of those that hold for many segments the first, with
     how many segments more there are.
     """

@@ -16,10 +16,10 @@ SPARE = 2  # segments more than a matrix of rates needs: what they leave shows w
 FEW = 2  # segments that tell a unit
 VARIED = 0.1  # standard deviation of a component of up that shows how it is read
 NOT_SLOW = 0.2  # of the fastest rate: biases hide what is read of slower ones
-STRETCH = 0.25  # s over which gyros and poses turn as far
+EVERY = 0.25  # s over which gyros and poses turn as far
 SLOW, FAST = 0.05, 0.5  # rad/s of a pose: it rests, and it turns by far more than biases
 MOSTLY = 0.9  # of a turn that is about one axis
-STRETCHES = 8  # that tell what an axis reads
+FEWEST_TURNS = 8  # that tell what an axis reads
 WHOLE = 0.5  # of a direction: labels that gravity contradicts are read as less, for they cancel
 
 
@@ -136,7 +136,7 @@ def sizes_beside_poses(recording: Recording) -> np.ndarray:
     gyro = imu.stack(GYRO)
     if poses is None or not np.isfinite(gyro).all():
         return np.zeros(0)
-    at = np.arange(max(poses.t[0], imu.t[0]), min(poses.t[-1], imu.t[-1]), STRETCH)
+    at = np.arange(max(poses.t[0], imu.t[0]), min(poses.t[-1], imu.t[-1]), EVERY)
     near = np.searchsorted(poses.t, at).clip(0, len(poses.t) - 1)
     seconds = np.diff(poses.t[near])
     q = poses.stack(("qw", "qx", "qy", "qz"), None)[near]
@@ -146,7 +146,7 @@ def sizes_beside_poses(recording: Recording) -> np.ndarray:
         0.5 * (gyro[1:] + gyro[:-1]) * np.diff(imu.t)[:, None], axis=0
     )])  # fmt: skip
     read = np.array([np.diff(np.interp(poses.t[near], imu.t, way)) for way in path.T])
-    near_by = (seconds > 0.5 * STRETCH) & (seconds < 2.0 * STRETCH)
+    near_by = (seconds > 0.5 * EVERY) & (seconds < 2.0 * EVERY)
     rate = turned / np.maximum(seconds, 1e-9)
     slow = near_by & (rate < SLOW)
     if slow.any():
@@ -155,7 +155,9 @@ def sizes_beside_poses(recording: Recording) -> np.ndarray:
     fast = near_by & (rate > FAST)
     along = np.abs(read) > MOSTLY * size
     each = [fast & along[k] for k in range(3)]
-    return np.array([np.median(size[one] / turned[one]) for one in each if one.sum() > STRETCHES])
+    return np.array(
+        [np.median(size[one] / turned[one]) for one in each if one.sum() > FEWEST_TURNS]
+    )
 
 
 def common_factor(sizes: np.ndarray) -> float | None:

@@ -17,7 +17,7 @@ CHANNELS = GYRO + ACCEL
 STUCK_SECONDS = 2.0
 FEWEST = 20  # rows that stand
 LATER = 8  # rows: what repeats as often after so many is coarse, and not held
-STRETCHES, STRETCH = 4, 1000  # parts of a segment that are looked at, and rows of each
+PARTS, PART_ROWS = 4, 1000  # parts of a segment that are looked at, and rows of each
 HELD = 0.05  # of the rows of a segment, beyond what is usual in those of its kind
 BEYOND = 3.0  # times what is usual there
 BY_CHANCE = 6.0  # standard deviations of such a share
@@ -58,7 +58,7 @@ def coarse_where_it_moves(recording: Recording, segments: Sequence[Segment]) -> 
     """Channels (6,) whose step is wider than their noise in most segments in which they move; of
     one that moves in none, whether it stands at different values.
     """
-    parts = [_parts(recording, s)[:, :STRETCH] for s in segments if s.kind != "rotation"]
+    parts = [_parts(recording, s)[:, :PART_ROWS] for s in segments if s.kind != "rotation"]
     parts = [part for part in parts if part.shape[1] > 1]
     if not parts:
         return np.zeros(len(CHANNELS), bool)
@@ -128,10 +128,10 @@ def _parts(recording: Recording, segment: Segment) -> np.ndarray:
     """(6, n) of a segment's readings: all, or some stretches of it."""
     place = recording.imu.rows(segment.t_start, segment.t_end)
     rows = place.stop - place.start
-    if rows <= STRETCHES * STRETCH:
+    if rows <= PARTS * PART_ROWS:
         return recording.imu.channels(CHANNELS, place)
-    starts = place.start + np.linspace(0, rows - STRETCH, STRETCHES).astype(int)
-    taken = [recording.imu.channels(CHANNELS, slice(a, a + STRETCH)) for a in starts.tolist()]
+    starts = place.start + np.linspace(0, rows - PART_ROWS, PARTS).astype(int)
+    taken = [recording.imu.channels(CHANNELS, slice(a, a + PART_ROWS)) for a in starts.tolist()]
     return np.hstack(taken)
 
 

@@ -196,14 +196,13 @@ def summarise(
     if rows.stop <= rows.start:
         return None
     step = steps(imu) if step is None else step
-    whole = _summary(imu, rows, segment, origin, step)
-    lacking = [t for t in TRIADS if np.isnan(whole.mean[[CHANNELS.index(c) for c in t]]).any()]
-    for triad in lacking:
-        own = imu.at(rows)
+    whole, own = _summary(imu, rows, segment, origin, step), imu.at(rows)
+    for triad in TRIADS:
+        if not np.isnan(whole.mean[CHANNELS.index(triad[0])]):
+            continue
         read = np.isfinite(own.channels(triad, slice(0, len(own)))).all(axis=0)
         if longest_run(~read) < FEW_LOST * len(read) and read.sum() >= MIN_ROWS:
-            part = own.at(read)
-            found = _summary(part, slice(0, len(part)), segment, origin, step)
+            found = _summary(own.at(read), slice(0, int(read.sum())), segment, origin, step)
             whole = _with_triad(whole, found, [CHANNELS.index(c) for c in triad])
     return whole
 
@@ -215,16 +214,13 @@ def _with_triad(whole: SegmentMean, part: SegmentMean, own: list[int]) -> Segmen
     if part.blocks.shape != whole.blocks.shape or part.allan.shape != whole.allan.shape:
         return whole
     mine = np.isin(np.arange(len(CHANNELS)), own)
+    names = ("mean", "allan", "deviation", "far_rows")
+    merged = {name: np.where(mine, getattr(part, name), getattr(whole, name)) for name in names}
     return replace(
-        whole,
-        mean=np.where(mine, part.mean, whole.mean),
-        blocks=np.where(mine[:, None], part.blocks, whole.blocks),
-        allan=np.where(mine, part.allan, whole.allan),
-        deviation=np.where(mine, part.deviation, whole.deviation),
-        far_rows=np.where(mine, part.far_rows, whole.far_rows),
+        whole, **merged, blocks=np.where(mine[:, None], part.blocks, whole.blocks),
         left_out=max(whole.left_out, part.left_out),
         longest_burst=max(whole.longest_burst, part.longest_burst),
-    )
+    )  # fmt: skip
 
 
 def _summary(

@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-import numpy as np
-
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO
 from storage.formats.logger.sheet import Sheet
 from storage.formats.logger.units import plain, quantity_of
@@ -41,11 +39,6 @@ NO_TIME = {
     "zone", "week", "relative", "delta", "dt", "age", "location", "gps", "heading", "offset",
     "battery", "activity", "pedometer", "altimeter", "integral",
 }  # fmt: skip
-SENSOR_WORDS = {"id", "sensor", "device", "node", "address", "imu", "source"}
-MANY, LEAST = 8, 0.05  # most sensors in a file, and the smallest share of its rows that one has
-HEAD_ROWS = 1000  # that show whether a column tells so few things apart
-IN_TURN = 0.95  # of the rows that repeat the order of the sensors
-UNLIKE = 0.3  # of how a reading usually differs from that of the same sensor before
 WARM = {"temp", "temperature", "tmp"}
 BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
@@ -136,61 +129,6 @@ def _clocks(sheet: Sheet, taken: set[int]) -> list[Column]:
     ]  # fmt: skip
 
 
-def several_sensors(
-    sheet: Sheet, taken: set[int], raw: Mapping[str, np.ndarray], seconds: np.ndarray
-) -> list[str]:
-    """A sentence where rows of several sensors stand in one table: a column that is not read tells
-    them apart by its name, or takes turns with other readings each time; or rows do so that share
-    a stamp.
-
-    raw: the channels' readings. seconds: (n,) stamps as they were written.
-    """
-    for place, name in enumerate(sheet.names):
-        if place in taken or sheet.frame.iloc[:HEAD_ROWS, place].nunique() not in range(2, MANY):
-            continue
-        values, number, counts = np.unique(
-            sheet.text(place).to_numpy(str), return_inverse=True, return_counts=True
-        )
-        if not 1 < len(values) <= MANY or counts.min() <= LEAST * len(sheet.frame):
-            continue
-        if set(_words(name)) & SENSOR_WORDS or _take_turns(number, len(values), raw):
-            return [
-                f"column {name} tells {len(values)} sensors apart ({', '.join(values)}): which of "
-                "them is to be read? Give a file with the rows of one"
-            ]
-    together = np.append(False, np.diff(seconds) == 0.0)
-    if together.mean() > LEAST:
-        first = np.flatnonzero(~together)
-        within = np.arange(len(seconds)) - np.repeat(first, np.diff([*first, len(seconds)]))
-        count = int(within.max()) + 1
-        if count <= MANY and _take_turns(within, count, raw):
-            return [
-                f"each stamp has {count} rows with readings of their own, as of {count} sensors in "
-                "one table: which of them is to be read? Give a file with the rows of one"
-            ]
-    return []
-
-
-def _take_turns(number: np.ndarray, count: int, raw: Mapping[str, np.ndarray]) -> bool:
-    """Whether rows (n,) of so many kinds come in turn, and read by far not the same.
-
-    Motion moves what is read from one kind to the other as it moves it back: it cancels.
-    """
-    if len(number) < 10 * count or np.mean(number[count:] == number[:-count]) < IN_TURN:
-        return False
-    for values in raw.values():
-        step, again = np.diff(values), values[count:] - values[:-count]
-        to, back = (step[number[1:] == k] for k in (1, 0))
-        to, back = to[np.isfinite(to)], back[np.isfinite(back)]
-        if min(len(to), len(back)) < 10:
-            continue
-        apart = 0.5 * abs(float(to.mean() - back.mean()))
-        chance = 0.5 * float(np.hypot(to.std() / len(to) ** 0.5, back.std() / len(back) ** 0.5))
-        if apart > max(6.0 * chance, UNLIKE * float(np.nanmedian(np.abs(again)))):
-            return True
-    return False
-
-
 def _given(sheet: Sheet, channel: str, text: str) -> Column | None:
     wanted = text.strip()
     folded = [name.casefold() for name in sheet.names]
@@ -230,14 +168,14 @@ def _named_unit(sheet: Sheet, place: int) -> tuple[str, str]:
     return bare, unit
 
 
-def _words(name: str) -> list[str]:
+def words_of(name: str) -> list[str]:
     return [word.lower() for word in WORD.findall(name)]
 
 
 def _candidates(sheet: Sheet, place: int) -> list[Column]:
     """What a column may be, by its words and its unit."""
     bare, unit = _named_unit(sheet, place)
-    name, words = sheet.names[place], _words(bare)
+    name, words = sheet.names[place], words_of(bare)
     quantity = quantity_of(unit)
     made: list[Column] = []
     is_exact = bare.lower().replace(" ", "") in EXACT_TIME

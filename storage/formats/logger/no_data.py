@@ -1,4 +1,5 @@
-"""What stands in a triad's columns that is no reading: marks of no data, and copies of a column.
+"""What stands in a table that is no reading of its one unit: marks of no data, copies of a column,
+rows of another sensor.
 
 A mark is one number for each axis that stands there again and again, and is not near what stands
 beside it: an end of the codes' range, exact zeros, a constant. A shock or a turn that a range cuts
@@ -12,6 +13,8 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO
 from schemas.text import Message, Seen
+from storage.formats.logger.columns import words_of
+from storage.formats.logger.sheet import Sheet
 
 FEWEST = 3  # rows with a mark
 MOST = 0.9  # of the rows
@@ -23,6 +26,12 @@ BY_ONE = 0.1  # of the marks: rows in which one axis alone is there, as of a ran
 GAP = 0.7  # of a mark's distance from the middle within which all readings of its axis lie
 SAMPLED = 20_000  # rows that constants are looked for in
 VARIED = 10  # different numbers of a column that is a copy of another, and not just as still
+
+SENSOR_WORDS = {"id", "sensor", "device", "node", "address", "imu", "source"}
+MANY, LEAST = 8, 0.05  # most sensors in a file, and the smallest share of its rows that one has
+HEAD_ROWS = 1000  # that show whether a column tells so few things apart
+IN_TURN = 0.95  # of the rows that repeat the order of the sensors
+UNLIKE = 0.3  # of how a reading usually differs from that of the same sensor before
 
 
 def without_marks(raw: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], list[Seen]]:
@@ -114,3 +123,58 @@ def _alone(known: np.ndarray, mark: float, share: float) -> bool:
     """Whether an end of what one axis reads is a mark: it stands there often, and far from all."""
     middle = float(np.median(known))
     return share > SPREAD and bool(np.abs(known - middle).max() < GAP * abs(mark - middle))
+
+
+def several_sensors(
+    sheet: Sheet, taken: set[int], raw: Mapping[str, np.ndarray], seconds: np.ndarray
+) -> list[str]:
+    """A sentence where rows of several sensors stand in one table: a column that is not read tells
+    them apart by its name, or takes turns with other readings each time; or rows do so that share
+    a stamp.
+
+    raw: the channels' readings. seconds: (n,) stamps as they were written.
+    """
+    for place, name in enumerate(sheet.names):
+        if place in taken or sheet.frame.iloc[:HEAD_ROWS, place].nunique() not in range(2, MANY):
+            continue
+        values, number, counts = np.unique(
+            sheet.text(place).to_numpy(str), return_inverse=True, return_counts=True
+        )
+        if not 1 < len(values) <= MANY or counts.min() <= LEAST * len(sheet.frame):
+            continue
+        if set(words_of(name)) & SENSOR_WORDS or _take_turns(number, len(values), raw):
+            return [
+                f"column {name} tells {len(values)} sensors apart ({', '.join(values)}): which of "
+                "them is to be read? Give a file with the rows of one"
+            ]
+    together = np.append(False, np.diff(seconds) == 0.0)
+    if together.mean() > LEAST:
+        first = np.flatnonzero(~together)
+        within = np.arange(len(seconds)) - np.repeat(first, np.diff([*first, len(seconds)]))
+        count = int(within.max()) + 1
+        if count <= MANY and _take_turns(within, count, raw):
+            return [
+                f"each stamp has {count} rows with readings of their own, as of {count} sensors in "
+                "one table: which of them is to be read? Give a file with the rows of one"
+            ]
+    return []
+
+
+def _take_turns(number: np.ndarray, count: int, raw: Mapping[str, np.ndarray]) -> bool:
+    """Whether rows (n,) of so many kinds come in turn, and read by far not the same.
+
+    Motion moves what is read from one kind to the other as it moves it back: it cancels.
+    """
+    if len(number) < 10 * count or np.mean(number[count:] == number[:-count]) < IN_TURN:
+        return False
+    for values in raw.values():
+        step, again = np.diff(values), values[count:] - values[:-count]
+        to, back = (step[number[1:] == k] for k in (1, 0))
+        to, back = to[np.isfinite(to)], back[np.isfinite(back)]
+        if min(len(to), len(back)) < 10:
+            continue
+        apart = 0.5 * abs(float(to.mean() - back.mean()))
+        chance = 0.5 * float(np.hypot(to.std() / len(to) ** 0.5, back.std() / len(back) ** 0.5))
+        if apart > max(6.0 * chance, UNLIKE * float(np.nanmedian(np.abs(again)))):
+            return True
+    return False

@@ -31,8 +31,8 @@ from schemas.text import Seen
 from storage.formats.checks import check_stream, first
 from storage.formats.convert import STANDARD_GRAVITY, Changes
 from storage.formats.logger import clocks
-from storage.formats.logger.columns import Column, find_columns, several_sensors
-from storage.formats.logger.no_data import without_marks
+from storage.formats.logger.columns import Column, find_columns
+from storage.formats.logger.no_data import several_sensors, without_marks
 from storage.formats.logger.scales import scale_of
 from storage.formats.logger.sheet import Sheet, read_sheet
 from storage.formats.logger.tables import readers

@@ -41,10 +41,8 @@ FEW = 0.01  # of the rows: as many cells without a number are left out, more are
 class Sheet:
     """The columns of a table as they were written.
 
-    names, units: of each column; empty units where none were written. frame: the rows. lines: the
-    number of the file's line of each row. preamble: what stands before the header. begun: lines in
-    which the header stands again. notes: what was left out or taken for granted. faults: what makes
-    rows unusable.
+    lines: of the file, of the rows of the frame. preamble: what stands before the header; begun:
+    lines in which that stands again. notes: what was left out. faults: what makes rows unusable.
     """
 
     path: Path
@@ -164,9 +162,8 @@ def _of_lines(path: Path, lines: list[str], separator: str | None = None) -> She
         data = [(n, ";".join(v for _, v in PAIR.findall(line))) for n, line in data]
         separator, count, units = ";", len(names), [""] * len(names)
     sheet = Sheet(path, names or [str(k + 1) for k in range(count)], units, _empty(), np.empty(0))
-    sheet.preamble, sheet.named = preamble, bool(names)
+    sheet.preamble, sheet.named, sheet.begun = preamble, bool(names), tuple(again)
     if again:
-        sheet.begun = tuple(again)
         sheet.notes.append(f"the header stands again in line {again[0]}: left out")
     data = _even(sheet, data, separator, count)
     if len(data) < 2:

@@ -156,8 +156,8 @@ def _across_breaks(understood: Understood) -> Understood:
     if not seen:
         return replace(understood, recording=recording)
     imported = dict((recording.manifest.model_extra or {})["imported"])
-    told = TypeAdapter(list[Seen]).dump_python(list(seen), mode="json")
-    imported[SEEN] = [*imported.get(SEEN, ()), *told]
+    seen_as_json = TypeAdapter(list[Seen]).dump_python(list(seen), mode="json")
+    imported[SEEN] = [*imported.get(SEEN, ()), *seen_as_json]
     manifest = recording.manifest.model_copy(update={"imported": imported})
     return replace(understood, recording=replace(recording, manifest=manifest))
 
