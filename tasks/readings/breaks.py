@@ -25,7 +25,7 @@ DENIED = 0.1  # of the rows after it that contradict their labels, as it was sta
 class Break:
     """row: the first after it; line: where it stands in the file. step: s between the stamps as
     they were written. began: whether the unit began anew. ran_on: whether its rows were taken to go
-    on at once.
+    on at once; else the step is as it was stamped.
     """
 
     row: int
@@ -52,7 +52,7 @@ def across_breaks(
     was_set, seen = list[Break](), list[Seen]()
     for one in sorted(breaks, key=lambda each: each.row):
         passed, within = _passed(recording, one) if one.ran_on else (0.0, 0.0)
-        if not one.ran_on and not one.began:
+        if not one.ran_on:
             running = _moved(recording, one.row, float(np.median(steps)) - one.step)
             if not _is_denied(recording, running, one.row):
                 continue
@@ -63,9 +63,8 @@ def across_breaks(
             continue
         recording, names, both = _without_shared(recording, one.row)
         seen.append(Seen("restarted", message(
-            "seen-restarted", line=one.line, seconds=f"{passed or max(one.step, 0.0):.2f}",
-            within=f"{within:.2f}", known="labels" if passed else "no" if one.ran_on else "stamps",
-            left=", ".join(names) or "none",
+            "seen-restarted", line=one.line, seconds=f"{passed:.2f}", within=f"{within:.2f}",
+            known="labels" if passed else "no", left=", ".join(names) or "none",
         ), names, "invalid" if both else "remarks"))  # fmt: skip
     if was_set:
         first = was_set[0]

@@ -20,22 +20,20 @@ COUNTERS = (2.0**16, 2.0**24, 2.0**32)
 # share of the rows after which a clock may be set; above it, rows are out of order
 SET_BACK = 1e-3
 BEGUN = 10.0  # s: a clock that shows less after a break has begun anew
-OFF = 0.3  # s without rows, at least, of a unit that was off
 FASTEST = 1e6  # Hz: rows that come faster are no samples of an inertial unit
 UNITS = (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
 
 
 @dataclass(frozen=True)
 class ClockBreak:
-    """row: the first one after it. step: s from the stamp before to that one as they were written.
-    began: whether the unit or its logger began anew there. ran_on: whether rows were taken to go on
-    one interval later, for the stamps do not tell what passed.
+    """row: the first one after it, taken to come one interval later, for stamps do not tell what
+    passed. step: s from the stamp before to that one as they were written. began: whether the unit
+    or its logger began anew there.
     """
 
     row: int
     step: float
     began: bool
-    ran_on: bool = True
 
 
 @dataclass(frozen=True)
@@ -126,15 +124,13 @@ def breaks_of(times: Times, moved_at: np.ndarray, begun_at: np.ndarray) -> tuple
     those before which the header stands again.
     """
     steps = np.diff(times.seconds)
-    usual = float(np.median(steps[steps > 0.0]))
-    again = [row for row in begun_at.tolist() if steps[row - 1] > max(OFF, 10.0 * usual)]
     anew = times.kind == "number" and times.seconds[0] >= 0.0
     return tuple(
         ClockBreak(
             row, float(steps[row - 1]),
-            row in begun_at or (anew and 0.0 <= times.seconds[row] < BEGUN), row in moved_at,
+            row in begun_at or (anew and 0.0 <= times.seconds[row] < BEGUN),
         )
-        for row in sorted({*moved_at.tolist(), *again})
+        for row in moved_at.tolist()
     )  # fmt: skip
 
 

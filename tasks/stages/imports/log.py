@@ -149,7 +149,7 @@ def _gravity(
 def _across_breaks(understood: Understood) -> Understood:
     """With the rows after breaks of the clock in their places, which the manifest says."""
     breaks = [
-        Break(one.row, int(understood.lines[one.row]), one.step, one.began, one.ran_on)
+        Break(one.row, int(understood.lines[one.row]), one.step, one.began, ran_on=True)
         for one in understood.breaks
     ]
     recording, seen = across_breaks(understood.recording, breaks, understood.lines)

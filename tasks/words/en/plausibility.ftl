@@ -97,7 +97,6 @@ seen-clock-set = The clock was set { $count ->
     } before line { $line } (by { $seconds } s) with no row missing: its steps were taken out.
 seen-restarted = The unit or its logger began anew before line { $line }: { $known ->
         [labels] by the labels after it { $seconds } s (± { $within } s) passed that nobody logged, and the rows after it were moved by that
-        [stamps] { $seconds } s passed by its clock
        *[no] how long it was off nothing tells, and rows go on at once
     }. Before and after it are two turn-ons, which share no bias{ $left ->
         [none] {""}

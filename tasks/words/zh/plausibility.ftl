@@ -94,7 +94,6 @@ seen-clock-set = 时钟{ $count ->
     } { $seconds } s，其间无缺行：时钟的跳变已去除。
 seen-restarted = 被校对象或其记录器在第 { $line } 行之前重新启动：{ $known ->
         [labels] 由其后的标注可知有 { $seconds } s（± { $within } s）未被记录，其后各行已相应后移
-        [stamps] 按其时钟经过 { $seconds } s
        *[no] 断开多久无从得知，各行视为连续
     }。其前后为两次通电，零偏不相同{ $left ->
         [none] {""}
