@@ -179,8 +179,14 @@ def _readings(
     """
     before = len(sheet.faults)
     raw = {c: sheet.numbers(one.place) for c, one in used.items() if c != "t"}
-    if _lack_whole_triads(raw):
+    shared = _rows_of_both(raw)
+    if shared is not None:
         del sheet.faults[before:]
+    if shared == 0:
+        sheet.faults.append(
+            "each row holds gyros or accelerometers, and none holds both: give one row for each "
+            "stamp, with all six"
+        )
     raw, seen = without_marks(_whole_triads(raw))
     stamped = "t" in used and sheet.is_numeric(used["t"].place)
     stamps = sheet.numbers(used["t"].place) if stamped else seconds
@@ -188,18 +194,13 @@ def _readings(
     return raw, seen
 
 
-def _lack_whole_triads(raw: Mapping[str, np.ndarray]) -> bool:
-    """Whether rows without numbers lack all of a triad, as of a sensor that is read less often, and
-    both are read in some: of rows with one sensor each nothing tells how their times belong.
+def _rows_of_both(raw: Mapping[str, np.ndarray]) -> int | None:
+    """How many rows hold both triads, where some lack a whole one, as of a sensor that is read less
+    often; None where rows lack a part of one.
     """
     lost = {c: np.isnan(values) for c, values in raw.items() if c in GYRO + ACCEL}
-    alike = all(
-        np.array_equal(lost[c], lost[triad[0]])
-        for triad in (GYRO, ACCEL)
-        for c in triad
-        if c in lost and triad[0] in lost
-    )
-    return bool(lost) and alike and not np.any(list(lost.values()), axis=0).all()
+    alike = all(np.array_equal(lost[c], lost.get(c[:-1] + "x", lost[c])) for c in lost)
+    return int((~np.any(list(lost.values()), axis=0)).sum()) if lost and alike else None
 
 
 def _whole_triads(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

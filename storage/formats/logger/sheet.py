@@ -185,17 +185,17 @@ def _begin(path: Path, head: list[str], given: str | None) -> tuple[int, str]:
     for separator in SEPARATORS if given is None else (given,):
         rows = [fields_of(line, separator) for line in head]
         counts = [sum(map(is_value, row)) if len(row) > 1 else 0 for row in rows]
-        values = [
-            n if n >= 2 and n >= 0.5 * sum(map(bool, row)) else 0
-            for n, row in zip(counts, rows, strict=True)
-        ]
+        every = zip(counts, rows, strict=True)
+        values = [n if n >= 2 and n >= 0.5 * sum(map(bool, row)) else 0 for n, row in every]
         if not any(values):
             continue
         usual = int(np.median([n for n in values if n]))
-        enough = [n > 0 and n >= 0.7 * usual for n in values]
-        first = next(
-            (k for k in range(len(enough)) if all(enough[k : k + RUN])), enough.index(True)
-        )
+        enough = [
+            n > 0 and n >= 0.7 * min(usual, sum(map(bool, row)) if len(row) >= usual else usual)
+            for n, row in zip(values, rows, strict=True)
+        ]
+        starts = (k for k in range(len(enough)) if all(enough[k : k + RUN]))
+        first = next(starts, enough.index(True))
         if separator == "," and best[0] and usual > best[0] and decimal_comma(head[first:]):
             continue
         if usual > best[0]:
