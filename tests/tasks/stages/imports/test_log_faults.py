@@ -45,7 +45,7 @@ def counts(one: Bench) -> np.ndarray:
 
 
 def understood(
-    folder: Path, one: Bench, values: np.ndarray, *, stamps: Sequence | None = None,
+    folder: Path, one: Bench, values: np.ndarray, *, stamps: np.ndarray | None = None,
     sign: str = ",", time: str = "t (s)", names: Sequence[str] = NAMES,
     header_before: int | None = None,
     units: dict[str, str] | None = None,
