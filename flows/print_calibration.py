@@ -9,6 +9,7 @@ from rich.text import Text
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
 from schemas.text import Validity, text_of, texts_of
+from tasks.certificate.remarks import once_for_all
 from tasks.specifications.items import item_title
 from tasks.words import known, message, say
 from tasks.words.quantities import unit_text
@@ -28,10 +29,10 @@ def print_calibration(calibration: Calibration) -> None:
         console.print(f"[yellow]{say(message('flows-not-determined'))}[/] ", end="")
         why = say(calibration.why_unavailable(name) or "")
         console.print(f"{say(item_title(name))}: {why}", markup=False)
-    for remark in calibration.remarks:
-        mark = "[red]![/]" if remark.blocks_pass else "[dim]·[/]"
+    for first, sentence in once_for_all(calibration.remarks):
+        mark = "[red]![/]" if first.blocks_pass else "[dim]·[/]"
         console.print(f"{mark} ", end="")
-        console.print(say(remark), markup=False)
+        console.print(say(sentence), markup=False)
 
 
 def _print_information(console: Console, calibration: Calibration) -> None:

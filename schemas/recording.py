@@ -23,6 +23,7 @@ ACCEL = ("accel_x", "accel_y", "accel_z")
 ANGLE = ("angle_x", "angle_y", "angle_z")
 TRIADS = (GYRO, ACCEL)
 SI_PER_UNIT = "si_per_unit"  # in `imported`: rad/s and m/s² that one of the source's units is
+SEEN = "seen"  # in `imported`: what stood out in the source's columns and stamps
 STREAMS = ("imu", "table", "reference", "environment")
 
 Axis = Literal["x", "y", "z"]

@@ -99,6 +99,18 @@ class Remark(Statement):
     run: RunVerdict = "valid"
 
 
+@dataclass(frozen=True)
+class Seen:
+    """What a reader saw in a file beside its numbers, for `tasks.readings` to say: a code, its
+    message, the segments that it holds for, and its consequence for the run.
+    """
+
+    code: str
+    message: Message
+    segments: tuple[str, ...] = ()
+    run: RunVerdict = "remarks"
+
+
 def text_fields(name: str, text: Statement, parts: Sequence[str] = PARTS) -> dict[str, Any]:
     """A text as the fields of a model: `name` in the main language, `name_…` in the other that the
     contracts name, `name_message`.

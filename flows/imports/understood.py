@@ -35,7 +35,7 @@ def print_understood(shown: LogShown) -> None:
     for note in shown.notes:
         print(f"· {note}")
     for doubt in shown.doubts:
-        print(f"! {say(doubt.sentence)}")
+        print(f"! {say(doubt)}")
     print(f"picture: {shown.picture}")
 
 
@@ -53,7 +53,7 @@ def understood_document(shown: LogShown) -> dict[str, Any]:
         "segments": [s.model_dump(mode="json", exclude_none=True) for s in shown.segments],
         "segments_found": shown.proposed,
         "notes": list(shown.notes),
-        "doubts": [say(doubt.sentence) for doubt in shown.doubts],
+        "doubts": [say(doubt) for doubt in shown.doubts],
         "picture": str(shown.picture),
     }
 

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration
@@ -43,6 +43,18 @@ def alike(remarks: Iterable[Remark]) -> list[list[Remark]]:
         key = (remark.code, remark.blocks_pass, remark.run, kind_of(remark))
         groups.setdefault(key if remark.segments else number, []).append(remark)
     return list(groups.values())
+
+
+def once_for_all(remarks: Iterable[Remark]) -> Iterator[tuple[Remark, Sayable]]:
+    """Remarks in order with their sentences; of those that hold for many segments the first, with
+    how many segments more there are.
+    """
+    for group in alike(remarks):
+        if len(group) <= FEW:
+            yield from ((remark, remark) for remark in group)
+            continue
+        more = {name for other in group[1:] for name in other.segments}
+        yield group[0], message("certificate-remark.alike", remark=group[0], count=len(more))
 
 
 def _remark(group: list[Remark], kinds: Mapping[str, str]) -> RemarkRow:

@@ -1,24 +1,22 @@
-"""One thing that a recording cannot be."""
+"""What is found on sight: one remark for each thing, made once, and shown by all in its words."""
 
-from dataclasses import dataclass
+from schemas.text import Remark, RunVerdict
+from tasks.words import Message, remark
 
-from tasks.words import Message
+# What makes everything else that a recording shows doubtful, and comes first.
+KINDS = ("time_unit", "gravity_removed", "force_unit", "rate_unit", "table_unit", "axes", "mount",
+         "column_exchanged", "column_copied", "labels_shifted", "rate_setting", "force_setting",
+         "clock_set", "restarted", "no_data", "held_rows",
+         "coarse_log")  # fmt: skip
 
-KINDS = ("time_unit", "gravity_removed", "force_unit", "rate_unit", "table_unit", "axes",
-         "labels_shifted")  # fmt: skip
 
-
-@dataclass(frozen=True)
-class Implausible:
-    """One thing that a recording cannot be.
-
-    kind: its catalogue name. sentence: what is wrong, by how much and how to import it right.
-    option: that of `mimucal import`, empty where none helps.
+def found_on_sight(
+    kind: str, sentence: Message, segments: tuple[str, ...] = (), run: RunVerdict = "invalid"
+) -> Remark:
+    """kind: its catalogue name. sentence: what is wrong, by how much, and how to import it right or
+    what to do; of an option that of `mimucal import`.
     """
-
-    kind: str
-    sentence: Message
-    option: str = ""
+    return remark(kind, sentence, segments, blocks_pass=run != "valid", run=run)
 
 
 def ratio_text(value: float) -> str:

@@ -37,18 +37,46 @@ class LabelShift:
     within: float
 
 
-def shift_of_labels(recording: Recording, gain: float = 1.0) -> LabelShift | None:
+def shift_of_labels(
+    recording: Recording, gain: float = 1.0, zero: np.ndarray | None = None
+) -> LabelShift | None:
     """The shift of all labels, or None where none is clear.
 
-    gain: what the gyros read of a rate, where that is known to be no scale factor.
+    gain: what the gyros read of a rate, where that is known to be no scale factor. zero: (3,) what
+    they read at rest, where other labels than these tell it.
     """
+    labels = _telling(recording)
+    if len(labels) < FEWEST or _fit_at_both_ends(recording, labels, gain):
+        return None
+    cost = _cost(recording, labels, gain, zero)
+    if cost is None:
+        return None
+    as_stated = float(cost(np.zeros(1))[0])
+    if as_stated < LEAST_COST:
+        return None
+    t = recording.imu.t
+    reach = min(REACH, 0.5 * float(t[-1] - t[0]))
+    least = max(SMALLEST, ROWS * float(np.median(np.diff(t))))
+    return _best(np.arange(-reach, reach + STEP, STEP), cost, as_stated, least)
+
+
+def share_against(recording: Recording, zero: np.ndarray | None) -> float | None:
+    """Which share of the rows contradicts the labels as they stand; None where few can tell."""
+    labels = _telling(recording)
+    cost = _cost(recording, labels, 1.0, zero) if len(labels) >= FEWEST else None
+    return None if cost is None else float(cost(np.zeros(1))[0])
+
+
+def _telling(recording: Recording) -> list[Segment]:
     labels = [s for s in recording.manifest.segments or () if s.kind in ("static", "rate")]
-    labels = [s for s in labels if s.kind == "static" or (s.axis and s.rate_deg_s)]
-    if len(labels) < FEWEST:
-        return None
-    if _fit_at_both_ends(recording, labels, gain):
-        return None
-    t, gyro, accel = _blocks(recording)
+    return [s for s in labels if s.kind == "static" or (s.axis and s.rate_deg_s)]
+
+
+def _cost(
+    recording: Recording, labels: list[Segment], gain: float, zero: np.ndarray | None
+) -> Callable[[np.ndarray], np.ndarray] | None:
+    """The share of rows against the labels, by shifts (k,) s of all of them."""
+    t, gyro, accel = _blocks(recording, zero)
     if len(t) < 2 or not np.isfinite(gyro).all(axis=1).mean() > 0.5:
         return None
     gyro = gyro / gain
@@ -56,6 +84,7 @@ def shift_of_labels(recording: Recording, gain: float = 1.0) -> LabelShift | Non
     span = np.array([(s.t_start, s.t_end) for s in labels])
     weight = np.diff(span, axis=1)[:, 0]
     counts = [np.concatenate([[0], np.cumsum(~one)]) for one in fits]
+    interval = max(float(np.median(np.diff(t))), 1e-9)
 
     def cost(shift: np.ndarray) -> np.ndarray:
         against = np.zeros(len(shift))
@@ -63,17 +92,12 @@ def shift_of_labels(recording: Recording, gain: float = 1.0) -> LabelShift | Non
             first = np.searchsorted(t, start + shift)
             last = np.maximum(np.searchsorted(t, end + shift), first)
             rows = last - first
-            expected = w / max(t[1] - t[0], 1e-9)
-            missing = np.maximum(expected - rows, 0.0)  # beyond the recording: against it
+            expected = w / interval
+            missing = np.maximum(expected - rows - 1.0, 0.0)  # beyond the recording: against it
             against += w * (wrong[last] - wrong[first] + missing) / np.maximum(expected, 1.0)
         return np.asarray(against / weight.sum())
 
-    as_stated = float(cost(np.zeros(1))[0])
-    if as_stated < LEAST_COST:
-        return None
-    reach = min(REACH, 0.5 * float(t[-1] - t[0]))
-    least = max(SMALLEST, ROWS * float(np.median(np.diff(recording.imu.t))))
-    return _best(np.arange(-reach, reach + STEP, STEP), cost, as_stated, least)
+    return cost
 
 
 def _best(
@@ -131,7 +155,9 @@ def _directed(accel: np.ndarray) -> np.ndarray:
     return np.where(size > 0, accel / np.where(size > 0, size, 1.0), np.nan)
 
 
-def _blocks(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _blocks(
+    recording: Recording, zero: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times, rates from rest and directions of force (m, 3), as means over BLOCK."""
     imu = recording.imu
     interval = float(np.median(np.diff(imu.t)))
@@ -144,7 +170,8 @@ def _blocks(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     for label in recording.manifest.segments or ():
         if label.kind == "static":
             at_rest |= (t >= label.t_start) & (t < label.t_end)
-    return t, _from_rest(gyro, at_rest), _directed(accel)
+    rate = _from_rest(gyro, at_rest) if zero is None else gyro - zero
+    return t, rate, _directed(accel)
 
 
 def _fits(label: Segment, gyro: np.ndarray, direction: np.ndarray) -> np.ndarray:

@@ -15,6 +15,11 @@ DEG = np.pi / 180.0
 SPARE = 2  # segments more than a matrix of rates needs: what they leave shows whether it fits
 FEW = 2  # segments that tell a unit
 VARIED = 0.1  # standard deviation of a component of up that shows how it is read
+NOT_SLOW = 0.2  # of the fastest rate: biases hide what is read of slower ones
+EVERY = 0.25  # s over which gyros and poses turn as far
+SLOW, FAST = 0.05, 0.5  # rad/s of a pose: it rests, and it turns by far more than biases
+MOSTLY = 0.9  # of a turn that is about one axis
+FEWEST_TURNS = 8  # that tell what an axis reads
 WHOLE = 0.5  # of a direction: labels that gravity contradicts are read as less, for they cancel
 
 
@@ -39,7 +44,7 @@ def segment_means(
         imu = recording.imu
         rows = [imu.rows(s.t_start, s.t_end) for s in segments]
         read = np.array([
-            [values.mean() if len(values) else np.nan for values in imu.views(GYRO + ACCEL, place)]
+            [_mean(values) for values in imu.views(GYRO + ACCEL, place)]
             for place in rows
         ]).reshape(-1, 6)  # fmt: skip
     static = np.array([s.kind == "static" for s in segments], bool)
@@ -50,6 +55,13 @@ def segment_means(
     ups = np.full((len(segments), 3), np.nan)
     ups[static] = _ups(recording, [s for s in segments if s.kind == "static"])
     return SegmentMeans(read[:, :3], read[:, 3:], rates, ups, static)
+
+
+def _mean(values: np.ndarray) -> float:
+    """Of what was read: rows without a triad say nothing."""
+    mean = float(values.mean()) if len(values) else np.nan
+    known = values[np.isfinite(values)] if np.isnan(mean) else values
+    return float(known.mean()) if len(known) else np.nan
 
 
 def _labelled_rate(segment: Segment) -> np.ndarray:
@@ -105,10 +117,55 @@ def matrix_of_directions(read: np.ndarray, up: np.ndarray) -> TriadMatrix | None
     return found
 
 
-def common_factor(matrix: TriadMatrix) -> float | None:
-    """The factor that all responses have in common; None where they differ."""
-    sizes = np.linalg.svd(matrix.reads, compute_uv=False)
-    if not sizes.min() > 0:
+def sizes_by_rates(means: SegmentMeans) -> np.ndarray:
+    """(r,) how much the gyros read of each rate that is not slow beside the fastest."""
+    rest = means.gyro[means.static] if means.static.any() else means.gyro
+    zero = np.nanmedian(rest, axis=0) if np.isfinite(rest).any() else np.zeros(3)
+    rate = np.linalg.norm(np.nan_to_num(means.rate), axis=1)
+    used = (rate > NOT_SLOW * rate.max(initial=0.0)) & np.isfinite(means.gyro).all(axis=1)
+    return np.asarray(np.linalg.norm(means.gyro[used] - zero, axis=1) / rate[used])
+
+
+def responses(matrix: TriadMatrix | None) -> np.ndarray:
+    """(r,) how much is read of each of the inputs that vary; (0,) of none."""
+    return np.zeros(0) if matrix is None else np.linalg.svd(matrix.reads, compute_uv=False)
+
+
+def sizes_beside_poses(recording: Recording) -> np.ndarray:
+    """(r,) how far the gyros turn over how far the poses do while each axis turns most, of those
+    axes that do so for long enough: whatever the pose's own axes are, both turn as far.
+    """
+    poses, imu = recording.reference, recording.imu
+    gyro = imu.stack(GYRO)
+    if poses is None or not np.isfinite(gyro).all():
+        return np.zeros(0)
+    at = np.arange(max(poses.t[0], imu.t[0]), min(poses.t[-1], imu.t[-1]), EVERY)
+    near = np.searchsorted(poses.t, at).clip(0, len(poses.t) - 1)
+    seconds = np.diff(poses.t[near])
+    q = poses.stack(("qw", "qx", "qy", "qz"), None)[near]
+    cosine = np.abs((q[1:] * q[:-1]).sum(axis=1) / np.linalg.norm(q[1:], axis=1))
+    turned = 2.0 * np.arccos(np.clip(cosine / np.linalg.norm(q[:-1], axis=1), 0.0, 1.0))
+    path = np.vstack([np.zeros(3), np.cumsum(
+        0.5 * (gyro[1:] + gyro[:-1]) * np.diff(imu.t)[:, None], axis=0
+    )])  # fmt: skip
+    read = np.array([np.diff(np.interp(poses.t[near], imu.t, way)) for way in path.T])
+    near_by = (seconds > 0.5 * EVERY) & (seconds < 2.0 * EVERY)
+    rate = turned / np.maximum(seconds, 1e-9)
+    slow = near_by & (rate < SLOW)
+    if slow.any():
+        read = read - np.median(read[:, slow] / seconds[slow], axis=1)[:, None] * seconds
+    size = np.linalg.norm(read, axis=0)
+    fast = near_by & (rate > FAST)
+    along = np.abs(read) > MOSTLY * size
+    each = [fast & along[k] for k in range(3)]
+    return np.array(
+        [np.median(size[one] / turned[one]) for one in each if one.sum() > FEWEST_TURNS]
+    )
+
+
+def common_factor(sizes: np.ndarray) -> float | None:
+    """The factor that all responses (r,) have in common; None where they differ."""
+    if not len(sizes) or not sizes.min() > 0:
         return None
     common = float(np.exp(np.log(sizes).mean()))
     return common if np.abs(np.log(sizes / common)).max() < NEAR else None

@@ -1,14 +1,94 @@
-"""Axes exchanged, inverted or turned as a whole."""
+"""Axes exchanged, inverted or turned as a whole, and columns of another sensor."""
 
 import numpy as np
 
-from schemas.recording import AXES
-from tasks.readings.axes import TriadMatrix, fitting
-from tasks.readings.implausible import Implausible
+from schemas.recording import AXES, GYRO
+from schemas.text import Remark
+from tasks.readings.axes import MATRICES, TriadMatrix, fitting
+from tasks.readings.implausible import found_on_sight
+from tasks.readings.segment_means import SegmentMeans, matrix_by_segments
 from tasks.words import Message, message
 
+ASLANT = np.radians(10.0)  # from the nearest axes: a label that says an axis is up is wrong
+ROTATION = 0.15  # by which the matrix of a unit that is turned may be none
+SAME = np.radians(8.0)  # between the turns that both triads show
+OF_FORCE = 0.2  # rad/s to either side, as gravity points: no gyro, which has 0.05 at the worst
+FOLLOWS = 0.95  # of the variance of a column, which gravity explains
+NOTHING = 0.2  # of what is read of the other inputs
 
-def wrong_axes(gyro: TriadMatrix | None, accel: TriadMatrix | None) -> Implausible | None:
+
+def turned_aslant(gyro: TriadMatrix | None, accel: TriadMatrix | None) -> Remark | None:
+    """A unit that is turned against the labels' axes by an angle that no exchange of axes is."""
+    turns = [turn for one in (gyro, accel) if one is not None and (turn := _turn(one)) is not None]
+    known = [one for one in (gyro, accel) if one is not None]
+    if not turns or len(turns) < len(known):
+        return None
+    turn = turns[0]
+    if len(turns) == 2 and _angle(turns[0].T @ turns[1]) > SAME:
+        return None
+    proper = [matrix for matrix in MATRICES if np.linalg.det(matrix) > 0]
+    if min(_angle(matrix.T @ turn) for matrix in proper) < ASLANT:
+        return None
+    about = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    about = about / max(float(np.linalg.norm(about)), 1e-9)
+    axis = ", ".join(f"{one:+.2f}" for one in about).replace("-", "−")
+    degrees = f"{np.degrees(_angle(turn)):.1f}"
+    return found_on_sight("mount", message("plausibility-mount", degrees=degrees, axis=axis))
+
+
+def _turn(found: TriadMatrix) -> np.ndarray | None:
+    """The rotation (3, 3) by which a triad reads its inputs; None where it is none, or where fewer
+    than two inputs tell it.
+    """
+    if found.directions.shape[1] < 2:
+        return None
+    left, sizes, right = np.linalg.svd(found.reads @ found.directions.T)
+    known = sizes[: found.directions.shape[1]]
+    if np.abs(np.log(np.maximum(known, 1e-9) / known.mean())).max() > ROTATION:
+        return None
+    if found.directions.shape[1] == 2:
+        right[2] *= np.linalg.det(left) * np.linalg.det(right)
+    turn = np.asarray(left @ right)
+    return turn if np.linalg.det(turn) > 0 else None
+
+
+def _angle(turn: np.ndarray) -> float:
+    return float(np.arccos(np.clip(0.5 * (np.trace(turn) - 1.0), -1.0, 1.0)))
+
+
+def columns_of_others(means: SegmentMeans, gyro: TriadMatrix | None) -> Remark | None:
+    """Columns that are not what they are called: a gyro's that follows gravity, or a triad that
+    reads nothing of one of its inputs.
+    """
+    rests = means.static & np.isfinite(means.up).all(axis=1)
+    force = matrix_by_segments(means.accel[rests], means.up[rests], 0.1, forces=False)
+    wrong = [message("plausibility-column-follows", channel=GYRO[c]) for c in _forces(means, rests)]
+    for triad, found in (("gyro", gyro), ("accel", force)):
+        if found is None or found.directions.shape[1] < len(AXES):
+            continue
+        sizes = np.linalg.norm(found.reads @ found.directions.T, axis=0)
+        wrong += [
+            message("plausibility-column-nothing", triad=triad, axis=AXES[k])
+            for k in np.flatnonzero(sizes < NOTHING * np.median(sizes))
+        ]
+    if not wrong:
+        return None
+    return found_on_sight("column_exchanged", message("plausibility-columns", what=tuple(wrong)))
+
+
+def _forces(means: SegmentMeans, rests: np.ndarray) -> list[int]:
+    """The gyros that follow gravity at rest."""
+    gyro, up = means.gyro[rests], means.up[rests]
+    columns = np.column_stack([np.ones(len(up)), up])
+    if len(up) <= columns.shape[1] or not np.isfinite(gyro).all():
+        return []
+    found = np.linalg.lstsq(columns, gyro, rcond=None)[0]
+    left, whole = (gyro - columns @ found).var(axis=0), gyro.var(axis=0)
+    size = np.linalg.norm(found[1:], axis=0)
+    return np.flatnonzero((size > OF_FORCE) & (left < (1.0 - FOLLOWS) * whole)).tolist()
+
+
+def wrong_axes(gyro: TriadMatrix | None, accel: TriadMatrix | None) -> Remark | None:
     """Axes exchanged or inverted in one triad, or alike in both."""
     choices = [None if one is None else fitting(one) for one in (gyro, accel)]
     wrong = [k for k, good in enumerate(choices) if good and not _is_identity(good[0])]
@@ -31,8 +111,8 @@ def wrong_axes(gyro: TriadMatrix | None, accel: TriadMatrix | None) -> Implausib
         reads.append(_reads(matrix, "both" if both else ("gyro", "accel")[k]))
     option = f"--axes {','.join(entries)}"
     value = _response((gyro, accel)[wrong[0]], chosen[wrong[0]])
-    return Implausible(
-        "axes", message("plausibility-axes", reads=tuple(reads), value=value, option=option), option
+    return found_on_sight(
+        "axes", message("plausibility-axes", reads=tuple(reads), value=value, option=option)
     )
 
 

@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.recording import GYRO, Recording, Segment
-from tasks.readings.implausible import Implausible
+from schemas.text import Remark
+from tasks.readings.implausible import found_on_sight
 from tasks.readings.segment_means import FEW, SegmentMeans, directions_of
 from tasks.words import message
 
@@ -21,7 +22,7 @@ AS_FAR = 2.5  # times: axes that turn together, noise
 
 def wrong_time(
     recording: Recording, segments: Sequence[Segment], means: SegmentMeans
-) -> Implausible | None:
+) -> Remark | None:
     """Times in a smaller unit than s: by the rates of encoders, by the way between rests, or by
     labels and streams of which one lasts a thousand times as long.
     """
@@ -44,13 +45,12 @@ def wrong_time(
     return None
 
 
-def _time_sentence(what: str, value: float, factor: float, option: str) -> Implausible:
+def _time_sentence(what: str, value: float, factor: float, option: str) -> Remark:
     unit = option.rpartition("=")[2]
-    return Implausible(
+    return found_on_sight(
         "time_unit",
         message("plausibility-time", what=what, value=f"{value:.4g}", factor=f"{factor:.0f}",
                 unit=unit, option=option),
-        option,
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from tasks.explain.search.candidates import columns_of
 from tasks.model.catalogue import catalogue
 from tasks.motion.whole import Motion
 from tasks.readings.codes import codes_put_right
+from tasks.readings.offset_binary import offset_taken_off
 from tasks.review.hypotheses import Effect, identity
 from tasks.review.run_statistics import layout_of
 from tasks.words import message, statement
@@ -36,6 +37,7 @@ def moved_elements(
     """
     if all(name in recording.imu.columns for name in ANGLE):
         return []
+    recording = offset_taken_off(recording)
     _, _, full = without_faults(recording, codes_put_right(recording))
     added = contribution(recording, full.motion, effect, values)
     before = by_clauses(recording, limits)

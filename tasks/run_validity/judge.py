@@ -6,7 +6,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from schemas.calibration import Item
 from schemas.text import Remark, Statement
-from tasks.readings.plausibility import implausible
+from tasks.readings.plausibility import on_sight
 from tasks.run_validity.clocks import clock_remarks, time_base_remarks
 from tasks.run_validity.codes import code_remarks
 from tasks.run_validity.encoders import encoder_remarks
@@ -40,10 +40,15 @@ def run_remarks(
     items: by whose uncertainties a drift is judged. Where the recording cannot be what it says,
     that comes first, and its consequences are not listed.
     """
-    wrong = tuple(plausibility_remarks(evidence))
+    of_all_rows = not evidence.accumulates and not any(s.left_out for s in evidence.segments)
+    read = evidence.means if of_all_rows else None
+    sight = on_sight(evidence.recording, evidence.labels, read)
+    if evidence.may_stand_still:  # rounding is no fault of its log
+        sight = tuple(one for one in sight if one.code != "coarse_log")
+    is_wrong = any(one.run == "invalid" for one in sight)
     return (
-        *wrong,
-        *(() if wrong else _of_readings(evidence, conditions, items)),
+        *sight,
+        *(() if is_wrong else _of_readings(evidence, conditions, items)),
         *environment_remarks(evidence, conditions),
         *unit_temperature_remarks(evidence),
         *supply_remarks(evidence),
@@ -68,14 +73,6 @@ def _of_readings(
     yield from clock_remarks(evidence)
     yield from time_base_remarks(evidence)
     yield from point_remarks(evidence, conditions)
-
-
-def plausibility_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
-    """What the recording cannot be: wrong units, axes and clocks make the run invalid."""
-    of_all_rows = not evidence.accumulates and not any(s.left_out for s in evidence.segments)
-    read = evidence.means if of_all_rows else None
-    for one in implausible(evidence.recording, evidence.labels, read):
-        yield remark(one.kind, one.sentence, blocks_pass=True, run="invalid")
 
 
 def station_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:

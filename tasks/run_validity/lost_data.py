@@ -11,7 +11,7 @@ from tasks.motion.samples import FARTHEST, covered, gaps
 from tasks.readings.stamps import in_packets
 from tasks.run_validity.remark import run_remark
 from tasks.segments.one_pass import extreme_steps
-from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
+from tasks.segments.summarise import CHANNELS, MIN_ROWS, SegmentMean, rows_of
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message
 from tasks.words.quantities import moment, plain
@@ -32,7 +32,7 @@ def lost_data_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     if recording.table is not None and not polled_within(recording):
         yield from _share("table", recording.table, segments)
     yield from _without_rows(recording)
-    yield from _null_rows(recording)
+    yield from _null_rows(recording, segments)
     yield from _table_gap(recording, segments)
 
 
@@ -100,8 +100,8 @@ def _without_rows(recording: Recording) -> Iterator[Remark]:
         yield run_remark("without_rows", *empty, count=len(empty), listed=listed)
 
 
-def _null_rows(recording: Recording) -> Iterator[Remark]:
-    """Labelled segments that a triad of the unit has null rows in: it is not taken there."""
+def _null_rows(recording: Recording, segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
+    """Labelled segments in which a triad has null rows, and was not taken for them."""
     imu = recording.imu
     measured = [s for s in recording.manifest.segments or () if s.kind in MEASURED]
     for triad in TRIADS:
@@ -112,7 +112,9 @@ def _null_rows(recording: Recording) -> Iterator[Remark]:
         counts = {
             s.name: int(np.isnan(values[imu.rows(s.t_start, s.t_end)]).sum()) for s in measured
         }
-        nulls = {name: count for name, count in counts.items() if count}
+        first = CHANNELS.index(triad[0])
+        taken = {s.segment.name for s in segments if np.isfinite(s.mean[first])}
+        nulls = {name: count for name, count in counts.items() if count and name not in taken}
         if nulls:
             yield run_remark(
                 "null_rows", *nulls, run="valid",

@@ -8,6 +8,7 @@ import numpy as np
 from schemas.recording import ANGLE, Recording
 from schemas.text import Remark
 from tasks.readings.robust import TO_SIGMA, median
+from tasks.readings.standing import coarse_where_it_moves, standing
 from tasks.run_validity.remark import run_remark
 from tasks.segments.summarise import (
     CHANNELS,
@@ -20,20 +21,18 @@ from tasks.words.quantities import plain
 
 Channels = tuple[str, ...]
 
-STUCK_SECONDS = 2.0
 OFF = 4.0  # robust standard deviations: 6 normal samples of 100,000 lie beyond
 LARGEST_SHARE = 0.005  # of a channel's samples that may be off
 # The first look: rows of all segments together, with a nearer reach and a smaller share.
 GLANCE_ROWS, GLANCE_OFF, GLANCE_SHARE = 10_000, 3.5, 0.002
 FEWEST = 3  # samples off: one or two of a short run lie there by chance
 HALF = 0.5  # of an output step, by which rounding may lower a median deviation
-ROUNDING = 1e-6  # of a step, by which the mean of one value may be off it
 
 
 def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     """What is wrong with single samples, segment by segment and in the whole run."""
     channels = evidence.channel_names
-    coarse = _coarse_where_it_moves(evidence)
+    coarse = coarse_where_it_moves(evidence.recording, evidence.labels)
     for segment in evidence.segments:
         yield from _corrupted(segment, channels)
         if not evidence.may_stand_still:
@@ -41,19 +40,6 @@ def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     yield from _coarse(evidence.segments, channels)
     if not evidence.may_stand_still:  # rounding is no outlier
         yield from _off(evidence)
-
-
-def _coarse_where_it_moves(evidence: ClauseEvidence) -> np.ndarray:
-    """Channels (6,) whose step is larger than their noise in most segments in which they move.
-
-    One that moves in none is coarse where it stands at different values.
-    """
-    if not evidence.segments:
-        return np.zeros(6, bool)
-    moves = np.array([s.deviation > ROUNDING * s.step for s in evidence.segments])
-    hidden = np.array([coarsely_quantised(s) for s in evidence.segments]) & moves
-    stands = [len(set(means)) > 1 for means in evidence.means.T.tolist()]
-    return np.where(moves.any(axis=0), hidden.sum(axis=0) > 0.5 * moves.sum(axis=0), stands)
 
 
 def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
@@ -136,37 +122,16 @@ def _stuck(
 ) -> Iterator[Remark]:
     """A channel that stood still where noise should have moved it.
 
-    coarse: (6,) channels whose step is larger than their noise in most segments: they may.
+    coarse: (6,) channels whose step is wider than their noise: they may, and are found on sight.
     """
-    if segment.segment.kind == "rotation":
-        return
-    interval = segment.seconds / segment.rows
-    shortest = min(max(20, round(STUCK_SECONDS / interval)), segment.rows)
     name = segment.segment.name
-    views = recording.imu.views(CHANNELS, segment.place)
-    # A run of `shortest` rows holds two neighbours of a sample that takes every half of it.
-    sample = np.array([values[:: max(1, shortest // 2)] for values in views])
-    repeats = (sample[:, 1:] == sample[:, :-1]).any(axis=1) | (sample.shape[1] == 1)
-    for channel in np.flatnonzero(repeats & np.isfinite(segment.mean)).tolist():
-        values = views[channel]
-        start, length = _longest_repeat(values)
-        if length < shortest:
-            continue
-        yield run_remark(
-            "stuck", name, run="remarks" if coarse[channel] else "invalid",
-            segment=name, channel=channels[channel],
-            value=f"{values[start]:.6g}", rows=length,
-            time=f"{recording.imu.t[segment.place.start + start]:.2f}",
-        )  # fmt: skip
-
-
-def _longest_repeat(values: np.ndarray) -> tuple[int, int]:
-    """First row and length of the longest run of one value."""
-    changes = np.flatnonzero(np.diff(values)) + 1
-    edges = np.concatenate(([0], changes, [len(values)]))
-    lengths = np.diff(edges)
-    longest = int(lengths.argmax())
-    return int(edges[longest]), int(lengths[longest])
+    for channel, start, length in standing(recording, segment.segment):
+        if not coarse[channel]:
+            yield run_remark(
+                "stuck", name, run="invalid", segment=name, channel=channels[channel],
+                value=f"{recording.imu.columns[CHANNELS[channel]][start]:.6g}", rows=length,
+                time=f"{recording.imu.t[start]:.2f}",
+            )  # fmt: skip
 
 
 def _coarse(segments: tuple[SegmentMean, ...], channels: Channels) -> Iterator[Remark]:

@@ -1,13 +1,13 @@
 """Segment means that transmission errors do not affect, with the components of their noise."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
+from schemas.recording import ACCEL, GYRO, MEASURED, TRIADS, Recording, Segment, Stream
 from tasks.readings.robust import TO_SIGMA, median
 from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import Pass, extreme_steps, one_pass
@@ -29,6 +29,7 @@ MOST_WIDENED = 0.5  # of the rows: more beside bursts are not left out for their
 NEAR_STEPS = 4.5  # steps of a coarse channel that its noise can reach
 STEP_ROWS = 8000  # rows that the step is looked for in
 MIN_ROWS = 4  # a segment with fewer has no mean to speak of
+FEW_LOST = 0.1  # of a segment in one stretch without a triad: else its mean is of another time
 LONGEST_BURST = 3  # rows: a corrupted frame or two; anything longer moved
 
 
@@ -194,9 +195,39 @@ def summarise(
     rows = imu.rows(segment.t_start, segment.t_end)
     if rows.stop <= rows.start:
         return None
+    step = steps(imu) if step is None else step
+    whole, own = _summary(imu, rows, segment, origin, step), imu.at(rows)
+    for triad in TRIADS:
+        if not np.isnan(whole.mean[CHANNELS.index(triad[0])]):
+            continue
+        read = np.isfinite(own.channels(triad, slice(0, len(own)))).all(axis=0)
+        if longest_run(~read) < FEW_LOST * len(read) and read.sum() >= MIN_ROWS:
+            found = _summary(own.at(read), slice(0, int(read.sum())), segment, origin, step)
+            whole = _with_triad(whole, found, [CHANNELS.index(c) for c in triad])
+    return whole
+
+
+def _with_triad(whole: SegmentMean, part: SegmentMean, own: list[int]) -> SegmentMean:
+    """A summary with the channels of a triad that was read in a part of the rows; as it is where
+    these are too few for the same blocks.
+    """
+    if part.blocks.shape != whole.blocks.shape or part.allan.shape != whole.allan.shape:
+        return whole
+    mine = np.isin(np.arange(len(CHANNELS)), own)
+    names = ("mean", "allan", "deviation", "far_rows")
+    merged = {name: np.where(mine, getattr(part, name), getattr(whole, name)) for name in names}
+    return replace(
+        whole, **merged, blocks=np.where(mine[:, None], part.blocks, whole.blocks),
+        left_out=max(whole.left_out, part.left_out),
+        longest_burst=max(whole.longest_burst, part.longest_burst),
+    )  # fmt: skip
+
+
+def _summary(
+    imu: Stream, rows: slice, segment: Segment, origin: Origin, step: np.ndarray
+) -> SegmentMean:
     t = imu.t[rows]
     values = imu.views(CHANNELS, rows)
-    step = steps(imu) if step is None else step
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
     left_out, longest_burst = 0, 0
     read = one_pass(values, _angle(t, segment))

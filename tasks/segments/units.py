@@ -3,7 +3,7 @@
 import numpy as np
 
 from schemas.recording import AXES
-from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS, SegmentMean
+from tasks.segments.summarise import GYRO_COLUMNS, SegmentMean
 
 
 def wrong_rate_unit(
@@ -31,20 +31,3 @@ def wrong_rate_unit(
                 f"write rate_deg_s in deg/s and the {columns} in {unit}, or import with --units"
             )
     return None
-
-
-def wrong_accel_unit(segments: tuple[SegmentMean, ...]) -> str | None:
-    """What is wrong with the unit of the accelerometers, as a sentence, or None.
-
-    In most rests that are labelled upright they read about 1: g, where m/s² is asked for.
-    """
-    rests = [s for s in segments if s.segment.kind == "static" and s.segment.up and s.has_accel]
-    sizes = [float(np.linalg.norm(s.mean[ACCEL_COLUMNS])) for s in rests]
-    in_g = [(s.segment, size) for s, size in zip(rests, sizes, strict=True) if 0.7 < size < 1.3]
-    if len(in_g) <= len(rests) / 2:
-        return None
-    first, size = in_g[0]
-    return (
-        f"the accelerometer columns read {size:.4g} in {first.name}, labelled {first.up} up: they "
-        "look like g; write m/s², or import with --units accel=g"
-    )

@@ -8,6 +8,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, MEASURED, Manifest, Recording, Segment, Stream
+from schemas.text import Remark
 from storage.catalogue.lineage import stated_day
 from storage.formats import recordings
 from storage.formats.checks import absent
@@ -15,15 +16,14 @@ from storage.formats.convert import Changes
 from storage.verify import StoreFault
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.codes import codes_put_right
-from tasks.readings.implausible import Implausible
-from tasks.readings.plausibility import implausible
+from tasks.readings.offset_binary import offset_taken_off
+from tasks.readings.plausibility import on_sight
 from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
 from tasks.segments.find import segments_of, up_of
-from tasks.segments.summarise import summarise_all
-from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
-from tasks.words import say
+from tasks.words import argument, say
 
+MIXED_UP = ("deg/s", "57.2958rad/s", "g")  # of columns in rad/s and m/s²: nothing is estimated
 LISTED = 5  # positions named in one sentence
 
 
@@ -55,16 +55,17 @@ def read(
 
 def doubts_of(recording: Recording) -> tuple[str, ...]:
     """Sentences on what a recording cannot be."""
-    rates = as_mean_rates(codes_put_right(with_instants(recording)))
-    found = implausible(rates, segments_of(rates))
-    return (*(say(one.sentence) for one in found), *label_doubts(rates, found))
+    rates, found = _on_sight(recording)
+    return (*map(say, found), *label_doubts(rates, found))
 
 
-def label_doubts(recording: Recording, found: Sequence[Implausible]) -> tuple[str, ...]:
+def label_doubts(recording: Recording, found: Sequence[Remark]) -> tuple[str, ...]:
     """Sentences on labels that share rows, and on positions that gravity contradicts where nothing
     that was found wrong with the whole recording may be why.
     """
-    contradicted = () if found else _contradicted_positions(recording)
+    contradicted = (
+        () if any(one.run == "invalid" for one in found) else _contradicted_positions(recording)
+    )
     return (*contradicted, *_overlapping_labels(recording))
 
 
@@ -130,9 +131,15 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
 
 
 def _wrong_unit(recording: Recording) -> str | None:
-    labels = tuple(s for s in recording.manifest.segments or () if s.kind in ("rate", "static"))
-    segments = summarise_all(codes_put_right(recording), labels, "label")
-    return wrong_rate_unit(segments) or wrong_accel_unit(segments)
+    """A sentence where rates or forces are in another of the two units that are mixed up most."""
+    found = _on_sight(recording)[1] if recording.manifest.segments else ()
+    return next((say(one) for one in found if argument(one, "unit") in MIXED_UP), None)
+
+
+def _on_sight(recording: Recording) -> tuple[Recording, tuple[Remark, ...]]:
+    """The recording put right, with rates, and all that is found of it on sight."""
+    right = as_mean_rates(codes_put_right(offset_taken_off(with_instants(recording))))
+    return right, (*right.put_right, *on_sight(right, segments_of(right)))
 
 
 def _missing_triad(manifest: Manifest, imu: Stream) -> str | None:

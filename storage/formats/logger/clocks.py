@@ -17,20 +17,35 @@ EPOCHS = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"), (1e8, 1.0,
 LATEST = 4e9  # s since 1970, in 2096
 RATES = (4.0, 2e4)  # Hz: how often inertial units are read
 COUNTERS = (2.0**16, 2.0**24, 2.0**32)
-# share of the rows after which a clock may be set back; above it, rows are out of order
+# share of the rows after which a clock may be set; above it, rows are out of order
 SET_BACK = 1e-3
+BEGUN = 10.0  # s: a clock that shows less after a break has begun anew
+FASTEST = 1e6  # Hz: rows that come faster are no samples of an inertial unit
 UNITS = (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
+
+
+@dataclass(frozen=True)
+class ClockBreak:
+    """row: the first one after it, taken to come one interval later, for stamps do not tell what
+    passed. step: s from the stamp before to that one as they were written. began: whether the unit
+    or its logger began anew there.
+    """
+
+    row: int
+    step: float
+    began: bool
 
 
 @dataclass(frozen=True)
 class Times:
     """seconds: (n,) of a clock; kind: how it counts (number, of day, epoch); unit: as written, or
-    found; NaN where a value is no time.
+    found; NaN where a value is no time. breaks: where the clock did not run on.
     """
 
     seconds: np.ndarray
     kind: str
     unit: str = "s"
+    breaks: tuple[ClockBreak, ...] = ()
 
 
 def of_text(text: "pd.Series") -> Times:
@@ -104,18 +119,38 @@ def apart(seconds: np.ndarray) -> tuple[np.ndarray, int]:
     return np.repeat(stamps, sizes) + within * np.repeat(steps / sizes, sizes), shared
 
 
-def running_on(seconds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Stamps (n,) s of a clock that runs on where it was set back, and the rows (k,) from which on
-    it was: the first of them came one interval after the row before, as far as can be known.
+def breaks_of(times: Times, moved_at: np.ndarray, begun_at: np.ndarray) -> tuple[ClockBreak, ...]:
+    """The breaks of stamps as they were written, by the rows from which on the clock was set, and
+    those before which the header stands again.
+    """
+    steps = np.diff(times.seconds)
+    anew = times.kind == "number" and times.seconds[0] >= 0.0
+    return tuple(
+        ClockBreak(
+            row, float(steps[row - 1]),
+            row in begun_at or (anew and 0.0 <= times.seconds[row] < BEGUN),
+        )
+        for row in moved_at.tolist()
+    )  # fmt: skip
 
-    Stamps stay as they are, and no row is named, where the next row is back in its place, or where
-    so many are: then rows are not in their order.
+
+def running_on(seconds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Stamps (n,) s of a clock that runs on where it was set, and the rows (k,) from which on it
+    was: the first of them came one interval after the row before, as far as can be known.
+
+    It was set where it falls, and where it leaps by more than a day. Stamps stay as they are, and
+    no row is named, where the next row is back in its place, or where so many are: then rows are
+    not in their order.
     """
     steps = np.diff(seconds)
-    back = np.flatnonzero(steps < 0.0) + 1
-    stays = seconds[np.minimum(back + 1, len(seconds) - 1)] < seconds[back - 1]
-    if not len(back) or not stays.all() or len(back) > max(1.0, SET_BACK * len(seconds)):
-        return seconds, back[:0]
+    back, ahead = steps < 0.0, steps > DAY_S
+    moved_at = np.flatnonzero(back | ahead) + 1
+    falls = np.flatnonzero(back) + 1
+    stays = seconds[np.minimum(falls + 1, len(seconds) - 1)] < seconds[falls - 1]
+    usual = np.median(steps[~ahead & (steps > 0.0)]) if (~ahead & (steps > 0.0)).any() else 0.0
+    few = len(moved_at) <= max(1.0, SET_BACK * len(seconds))
+    if not len(moved_at) or not stays.all() or not few or not usual > 0.0:
+        return seconds, moved_at[:0]
     moved = np.zeros(len(seconds))
-    moved[back] = np.median(steps[steps > 0.0]) - steps[back - 1]
-    return seconds + np.cumsum(moved), back
+    moved[moved_at] = usual - steps[moved_at - 1]
+    return seconds + np.cumsum(moved), moved_at

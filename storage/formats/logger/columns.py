@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-import numpy as np
-
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO
 from storage.formats.logger.sheet import Sheet
 from storage.formats.logger.units import plain, quantity_of
@@ -41,8 +39,6 @@ NO_TIME = {
     "zone", "week", "relative", "delta", "dt", "age", "location", "gps", "heading", "offset",
     "battery", "activity", "pedometer", "altimeter", "integral",
 }  # fmt: skip
-SENSOR_WORDS = {"id", "sensor", "device", "node", "address", "imu", "source"}
-MANY, LEAST = 8, 0.05  # most sensors in a file, and the smallest share of its rows that one has
 WARM = {"temp", "temperature", "tmp"}
 BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
@@ -133,21 +129,6 @@ def _clocks(sheet: Sheet, taken: set[int]) -> list[Column]:
     ]  # fmt: skip
 
 
-def several_sensors(sheet: Sheet, taken: set[int]) -> list[str]:
-    """A sentence where a column that is not read tells rows of several sensors apart."""
-    found = []
-    for place, name in enumerate(sheet.names):
-        if place in taken or not set(_words(name)) & SENSOR_WORDS:
-            continue
-        values, counts = np.unique(sheet.text(place).to_numpy(str), return_counts=True)
-        if 1 < len(values) <= MANY and counts.min() > LEAST * len(sheet.frame):
-            found.append(
-                f"column {name} tells {len(values)} sensors apart ({', '.join(values[:MANY])}): "
-                "give a file with the rows of one"
-            )
-    return found
-
-
 def _given(sheet: Sheet, channel: str, text: str) -> Column | None:
     wanted = text.strip()
     folded = [name.casefold() for name in sheet.names]
@@ -187,14 +168,14 @@ def _named_unit(sheet: Sheet, place: int) -> tuple[str, str]:
     return bare, unit
 
 
-def _words(name: str) -> list[str]:
+def words_of(name: str) -> list[str]:
     return [word.lower() for word in WORD.findall(name)]
 
 
 def _candidates(sheet: Sheet, place: int) -> list[Column]:
     """What a column may be, by its words and its unit."""
     bare, unit = _named_unit(sheet, place)
-    name, words = sheet.names[place], _words(bare)
+    name, words = sheet.names[place], words_of(bare)
     quantity = quantity_of(unit)
     made: list[Column] = []
     is_exact = bare.lower().replace(" ", "") in EXACT_TIME

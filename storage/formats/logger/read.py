@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from schemas.base import Unusable
 from schemas.recording import (
@@ -18,6 +19,7 @@ from schemas.recording import (
     ANGLE,
     FORMAT,
     GYRO,
+    SEEN,
     SI_PER_UNIT,
     Manifest,
     Recording,
@@ -25,10 +27,12 @@ from schemas.recording import (
     Stream,
     Unit,
 )  # fmt: skip
+from schemas.text import Seen
 from storage.formats.checks import check_stream, first
 from storage.formats.convert import STANDARD_GRAVITY, Changes
 from storage.formats.logger import clocks
-from storage.formats.logger.columns import find_columns, several_sensors
+from storage.formats.logger.columns import Column, find_columns
+from storage.formats.logger.no_data import several_sensors, without_marks
 from storage.formats.logger.scales import scale_of
 from storage.formats.logger.sheet import Sheet, read_sheet
 from storage.formats.logger.tables import readers
@@ -61,7 +65,8 @@ class Understood:
     """A recording made of a logger's table, and what was understood of it.
 
     rows: of each channel. notes: what was taken for granted or left out. gravity: m/s² of one g
-    and of the place. mapping: what --like repeats.
+    and of the place. mapping: what --like repeats. breaks: where the clock did not run on; lines:
+    of the file, (n,) of the rows.
     """
 
     recording: Recording
@@ -69,6 +74,8 @@ class Understood:
     notes: tuple[str, ...]
     gravity: float
     mapping: Mapping[str, object]
+    breaks: tuple[clocks.ClockBreak, ...]
+    lines: np.ndarray
 
 
 def is_log(path: Path) -> bool:
@@ -107,9 +114,7 @@ def read_log(
         rows.append(ChannelRead("t", timing.column.name, timing.times.unit, timing.how))
         used["t"] = timing.column
     labels = timing.protocol
-    raw = {c: sheet.numbers(one.place) for c, one in used.items() if c != "t"}
-    raw = _whole_triads(raw)
-    sheet.faults += several_sensors(sheet, {one.place for one in used.values()})
+    raw, seen = _readings(sheet, used, timing.times.seconds)
     if protocol_path is not None:
         sheet.faults += [f"{protocol_path.name}: {fault}" for fault in labels.faults]
         notes += [f"{protocol_path.name}: {note}" for note in labels.notes]
@@ -152,12 +157,50 @@ def read_log(
         "imported": {
             "source": path.name, "source_sha256": source, **changes.as_fields(), **mapping,
             SI_PER_UNIT: {n: scales[c].factor for n, c in _one_of_each(scales).items()},
+            **({SEEN: TypeAdapter(list[Seen]).dump_python(seen, mode="json")} if seen else {}),
         },
         **({"acquired_at": _moment(timing.origin)} if timing.times.kind == "epoch" else {}),
     })  # fmt: skip
     check_controls(manifest.model_dump(mode="json"), str(path))
     recording = Recording(manifest, stream)
-    return Understood(recording, tuple(rows), (*sheet.notes, *notes), gravity, mapping)
+    return Understood(
+        recording, tuple(rows), (*sheet.notes, *notes), gravity, mapping, timing.times.breaks,
+        sheet.lines,
+    )  # fmt: skip
+
+
+def _readings(
+    sheet: Sheet, used: Mapping[str, Column], seconds: np.ndarray
+) -> tuple[dict[str, np.ndarray], list[Seen]]:
+    """The channels as they were written, without what is no reading; what is wrong with them is
+    added to the sheet's faults.
+
+    seconds: (n,) of the rows, where no column of numbers tells their stamps.
+    """
+    before = len(sheet.faults)
+    raw = {c: sheet.numbers(one.place) for c, one in used.items() if c != "t"}
+    shared = _rows_of_both(raw)
+    if shared is not None:
+        del sheet.faults[before:]
+    if shared == 0:
+        sheet.faults.append(
+            "each row holds gyros or accelerometers, and none holds both: give one row for each "
+            "stamp, with all six"
+        )
+    raw, seen = without_marks(_whole_triads(raw))
+    stamped = "t" in used and sheet.is_numeric(used["t"].place)
+    stamps = sheet.numbers(used["t"].place) if stamped else seconds
+    sheet.faults += several_sensors(sheet, {one.place for one in used.values()}, raw, stamps)
+    return raw, seen
+
+
+def _rows_of_both(raw: Mapping[str, np.ndarray]) -> int | None:
+    """How many rows hold both triads, where some lack a whole one, as of a sensor that is read less
+    often; None where rows lack a part of one.
+    """
+    lost = {c: np.isnan(values) for c, values in raw.items() if c in GYRO + ACCEL}
+    alike = all(np.array_equal(lost[c], lost.get(c[:-1] + "x", lost[c])) for c in lost)
+    return int((~np.any(list(lost.values()), axis=0)).sum()) if lost and alike else None
 
 
 def _whole_triads(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

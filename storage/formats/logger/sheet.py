@@ -41,9 +41,8 @@ FEW = 0.01  # of the rows: as many cells without a number are left out, more are
 class Sheet:
     """The columns of a table as they were written.
 
-    names, units: of each column; empty units where none were written. frame: the rows. lines: the
-    number of the file's line of each row. preamble: what stands before the header. notes: what was
-    left out or taken for granted. faults: what makes rows unusable.
+    lines: of the file, of the rows of the frame. preamble: what stands before the header; begun:
+    lines in which that stands again. notes: what was left out. faults: what makes rows unusable.
     """
 
     path: Path
@@ -53,6 +52,7 @@ class Sheet:
     lines: np.ndarray
     preamble: str = ""
     named: bool = True
+    begun: tuple[int, ...] = ()
     notes: list[str] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
 
@@ -162,7 +162,7 @@ def _of_lines(path: Path, lines: list[str], separator: str | None = None) -> She
         data = [(n, ";".join(v for _, v in PAIR.findall(line))) for n, line in data]
         separator, count, units = ";", len(names), [""] * len(names)
     sheet = Sheet(path, names or [str(k + 1) for k in range(count)], units, _empty(), np.empty(0))
-    sheet.preamble, sheet.named = preamble, bool(names)
+    sheet.preamble, sheet.named, sheet.begun = preamble, bool(names), tuple(again)
     if again:
         sheet.notes.append(f"the header stands again in line {again[0]}: left out")
     data = _even(sheet, data, separator, count)
@@ -185,17 +185,17 @@ def _begin(path: Path, head: list[str], given: str | None) -> tuple[int, str]:
     for separator in SEPARATORS if given is None else (given,):
         rows = [fields_of(line, separator) for line in head]
         counts = [sum(map(is_value, row)) if len(row) > 1 else 0 for row in rows]
-        values = [
-            n if n >= 2 and n >= 0.5 * sum(map(bool, row)) else 0
-            for n, row in zip(counts, rows, strict=True)
-        ]
+        every = zip(counts, rows, strict=True)
+        values = [n if n >= 2 and n >= 0.5 * sum(map(bool, row)) else 0 for n, row in every]
         if not any(values):
             continue
         usual = int(np.median([n for n in values if n]))
-        enough = [n > 0 and n >= 0.7 * usual for n in values]
-        first = next(
-            (k for k in range(len(enough)) if all(enough[k : k + RUN])), enough.index(True)
-        )
+        enough = [
+            n > 0 and n >= 0.7 * min(usual, sum(map(bool, row)) if len(row) >= usual else usual)
+            for n, row in zip(values, rows, strict=True)
+        ]
+        starts = (k for k in range(len(enough)) if all(enough[k : k + RUN]))
+        first = next(starts, enough.index(True))
         if separator == "," and best[0] and usual > best[0] and decimal_comma(head[first:]):
             continue
         if usual > best[0]:

@@ -23,6 +23,8 @@ RATE_IN_TEXT = re.compile(
     r"(?:sampl\w*|update|output|data)[ _]*rate\D{0,20}?(\d+\.?\d*)\s*hz|\bodr\D{0,10}(\d+\.?\d*)",
     re.IGNORECASE,
 )
+BY_INTERVAL = "by the interval of the rows"
+LONGER = 1.3  # times as long as the rows: a protocol that lasts that long tells their unit
 LATE_START_S = 1000.0  # a clock that begins later is counted from its first row
 
 
@@ -72,10 +74,29 @@ def timed(
                 one.protocol = protocol.read(
                     path, one.times, one.origin, shift, is_timed=not one.faults
                 )
+                if how == BY_INTERVAL and not faults:
+                    one.faults += _ticks(one)
         if one.is_good:
             return one
         tried.append(one)
     return next((one for one in tried if one.times is not None), tried[0])
+
+
+def _ticks(found: Timing) -> list[str]:
+    """A sentence where a unit that nobody stated does not fit what the protocol lasts."""
+    assert found.times is not None
+    assert found.column is not None
+    lines, seconds = found.protocol.segments, found.times.seconds
+    lasts, step = float(seconds[-1]) - found.origin, _step(found.times)
+    shortest = min((line.t_end - line.t_start for line in lines), default=np.inf)
+    until = max((line.t_end for line in lines), default=0.0)
+    if until < LONGER * lasts and shortest > step:
+        return []
+    return [
+        f"column {found.column.name}: as {found.times.unit} the rows last {lasts:.4g} s, which the "
+        "protocol does not fit: it may count ticks of the unit's own clock; give the rate of the "
+        "rows, as --units t=100Hz, or the unit, as --units t=ms"
+    ]
 
 
 def _times(
@@ -105,7 +126,7 @@ def _times(
     stated_unit = next((u for u in (column.unit, column.name) if plain(u) in clocks.TIME), "")
     given = unit or stated_unit
     times = clocks.of_numbers(values, given, column.name)
-    how = "--units" if unit else "header" if given else "by the interval of the rows"
+    how = "--units" if unit else "header" if given else BY_INTERVAL
     if times is None and stated:
         usual = float(np.median(np.diff(values)))
         factor = 1.0 / (float(stated[1] or stated[2]) * usual)
@@ -160,14 +181,10 @@ def _checked(sheet: Sheet, column: Column, times: Times, notes: list[str]) -> Ti
             "--units t=100Hz"
         )
         return replace(times, seconds=np.arange(len(seconds)) * 0.01)
-    running, set_back = clocks.running_on(seconds)
-    if len(set_back):
-        seconds = running
-        notes.append(
-            f"the clock was set back {len(set_back)} times (line {sheet.lines[set_back[0]]}): rows "
-            "are taken to go on one interval after the row before; times in a protocol after that "
-            "are on the clock as it ran on"
-        )
+    running, moved_at = clocks.running_on(seconds)
+    begun_at = np.searchsorted(sheet.lines, sheet.begun)
+    times = replace(times, breaks=clocks.breaks_of(times, moved_at, begun_at))
+    seconds = running
     spread, shared = clocks.apart(seconds)
     back = np.flatnonzero(np.diff(spread) <= 0)
     if len(back):
@@ -177,6 +194,12 @@ def _checked(sheet: Sheet, column: Column, times: Times, notes: list[str]) -> Ti
         )
     elif shared:
         notes.append(f"{shared} rows share a stamp with another: spread evenly until the next")
+    usual = float(np.median(np.diff(spread)))
+    if not len(back) and 0.0 < usual < 1.0 / clocks.FASTEST:
+        sheet.faults.append(
+            f"column {column.name}: rows are {usual:.2g} s apart as {times.unit}, and no inertial "
+            "unit is read so often; give the right one, as --units t=s or t=ms"
+        )
     if spread[-1] - spread[0] > MAX_TIME_S:
         sheet.faults.append(
             f"column {column.name} lasts {(spread[-1] - spread[0]) / 86400:.0f} days as "

@@ -126,7 +126,7 @@ def _longest(evidence: ClauseEvidence, triad: slice) -> list[SegmentMean]:
         s
         for s in (evidence.segments[i] for i in evidence.of_kind("static"))
         if s.left_out == 0
-        and np.isfinite(s.mean[triad]).all()
+        and np.isfinite(evidence.recording.imu.views(CHANNELS[triad], s.place)).all()
         and (s.rows < 2 or s.intervals[1] < GAP * s.seconds / s.rows)
     ]
     longest = max((s.seconds for s in whole), default=0.0)

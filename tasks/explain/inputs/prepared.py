@@ -29,13 +29,21 @@ from tasks.motion.whole import Motion
 from tasks.readings.codes import codes_put_right
 from tasks.readings.label_shift import shift_of_labels
 from tasks.readings.lattice import quantiser_of
-from tasks.readings.plausibility import implausible
-from tasks.readings.rows import empty_remarks, rows_without_readings, without_readings_removed
+from tasks.readings.offset_binary import offset_taken_off
+from tasks.readings.plausibility import on_sight
+from tasks.readings.rows import (
+    empty_remarks,
+    rows_without_readings,
+    runs,
+    without_readings_removed,
+)
 from tasks.readings.stamps import with_instants
 from tasks.segments.find import segments_of
 from tasks.words import Sayable, say
 
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
+THINNED = 0.1  # of the rows, at least, that lack a triad, and that have both
+SCATTERED = 100  # rows without it in one stretch: more, and it was not recorded there
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
 
 
@@ -111,15 +119,16 @@ def prepare(
     Raises Unusable where the recording tells no motion or is too short.
     """
     report_progress(progress, "motion")
-    recorded = as_mean_rates(with_instants(recording))
+    recorded = _rows_of_both(as_mean_rates(with_instants(offset_taken_off(recording))))
     right = codes_put_right(recorded)
     empty = rows_without_readings(right)
     recorded, right = (without_readings_removed(one, empty) for one in (recorded, right))
-    on_sight = implausible(right, segments_of(right))
-    if any(one.kind == "time_unit" for one in on_sight):
+    sight = on_sight(right, segments_of(right))
+    if any(one.code == "time_unit" for one in sight):
         name = recording.manifest.recording_id
-        raise Unusable(f"recording {name}: {say(on_sight[0].sentence)}")
-    if any(one.kind == "labels_shifted" for one in on_sight):
+        first = next(one for one in sight if one.code == "time_unit")
+        raise Unusable(f"recording {name}: {say(first)}")
+    if any(one.code == "labels_shifted" for one in sight):
         shift = shift_of_labels(right)
         if shift is not None:
             recorded, right = (moved_labels(one, shift) for one in (recorded, right))
@@ -132,7 +141,7 @@ def prepare(
         full = full_rate(right)
     on_reading: tuple[Sayable, ...] = (
         *right.put_right,
-        *(one.sentence for one in on_sight),
+        *sight,
         *empty_remarks(recorded.imu.t, empty),
     )
     full = replace(full, remarks=(*on_reading, *full.remarks, *on_turn))
@@ -149,6 +158,17 @@ def prepare(
         clean = replace(clean, readings=clean.readings - reference.beyond_ideal(full.motion))
     as_stamped = _as_stamped(full, clean.motion, delay)
     return Prepared(recorded, faults, right, as_stamped, clean, delay, events, masked, reference)
+
+
+def _rows_of_both(recording: Recording) -> Recording:
+    """The rows with both triads, where one is read so much less often than the other: what depends
+    on neighbouring rows has none otherwise.
+    """
+    lost = [np.isnan(recording.imu.columns[c]) for c in CHANNELS if c in recording.imu.columns]
+    read = ~np.any(lost, axis=0) if lost else np.ones(len(recording.imu), bool)
+    longest = max((run.stop - run.start for run in runs(~read)), default=0)
+    is_thin = THINNED < read.mean() < 1.0 - THINNED and longest < SCATTERED
+    return replace(recording, imu=recording.imu.at(read)) if is_thin else recording
 
 
 def without_faults(

@@ -121,7 +121,7 @@ def vibration(variance: np.ndarray, segment: np.ndarray, speed: np.ndarray) -> n
 
 def _power_law(speeds: np.ndarray, beyond: np.ndarray, u: np.ndarray) -> tuple[float, float] | None:
     """Factor and exponent of c·speed^n; a whole n where it does as well. None: it is no power."""
-    if len(np.unique(np.round(speeds, 2))) < MIN_SPEEDS:
+    if len(np.unique(np.round(speeds, 2))) < MIN_SPEEDS or not (u > 0.0).all():
         return None
     powers = speeds[:, None] ** EXPONENTS / u[:, None]
     factors = (powers * (beyond / u)[:, None]).sum(axis=0) / (powers**2).sum(axis=0)

@@ -6,17 +6,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from schemas.base import Unusable
-from schemas.recording import ACCEL, AXES, GYRO, UPS, Recording, Segment, Station, Unit
+from schemas.recording import ACCEL, AXES, GYRO, SEEN, UPS, Recording, Segment, Station, Unit
+from schemas.text import Remark, Seen
 from storage import settings
 from storage.catalogue import run_index, runs
 from storage.formats.convert import Changes, axis_map
 from storage.formats.logger.read import Understood, read_log
 from storage.home import Home
 from storage.whole_files import writing_in_home
-from tasks.readings.implausible import Implausible
-from tasks.readings.plausibility import implausible
+from tasks.readings.breaks import Break, across_breaks
+from tasks.readings.codes import codes_put_right
+from tasks.readings.offset_binary import offset_taken_off
+from tasks.readings.plausibility import on_sight
+from tasks.readings.stamps import with_instants
 from tasks.readings.turns import steady_turns
 from tasks.rendering.chart import GREY, draw, envelope, time_axis
 from tasks.run_validity.site import normal_gravity
@@ -45,7 +50,7 @@ class LogShown:
 
     understood: Understood
     proposed: bool
-    doubts: tuple[Implausible, ...]
+    doubts: tuple[Remark, ...]
     notes: tuple[str, ...]
     picture: Path
 
@@ -93,12 +98,14 @@ def understand(
     notes = [*source]
     place = (station or Station(id="unknown")).model_copy(update={"gravity_m_s2": gravity})
     understood = read_log(path, protocol, columns, changes, station=place, unit=unit)
+    understood = _across_breaks(understood)
     if protocol is None:
         understood = _with_segments(understood)
         notes.append("no protocol: rests and turns were found; rates are proposals")
     recording = understood.recording
     labels = recording.manifest.segments or ()
-    doubts = implausible(recording, labels) if labels else ()
+    right = codes_put_right(offset_taken_off(with_instants(recording)))
+    doubts = (*right.put_right, *on_sight(right, labels))
     notes += _missing_positions(recording)
     notes += label_doubts(recording, doubts)
     return LogShown(
@@ -137,6 +144,22 @@ def _gravity(
         gravity = round(normal_gravity(laboratory.latitude_deg), 5)
         return gravity, (f"g is {gravity:g} m/s², normal gravity at the laboratory's latitude",)
     return None, ()
+
+
+def _across_breaks(understood: Understood) -> Understood:
+    """With the rows after breaks of the clock in their places, which the manifest says."""
+    breaks = [
+        Break(one.row, int(understood.lines[one.row]), one.step, one.began, ran_on=True)
+        for one in understood.breaks
+    ]
+    recording, seen = across_breaks(understood.recording, breaks, understood.lines)
+    if not seen:
+        return replace(understood, recording=recording)
+    imported = dict((recording.manifest.model_extra or {})["imported"])
+    seen_as_json = TypeAdapter(list[Seen]).dump_python(list(seen), mode="json")
+    imported[SEEN] = [*imported.get(SEEN, ()), *seen_as_json]
+    manifest = recording.manifest.model_copy(update={"imported": imported})
+    return replace(understood, recording=replace(recording, manifest=manifest))
 
 
 def _with_segments(understood: Understood) -> Understood:
@@ -194,7 +217,8 @@ def draw_recording(recording: Recording, path: Path) -> Path:
                     axes.plot(band.t, band.high, color=colour, lw=0.8)
             axes.set_ylabel(unit)
             axes.tick_params(colors=GREY)
-            axes.legend(loc="upper right", ncols=3)
+            if axes.lines:
+                axes.legend(loc="upper right", ncols=3)
         every[-1].set_xlim(imu.t[0], imu.t[-1])
         time_axis(every[-1], MAIN)
 

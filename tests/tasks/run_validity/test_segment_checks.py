@@ -13,7 +13,7 @@ from schemas.text import Remark
 from storage.catalogue import runs
 from storage.home import Home
 from tasks.segments.summarise import summarise_all
-from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
+from tasks.segments.units import wrong_rate_unit
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.items_only import items_only
 
@@ -214,18 +214,6 @@ def test_overlapping_segments_are_named(ideal_run) -> None:
     (remark,) = remarks(recording, "overlapping_segments")
     assert set(remark.segments) == {"position_+x_000", "position_+x_180"}
     assert remark.blocks_pass
-
-
-def test_accelerometers_in_g_are_refused_with_the_unit_they_look_like(ideal_run) -> None:
-    recording = ideal_run()
-    labels = recording.manifest.segments
-    columns = {
-        name: values / 9.78 if name.startswith("accel") else values
-        for name, values in recording.imu.columns.items()
-    }
-    in_g = replace(recording, imu=Stream(recording.imu.t, columns))
-    assert "look like g" in wrong_accel_unit(summarise_all(in_g, labels, "label"))
-    assert wrong_accel_unit(summarise_all(recording, labels, "label")) is None
 
 
 @pytest.mark.parametrize(("beyond", "named"), [(0.4, 0), (500.0, 1)])

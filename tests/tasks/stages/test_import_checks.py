@@ -14,6 +14,8 @@ from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from tasks.stages.import_checks import faults_of, read
 from tests.manifests import manifest_of
+from tests.tasks.readings.makers.bench import bench
+from tests.tasks.readings.makers.recorded import recorded
 
 ROWS = 40
 RATE = {"kind": "rate", "axis": "x", "rate_deg_s": 10.0}
@@ -70,6 +72,21 @@ def test_item_without_its_triad_is_refused_with_the_path(
 def test_item_with_one_segment_that_serves_is_taken(write: Write) -> None:
     path = write(GYRO, slice(0, 8), RATE | {"t_end": 0.05}, RATE | {"t_start": 0.1})
     assert read(path).manifest.segments
+
+
+@pytest.mark.parametrize(
+    ("factors", "unit"), [((180.0 / np.pi, 1.0), "gyro=deg/s"), ((1.0, 1.0 / 9.80665), "accel=g")]
+)
+def test_a_unit_that_is_mixed_up_is_refused_with_the_one_it_looks_like(
+    tmp_path: Path, factors: tuple[float, float], unit: str
+) -> None:
+    made = bench(3, hertz=25.0, dwell=4.0, rates=(40.0,), turns=(0.0,))
+    write_mcap(recorded(made), tmp_path / "right.mcap")
+    assert read(tmp_path / "right.mcap").manifest.segments
+    made.gyro, made.accel = made.gyro * factors[0], made.accel * factors[1]
+    write_mcap(recorded(made), tmp_path / "wrong.mcap")
+    with pytest.raises(Unusable, match=f"import them with --units {unit}"):
+        read(tmp_path / "wrong.mcap")
 
 
 def test_verifying_a_path_finds_what_an_import_would_refuse(write: Write, tmp_path: Path) -> None:

@@ -47,6 +47,22 @@ def test_many_cells_without_a_number_are_a_fault_of_the_files_own_column(tmp_pat
         read(tmp_path, lines)
 
 
+@pytest.mark.parametrize("every", [1, 2, 3])
+def test_a_sensor_that_is_read_less_often_is_left_out_between(tmp_path: Path, every: int) -> None:
+    lines = [HEADER, *(",".join([*row(k)[:4], *(row(k)[4:] if k % every == 0 else [""] * 3)])
+                       for k in range(300))]  # fmt: skip
+    accel = read(tmp_path, lines).recording.imu.columns["accel_z"]
+    assert np.flatnonzero(np.isfinite(accel)).tolist() == list(range(0, 300, every))
+
+
+def test_rows_of_one_sensor_each_are_told(tmp_path: Path) -> None:
+    lines = [HEADER, *(",".join([row(k)[0], *(row(k)[1:4] if k % 2 else [""] * 3),
+                                 *([""] * 3 if k % 2 else row(k)[4:])])
+                       for k in range(300))]  # fmt: skip
+    with pytest.raises(Unusable, match="none holds both: give one row for each stamp"):
+        read(tmp_path, lines)
+
+
 def test_decimal_commas_between_commas_are_told(tmp_path: Path) -> None:
     lines = [HEADER, *(each.replace(".", ",") for each in rows())]
     with pytest.raises(Unusable, match="14 fields below a header of 7: commas in numbers"):

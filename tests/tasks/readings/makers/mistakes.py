@@ -14,12 +14,12 @@ PROPER = [
 ][1:]
 
 
-def gyro_times(made: Bench, factor: float) -> None:
-    made.gyro = made.gyro * factor
+def gyro_times(made: Bench, factor: float, whole: bool = False) -> None:
+    made.gyro = np.rint(made.gyro * factor) if whole else made.gyro * factor
 
 
-def accel_times(made: Bench, factor: float) -> None:
-    made.accel = made.accel * factor
+def accel_times(made: Bench, factor: float, whole: bool = False) -> None:
+    made.accel = np.rint(made.accel * factor) if whole else made.accel * factor
 
 
 def gravity_removed(made: Bench) -> None:
