@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.determined import DeterminedModel, DeterminedParameter, unit_of
+from tasks.explain.determined import DeterminedModel, DeterminedParameter
 from tasks.explain.events.faults import RANGE_SETTING
 from tasks.explain.explanation import UNNAMED, Finding
 from tasks.model.term import Column
@@ -128,9 +128,7 @@ def correlation_of(
 
 def in_si(one: DeterminedParameter) -> FoundParameter:
     """A parameter that was corrected for, as it is reported."""
-    return FoundParameter(
-        name=one.parameter.name, value=one.value, unit=unit_of(one.parameter), u=one.u
-    )
+    return FoundParameter(name=one.parameter.name, value=one.value, unit=one.parameter.si, u=one.u)
 
 
 def _of_unknown_cause(finding: Finding) -> UncertainInput:

@@ -163,6 +163,5 @@ def _clear_deviations(standard: Model, ideal: np.ndarray) -> tuple[FoundParamete
             name, u = f"{term.name}_{parameter.name}", float(standard.u[p])
             change = float(standard.values[p] - ideal[p])
             if u > 0 and abs(change) > CLEAR * u:
-                unit = "1" if parameter.factor == 1.0 and parameter.unit == "1" else "SI"
-                found.append(FoundParameter(name=name, value=change, unit=unit, u=u))
+                found.append(FoundParameter(name=name, value=change, unit=parameter.si, u=u))
     return tuple(found)

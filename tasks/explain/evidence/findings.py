@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.confounding.delays import common_part
-from tasks.explain.determined import DeterminedModel, unit_of
+from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
 from tasks.explain.evidence.dependence import change_without
 from tasks.explain.evidence.determination import widening
@@ -239,4 +239,4 @@ def _checked_parameters(
 
 def _in_si(parameter: Parameter, value: float, u: float) -> FoundParameter:
     """In SI, for comparison independent of the printed unit."""
-    return FoundParameter(name=parameter.name, value=value, unit=unit_of(parameter), u=u)
+    return FoundParameter(name=parameter.name, value=value, unit=parameter.si, u=u)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.explain.determined import unit_of
 from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partitions, partwise
@@ -116,7 +115,7 @@ def _inhomogeneous(one: Examined, unlike: list[PartwiseEstimate]) -> Refusal | N
     k = int(np.argmax(worst.spread / np.maximum(one.evidence.u(one.number), 1e-300)))
     parameter, sizes = one.parameters[k], worst.values[:, k]
     return Refusal(
-        "inhomogeneous", one.group.name, parameter.name, unit_of(parameter),
+        "inhomogeneous", one.group.name, parameter.name, parameter.si,
         smallest=float(np.nanmin(sizes)), largest=float(np.nanmax(sizes)), parts=worst.partition,
     )  # fmt: skip
 

@@ -1,18 +1,18 @@
 """Biases that change by themselves: a step, a random walk."""
 
 from schemas.recording import Recording
-from tasks.model.parameters import ACCEL_FIRST, DEG, GYRO_FIRST, each_channel, same
+from tasks.model.parameters import ACCEL_FIRST, GYRO_FIRST, each_channel, same
 from tasks.model.term import Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
 
 WANDER = 12.0  # chi-squared that a wander, whose strength few slow waves tell, makes of a jump
-TIME = Parameter("time", "t₀", "s", 1.0, (0.0, 1e5))
+TIME = Parameter("time", "t₀", "s", "s", (0.0, 1e5))
 
 
 def bias_step(first: int, time: float, count: int = 3) -> SensorTerm:
     """The biases of some channels from `first` on, of a triad or all, jump once, at a time in s."""
     channels = tuple(range(first, first + count))
-    both = each_channel("Δb", ("deg/s", DEG, 0.05), ("m/s2", 1.0, 0.5))
+    both = each_channel("Δb", ("deg/s", "rad/s", 0.05), ("m/s2", "m/s2", 0.5))
     return SensorTerm(
         "bias_step", "memory", "sensor", "bᵢ(t) = Δbᵢ for t ≥ t₀", "IEEE Std 528",
         both[first : first + count], (TIME,), (time,),

@@ -8,7 +8,6 @@ from engine_run import GRAVITY, NOISY, RATE, WHITE, motion, noise, observed, rea
 
 from schemas.recording import Recording, Stream
 from tasks.explain.channels import ACCELS, CHANNELS
-from tasks.explain.determined import si_unit
 from tasks.explain.events.event import Events
 from tasks.explain.evidence.assemble import _verdict, explanation_of
 from tasks.explain.evidence.evidence import Evidence
@@ -175,17 +174,6 @@ def test_where_nothing_was_chosen_nothing_is_said() -> None:
     answer = explained(read(RUN) + noise(len(RUN.t), 54, NOISY))
     assert (answer.findings, answer.verdict) == ((), "no_mismatch")
     np.testing.assert_allclose(answer.found, answer.nominal, atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("printed", "si"),
-    [
-        ("deg/s", "rad/s"), ("arcsec", "rad"), ("(deg/s)/K", "(rad/s)/K"), ("deg/h", "rad/h"),
-        ("(deg/s)/mT", "(rad/s)/T"), ("(deg/s)/g", "(rad/s)/(m/s2)"), ("m", "m"), ("m/s2", "m/s2"),
-    ],
-)  # fmt: skip
-def test_a_printed_unit_is_said_in_si(printed: str, si: str) -> None:
-    assert si_unit(printed) == si
 
 
 @pytest.mark.parametrize(("of_reference", "verdict"), [(0.5, "no_mismatch"), (0.0, "unexplained")])
