@@ -32,34 +32,34 @@ SYMBOLS = {
     "g": (STANDARD_GRAVITY, {"m": 1, "s": -2}), "1": (1.0, {}), "%": (0.01, {}),
 }  # fmt: skip
 LABELS = ("of the speed", "of the largest")  # of ratios that are no counts
-QUOTIENT = re.compile(r"(/?)(?:\(([^()]+)\)|([A-Za-z]+|1|%))\^?(\d?)")
+QUOTIENT = re.compile(r"(/?)(?:(sqrt)?\(([^()]+)\)|([A-Za-z]+|1|%))\^?(\d?)")
 
 
 @cache
-def unit_size(unit: str) -> tuple[float, tuple[int, ...]]:
+def unit_size(unit: str) -> tuple[float, tuple[float, ...]]:
     """How many SI units one of a unit such as “(deg/s)/g2” is, and its powers of QUANTITIES.
 
     Raises ValueError for a unit that is not made of known ones.
     """
-    size, powers = 1.0, [0] * len(QUANTITIES)
+    size, powers = 1.0, [0.0] * len(QUANTITIES)
     if unit in LABELS:
         return size, tuple(powers)
     parts = list(QUOTIENT.finditer(unit))
     if not parts or "".join(part[0] for part in parts) != unit:
         raise ValueError(f"unit {unit!r}: not a quotient of {', '.join(SYMBOLS)}")
-    for over, inner, symbol, power in (part.groups() for part in parts):
+    for over, root, inner, symbol, power in (part.groups() for part in parts):
         if symbol and symbol not in SYMBOLS:
             raise ValueError(f"unit {unit!r}: {symbol!r} is none of {', '.join(SYMBOLS)}")
         own, of = unit_size(inner) if inner else _of_symbol(symbol)
-        times = int(power or 1) * (-1 if over else 1)
+        times = int(power or 1) * (-1.0 if over else 1.0) * (0.5 if root else 1.0)
         size *= own**times
         powers = [p + times * q for p, q in zip(powers, of, strict=True)]
     return size, tuple(powers)
 
 
-def _of_symbol(symbol: str) -> tuple[float, tuple[int, ...]]:
+def _of_symbol(symbol: str) -> tuple[float, tuple[float, ...]]:
     size, powers = SYMBOLS[symbol]
-    return size, tuple(powers.get(name, 0) for name in QUANTITIES)
+    return size, tuple(powers.get(name, 0.0) for name in QUANTITIES)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,11 @@ def bias_step(first: int, time: float, count: int = 3) -> SensorTerm:
     )  # fmt: skip
 
 
+# q of working units: Allan deviations of MEMS units rise by 1e-6 to 1e-4 rad/s and by 1e-5 to
+# 1e-3 m/s² per √s; five times the largest.
+WALK_RATE = each_channel(
+    "q", ("(deg/s)/sqrt(s)", "(rad/s)/sqrt(s)", 5e-4), ("(m/s2)/sqrt(s)", "(m/s2)/sqrt(s)", 5e-3)
+)
 BIAS_RANDOM_WALK = Term(
     "bias_random_walk", "memory", "sensor", "db = q·dW, variance q²·t", "IEEE Std 952", (),
     confused_with=("thermal_transient", "bias_step", "temperature_bias"),

@@ -183,5 +183,5 @@ def test_what_the_references_own_errors_may_leave_is_no_mismatch(
     """Nothing above chance, and 2.3 times the noise is left; of_reference: of the noise."""
     squares, none = np.full((100, 6), 2.3), np.zeros((100, 6), bool)
     noise = np.ones((100, 6))
-    left = LeftOver(squares, squares, none, noise, of_reference * noise, 1)
+    left = LeftOver(squares, squares, none, noise, of_reference * noise, 1, np.zeros(6))
     assert _verdict((), 1.0, left) == verdict
