@@ -8,27 +8,33 @@ from collections.abc import Iterator, Sequence
 
 from tasks.explain.confounding.combinations import Combination, dispersion_of, price_of
 from tasks.explain.confounding.linear_forms import marked
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.special_case import HOLDS
+from tasks.explain.search.special_case import special_cases
 from tasks.explain.search.stepwise import Selected
 
 
 def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
     """The selection with a rival in the place of what asks for more, where that fits no worse.
 
-    candidates: all that were tried. The rivals of what is replaced are those of its replacement.
+    candidates: all that were tried. What is replaced goes with all its parts; its rivals are those
+    of its replacement.
     """
     for one in fit.selection.selected:
-        found = Combination((one.candidate,), fit)
+        parts = [each for each in fit.selection.selected
+                 if each.candidate.term.key == one.candidate.term.key]  # fmt: skip
+        if not parts:
+            continue  # replaced with another part
+        found = Combination(tuple(part.candidate for part in parts), fit)
         for rival in _asking_for_less(one, found, candidates):
-            names = one.candidate.name, rival.name
-            instead = Combination.of((rival,), names, fit)
+            instead = Combination.of((rival,), (rival.name,), fit.without(parts))
             dearer = price_of(fit) * (instead.fitted_count - found.fitted_count)
             worse = (instead.chi2 - found.chi2) / dispersion_of(fit)
             if instead.plausible and worse + dearer < CERTAIN:
-                others = tuple(name for name in (names[0], *one.rivals) if name != rival.name)
+                own = (one.candidate.name,) if one.candidate.name != UNNAMED else ()
+                others = tuple(name for name in (*own, *one.rivals) if name != rival.name)
                 fit = marked(instead, (), others)
                 break
     return fit
@@ -37,11 +43,12 @@ def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> Fit
 def _asking_for_less(
     one: Selected, found: Combination, candidates: Sequence[Candidate]
 ) -> Iterator[Candidate]:
-    """Rivals in whole forms: special cases of it, and any where it is not plausible."""
+    """In whole forms: its special cases, and its rivals where it is not plausible."""
     candidate = one.candidate
     if candidate.nuisance or candidate.known or candidate.prior is not None or one.absorbed_by:
         return
-    plausible = found.plausible
-    for name in one.rivals:
-        if HOLDS.get(name) == candidate.name or not plausible:
-            yield from [each for each in candidates if each.is_form_of((name,))][:1]
+    names = dict.fromkeys(special_cases(candidate.term))
+    if candidate.name != UNNAMED and not found.plausible:
+        names |= dict.fromkeys(one.rivals)
+    for name in names:
+        yield from [each for each in candidates if each.is_form_of((name,))][:1]

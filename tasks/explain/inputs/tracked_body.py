@@ -19,7 +19,8 @@ from tasks.words import Sayable, message
 DISTINCT = 0.1  # least ratio of the gains of a triad's axes: else it has no attitude
 TURNED = 5.0  # deg: a delay of the poses alone looks like one or two
 EXCHANGED = 45.0  # deg: half of the least turn between two arrangements of axes
-ROUNDS = 20  # of a fit by absolute deviations, which clipped or torn rows hardly move
+HELD = 3  # rows at the largest or least value of a channel from which it is a limit
+ROUNDS = 20  # of a fit by absolute deviations, which torn rows hardly move
 
 
 def in_unit_axes(recording: Recording, motion: Motion) -> tuple[Stream | None, tuple[Sayable, ...]]:
@@ -56,6 +57,7 @@ def _arrangement(told: np.ndarray, read: np.ndarray, known: np.ndarray) -> np.nd
     Of absolute deviations, by weights that are the inverse of each row's deviation.
     """
     used = known & np.isfinite(told).all(axis=1) & np.isfinite(read).all(axis=1)
+    used &= ~_at_limits(read).any(axis=1)
     if not used.any():
         return None
     columns, readings = np.column_stack([told, np.ones(len(told))])[used], read[used]
@@ -68,6 +70,12 @@ def _arrangement(told: np.ndarray, read: np.ndarray, known: np.ndarray) -> np.nd
     if rank < columns.shape[1] or gains[-1] < DISTINCT * gains[0]:
         return None
     return np.asarray(left @ right)
+
+
+def _at_limits(read: np.ndarray) -> np.ndarray:
+    """(n, 3) bool: readings at the largest or least value of their channel, if it has several."""
+    ends = [read == extreme.reduce(read, axis=0) for extreme in (np.fmax, np.fmin)]
+    return np.asarray(np.any([end & (end.sum(axis=0) >= HELD) for end in ends], axis=0))
 
 
 def _angle(turn: np.ndarray) -> float:
