@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tasks.explain.channels import EVERY
 from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partitions, partwise
@@ -25,6 +26,7 @@ from tasks.explain.evidence.lookalikes import (
 )
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.explain.odds import COVERAGE
+from tasks.explain.search.candidates import columns_of
 from tasks.model.regression import inverse
 
 UNLIKE = 1e-3  # p value, corrected, from which on the parts of a recording are not alike
@@ -121,10 +123,17 @@ def _inhomogeneous(one: Examined, unlike: list[PartwiseEstimate]) -> Refusal | N
 
 
 def _channel_worse(one: Examined) -> Refusal | None:
-    """Where a channel that it touches does not gain, or any channel loses."""
+    """Where a channel that it touches does not gain, or one that its equation has loses.
+
+    Of another channel the readings change only by what the fit makes of them.
+    """
     gains, added = one.evidence.channel_gains(one.number), one.evidence.added_power(one.number)
+    motion = one.evidence.fit.blocks.motion
+    columns = (column for term in one.group.terms for column in columns_of(term, motion))
+    of_equation = np.isin(EVERY, list({channel for column in columns for channel in column}))
+    gains = np.where(of_equation, gains, 0.0)
     tolerated = max(TOLERATED, MIN_TOUCHED * float(gains.max()))
-    touched = (added > TOUCHED) & (added > MIN_TOUCHED * added.sum())
+    touched = of_equation & (added > TOUCHED) & (added > MIN_TOUCHED * added.sum())
     worse = np.flatnonzero((touched & (gains <= 0.0)) | (gains < -tolerated))
     if not len(worse):
         return None

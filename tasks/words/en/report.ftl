@@ -19,7 +19,9 @@ report-what = { $title }{ $given ->
     }.
 report-parameter = { $name } = { $size }
 report-factor = factor { $number } of the { $channel }
-parameter-seconds = delay
+parameter-seconds = delay of the unit behind the reference (negative: the reference is late)
+parameter-of-rms = rms of the { $channel } within the run
+parameter-of-rate = wander of the { $channel }
 report-place = { $channel } ({ $share }): { $description }
 report-places = It sits in { $places }.
 report-predicted = Segments withheld from the fit become { $times } as probable ({ $nats } nats)
@@ -122,7 +124,7 @@ report-next = { $dimension ->
         [after_moves] make each rest five times as long, approached from both sides, and observe how the fixture settles
         [ramps] record ramps at three accelerations with a trigger common to both clocks, and look up how the unit filters and time-stamps its output
         [recorded] vary that quantity alone while the unit is at rest
-       *[level] record an hour at rest and a few constant rates: what appears at rest is noise or drift, the remainder is a response to motion
+       *[level] record a rest, and the same motion at half and at twice the speed: what appears at rest is noise or drift, what grows with the speed is a response to motion
     }
 
 # The verdict.

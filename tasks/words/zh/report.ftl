@@ -19,7 +19,9 @@ report-what = { $title }{ $given ->
     }。
 report-parameter = { $name } = { $size }
 report-factor = { $channel } 的第 { $number } 个系数
-parameter-seconds = 时延
+parameter-seconds = 单元相对参考装置的滞后（负值：参考装置滞后）
+parameter-of-rms = { $channel }在本次运行内的均方根
+parameter-of-rate = { $channel }的游走系数
 report-place = { $channel }（{ $share }）：{ $description }
 report-places = 所在：{ $places }。
 report-predicted = 未参与拟合的区段，其数据概率提高到 { $times }（{ $nats } nat）
@@ -120,7 +122,7 @@ report-next = { $dimension ->
         [after_moves] 将每次静止时间延长至五倍，从两个方向到达，并观察工装的稳定过程
         [ramps] 以三种角加速度记录加减速段，两套时钟共用触发信号，并查明产品输出的滤波与时间戳方式
         [recorded] 产品静止时单独改变该环境量
-       *[level] 记录 1 h 静止数据与若干恒定角速率：静止时存在的为噪声或漂移，其余为对运动的响应
+       *[level] 记录一段静止数据，并以一半和两倍的速度重复同一运动：静止时存在的为噪声或漂移，随速度增大的为对运动的响应
     }
 
 # 结论。

@@ -185,3 +185,19 @@ def test_what_the_references_own_errors_may_leave_is_no_mismatch(
     noise = np.ones((100, 6))
     left = LeftOver(squares, squares, none, noise, of_reference * noise, 1, np.zeros(6))
     assert _verdict((), 1.0, left) == verdict
+
+
+@pytest.mark.parametrize("channel", range(6))
+@pytest.mark.parametrize(("left_in", "verdict"), [(1.6, "explained"), (2.4, "partly_explained"),
+                                                  (3e5, "partly_explained")])  # fmt: skip
+def test_nothing_is_explained_while_more_than_noise_is_left_in_a_channel(
+    left_in: float, verdict: str, channel: int
+) -> None:
+    """Whatever share of the mismatch was removed: 99.9 % of it."""
+    after, none = np.ones((100, 6)), np.zeros((100, 6), bool)
+    after[:, channel] = left_in
+    left = LeftOver(1000.0 * after, after, none, np.ones((100, 6)), none * 1.0, 1, np.zeros(6))
+    assert left.explained_share > 0.99
+    named = Finding("lever_arm", "geometry", "", "", "", (channel,), (), after, 1e5, 1e5, 1e4)
+    assert _verdict((named,), 0.0, left) == verdict
+    assert _verdict((replace(named, effect=UNNAMED),), 0.0, left) == "unexplained"
