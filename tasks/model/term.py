@@ -17,6 +17,7 @@ from typing import Self
 
 import numpy as np
 
+from schemas.discrepancy import FoundParameter
 from tasks.model.effect import Effect
 from tasks.motion.whole import STANDARD_GRAVITY, Motion
 
@@ -86,6 +87,10 @@ class Parameter:
     def factor(self) -> float:
         """By which the value is multiplied to be printed in `unit`."""
         return unit_size(self.si)[0] / unit_size(self.unit)[0]
+
+    def found(self, value: float, u: float) -> FoundParameter:
+        """A value that was found, with its standard uncertainty, both in `si`."""
+        return FoundParameter(name=self.name, value=value, unit=self.si, u=u)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,6 @@ from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
 
-SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
 Prune = Callable[[FittedSelection, Collection[str]], FittedSelection]
@@ -119,9 +118,6 @@ class _Delays:
             limit = best.chi2 + DISTINGUISHABLE * self._linear.dispersion
             if best.with_filter(FILTER).chi2 < limit:
                 names += [("bandwidth",), ("time_offset",)]
-        elif len(names_of(best.members)) == 1:
-            first = {form[0].name: form for form in reversed(self.forms)}
-            names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
         group = group_names(best.members, names)
         return marked(best, group)
 
@@ -204,16 +200,6 @@ class _Delays:
         elif names_of(alone.members) == ("bandwidth",):
             gain = alone.promises([delay])[0]
         return gain > DISTINGUISHABLE * self._linear.dispersion
-
-    def _hidden_in(self, form: Form, best: Combination) -> bool:
-        """Whether, as far as the data show, another effect may account for a share of the best."""
-        if form[0].name in names_of(best.members):
-            return False
-        missed = self._linear.gain(best.members) - self._linear.gain(form)
-        limit = DISTINGUISHABLE * self._linear.dispersion
-        if not self._delay_was_taken_back and SHARE**2 * missed > 2.0 * limit:
-            return False
-        return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit
 
     def _fitted(self, members: Form) -> Combination:
         if members is self.present and not self._delay_was_taken_back:

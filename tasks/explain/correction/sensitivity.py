@@ -128,7 +128,7 @@ def correlation_of(
 
 def in_si(one: DeterminedParameter) -> FoundParameter:
     """A parameter that was corrected for, as it is reported."""
-    return FoundParameter(name=one.parameter.name, value=one.value, unit=one.parameter.si, u=one.u)
+    return one.parameter.found(one.value, one.u)
 
 
 def _of_unknown_cause(finding: Finding) -> UncertainInput:

@@ -7,10 +7,8 @@ a random effect along that finding, of a variance in proportion to what the othe
 noise, whose variance is one. Of a gain g, the square of a fitted size in units of its noise, the
 log of the odds keeps g/(1 + v), v = Σ τ²·g of the others in the channels of the finding.
 
-What nothing explains shows besides how wrong the forms are: the gain of each channel is counted in
-units of what is left there, χ² per degree of freedom, as in any fit whose residuals exceed the
-noise (Birge's ratio). A memory has been given many forms, and one of them stands for its kind: its
-form is known no better than one that is not published.
+The gain of each channel is counted in units of what is left there, χ² per degree of freedom
+(Birge's ratio). Of a memory one form stands for its kind, known no better than an unpublished one.
 """
 
 from collections.abc import Collection, Sequence

@@ -67,31 +67,27 @@ def drift(finding: Finding, motion: Motion) -> Finding:
     """The finding, if it is a drift with its size, and without a name if it is no unit's walk."""
     if not is_drift(finding):
         return finding
-    rates = [_rate(finding, channel, motion) for channel in finding.channels]
-    parameters = tuple(p for c, r in zip(finding.channels, rates, strict=True)
-                       for p in (_rms(finding, c), r))  # fmt: skip
-    refusal = None
-    if finding.effect == BIAS_RANDOM_WALK.name:
-        refusal = _switches(finding) or _too_fast(finding, rates) or _of_attitude(finding, motion)
-    return replace(without_name(finding, refusal) if refusal else finding, parameters=parameters)
-
-
-def _rms(finding: Finding, channel: int) -> FoundParameter:
-    """About its mean over the run, which is a bias."""
-    size = float(np.nanstd(finding.contribution[:, channel]))
-    return FoundParameter(name=f"rms_{CHANNELS[channel]}", value=size, unit=READINGS[channel >= 3],
-                          u=0.0)  # fmt: skip
-
-
-def _rate(finding: Finding, channel: int, motion: Motion) -> FoundParameter:
-    """q of b(t + τ) − b(t) ~ N(0, q²·τ), by the increments over parts of the run."""
-    increments = _increments(finding.contribution[:, channel])
     lag = float(motion.t[-1] - motion.t[0]) / INTERVALS
-    rate = float(np.sqrt(np.mean(increments**2) / lag))
-    return FoundParameter(
-        name=f"rate_{CHANNELS[channel]}", value=rate, unit=WALK_RATE[channel].si,
-        u=rate / np.sqrt(2.0 * INTERVALS),
-    )  # fmt: skip
+    sizes = [_size(channel, finding.contribution[:, channel], lag) for channel in finding.channels]
+    sized = replace(finding, parameters=tuple(p for size in sizes for p in size))
+    if finding.effect != BIAS_RANDOM_WALK.name:
+        return sized
+    rates = [rate for _, rate in sizes]
+    refusal = _switches(finding) or _too_fast(finding, rates) or _of_attitude(finding, motion)
+    return without_name(sized, refusal) if refusal else sized
+
+
+def _size(channel: int, course: np.ndarray, lag: float) -> tuple[FoundParameter, FoundParameter]:
+    """Its rms about the mean, which is a bias, and q of b(t + τ) − b(t) ~ N(0, q²·τ), by the
+    increments of a course (n,) over parts of the run of `lag` s.
+    """
+    name, rms = CHANNELS[channel], float(np.nanstd(course))
+    rate = float(np.sqrt(np.mean(_increments(course) ** 2) / lag))
+    u, unit = rate / np.sqrt(2.0 * INTERVALS), WALK_RATE[channel].si
+    return (
+        FoundParameter(name=f"rms_{name}", value=rms, unit=READINGS[channel >= ACCEL_FIRST], u=0.0),
+        FoundParameter(name=f"rate_{name}", value=rate, unit=unit, u=u),
+    )
 
 
 def _switches(walk: Finding) -> Refusal | None:
@@ -102,17 +98,15 @@ def _switches(walk: Finding) -> Refusal | None:
 def _too_fast(walk: Finding, rates: Sequence[FoundParameter]) -> Refusal | None:
     """Where it wanders by more than a working unit does, by the furthest of its channels."""
     limits = [WALK_RATE[channel].plausible[1] for channel in walk.channels]
-    pairs = zip(rates, limits, strict=True)
-    beyond = [(p.value / most, p, most) for p, most in pairs if p.value - COVERAGE * p.u > most]
-    if not beyond:
+    p, most = max(zip(rates, limits, strict=True), key=lambda pair: pair[0].value / pair[1])
+    if p.value - COVERAGE * p.u <= most:
         return None
-    _, furthest, most = max(beyond, key=lambda one: one[0])
-    return Refusal("implausible", walk.effect, furthest.name, furthest.unit, furthest.value, most)
+    return Refusal("implausible", walk.effect, p.name, p.unit, p.value, most)
 
 
 def _of_attitude(walk: Finding, motion: Motion) -> Refusal | None:
     """Where a slow error of the attitude that poses or encoders tell would do the same: it turns
-    gravity in the accelerometers alone, and hence changes nothing along the vertical.
+    gravity, and changes nothing along the vertical.
     """
     if min(walk.channels, default=0) < ACCEL_FIRST or (motion.tracking or motion.axes) is None:
         return None

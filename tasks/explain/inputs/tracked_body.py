@@ -1,9 +1,8 @@
 """The axes of a tracked body, turned into those of the unit that is fixed to it.
 
 Markers are stuck on somehow. The standard's matrices absorb the turn between the two triads whole;
-what else follows rates or forces, as a lever arm or an error of one accelerometer, does not. A turn
-of the body is one for both triads: where they tell different ones, columns of a triad are exchanged
-or inverted, and nothing is turned.
+what else follows rates or forces, as a lever arm or an error of one accelerometer, does not. Where
+the triads tell different turns, columns are exchanged or inverted, and nothing is turned.
 """
 
 from dataclasses import replace
@@ -38,8 +37,11 @@ def in_unit_axes(recording: Recording, motion: Motion) -> tuple[Stream | None, t
     by_accels = _arrangement(motion.force, imu.stack(ACCEL), motion.felt[:, 3])
     if by_gyros is None:
         return None, ()
-    if by_accels is not None and (apart := _angle(by_gyros.T @ by_accels)) > EXCHANGED:
-        return None, (message("reference-triads-apart", degrees=f"{apart:.0f}"),)
+    if by_accels is not None:
+        between = (by_gyros * by_accels).sum(axis=0).min()  # cosine, of the axis that differs most
+        apart = DEG * float(np.arccos(np.clip(between, -1.0, 1.0)))
+        if apart > EXCHANGED:
+            return None, (message("reference-triads-apart", degrees=f"{apart:.0f}"),)
     if np.linalg.det(by_gyros) < 0.0:
         return None, ()
     turn = Rotation.from_matrix(by_gyros)
@@ -76,8 +78,3 @@ def _at_limits(read: np.ndarray) -> np.ndarray:
     """(n, 3) bool: readings at the largest or least value of their channel, if it has several."""
     ends = [read == extreme.reduce(read, axis=0) for extreme in (np.fmax, np.fmin)]
     return np.asarray(np.any([end & (end.sum(axis=0) >= HELD) for end in ends], axis=0))
-
-
-def _angle(turn: np.ndarray) -> float:
-    """deg between the axes of two arrangements that differ by an orthogonal matrix, the largest."""
-    return float(DEG * np.arccos(np.clip(np.diag(turn).min(), -1.0, 1.0)))

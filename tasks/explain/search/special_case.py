@@ -1,9 +1,8 @@
 """Tells a lever arm from the more general forms of which it is the special case.
 
-The size effect is one with all places alike: what fits a recording of the one fits as well with the
-other, and whether it could show that the accelerometers are apart decides whether the lever arm
-stands alone. An error that follows angular acceleration with nine free factors is one where these
-are antisymmetric, ω̇×r.
+What fits a recording of a lever arm fits as well with the size effect, places alike; whether it
+could show that the accelerometers are apart decides whether the lever arm stands alone. Nine free
+factors of the angular acceleration are a lever arm where they are antisymmetric, ω̇×r.
 """
 
 from collections.abc import Sequence
