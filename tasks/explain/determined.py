@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import CHANNELS
 from tasks.model.model import Model
 from tasks.model.term import Column, Parameter, TermKey
@@ -25,6 +26,10 @@ class DeterminedParameter:
     u: float = 0.0
     place: int | None = None
     held: bool = False
+
+    @property
+    def found(self) -> FoundParameter:
+        return self.parameter.found(self.value, self.u)
 
 
 @dataclass(frozen=True)

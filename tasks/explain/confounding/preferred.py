@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 
 from tasks.explain.confounding.combinations import Combination, dispersion_of, price_of
 from tasks.explain.confounding.linear_forms import marked
-from tasks.explain.explanation import UNNAMED
 from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
@@ -19,8 +18,7 @@ from tasks.explain.search.stepwise import Selected
 def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
     """The selection with a rival in the place of what asks for more, where that fits no worse.
 
-    candidates: all that were tried. What is replaced goes with all its parts; its rivals are those
-    of its replacement.
+    candidates: all that were tried. The rivals of what is replaced are those of its replacement.
     """
     for one in fit.selection.selected:
         parts = [each for each in fit.selection.selected
@@ -33,8 +31,8 @@ def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> Fit
             dearer = price_of(fit) * (instead.fitted_count - found.fitted_count)
             worse = (instead.chi2 - found.chi2) / dispersion_of(fit)
             if instead.plausible and worse + dearer < CERTAIN:
-                own = (one.candidate.name,) if one.candidate.name != UNNAMED else ()
-                others = tuple(name for name in (*own, *one.rivals) if name != rival.name)
+                tried = one.candidate.name, *one.rivals
+                others = tuple(name for name in tried if name != rival.name)
                 fit = marked(instead, (), others)
                 break
     return fit
@@ -48,7 +46,7 @@ def _asking_for_less(
     if candidate.nuisance or candidate.known or candidate.prior is not None or one.absorbed_by:
         return
     names = dict.fromkeys(special_cases(candidate.term))
-    if candidate.name != UNNAMED and not found.plausible:
+    if not found.plausible:
         names |= dict.fromkeys(one.rivals)
     for name in names:
         yield from [each for each in candidates if each.is_form_of((name,))][:1]

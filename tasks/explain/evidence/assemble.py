@@ -106,9 +106,7 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
 
 
 def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Verdict:
-    """Explained is what has names, and leaves less than the noise's own power above the noise in
-    every channel, whatever share of the mismatch it removes.
-    """
+    """Explained is what has names, and leaves next to noise in every channel."""
     named = [finding for finding in findings if finding.effect != UNNAMED]
     # Where nothing was found, what may be the reference's own errors is no mismatch of the unit.
     known = 1.0 if findings else REFERENCE_KNOWN

@@ -38,8 +38,7 @@ class LeftOver:
     bool, readings that are not used. noise: (n, 6) variance of a mean over `rows` readings, of the
     sensor at rest and of the reference together; reference: (n, 6) the reference's part of it.
     rows: as many as the reference resolves, one for an exact reference. rounding: (6,) variance of
-    what rounding adds to readings that noise does not dither: it follows the motion, and no mean
-    over rows makes it smaller.
+    what rounding adds where noise does not dither: no mean makes it smaller.
     """
 
     before: np.ndarray
@@ -77,11 +76,13 @@ class LeftOver:
         return np.asarray(residual**2 / self.noise)
 
     @property
+    def _used(self) -> np.ndarray:
+        return np.isfinite(self.after) & ~self.masked
+
+    @property
     def chi2_per_degree(self) -> np.ndarray:
         """(6,) after all findings; NaN where a channel was not recorded."""
-        used = np.isfinite(self.after) & ~self.masked
-        total = np.where(used, self.after, 0.0).sum(axis=0)
-        rows = used.sum(axis=0)
+        total, rows = np.where(self._used, self.after, 0.0).sum(axis=0), self._used.sum(axis=0)
         return np.divide(total, rows, out=np.full(len(rows), np.nan), where=rows > 0)
 
     def beyond_reference(self, known: float) -> np.ndarray:
@@ -99,15 +100,14 @@ class LeftOver:
     @property
     def remaining_by_channel(self) -> np.ndarray:
         """(6,) chi-squared that is left above the noise, as far as that is known."""
-        rows = (np.isfinite(self.after) & ~self.masked).sum(axis=0)
+        rows = self._used.sum(axis=0)
         above = np.nan_to_num(self.chi2_per_degree) - 1.0 - KNOWN_WITHIN
         return np.asarray(rows * np.maximum(above, 0.0))
 
     @property
     def rounded_by_channel(self) -> np.ndarray:
-        """(6,) chi-squared of what rounding adds, whose form nothing models."""
-        used = np.isfinite(self.after) & ~self.masked
-        return np.asarray(np.where(used, self.rounding / self.noise, 0.0).sum(axis=0))
+        """(6,) chi-squared of what rounding adds."""
+        return np.asarray(np.where(self._used, self.rounding / self.noise, 0.0).sum(axis=0))
 
     @property
     def remaining(self) -> float:

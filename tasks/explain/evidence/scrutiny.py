@@ -123,10 +123,7 @@ def _inhomogeneous(one: Examined, unlike: list[PartwiseEstimate]) -> Refusal | N
 
 
 def _channel_worse(one: Examined) -> Refusal | None:
-    """Where a channel that it touches does not gain, or one that its equation has loses.
-
-    Of another channel the readings change only by what the fit makes of them.
-    """
+    """Where a channel that it touches does not gain, or one that its equation has loses."""
     gains, added = one.evidence.channel_gains(one.number), one.evidence.added_power(one.number)
     motion = one.evidence.fit.blocks.motion
     columns = (column for term in one.group.terms for column in columns_of(term, motion))

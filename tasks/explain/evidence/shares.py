@@ -1,8 +1,8 @@
 """The share of the mismatch that each finding removes, and which shares deserve an entry.
 
-A drift states how large it is. Whether a random walk walks: its increments are alike throughout,
-where a signal that switches to and fro (random telegraph noise) changes at a few moments only; they
-are as large as those of working units; and it is no slow error of the reference's attitude.
+A drift states its size. Whether a random walk walks: its increments are alike throughout, where a
+signal that switches to and fro (random telegraph noise) changes at a few moments only; they are no
+larger than those of working units, and no slow error of the reference's attitude.
 """
 
 from collections.abc import Sequence
@@ -64,7 +64,7 @@ def is_drift(finding: Finding) -> bool:
 
 
 def drift(finding: Finding, motion: Motion) -> Finding:
-    """The finding, if it is a drift with its size, and without a name if it is no unit's walk."""
+    """A drift with its size, and without a name if it is no unit's walk; else the finding."""
     if not is_drift(finding):
         return finding
     lag = float(motion.t[-1] - motion.t[0]) / INTERVALS
@@ -96,7 +96,7 @@ def _switches(walk: Finding) -> Refusal | None:
 
 
 def _too_fast(walk: Finding, rates: Sequence[FoundParameter]) -> Refusal | None:
-    """Where it wanders by more than a working unit does, by the furthest of its channels."""
+    """Where it wanders by more than a working unit does."""
     limits = [WALK_RATE[channel].plausible[1] for channel in walk.channels]
     p, most = max(zip(rates, limits, strict=True), key=lambda pair: pair[0].value / pair[1])
     if p.value - COVERAGE * p.u <= most:
