@@ -39,7 +39,8 @@ def named_beside(
     """
     every = [*findings, *beside]
     powers = np.array([_gain_by_channel(one, noise) for one in every]).reshape(-1, len(CHANNELS))
-    forms = np.array([PUBLISHED if _is_published(one) else UNPUBLISHED for one in every]) ** 2
+    loose = np.array([one.unlisted or one.effect in (UNNAMED, MEMORY) for one in every], bool)
+    forms = np.where(loose, UNPUBLISHED, PUBLISHED) ** 2
     counted = powers / np.fmax(scale, 1.0)
     named = []
     for number, one in enumerate(findings):
@@ -64,10 +65,6 @@ def named_beside(
         )
         named.append(without_name(one, refusal))
     return named
-
-
-def _is_published(finding: Finding) -> bool:
-    return finding.effect not in (UNNAMED, MEMORY) and not finding.unlisted
 
 
 def _log_odds(finding: Finding, gain: float, variance: float) -> float:

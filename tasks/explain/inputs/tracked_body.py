@@ -17,7 +17,7 @@ from tasks.words import Sayable, message
 
 DISTINCT = 0.1  # least ratio of the gains of a triad's axes: else it has no attitude
 TURNED = 5.0  # deg: a delay of the poses alone looks like one or two
-EXCHANGED = 45.0  # deg: half of the least turn between two arrangements of axes
+EXCHANGED = 0.7  # cosine between axes of the triads: of half a right angle
 HELD = 3  # rows at the largest or least value of a channel from which it is a limit
 ROUNDS = 20  # of a fit by absolute deviations, which torn rows hardly move
 
@@ -37,11 +37,8 @@ def in_unit_axes(recording: Recording, motion: Motion) -> tuple[Stream | None, t
     by_accels = _arrangement(motion.force, imu.stack(ACCEL), motion.felt[:, 3])
     if by_gyros is None:
         return None, ()
-    if by_accels is not None:
-        between = (by_gyros * by_accels).sum(axis=0).min()  # cosine, of the axis that differs most
-        apart = DEG * float(np.arccos(np.clip(between, -1.0, 1.0)))
-        if apart > EXCHANGED:
-            return None, (message("reference-triads-apart", degrees=f"{apart:.0f}"),)
+    if by_accels is not None and (by_gyros * by_accels).sum(axis=0).min() < EXCHANGED:
+        return None, (message("reference-triads-apart"),)
     if np.linalg.det(by_gyros) < 0.0:
         return None, ()
     turn = Rotation.from_matrix(by_gyros)
