@@ -6,12 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
+from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import CHANNELS
 from tasks.model.model import Model
 from tasks.model.term import Column, Parameter, TermKey
 from tasks.motion.whole import Motion
-
-SI_UNITS = (("arcsec", "rad"), ("deg", "rad"), ("mT", "T"), ("/g", "/(m/s2)"))
 
 
 @dataclass(frozen=True)
@@ -27,6 +26,10 @@ class DeterminedParameter:
     u: float = 0.0
     place: int | None = None
     held: bool = False
+
+    @property
+    def found(self) -> FoundParameter:
+        return self.parameter.found(self.value, self.u)
 
 
 @dataclass(frozen=True)
@@ -131,15 +134,3 @@ class DeterminedModel:
     @cached_property
     def _prediction(self) -> np.ndarray:
         return self.model.prediction(self.motion)
-
-
-def unit_of(parameter: Parameter) -> str:
-    """In which a parameter's value is known to the model."""
-    return parameter.unit if parameter.factor == 1.0 else si_unit(parameter.unit)
-
-
-def si_unit(printed: str) -> str:
-    """The SI unit of what is printed in a unit of the standard."""
-    for shown, si in SI_UNITS:
-        printed = printed.replace(shown, si)
-    return printed

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from tasks.explain.confounding.bootstrap import ReferenceBootstrap
 from tasks.explain.confounding.compare import compared
 from tasks.explain.confounding.play import with_play
 from tasks.explain.confounding.preferred import with_preferred
@@ -78,10 +77,7 @@ def _selected(found: Searched, progress: Progress) -> Evidence:
     if found.prepared.delay:
         evidence = pruned(found.as_stamped(evidence.fit), trials)
     report_progress(progress, "combinations")
-    fit = compared(
-        evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit,
-        ReferenceBootstrap(found.prepared).rivals,
-    )  # fmt: skip
+    fit = compared(evidence.fit, candidates, lambda fit, kept: pruned(fit, trials, kept).fit)
     fit = with_play(with_preferred(fit, candidates), candidates)
     fit = found.resolved(fit)
     if fit is not evidence.fit:

@@ -39,7 +39,8 @@ class Refusal:
     runs from `smallest` to `largest` in different `parts` of the recording. channel_worse: the
     `channel` (0 to 5) that its equation touches is predicted worse with it, by `value` nats.
     undetermined: no parameter is larger than its U; `value`, `limit`: the clearest and its U.
-    overshadowed: what stays unexplained in its channels is `value` times what it removes.
+    overshadowed: what stays unexplained in its channels is `value` times what it removes, and up
+    to `limit` times the noise's variance.
     form_error: what else was found there has `value` times its evidence, and forms of its own.
     reference_noise: it fits no better than what makes the reference's own noise smaller.
     placed: labels alone tell `value` positions, and it has a parameter for all that they leave.

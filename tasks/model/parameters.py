@@ -15,7 +15,7 @@ OFF_DIAGONAL = tuple((i, j) for i, j in MATRIX if i != j)
 GYRO_FIRST, ACCEL_FIRST = 0, 3  # channels of the x axes
 G = STANDARD_GRAVITY  # m/s², to print per g
 STILL = 1e-3  # rad/s: a slower axis stands still
-Printed = tuple[str, float, float]  # unit, SI times this gives the unit, largest plausible (SI)
+Printed = tuple[str, str, float]  # unit, the SI unit of it, largest plausible in that
 
 
 def each_axis(name: str, symbol: str, printed: Printed) -> tuple[Parameter, ...]:
@@ -76,5 +76,5 @@ def turned(motion: Motion) -> bool:
 
 
 def _symmetric(name: str, symbol: str, printed: Printed) -> Parameter:
-    unit, factor, largest = printed
-    return Parameter(name, symbol, unit, factor, (-largest, largest))
+    unit, si, largest = printed
+    return Parameter(name, symbol, unit, si, (-largest, largest))

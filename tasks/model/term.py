@@ -7,35 +7,90 @@ readings as a time series (stage `signal`: a delay, a low-pass). Nothing knows t
 name: adding physics is adding one term.
 """
 
+import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
 from itertools import pairwise
 from typing import Self
 
 import numpy as np
 
+from schemas.discrepancy import FoundParameter
 from tasks.model.effect import Effect
-from tasks.motion.whole import Motion
+from tasks.motion.whole import STANDARD_GRAVITY, Motion
 
 Column = Mapping[int, np.ndarray]  # channel 0 to 5 -> (n,) reading per unit of the parameter
 TermKey = tuple[str, int]
 COUNTS = "1"  # unit of a shape that is a whole number
+QUANTITIES = ("rad", "m", "s", "K", "V", "T", "Pa")
+# By symbol: the size in SI units of these quantities, and the quantities. g: the standard's.
+SYMBOLS = {
+    **{name: (1.0, {name: 1}) for name in QUANTITIES},
+    "deg": (math.pi / 180.0, {"rad": 1}), "arcsec": (math.pi / 648000.0, {"rad": 1}),
+    "h": (3600.0, {"s": 1}), "mT": (1e-3, {"T": 1}), "hPa": (100.0, {"Pa": 1}),
+    "g": (STANDARD_GRAVITY, {"m": 1, "s": -2}), "1": (1.0, {}), "%": (0.01, {}),
+}  # fmt: skip
+LABELS = ("of the speed", "of the largest")  # of ratios that are no counts
+QUOTIENT = re.compile(r"(/?)(?:(sqrt)?\(([^()]+)\)|([A-Za-z]+|1|%))\^?(\d?)")
+
+
+@cache
+def unit_size(unit: str) -> tuple[float, tuple[float, ...]]:
+    """How many SI units one of a unit such as “(deg/s)/g2” is, and its powers of QUANTITIES.
+
+    Raises ValueError for a unit that is not made of known ones.
+    """
+    size, powers = 1.0, [0.0] * len(QUANTITIES)
+    if unit in LABELS:
+        return size, tuple(powers)
+    parts = list(QUOTIENT.finditer(unit))
+    if not parts or "".join(part[0] for part in parts) != unit:
+        raise ValueError(f"unit {unit!r}: not a quotient of {', '.join(SYMBOLS)}")
+    for over, root, inner, symbol, power in (part.groups() for part in parts):
+        if symbol and symbol not in SYMBOLS:
+            raise ValueError(f"unit {unit!r}: {symbol!r} is none of {', '.join(SYMBOLS)}")
+        own, of = unit_size(inner) if inner else _of_symbol(symbol)
+        times = int(power or 1) * (-1.0 if over else 1.0) * (0.5 if root else 1.0)
+        size *= own**times
+        powers = [p + times * q for p, q in zip(powers, of, strict=True)]
+    return size, tuple(powers)
+
+
+def _of_symbol(symbol: str) -> tuple[float, tuple[float, ...]]:
+    size, powers = SYMBOLS[symbol]
+    return size, tuple(powers.get(name, 0.0) for name in QUANTITIES)
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a term, in SI; printed it is multiplied by `factor`.
+    """A parameter of a term: its value is in the unit `si`, and is printed in `unit`.
 
-    plausible: the range (SI) that a working unit or station may have it in.
-    nominal: the value (SI) of an ideal unit.
+    plausible: the range (in `si`) that a working unit or station may have it in.
+    nominal: the value (in `si`) of an ideal unit.
+    Raises ValueError for an unknown unit, and where the two are of different quantities.
     """
 
     name: str
     symbol: str
     unit: str
-    factor: float
+    si: str
     plausible: tuple[float, float]
     nominal: float = 0.0
+
+    def __post_init__(self) -> None:
+        if unit_size(self.unit)[1] != unit_size(self.si)[1]:
+            raise ValueError(f"{self.name}: {self.unit!r} and {self.si!r} differ in quantity")
+
+    @cached_property
+    def factor(self) -> float:
+        """By which the value is multiplied to be printed in `unit`."""
+        return unit_size(self.si)[0] / unit_size(self.unit)[0]
+
+    def found(self, value: float, u: float) -> FoundParameter:
+        """A value that was found, with its standard uncertainty, both in `si`."""
+        return FoundParameter(name=self.name, value=value, unit=self.si, u=u)
 
 
 @dataclass(frozen=True)

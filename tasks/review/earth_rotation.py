@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, single
+from tasks.model.parameters import single
 from tasks.model.term import Inputs, Term
 from tasks.model.terms.axes import level_axes
 from tasks.motion.whole import Motion
@@ -25,7 +25,7 @@ class GroundRotation(Term):
         return Inputs(inputs.rate + rate, inputs.force)
 
 
-PRINTED = ("deg/h", 3600.0 * DEG, 1e-3)
+PRINTED = ("deg/h", "rad/s", 1e-3)
 GROUND_ROTATION = GroundRotation(
     NAME, "site", "input", "ω = ω_table + Ω_x·x + Ω_y·y + Ω_z·up", "rigid-body kinematics",
     single("x", "Ω_x", PRINTED) + single("y", "Ω_y", PRINTED) + single("up", "Ω_z", PRINTED),

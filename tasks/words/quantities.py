@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from tasks.words.rounding import MINUS, USUAL_K, column
 
 SPELLINGS = (
-    ("m/s2", "m/s²"), ("(rad/s)2", "(rad/s)²"), ("^2", "²"), ("^3", "³"), ("^4", "⁴"), ("deg", "°"),
-    ("*", "·"), ("sqrt(h)", "√h"), ("sqrt(Hz)", "√Hz"),
+    ("m/s2", "m/s²"), (")2", ")²"), ("^2", "²"), ("^3", "³"), ("^4", "⁴"), ("deg", "°"),
+    ("*", "·"), ("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("sqrt(Hz)", "√Hz"),
 )  # fmt: skip
 PREFIXED = ("m", "s", "rad", "m/s2", "V", "T")  # units that take a prefix
 PREFIXES = {-3: "m", -6: "µ", -9: "n"}

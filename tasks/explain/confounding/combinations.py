@@ -136,24 +136,6 @@ class Combination:
         alone = inverse(normal[:-1, :-1]) @ right[:-1]
         return float(solution @ right - alone @ right[:-1]) if solution[-1] > 0.0 else 0.0
 
-    def chi2_with_share_of(self, other: Form, share: float) -> float:
-        """Chi-squared where the members make so much less, or more, as another effect makes up
-        for it; infinite where it does not.
-        """
-        longer = self._with(other)
-        places = [longer.places[one.term.key] for one in self.members]
-        own = longer.places[other[0].term.key]
-        for sign in (1.0, -1.0):  # another may only ever add to a delay
-            values, free = longer.values.copy(), longer.free.copy()
-            for place in places:
-                values[place] *= 1.0 - sign * share
-                free[place] = False
-            moved = replace(longer, values=values, free=free)
-            moved = fitted(moved, self.fit.blocks, self.fit.noises)
-            if moved.values[own].any():
-                return chi2_of(moved, self.fit)
-        return np.inf
-
     def with_filter(self, more: float) -> "Combination":
         """A delay and filters whose time constants are greater by so much (s), and held there."""
         model, fit = self.fit.model, self.fit

@@ -13,7 +13,6 @@ from functools import cached_property
 
 import numpy as np
 
-from tasks.explain.confounding.bootstrap import Rivals
 from tasks.explain.confounding.combinations import Combination, chi2_of
 from tasks.explain.confounding.delays import DELAYING, Form, forms_of, group_delays
 from tasks.explain.confounding.linear_forms import (
@@ -30,20 +29,18 @@ from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
 
-SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
 Prune = Callable[[FittedSelection, Collection[str]], FittedSelection]
 
 
 def compared(
-    fit: FittedSelection, candidates: Sequence[Candidate], prune: Prune, by_reference: Rivals
+    fit: FittedSelection, candidates: Sequence[Candidate], prune: Prune
 ) -> FittedSelection:
     """The selection with the best combination of delays and filters in place of those it has,
     marked with the names that the data cannot distinguish from it.
 
     prune: a selection without what is unnecessary in it, but with effects of these names.
-    by_reference: single effects that may be the truth although they fit worse.
 
     A nuisance of every model is kept, and what compensates for it is left out: tracking smooths
     positions and attitudes differently, so that it is not certainly the unit's. It is marked with
@@ -58,7 +55,7 @@ def compared(
         fit = fit.without(selected)
     present = tuple(one.candidate for one in nuisances or selected)
     forms = tuple(forms_of(candidates, present))
-    delays = _Delays(forms, present, fit, prune, by_reference)
+    delays = _Delays(forms, present, fit, prune)
     return delays.with_rivals() if nuisances else delays.compared()
 
 
@@ -70,7 +67,6 @@ class _Delays:
     present: Form
     fit: FittedSelection
     prune: Prune
-    rivals_by_reference: Rivals
 
     def _plausible(self, forms: Iterable[Form]) -> list[Combination]:
         return [one for one in map(self._fitted, forms) if one.plausible]
@@ -86,10 +82,9 @@ class _Delays:
         if min(group_delays(self.fit.model, DELAYING)) <= 0.0:
             return self.fit
         found = self._fitted(self.present)
-        plausible = self._plausible(self._in_place_of(self.present))
-        near = self._near(plausible, found)
+        near = self._near(self._plausible(self._in_place_of(self.present)), found)
         group = group_names(self.present, [names_of(one.members) for one in near])
-        return marked(found, group, self.rivals_by_reference(found, plausible, group))
+        return marked(found, group)
 
     def _in_place_of(self, present: Form) -> Iterator[Form]:
         """Delays and filters other than these that come near by their linear forms."""
@@ -123,11 +118,8 @@ class _Delays:
             limit = best.chi2 + DISTINGUISHABLE * self._linear.dispersion
             if best.with_filter(FILTER).chi2 < limit:
                 names += [("bandwidth",), ("time_offset",)]
-        elif len(names_of(best.members)) == 1:
-            first = {form[0].name: form for form in reversed(self.forms)}
-            names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
         group = group_names(best.members, names)
-        return marked(best, group, self.rivals_by_reference(best, plausible, group))
+        return marked(best, group)
 
     def _near(self, tried: Iterable[Combination], best: Combination) -> list[Combination]:
         """What fits as well as the best."""
@@ -208,16 +200,6 @@ class _Delays:
         elif names_of(alone.members) == ("bandwidth",):
             gain = alone.promises([delay])[0]
         return gain > DISTINGUISHABLE * self._linear.dispersion
-
-    def _hidden_in(self, form: Form, best: Combination) -> bool:
-        """Whether, as far as the data show, another effect may account for a share of the best."""
-        if form[0].name in names_of(best.members):
-            return False
-        missed = self._linear.gain(best.members) - self._linear.gain(form)
-        limit = DISTINGUISHABLE * self._linear.dispersion
-        if not self._delay_was_taken_back and SHARE**2 * missed > 2.0 * limit:
-            return False
-        return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit
 
     def _fitted(self, members: Form) -> Combination:
         if members is self.present and not self._delay_was_taken_back:

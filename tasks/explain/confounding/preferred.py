@@ -11,7 +11,7 @@ from tasks.explain.confounding.linear_forms import marked
 from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.special_case import HOLDS
+from tasks.explain.search.special_case import special_cases
 from tasks.explain.search.stepwise import Selected
 
 
@@ -21,14 +21,18 @@ def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> Fit
     candidates: all that were tried. The rivals of what is replaced are those of its replacement.
     """
     for one in fit.selection.selected:
-        found = Combination((one.candidate,), fit)
+        parts = [each for each in fit.selection.selected
+                 if each.candidate.term.key == one.candidate.term.key]  # fmt: skip
+        if not parts:
+            continue  # replaced with another part
+        found = Combination(tuple(part.candidate for part in parts), fit)
         for rival in _asking_for_less(one, found, candidates):
-            names = one.candidate.name, rival.name
-            instead = Combination.of((rival,), names, fit)
+            instead = Combination.of((rival,), (rival.name,), fit.without(parts))
             dearer = price_of(fit) * (instead.fitted_count - found.fitted_count)
             worse = (instead.chi2 - found.chi2) / dispersion_of(fit)
             if instead.plausible and worse + dearer < CERTAIN:
-                others = tuple(name for name in (names[0], *one.rivals) if name != rival.name)
+                tried = one.candidate.name, *one.rivals
+                others = tuple(name for name in tried if name != rival.name)
                 fit = marked(instead, (), others)
                 break
     return fit
@@ -37,11 +41,12 @@ def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> Fit
 def _asking_for_less(
     one: Selected, found: Combination, candidates: Sequence[Candidate]
 ) -> Iterator[Candidate]:
-    """Rivals in whole forms: special cases of it, and any where it is not plausible."""
+    """In whole forms: its special cases, and its rivals where it is not plausible."""
     candidate = one.candidate
     if candidate.nuisance or candidate.known or candidate.prior is not None or one.absorbed_by:
         return
-    plausible = found.plausible
-    for name in one.rivals:
-        if HOLDS.get(name) == candidate.name or not plausible:
-            yield from [each for each in candidates if each.is_form_of((name,))][:1]
+    names = dict.fromkeys(special_cases(candidate.term))
+    if not found.plausible:
+        names |= dict.fromkeys(one.rivals)
+    for name in names:
+        yield from [each for each in candidates if each.is_form_of((name,))][:1]

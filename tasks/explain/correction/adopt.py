@@ -15,7 +15,6 @@ from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
 from tasks.explain.correction.sensitivity import (
     UncertainInput,
     correlation_of,
-    in_si,
     uncertain_inputs,
 )
 from tasks.explain.determined import DeterminedModel
@@ -138,7 +137,7 @@ def _adopted_term(finding: Finding, determined: DeterminedModel | None) -> Adopt
     return AdoptedTerm(
         name=finding.effect,
         **text_fields("title", statement(finding.title)),
-        parameters=tuple(map(in_si, taken)) or finding.parameters,
+        parameters=tuple(one.found for one in taken) or finding.parameters,
     )
 
 

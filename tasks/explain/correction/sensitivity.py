@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.determined import DeterminedModel, DeterminedParameter, unit_of
+from tasks.explain.determined import DeterminedModel
 from tasks.explain.events.faults import RANGE_SETTING
 from tasks.explain.explanation import UNNAMED, Finding
 from tasks.model.term import Column
@@ -69,7 +69,7 @@ def uncertain_inputs(
             continue
         for one, place in placed:
             unit = np.eye(1, len(determined.u), place)[0]
-            every.append(UncertainInput(finding, in_si(one), one.u * unit, unit / one.u))
+            every.append(UncertainInput(finding, one.found, one.u * unit, unit / one.u))
     return every
 
 
@@ -124,13 +124,6 @@ def correlation_of(
         np.fill_diagonal(own, 1.0)
         correlation[np.ix_(rows, rows)] = own
     return correlation
-
-
-def in_si(one: DeterminedParameter) -> FoundParameter:
-    """A parameter that was corrected for, as it is reported."""
-    return FoundParameter(
-        name=one.parameter.name, value=one.value, unit=unit_of(one.parameter), u=one.u
-    )
 
 
 def _of_unknown_cause(finding: Finding) -> UncertainInput:

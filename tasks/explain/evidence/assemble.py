@@ -13,13 +13,13 @@ from tasks.explain.evidence.event_findings import event_findings, with_faults
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
 from tasks.explain.evidence.form_errors import named_beside
-from tasks.explain.evidence.left_over import REFERENCE_KNOWN, LeftOver, remainder
+from tasks.explain.evidence.left_over import NEAR_NOISE, REFERENCE_KNOWN, LeftOver, remainder
 from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
+    drift,
     small_remainder,
     with_shares,
-    without_switching,
 )
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
@@ -34,7 +34,6 @@ from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.words import message
 
 MOSTLY = 0.5  # explained share up to which what is left is told as a finding of its own
-COMPLETE = 0.9  # share of the mismatch above noise from which on it counts as explained
 CLEAR = 3.0  # standard uncertainties from which on a parameter is listed
 OTHER = message("explain-other-parameters")
 
@@ -68,9 +67,11 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
     if not ordered:
         nuisances = {group.name for group in evidence.groups if group.nuisance}
         counted = sum(one.gain for one in terms) / max(by_terms, 1e-300)
-        unexplained = left.remaining_by_channel * counted
-        named = named_beside(terms, artefacts.findings, unexplained, noise, nuisances)
-        terms = without_switching(named)
+        unexplained = (left.remaining_by_channel + left.rounded_by_channel) * counted
+        named = named_beside(
+            terms, artefacts.findings, unexplained, left.chi2_per_degree, noise, nuisances
+        )
+        terms = [drift(one, full.motion) for one in named]
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     if not ordered:
         # Of what every model has, a part without a name says nothing of the unit: see the remarks.
@@ -105,7 +106,7 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
 
 
 def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Verdict:
-    """Explained is what has names, and leaves noise or next to nothing of the mismatch."""
+    """Explained is what has names, and leaves next to noise in every channel."""
     named = [finding for finding in findings if finding.effect != UNNAMED]
     # Where nothing was found, what may be the reference's own errors is no mismatch of the unit.
     known = 1.0 if findings else REFERENCE_KNOWN
@@ -114,7 +115,7 @@ def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Ver
         return "no_mismatch" if quiet and p_value > FALSE_ALARMS else "unexplained"
     if not named:
         return "unexplained"
-    complete = quiet or left.explained_share > COMPLETE
+    complete = bool((np.nan_to_num(left.chi2_per_degree) < NEAR_NOISE).all())
     return "explained" if len(named) == len(findings) and complete else "partly_explained"
 
 
@@ -163,6 +164,5 @@ def _clear_deviations(standard: Model, ideal: np.ndarray) -> tuple[FoundParamete
             name, u = f"{term.name}_{parameter.name}", float(standard.u[p])
             change = float(standard.values[p] - ideal[p])
             if u > 0 and abs(change) > CLEAR * u:
-                unit = "1" if parameter.factor == 1.0 and parameter.unit == "1" else "SI"
-                found.append(FoundParameter(name=name, value=change, unit=unit, u=u))
+                found.append(FoundParameter(name=name, value=change, unit=parameter.si, u=u))
     return tuple(found)

@@ -195,7 +195,7 @@ def with_faults(explanation: Explanation, prepared: Prepared, left: LeftOver) ->
         held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
         left_over=explanation.left_over[place.argsort()],
         explained_share=(sum(by_codes) + left.removed) / total if explanation.findings else 1.0,
-        findings=(*own, *named_beside(moved, own, np.zeros(len(CHANNELS)), noise)),
+        findings=(*own, *named_beside(moved, own, np.zeros(6), np.ones(6), noise)),
         small=tuple(small),
         determined=explanation.determined and replace(explanation.determined, axes=matrix),
     )

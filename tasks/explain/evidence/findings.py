@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.confounding.delays import common_part
-from tasks.explain.determined import DeterminedModel, unit_of
+from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
 from tasks.explain.evidence.dependence import change_without
 from tasks.explain.evidence.determination import widening
@@ -21,7 +21,7 @@ from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.proposals import TIME
 from tasks.explain.search.refit import fitted
-from tasks.model.term import Parameter, Term, places
+from tasks.model.term import Term, places
 from tasks.words import Sayable, message
 
 JUMPS = message("explain-jumps")
@@ -198,13 +198,13 @@ def _parameters(
             largest = MAX_U * (parameter.plausible[1] - parameter.nominal)
             u = widened.get(int(column[p]), 0.0) if model.free[p] else 0.0
             if 0.0 < u < largest:
-                found.append(_in_si(parameter, float(model.values[p]), u))
+                found.append(parameter.found(float(model.values[p]), u))
         for shape, value in zip(term.shapes, term.at, strict=True):
             if shape.name == TIME:
                 time, u = step_time(evidence.fit, term, spread**2)
-                found.append(_in_si(shape, start + time, u))
+                found.append(shape.found(start + time, u))
                 continue
-            found.append(_in_si(shape, value, float(spread * (model.shape_u[k] or 0.0))))
+            found.append(shape.found(value, float(spread * (model.shape_u[k] or 0.0))))
     return tuple(found)
 
 
@@ -235,8 +235,3 @@ def _checked_parameters(
         )
         if 0.0 < u < parameter.plausible[1] - parameter.plausible[0]
     ]
-
-
-def _in_si(parameter: Parameter, value: float, u: float) -> FoundParameter:
-    """In SI, for comparison independent of the printed unit."""
-    return FoundParameter(name=parameter.name, value=value, unit=unit_of(parameter), u=u)

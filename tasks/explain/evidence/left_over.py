@@ -24,7 +24,7 @@ MIN_ROWS = 8  # of a window
 LEAST = 0.1  # of the noise that is usual in a triad
 ORDER = 4  # of the differences in which motion leaves next to nothing
 KNOWN_WITHIN = 0.1  # share of its power within which the noise at rest is known
-CLEAR = 2.0  # chi-squared per degree of freedom from which a channel is told of
+NEAR_NOISE = 2.0  # chi-squared per degree of freedom below which less is left than noise has
 REFERENCE_KNOWN = 10.0  # times its own account: the power that a reference's noise may have
 BAND = (0.1, 0.9)  # quantiles of the power above noise between which a band is told
 SPECTRUM = 20.0  # s of one spectrum
@@ -37,7 +37,8 @@ class LeftOver:
     before, after: (n, 6) squares of the residuals over the noise, NaN where unknown. masked: (n, 6)
     bool, readings that are not used. noise: (n, 6) variance of a mean over `rows` readings, of the
     sensor at rest and of the reference together; reference: (n, 6) the reference's part of it.
-    rows: as many as the reference resolves, one for an exact reference.
+    rows: as many as the reference resolves, one for an exact reference. rounding: (6,) variance of
+    what rounding adds where noise does not dither: no mean makes it smaller.
     """
 
     before: np.ndarray
@@ -46,6 +47,7 @@ class LeftOver:
     noise: np.ndarray
     reference: np.ndarray
     rows: int
+    rounding: np.ndarray
 
     @classmethod
     def of(
@@ -59,7 +61,8 @@ class LeftOver:
         # What smoothing loses of the motion is as large as the noise that it lets through.
         reference = (1.0 + (rows > 1)) * full.reference_noise.variance(full.motion, rows * interval)
         noise = own / rows + reference
-        empty = cls(np.empty(0), np.empty(0), masked, noise, reference, rows)
+        rounding = np.where(full.dithered, 0.0, full.steps**2 / 12.0)
+        empty = cls(np.empty(0), np.empty(0), masked, noise, reference, rows, rounding)
         return replace(
             empty,
             before=empty.squares(full.readings - nominal),
@@ -73,11 +76,13 @@ class LeftOver:
         return np.asarray(residual**2 / self.noise)
 
     @property
+    def _used(self) -> np.ndarray:
+        return np.isfinite(self.after) & ~self.masked
+
+    @property
     def chi2_per_degree(self) -> np.ndarray:
         """(6,) after all findings; NaN where a channel was not recorded."""
-        used = np.isfinite(self.after) & ~self.masked
-        total = np.where(used, self.after, 0.0).sum(axis=0)
-        rows = used.sum(axis=0)
+        total, rows = np.where(self._used, self.after, 0.0).sum(axis=0), self._used.sum(axis=0)
         return np.divide(total, rows, out=np.full(len(rows), np.nan), where=rows > 0)
 
     def beyond_reference(self, known: float) -> np.ndarray:
@@ -95,9 +100,14 @@ class LeftOver:
     @property
     def remaining_by_channel(self) -> np.ndarray:
         """(6,) chi-squared that is left above the noise, as far as that is known."""
-        rows = (np.isfinite(self.after) & ~self.masked).sum(axis=0)
+        rows = self._used.sum(axis=0)
         above = np.nan_to_num(self.chi2_per_degree) - 1.0 - KNOWN_WITHIN
         return np.asarray(rows * np.maximum(above, 0.0))
+
+    @property
+    def rounded_by_channel(self) -> np.ndarray:
+        """(6,) chi-squared of what rounding adds."""
+        return np.asarray(np.where(self._used, self.rounding / self.noise, 0.0).sum(axis=0))
 
     @property
     def remaining(self) -> float:
@@ -183,7 +193,7 @@ def remainder(full: FullRate, found: np.ndarray, left: LeftOver) -> Finding | No
 
     found: (n, 6) predicted readings. It removes nothing and adds nothing to the readings.
     """
-    clear = left.beyond_reference(REFERENCE_KNOWN) >= CLEAR
+    clear = left.beyond_reference(REFERENCE_KNOWN) >= NEAR_NOISE
     channels = tuple(np.flatnonzero(clear).tolist())
     if not channels:
         return None

@@ -26,7 +26,6 @@ import numpy as np
 from scipy.stats import chi2
 
 from tasks.explain.channels import ACCELS
-from tasks.explain.determined import unit_of
 from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, fitted_columns
@@ -40,7 +39,7 @@ from tasks.model.terms.gyro import THRESHOLD
 from tasks.motion.whole import Motion
 
 KNOWN_SIZE = 0.3  # by which physics that is known beforehand may differ from what is known
-SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
+SIZE = Parameter("size", "size", "1", "1", (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
 UNSEEN = 1e-3  # p value of coefficients that the faster rates show
 FAST_THRESHOLDS = 3.0  # thresholds: faster than what the errors of a rest make of it
 FEWEST_CELLS = 3  # cells on either side: two tell a change by themselves
@@ -75,7 +74,7 @@ class Examined:
     def refused(self, kind: RefusalKind, k: int, value: float, limit: float) -> Refusal:
         """For the value of its parameter k."""
         parameter = self.parameters[k]
-        name, unit = parameter.name, unit_of(parameter)
+        name, unit = parameter.name, parameter.si
         return Refusal(kind, self.group.name, name, unit, value, limit)
 
 
@@ -107,7 +106,7 @@ def unseen_turning(one: Examined) -> Refusal | None:
     k = int((np.abs(values) / u).argmax())
     parameter = parameters_of(model.terms)[free[own[k]]]
     return Refusal(
-        "undetermined", group.name, parameter.name, unit_of(parameter),
+        "undetermined", group.name, parameter.name, parameter.si,
         float(values[k]), COVERAGE * float(u[k]),
     )  # fmt: skip
 

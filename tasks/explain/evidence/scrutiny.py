@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.explain.determined import unit_of
+from tasks.explain.channels import EVERY
 from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partitions, partwise
@@ -26,6 +26,7 @@ from tasks.explain.evidence.lookalikes import (
 )
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.explain.odds import COVERAGE
+from tasks.explain.search.candidates import columns_of
 from tasks.model.regression import inverse
 
 UNLIKE = 1e-3  # p value, corrected, from which on the parts of a recording are not alike
@@ -116,16 +117,20 @@ def _inhomogeneous(one: Examined, unlike: list[PartwiseEstimate]) -> Refusal | N
     k = int(np.argmax(worst.spread / np.maximum(one.evidence.u(one.number), 1e-300)))
     parameter, sizes = one.parameters[k], worst.values[:, k]
     return Refusal(
-        "inhomogeneous", one.group.name, parameter.name, unit_of(parameter),
+        "inhomogeneous", one.group.name, parameter.name, parameter.si,
         smallest=float(np.nanmin(sizes)), largest=float(np.nanmax(sizes)), parts=worst.partition,
     )  # fmt: skip
 
 
 def _channel_worse(one: Examined) -> Refusal | None:
-    """Where a channel that it touches does not gain, or any channel loses."""
+    """Where a channel that it touches does not gain, or one that its equation has loses."""
     gains, added = one.evidence.channel_gains(one.number), one.evidence.added_power(one.number)
+    motion = one.evidence.fit.blocks.motion
+    columns = (column for term in one.group.terms for column in columns_of(term, motion))
+    of_equation = np.isin(EVERY, list({channel for column in columns for channel in column}))
+    gains = np.where(of_equation, gains, 0.0)
     tolerated = max(TOLERATED, MIN_TOUCHED * float(gains.max()))
-    touched = (added > TOUCHED) & (added > MIN_TOUCHED * added.sum())
+    touched = of_equation & (added > TOUCHED) & (added > MIN_TOUCHED * added.sum())
     worse = np.flatnonzero((touched & (gains <= 0.0)) | (gains < -tolerated))
     if not len(worse):
         return None

@@ -25,12 +25,12 @@ STILL = 0.003  # rad/s
 
 
 def simulated_reading(
-    recording: Recording, full: FullRate, rng: np.random.Generator, *, shifted: bool = True
+    recording: Recording, full: FullRate, rng: np.random.Generator
 ) -> tuple[Motion, Motion] | None:
     """The assumed motion at the unit's rows, and that motion as the reference would report it.
 
-    shifted: encoders are at other angles, so that rests are not where they round to; the assumed
-    motion is then one that they smoothed. None for a reference without errors.
+    Encoders are at other angles, so that rests are not where they round to: the assumed motion is
+    one that they smoothed. None for a reference without errors.
     """
     if full.motion.tracking is not None and recording.reference is not None:
         pose = _with_noise(recording.reference, full.motion.tracking, rng)
@@ -38,9 +38,10 @@ def simulated_reading(
     encoders, table, axes = full.reference_noise.encoders, recording.table, full.motion.axes
     if encoders is None or table is None or axes is None or not encoders.variance.any():
         return None
-    exact, noisy = _encoders_on(recording, full, table, encoders, axes, rng, shifted=shifted)
-    read = _read(replace(recording, table=noisy), full)
-    return _read(replace(recording, table=exact), full) if shifted else full.motion, read
+    exact, noisy = _encoders_on(recording, full, table, encoders, axes, rng)
+    return _read(replace(recording, table=exact), full), _read(
+        replace(recording, table=noisy), full
+    )
 
 
 def _read(recording: Recording, full: FullRate) -> Motion:
@@ -68,12 +69,12 @@ def _with_noise(pose: Stream, tracking: Tracking, rng: np.random.Generator) -> S
 
 def _encoders_on(
     recording: Recording, full: FullRate, table: Stream, encoders: EncoderNoise, axes: TableAxes,
-    rng: np.random.Generator, *, shifted: bool,
+    rng: np.random.Generator,
 ) -> tuple[Stream, Stream]:  # fmt: skip
     """Readings of encoders without and with noise on the assumed motion.
 
     Rests are off by their rounding and assumed to lie where they were read: so the motion is made
-    slightly larger or smaller where it is `shifted`, and rounded again.
+    slightly larger or smaller, and rounded again.
     """
     t = table.t - full.start
     thinned = max(1.0, encoders.rate.interval / float(np.median(np.diff(t))))
@@ -84,8 +85,8 @@ def _encoders_on(
     for k, axis in enumerate(recording.manifest.station.table_axes or ()):
         turned = CubicHermiteSpline(full.motion.t, angles[:, k], rates[:, k])(t)
         step, variance = encoders.steps[k], np.interp(t, encoders.t, encoders.variance[:, k])
-        larger = 1.0 + SHIFT * rng.uniform(-1.0, 1.0) if step and shifted else 1.0
-        turned = larger * turned + (step * rng.uniform() if shifted else 0.0)
+        larger = 1.0 + SHIFT * rng.uniform(-1.0, 1.0) if step else 1.0
+        turned = larger * turned + step * rng.uniform()
         rest = np.abs(np.interp(t, full.motion.t, rates[:, k])) < STILL
         own = dither(table.columns[f"{axis.name}_angle"], rest, step)
         scatter = np.sqrt(np.maximum(thinned * variance - step**2 / 12.0, own**2))

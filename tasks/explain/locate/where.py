@@ -14,6 +14,7 @@ from scipy.stats import linregress
 
 from schemas.discrepancy import Dimension, Where
 from tasks.explain.channels import CHANNELS
+from tasks.explain.evidence.shares import is_drift
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.locate.partitions import time_since_move
 from tasks.explain.locate.patterns import (
@@ -30,8 +31,6 @@ from tasks.explain.locate.run_blocks import (
     StandardDesign,
     noise_scales,
 )
-from tasks.explain.search.empirical_terms import SLOW_DRIFT
-from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.whole import Motion
 from tasks.words import Message, message, statement
 from tasks.words.quantities import percent
@@ -107,7 +106,7 @@ def _entries(
     share = power / power.sum()
     major = [int(c) for c in np.argsort(-share) if share[c] >= MIN_SHARE]
     channels = {c: ChannelExcess.of(run, excess[c], designs[c], c, float(noise[c])) for c in major}
-    placed = places(run, channels, signal, by_time=_drifts(finding))
+    placed = places(run, channels, signal, by_time=is_drift(finding))
     entries = [_where(CHANNELS[c], placed[c], float(share[c])) for c in major]
     rest = 1.0 - sum(each.share for each in entries)
     if rest > NEGLIGIBLE:
@@ -115,12 +114,6 @@ def _entries(
         return (*entries, _where(slight, SLIGHT, rest))
     first = entries[0].model_copy(update={"share": entries[0].share + rest})
     return (first, *entries[1:])
-
-
-def _drifts(finding: Finding) -> bool:
-    """Whether it is a slow course of its own: what else it goes with was visited in that order."""
-    walks = any(name == BIAS_RANDOM_WALK.name for name, *_ in finding.terms)
-    return walks or finding.title == SLOW_DRIFT
 
 
 def _where(channel: str, place: Place, share: float) -> Where:

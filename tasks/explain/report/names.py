@@ -77,6 +77,9 @@ def parameter_name(name: str) -> Sayable:
     for kind in ("parameter-", "channel-", "triad-"):
         if known(kind + name):
             return message(kind + name)
+    quantity, _, channel = name.partition("_")
+    if channel in CHANNELS and known("parameter-of-" + quantity):
+        return message("parameter-of-" + quantity, channel=channel_title(channel))
     channel, _, number = name.rpartition("_")
     if channel in CHANNELS and number.isdigit():
         return message("report-factor", channel=channel_title(channel), number=int(number))

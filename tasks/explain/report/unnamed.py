@@ -9,7 +9,7 @@ from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.report.names import channel_title, parameter_name
 from tasks.model.effect import effect_name
 from tasks.words import Message, Sayable, clauses, message
-from tasks.words.quantities import plain, rough_quantity
+from tasks.words.quantities import chi2, plain, rough_quantity
 
 # Reasons without figures.
 PLAIN = ("reference_noise", "placed", "one_end", "both_ways", "swings", "switching")
@@ -84,8 +84,9 @@ def refused(refusal: Refusal, setting: bool) -> Message:
             "report-refused-inhomogeneous", **arguments, **shown, parts=refusal.parts or "time"
         )
     if refusal.kind in ("overshadowed", "form_error"):
-        times = plain(refusal.value or 0.0, 2)
-        return message(f"report-refused-{refusal.kind.replace('_', '-')}", **arguments, times=times)
+        times, left = plain(refusal.value or 0.0, 2), chi2(refusal.limit or 1.0)
+        kind = refusal.kind.replace("_", "-")
+        return message(f"report-refused-{kind}", **arguments, times=times, chi2=left)
     value, limit = refusal.value or 0.0, refusal.limit or 0.0
     multiple = _times(refusal)
     if multiple > LARGER:  # it is said how many times as large, in which no sign has a place

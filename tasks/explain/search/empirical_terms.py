@@ -31,7 +31,7 @@ TIPPING_FORCE = (
 )
 DIAGONALS = tuple((1.0, y, z) for y, z in product((1.0, -1.0), repeat=2))  # opposites are the same
 STANDS = 0.02  # of the largest rate of an axis: slower is no turn to either side
-PARAMETERS = tuple(Parameter(f"lean_{axis}", "lean", "rad", 1.0, (-0.01, 0.01)) for axis in "xyz")
+PARAMETERS = tuple(Parameter(f"lean_{axis}", "lean", "rad", "rad", (-0.01, 0.01)) for axis in "xyz")
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def _factors(
     return tuple(
         Parameter(
             f"{'gyro' if c < 3 else 'accel'}_{LETTERS[c]}" + (f"_{k + 1}" if number > 1 else ""),
-            key, units[c >= 3], 1.0, (-1.0, 1.0),
+            key, units[c >= 3], units[c >= 3], (-1.0, 1.0),
         )
         for c in channels for k in range(number)
     )  # fmt: skip
@@ -135,7 +135,7 @@ def sinusoid(channels: tuple[int, ...], period: float = 100.0) -> Sinusoid:
 
     return Sinusoid(
         UNNAMED, UNNAMED, "sensor", "reading += a·sin(2πt/P) + b·cos(2πt/P)", "empirical",
-        _factors("a wave", channels, 2), (Parameter("period", "P", "s", 1.0, (0.5, 2000.0)),),
+        _factors("a wave", channels, 2), (Parameter("period", "P", "s", "s", (0.5, 2000.0)),),
         reads=columns,
     ).shaped((period,))  # fmt: skip
 
@@ -255,6 +255,6 @@ def lost_motion(axis: int) -> LostMotion:
     """The play in the drive of a table axis, counted from 0."""
     return LostMotion(
         UNNAMED, UNNAMED, "motion", f"θ{axis + 1} = θ_enc − h·(way it turned last)", "empirical",
-        (Parameter("half", "h", "rad", 1.0, (-0.01, 0.01)),),
+        (Parameter("half", "h", "rad", "rad", (-0.01, 0.01)),),
         own_title=message("explain-lost-motion", axis=axis + 1), axis=axis,
     )  # fmt: skip

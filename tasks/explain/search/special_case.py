@@ -1,7 +1,8 @@
-"""Tells a lever arm from the size effect, of which it is the special case with all places alike.
+"""Tells a lever arm from the more general forms of which it is the special case.
 
-What fits a recording of the one fits as well with the other; whether it could show that the
-accelerometers are apart decides whether the lever arm stands alone.
+What fits a recording of a lever arm fits as well with the size effect, places alike; whether it
+could show that the accelerometers are apart decides whether the lever arm stands alone. Nine free
+factors of the angular acceleration are a lever arm where they are antisymmetric, ω̇×r.
 """
 
 from collections.abc import Sequence
@@ -12,12 +13,21 @@ from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import NormalEquations
 from tasks.explain.search.scores import projected
 from tasks.model.regression import inverse
+from tasks.model.term import Term
 
 HOLDS = {"lever_arm": "size_effect"}  # special case: general effect
+BY_EQUATION = {"reading += c·ω̇": "lever_arm"}  # general form without a name: special case
 APART = np.array([[1.0, 0.0, -1.0], [-1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])  # accelerometer, component
 # Chi-squared that a typical departure is to show: of six independent components, so that one in
 # twenty shows a quarter of it.
 SHOWN = 60.0
+
+
+def special_cases(general: Term) -> tuple[str, ...]:
+    """Names of the catalogue that a term holds as special cases."""
+    named = (name for name, effect in HOLDS.items() if effect == general.name)
+    unnamed = BY_EQUATION.get(general.equation)
+    return (*named, *([unnamed] if unnamed else []))
 
 
 def places_apart(r: np.ndarray) -> np.ndarray:

@@ -18,8 +18,8 @@ def accel_nonlinearity(order: int) -> SensorTerm:
     """A share of g, as the second or third power of the specific force."""
     return SensorTerm(
         "accel_nonlinearity", "accelerometer", "sensor", f"a′ᵢ = cᵢ·fᵢ^{order}/g^{order - 1}",
-        "IEEE Std 1293", each_axis("coefficient", "c", ("1", 1.0, 0.02)),
-        (Parameter("order", "n", "1", 1.0, (2.0, 3.0)),), (float(order),),
+        "IEEE Std 1293", each_axis("coefficient", "c", ("1", "1", 0.02)),
+        (Parameter("order", "n", "1", "1", (2.0, 3.0)),), (float(order),),
         reads=lambda motion, inputs, at: own(
             ACCEL_FIRST, inputs.force ** int(at[0]) / motion.gravity ** (int(at[0]) - 1)
         ),
@@ -37,8 +37,8 @@ def converter_nonlinearity(order: int) -> SensorTerm:
     return SensorTerm(
         "accel_nonlinearity", "accelerometer", "sensor", f"a′ᵢ = cᵢ·g·T{order}(fᵢ/f_top)",
         "IEEE Std 1241 (integral non-linearity), in Chebyshev's polynomials",
-        each_axis("coefficient", "c", ("1", 1.0, 0.02)),
-        (Parameter("order", "n", "1", 1.0, (4.0, 7.0)),), (float(order),),
+        each_axis("coefficient", "c", ("1", "1", 0.02)),
+        (Parameter("order", "n", "1", "1", (4.0, 7.0)),), (float(order),),
         reads=lambda motion, inputs, at: own(ACCEL_FIRST, waves(inputs.force) * motion.gravity),
         confused_with=("accel_saturation", "structural_compliance"),
     )  # fmt: skip
@@ -49,7 +49,7 @@ def converter_nonlinearity(order: int) -> SensorTerm:
 # observed power, and may be thousands of times the sensor's own.
 VIBRATION_RECTIFICATION = SensorTerm(
     "vibration_rectification", "accelerometer", "sensor", "a′ᵢ = cᵢ·⟨a_vib²⟩", "IEEE Std 1293",
-    each_axis("in_band_coefficient", "c", ("g/g2", G, MAX_POWER_RATIO * 0.1 / G)),
+    each_axis("in_band_coefficient", "c", ("g/g2", "(m/s2)/(m/s2)2", MAX_POWER_RATIO * 0.1 / G)),
     reads=lambda motion, inputs, at: same(motion.recorded["vibration"], (3, 4, 5)),
     confused_with=("lever_arm", "structural_compliance", "accel_nonlinearity"),
 )  # fmt: skip
@@ -72,8 +72,8 @@ def rectification_of_speed(of_all: bool, exponent: float) -> SensorTerm:
         "vibration_rectification", "accelerometer", "sensor",
         f"a′ᵢ = bᵢ·({speed}/ω_top)ⁿ, ⟨a_vib²⟩ ∝ {speed}ⁿ",
         "IEEE Std 1293; ISO 20816-1 (vibration of rotating machines by speed)",
-        each_axis("at_top_rate", "b", ("m/s2", 1.0, 0.1)),
-        (Parameter("exponent", "n", "of the speed", 1.0, (0.5, 4.0)),), (exponent,),
+        each_axis("at_top_rate", "b", ("m/s2", "m/s2", 0.1)),
+        (Parameter("exponent", "n", "of the speed", "of the speed", (0.5, 4.0)),), (exponent,),
         reads=lambda motion, inputs, at: own(ACCEL_FIRST, share(motion) ** at[0]),
         confused_with=("lever_arm", "structural_compliance", "accel_nonlinearity"),
     )  # fmt: skip

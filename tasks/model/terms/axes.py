@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, single
+from tasks.model.parameters import single
 from tasks.model.term import Parameter, Term
 from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.table import TableAxes
@@ -56,7 +56,7 @@ class AxisTilt(Term):
 AXIS_TILT = AxisTilt(
     "axis_tilt", "geometry", "motion", "up′ = up − φ×up, φ = φ_E·East + φ_N·North",
     "IEEE Std 1554; small rotation",
-    single("east", "φ_E", ("deg", DEG, 0.02)) + single("north", "φ_N", ("deg", DEG, 0.02)),
+    single("east", "φ_E", ("deg", "rad", 0.02)) + single("north", "φ_N", ("deg", "rad", 0.02)),
     confused_with=("axis_wobble", "axis_nonorthogonality", "remount_misalignment"),
 )  # fmt: skip
 
@@ -84,7 +84,7 @@ def axis_nonorthogonality(joints: tuple[int, ...]) -> AxisNonorthogonality:
         "axis_nonorthogonality", "geometry", "motion", "φₖ = δₖ·(aₖ×aₖ₊₁)/|aₖ×aₖ₊₁| between axes",
         "IEEE Std 1554; small rotation",
         tuple(
-            p for k in joints for p in single(f"angle_{k + 1}", f"δ_{k + 1}", ("deg", DEG, 0.02))
+            p for k in joints for p in single(f"angle_{k + 1}", f"δ_{k + 1}", ("deg", "rad", 0.02))
         ),
         joints=joints,
         confused_with=("axis_tilt", "axis_wobble", "remount_misalignment"),
@@ -116,9 +116,9 @@ def axis_wobble(per_turn: int) -> AxisWobble:
         "φ = Σ (s·sin mθ + c·cos mθ)·East, North; rate φ̇ besides", "IEEE Std 1554",
         tuple(
             p for side in ("east", "north") for part in ("sin", "cos")
-            for p in single(f"{side}_{part}", f"φ_{side[0].upper()},{part}", ("deg", DEG, 0.01))
+            for p in single(f"{side}_{part}", f"φ_{side[0].upper()},{part}", ("deg", "rad", 0.01))
         ),
-        (Parameter("per_turn", "m", "1", 1.0, (1.0, 2.0)),), (float(per_turn),),
+        (Parameter("per_turn", "m", "1", "1", (1.0, 2.0)),), (float(per_turn),),
         confused_with=("encoder_eccentricity", "axis_tilt", "rate_ripple"),
     )  # fmt: skip
 

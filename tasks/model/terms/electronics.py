@@ -73,7 +73,7 @@ def _bandwidth(order: int, *names: str) -> Bandwidth:
         "bandwidth", "electronics", "signal",
         f"Y = X/({denominator}), s = j·2πf·T, corner = 1/(2πT)",
         "S. Butterworth, On the theory of filter amplifiers, 1930; IEEE Std 1293",
-        tuple(Parameter(name, "T", "s", 1.0, (0.0, 0.05)) for name in names),
+        tuple(Parameter(name, "T", "s", "s", (0.0, 0.05)) for name in names),
         confused_with=("time_offset", "gyro_angular_acceleration", "accel_axis_skew"),
         order=order,
     )  # fmt: skip

@@ -3,7 +3,7 @@
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, Printed, each_channel, same, triads
+from tasks.model.parameters import Printed, each_channel, same, triads
 from tasks.model.term import Parameter, SensorTerm, Term
 from tasks.motion.lag import first_order_lag
 from tasks.motion.samples import bridged
@@ -21,7 +21,8 @@ TIME_CONSTANTS = tuple(np.geomspace(30.0, 400.0, 5).tolist())  # s
 
 def _per(unit: str, largest_gyro: float, largest_accel: float) -> tuple[Printed, Printed]:
     """How biases per a unit are printed; largest plausible in rad/s and m/s² per it."""
-    return (f"(deg/s)/{unit}", DEG, largest_gyro), (f"(m/s2)/{unit}", 1.0, largest_accel)
+    gyro, accel = f"(rad/s)/{unit}", f"(m/s2)/{unit}"
+    return (f"(deg/s)/{unit}", gyro, largest_gyro), (accel, accel, largest_accel)
 
 
 TEMPERATURE_BIAS = SensorTerm(
@@ -39,7 +40,7 @@ def late_temperature_bias(seconds: float) -> SensorTerm:
         "temperature_bias", "environment", "sensor",
         "bᵢ = cᵢ·(T′ − 25 °C), τ·dT′/dt = T − T′", "IEEE Std 1293; IEEE Std 952 (thermal lag)",
         each_channel("c", *_per("K", 0.01, 0.1)),
-        (Parameter("time_constant", "τ", "s", 1.0, (5.0, 600.0)),), (seconds,),
+        (Parameter("time_constant", "τ", "s", "s", (5.0, 600.0)),), (seconds,),
         reads=lambda motion, inputs, at: same(
             _late(motion.recorded["temperature"], motion.interval, at[0]) - REFERENCE
         ),
@@ -58,7 +59,7 @@ def _late(signal: np.ndarray, step: float, seconds: float) -> np.ndarray:
 TEMPERATURE_SCALE = SensorTerm(
     "temperature_scale", "environment", "sensor",
     "ω′ᵢ = cᵢ·ωᵢ·(T − 25 °C); a′ᵢ = cᵢ·fᵢ·(T − 25 °C)", "IEEE Std 1293; IEEE Std 1431",
-    each_channel("c", ("1/K", 1.0, 2e-3), ("1/K", 1.0, 2e-3)),
+    each_channel("c", ("1/K", "1/K", 2e-3), ("1/K", "1/K", 2e-3)),
     reads=lambda motion, inputs, at: triads(
         inputs.rate * (motion.recorded["temperature"] - REFERENCE)[:, None],
         inputs.force * (motion.recorded["temperature"] - REFERENCE)[:, None],
@@ -86,8 +87,8 @@ def thermal_transient(seconds: float) -> SensorTerm:
     """A bias that fades since power-on, with a time constant."""
     return SensorTerm(
         "thermal_transient", "environment", "sensor", "bᵢ = cᵢ·e^(−t/τ)", "IEEE Std 1293",
-        each_channel("c", ("deg/s", DEG, 0.1), ("m/s2", 1.0, 1.0)),
-        (Parameter("time_constant", "τ", "s", 1.0, (5.0, 600.0)),), (seconds,),
+        each_channel("c", ("deg/s", "rad/s", 0.1), ("m/s2", "m/s2", 1.0)),
+        (Parameter("time_constant", "τ", "s", "s", (5.0, 600.0)),), (seconds,),
         reads=lambda motion, inputs, at: same(np.exp(-motion.t / at[0])),
         confused_with=("temperature_bias", "thermal_gradient", "bias_random_walk"),
         time_course="drift", since_power_on=True,

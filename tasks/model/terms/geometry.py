@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import AXES, Recording
-from tasks.model.parameters import DEG, OFF_DIAGONAL, G, each_axis, each_pair, turned
+from tasks.model.parameters import OFF_DIAGONAL, G, each_axis, each_pair, turned
 from tasks.model.term import Inputs, Parameter, Term
 from tasks.model.terms.axes import turned_by
 from tasks.motion.whole import Motion
@@ -26,7 +26,7 @@ class LeverArm(Term):
 
 LEVER_ARM = LeverArm(
     "lever_arm", "geometry", "input", "f = f₀ + ω̇×r + ω×(ω×r)", "rigid-body kinematics",
-    each_axis("r", "r", ("m", 1.0, 0.3)),
+    each_axis("r", "r", ("m", "m", 0.3)),
     confused_with=("size_effect", "structural_compliance"),
 )  # fmt: skip
 
@@ -50,7 +50,7 @@ class SizeEffect(Term):
 SIZE_EFFECT = SizeEffect(
     "size_effect", "geometry", "input", "fᵢ = f₀ᵢ + [ω̇×rᵢ + ω×(ω×rᵢ)]ᵢ",
     "Titterton and Weston, Strapdown Inertial Navigation Technology, 2004; IEEE Std 836",
-    each_pair("r", ("m", 1.0, 0.3)),
+    each_pair("r", ("m", "m", 0.3)),
     confused_with=("lever_arm", "structural_compliance"),
 )  # fmt: skip
 
@@ -72,7 +72,7 @@ STRUCTURAL_COMPLIANCE = StructuralCompliance(
     "structural_compliance", "geometry", "motion",
     "φᵢ = Σⱼ C_ij·ωⱼ², j ≠ i; v′ = v − φ×v for rate and force",
     "small rotation of an elastic fixture; IEEE Std 836",
-    each_pair("C", ("rad/(rad/s)2", 1.0, 1e-3), OFF_DIAGONAL),
+    each_pair("C", ("rad/(rad/s)2", "rad/(rad/s)2", 1e-3), OFF_DIAGONAL),
     confused_with=("lever_arm", "size_effect", "gyro_scale_nonlinearity"),
 )  # fmt: skip
 
@@ -92,7 +92,7 @@ SAG = Sag(
     "structural_compliance", "geometry", "motion",
     "φᵢ = Σⱼ C_ij·fⱼ; v′ = v − φ×v for rate and force",
     "small rotation of an elastic fixture; IEEE Std 836",
-    each_pair("C", ("deg/g", DEG * G, 0.005 / G)),
+    each_pair("C", ("deg/g", "rad/(m/s2)", 0.005 / G)),
     own_title=message("effect-structural-compliance.sag"),
     confused_with=("axis_wobble", "remount_misalignment", "accel_nonlinearity"),
 )  # fmt: skip
@@ -121,7 +121,7 @@ def remount_misalignment(fixing: np.ndarray) -> RemountMisalignment:
         "remount_misalignment", "geometry", "motion", "v′ = v − φₙ×v after re-fixing n",
         "JJF 2003-2022 is silent; small rotation",
         tuple(
-            Parameter(f"{a}_{number:.0f}", f"φ_{a}{number:.0f}", "deg", DEG, (-0.02, 0.02))
+            Parameter(f"{a}_{number:.0f}", f"φ_{a}{number:.0f}", "deg", "rad", (-0.02, 0.02))
             for number in _later_fixings(fixing) for a in AXES
         ),
         confused_with=("axis_nonorthogonality", "axis_tilt", "bias_step"),

@@ -21,16 +21,15 @@ from tasks.motion.whole import Motion
 from tasks.words import message
 
 ORDERS = (2, 3)
-G2 = DEG * G**2
 DEAD_BAND = 0.05  # rad/s
 # Of full scale: linearity ±5 % up to ±300 deg/s by the data sheet of the Murata Gyrostar ENC-03R.
 LARGEST_BEND = 0.05
-THRESHOLD = Parameter("threshold", "r", "deg/s", DEG, (1e-3, 0.5))
+THRESHOLD = Parameter("threshold", "r", "deg/s", "rad/s", (1e-3, 0.5))
 # Friction takes off; it adds nothing, and takes no more than there is.
 _TAKEN_OFF = tuple(
-    replace(one, plausible=(-1.0, 0.0)) for one in each_axis("coefficient", "c", ("1", 1.0, 1.0))
+    replace(one, plausible=(-1.0, 0.0)) for one in each_axis("coefficient", "c", ("1", "1", 1.0))
 )
-ORDER = Parameter("order", "n", "1", 1.0, (2.0, 3.0))
+ORDER = Parameter("order", "n", "1", "1", (2.0, 3.0))
 
 
 def gyro_scale_nonlinearity(order: int, top: float) -> SensorTerm:
@@ -42,7 +41,7 @@ def gyro_scale_nonlinearity(order: int, top: float) -> SensorTerm:
         "gyro_scale_nonlinearity", "gyro", "sensor",
         f"ω′ᵢ = cᵢ·ωᵢ^{order}/ω_top^{order - 1}, ω_top = {DEG * top:.0f} deg/s",
         "IEEE Std 1431; IEEE Std 952",
-        each_axis("coefficient", "c", ("1", 1.0, LARGEST_BEND)), (ORDER,), (float(order),),
+        each_axis("coefficient", "c", ("1", "1", LARGEST_BEND)), (ORDER,), (float(order),),
         reads=lambda motion, inputs, at: own(
             GYRO_FIRST, inputs.rate ** int(at[0]) / top ** (int(at[0]) - 1)
         ),
@@ -56,7 +55,7 @@ def gyro_odd_quadratic(top: float) -> SensorTerm:
         "gyro_scale_nonlinearity", "gyro", "sensor",
         f"ω′ᵢ = cᵢ·ωᵢ·|ωᵢ|/ω_top, ω_top = {DEG * top:.0f} deg/s",
         "IEEE Std 1293 (odd quadratic), of a gyro as of an accelerometer",
-        each_axis("coefficient", "c", ("1", 1.0, LARGEST_BEND)),
+        each_axis("coefficient", "c", ("1", "1", LARGEST_BEND)),
         reads=lambda motion, inputs, at: own(
             GYRO_FIRST, inputs.rate * np.abs(inputs.rate) / top
         ),
@@ -80,7 +79,7 @@ def gyro_dead_band(threshold: float) -> SensorTerm:
 # Half the difference of the scale factors for the two signs of the rate.
 GYRO_SCALE_ASYMMETRY = SensorTerm(
     "gyro_scale_asymmetry", "gyro", "sensor", "ω′ᵢ = hᵢ·|ωᵢ|", "IEEE Std 1431; IEEE Std 952",
-    each_axis("half_difference", "h", ("1", 1.0, 0.02)),
+    each_axis("half_difference", "h", ("1", "1", 0.02)),
     reads=lambda motion, inputs, at: own(GYRO_FIRST, np.abs(inputs.rate)),
     confused_with=("gyro_scale_nonlinearity", "hysteresis"),
 )  # fmt: skip
@@ -89,7 +88,7 @@ GYRO_SCALE_ASYMMETRY = SensorTerm(
 # A bias that follows the squares of the specific force.
 GYRO_G2_SENSITIVITY = SensorTerm(
     "gyro_g2_sensitivity", "gyro", "sensor", "ω′ᵢ = Σⱼ M_ij·fⱼ²", "IEEE Std 952; IEEE Std 1431",
-    each_pair("M", ("(deg/s)/g2", G2, 0.1 / G2)),
+    each_pair("M", ("(deg/s)/g2", "(rad/s)/(m/s2)2", 0.1 / (DEG * G**2))),
     reads=lambda motion, inputs, at: crossed(GYRO_FIRST, inputs.force**2),
     confused_with=("gyro_scale_g_dependence", "magnetic_sensitivity", "earth_rotation"),
 )  # fmt: skip
@@ -98,7 +97,7 @@ GYRO_G2_SENSITIVITY = SensorTerm(
 # A scale factor that follows the specific force.
 GYRO_SCALE_G_DEPENDENCE = SensorTerm(
     "gyro_scale_g_dependence", "gyro", "sensor", "ω′ᵢ = ωᵢ·Σⱼ S_ij·fⱼ", "IEEE Std 1431",
-    each_pair("S", ("1/g", G, 0.02 / G)),
+    each_pair("S", ("1/g", "1/(m/s2)", 0.02 / G)),
     reads=lambda motion, inputs, at: tuple(
         {GYRO_FIRST + i: inputs.rate[:, i] * inputs.force[:, j]} for i, j in MATRIX
     ),
@@ -109,7 +108,7 @@ GYRO_SCALE_G_DEPENDENCE = SensorTerm(
 # An output that follows the angular acceleration.
 GYRO_ANGULAR_ACCELERATION = SensorTerm(
     "gyro_angular_acceleration", "gyro", "sensor", "ω′ᵢ = Σⱼ A_ij·ω̇ⱼ", "IEEE Std 952",
-    each_pair("A", ("s", 1.0, 0.05)),
+    each_pair("A", ("s", "s", 0.05)),
     reads=lambda motion, inputs, at: crossed(GYRO_FIRST, motion.acceleration),
     confused_with=("time_offset", "bandwidth"),
 )  # fmt: skip

@@ -19,7 +19,7 @@ from tasks.model.hysteresis_states import (
     relaxed,
     stopped,
 )
-from tasks.model.parameters import ACCEL_FIRST, DEG, GYRO_FIRST, STILL, each_axis, turned
+from tasks.model.parameters import ACCEL_FIRST, GYRO_FIRST, STILL, each_axis, turned
 from tasks.model.term import Column, Inputs, Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
 
@@ -27,9 +27,9 @@ ANGLES = (0.03, 0.1, 0.3)  # rad
 RADII = (0.1, 0.4)
 LADDER = (0.05, 0.2, 0.5, 0.8)  # radii of plays that together make any loop
 STEADY = 1e-3  # of the largest drive in a second: what changes less stands still
-ANGLE = Parameter("angle", "ψ₀", "rad", 1.0, (0.01, 6.0))
-SECONDS = Parameter("time_constant", "τ", "s", 1.0, (1.0, 300.0))
-SHARE = Parameter("share", "r", "of the largest", 1.0, (0.01, 0.95))
+ANGLE = Parameter("angle", "ψ₀", "rad", "rad", (0.01, 6.0))
+SECONDS = Parameter("time_constant", "τ", "s", "s", (1.0, 300.0))
+SHARE = Parameter("share", "r", "of the largest", "of the largest", (0.01, 0.95))
 DAHL = "P. R. Dahl, A solid friction model, 1968; IEEE Std 528"
 RELAY = "F. Preisach, Über die magnetische Nachwirkung, 1935; IEEE Std 528"
 AFTER_EFFECT = "C. Zener, Elasticity and Anelasticity of Metals, 1948; IEEE Std 528"
@@ -38,8 +38,8 @@ PLAYS = "A. Visintin, Differential Models of Hysteresis, 1994: Prandtl and Ishli
 
 CONFUSED_WITH = ("gyro_scale_asymmetry", "bias_step", "bias_random_walk")
 _OF_TRIAD = {
-    GYRO_FIRST: ("ω′ᵢ", ("deg/s", DEG, 0.02)),
-    ACCEL_FIRST: ("a′ᵢ", ("m/s2", 1.0, 0.2)),
+    GYRO_FIRST: ("ω′ᵢ", ("deg/s", "rad/s", 0.02)),
+    ACCEL_FIRST: ("a′ᵢ", ("m/s2", "m/s2", 0.2)),
 }
 
 State = Callable[[np.ndarray, np.ndarray, float], np.ndarray]  # drive, t, shape -> state, (n,) each

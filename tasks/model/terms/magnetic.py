@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, GYRO_FIRST, crossed, each_pair
+from tasks.model.parameters import GYRO_FIRST, crossed, each_pair
 from tasks.model.term import Column, Inputs, Parameter, Term
 from tasks.model.terms.axes import level_axes
 from tasks.motion.whole import Motion
@@ -46,8 +46,9 @@ def magnetic_sensitivity(latitude: float | None, azimuth: float = 0.0) -> Magnet
     return MagneticSensitivity(
         "magnetic_sensitivity", "environment", "sensor",
         f"ω′ᵢ = Σⱼ M_ij·Bⱼ, B = B₀·(cos φ·north − 2·sin φ·up){unsure}",
-        "IEEE Std 952; Earth's field as a dipole", each_pair("M", ("(deg/s)/mT", DEG / 1e3, 20.0)),
-        (Parameter("azimuth", "ψ", "deg", DEG, (-np.pi, np.pi)),), (azimuth,),
+        "IEEE Std 952; Earth's field as a dipole",
+        each_pair("M", ("(deg/s)/mT", "(rad/s)/T", 20.0)),
+        (Parameter("azimuth", "ψ", "deg", "rad", (-np.pi, np.pi)),), (azimuth,),
         latitude=float(taken),
         confused_with=("earth_rotation", "gyro_g2_sensitivity"),
     )  # fmt: skip

@@ -1,18 +1,18 @@
 """Biases that change by themselves: a step, a random walk."""
 
 from schemas.recording import Recording
-from tasks.model.parameters import ACCEL_FIRST, DEG, GYRO_FIRST, each_channel, same
+from tasks.model.parameters import ACCEL_FIRST, GYRO_FIRST, each_channel, same
 from tasks.model.term import Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
 
 WANDER = 12.0  # chi-squared that a wander, whose strength few slow waves tell, makes of a jump
-TIME = Parameter("time", "t₀", "s", 1.0, (0.0, 1e5))
+TIME = Parameter("time", "t₀", "s", "s", (0.0, 1e5))
 
 
 def bias_step(first: int, time: float, count: int = 3) -> SensorTerm:
     """The biases of some channels from `first` on, of a triad or all, jump once, at a time in s."""
     channels = tuple(range(first, first + count))
-    both = each_channel("Δb", ("deg/s", DEG, 0.05), ("m/s2", 1.0, 0.5))
+    both = each_channel("Δb", ("deg/s", "rad/s", 0.05), ("m/s2", "m/s2", 0.5))
     return SensorTerm(
         "bias_step", "memory", "sensor", "bᵢ(t) = Δbᵢ for t ≥ t₀", "IEEE Std 528",
         both[first : first + count], (TIME,), (time,),
@@ -22,6 +22,11 @@ def bias_step(first: int, time: float, count: int = 3) -> SensorTerm:
     )  # fmt: skip
 
 
+# q of working units: Allan deviations of MEMS units rise by 1e-6 to 1e-4 rad/s and by 1e-5 to
+# 1e-3 m/s² per √s; five times the largest.
+WALK_RATE = each_channel(
+    "q", ("(deg/s)/sqrt(s)", "(rad/s)/sqrt(s)", 5e-4), ("(m/s2)/sqrt(s)", "(m/s2)/sqrt(s)", 5e-3)
+)
 BIAS_RANDOM_WALK = Term(
     "bias_random_walk", "memory", "sensor", "db = q·dW, variance q²·t", "IEEE Std 952", (),
     confused_with=("thermal_transient", "bias_step", "temperature_bias"),

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, single
+from tasks.model.parameters import single
 from tasks.model.term import Term
 from tasks.model.terms.axes import level_axes
 from tasks.motion.small_rotation import crossed
@@ -36,7 +36,8 @@ class ReferenceFrame(Term):
 REFERENCE_FRAME = ReferenceFrame(
     "reference_frame", "table", "motion", "up′ = up − ψ×up, ψ = ψ_E·East + ψ_N·North",
     "small rotation; IEEE Std 1554",
-    single("tilt_east", "ψ_E", ("deg", DEG, 0.1)) + single("tilt_north", "ψ_N", ("deg", DEG, 0.1)),
+    single("tilt_east", "ψ_E", ("deg", "rad", 0.1))
+    + single("tilt_north", "ψ_N", ("deg", "rad", 0.1)),
     confused_with=("lever_arm",),
 )  # fmt: skip
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, single
+from tasks.model.parameters import single
 from tasks.model.term import Inputs, Term
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import Motion
@@ -29,7 +29,7 @@ class EarthRotation(Term):
         """The same with its size free: its vertical part, the northward one in proportion."""
         return EstimatedEarthRotation(
             "earth_rotation", "site", "input", "ω = ω_table + Ω·(up + cot φ·north)",
-            "rigid-body kinematics", single("vertical_rate", "Ω", ("deg/h", 3600.0 * DEG, 1e-3)),
+            "rigid-body kinematics", single("vertical_rate", "Ω", ("deg/h", "rad/s", 1e-3)),
             latitude=self.latitude,
         )  # fmt: skip
 
@@ -65,7 +65,8 @@ class GravityValue(Term):
 
 GRAVITY_VALUE = GravityValue(
     "gravity_value", "site", "input", "f = (g + δg)·up",
-    "definition of specific force; IEEE Std 1293", single("difference", "δg", ("m/s2", 1.0, 0.05)),
+    "definition of specific force; IEEE Std 1293",
+    single("difference", "δg", ("m/s2", "m/s2", 0.05)),
     confused_with=("temperature_scale", "accel_nonlinearity"),
 )  # fmt: skip
 

@@ -10,7 +10,6 @@ import numpy as np
 from schemas.recording import AXES
 from tasks.model.parameters import (
     ACCEL_FIRST,
-    DEG,
     GYRO_FIRST,
     MATRIX,
     OFF_DIAGONAL,
@@ -21,52 +20,50 @@ from tasks.model.term import Inputs, Parameter, SensorTerm
 from tasks.motion.whole import Motion
 
 
-def _matrix(
-    symbol: str, unit: str, factor: float, largest: float, ideal: float
-) -> tuple[Parameter, ...]:
+def _matrix(symbol: str, unit: str, si: str, largest: float, ideal: float) -> tuple[Parameter, ...]:
     return tuple(
         Parameter(
-            f"{AXES[i]}{AXES[j]}", f"{symbol}{AXES[i]}{AXES[j]}", unit, factor,
+            f"{AXES[i]}{AXES[j]}", f"{symbol}{AXES[i]}{AXES[j]}", unit, si,
             ((i == j) * ideal - largest, (i == j) * ideal + largest), (i == j) * ideal,
         )
         for i, j in MATRIX
     )  # fmt: skip
 
 
-def _bias(symbol: str, unit: str, factor: float, largest: float) -> tuple[Parameter, ...]:
-    return tuple(Parameter(a, f"{symbol}{a}", unit, factor, (-largest, largest)) for a in AXES)
+def _bias(symbol: str, unit: str, si: str, largest: float) -> tuple[Parameter, ...]:
+    return tuple(Parameter(a, f"{symbol}{a}", unit, si, (-largest, largest)) for a in AXES)
 
 
 GYRO_MATRIX = SensorTerm(
     "gyro_matrix", "standard", "sensor", "ω′ᵢ = Σⱼ K_gij·ωⱼ", "JJF 2003-2022, 5.1 eq. (1)",
-    _matrix("K_g", "1", 1.0, 0.1, 1.0),
+    _matrix("K_g", "1", "1", 0.1, 1.0),
     reads=lambda motion, inputs, at: crossed(GYRO_FIRST, inputs.rate),
 )  # fmt: skip
 GYRO_BIAS = SensorTerm(
     "gyro_bias", "standard", "sensor", "ω′ᵢ = B_gi", "JJF 2003-2022, 5.1 eq. (1)",
-    _bias("B_g", "deg/s", DEG, 0.1),
+    _bias("B_g", "deg/s", "rad/s", 0.1),
     reads=lambda motion, inputs, at: own(GYRO_FIRST, np.ones((len(motion.t), 3))),
 )  # fmt: skip
 GYRO_G_SENSITIVITY = SensorTerm(
     "gyro_g_sensitivity", "standard", "sensor", "ω′ᵢ = Σⱼ g_ij·fⱼ/g", "JJF 2003-2022, 5.1 eq. (1)",
-    _matrix("g_", "(deg/s)/g", DEG, 0.01, 0.0),
+    _matrix("g_", "(deg/s)/g", "(rad/s)/g", 0.01, 0.0),
     reads=lambda motion, inputs, at: crossed(GYRO_FIRST, inputs.force / motion.gravity),
 )  # fmt: skip
 ACCEL_MATRIX = SensorTerm(
     "accel_matrix", "standard", "sensor", "a′ᵢ = Σⱼ K_aij·fⱼ", "JJF 2003-2022, 5.2 eq. (2)",
-    _matrix("K_a", "1", 1.0, 0.1, 1.0),
+    _matrix("K_a", "1", "1", 0.1, 1.0),
     reads=lambda motion, inputs, at: crossed(ACCEL_FIRST, inputs.force),
 )  # fmt: skip
 ACCEL_BIAS = SensorTerm(
     "accel_bias", "standard", "sensor", "a′ᵢ = B_ai", "JJF 2003-2022, 5.2 eq. (2)",
-    _bias("B_a", "m/s2", 1.0, 1.0),
+    _bias("B_a", "m/s2", "m/s2", 1.0),
     reads=lambda motion, inputs, at: own(ACCEL_FIRST, np.ones((len(motion.t), 3))),
 )  # fmt: skip
 ACCEL_RATE_SENSITIVITY = SensorTerm(
     "accel_rate_sensitivity", "standard", "sensor", "a′ᵢ = Σⱼ p_ij·ωⱼ², j ≠ i",
     "JJF 2003-2022, 5.2 eq. (2)",
     tuple(
-        Parameter(AXES[i] + AXES[j], f"p_{AXES[i]}{AXES[j]}", "m", 1.0, (-0.1, 0.1))
+        Parameter(AXES[i] + AXES[j], f"p_{AXES[i]}{AXES[j]}", "m", "m", (-0.1, 0.1))
         for i, j in OFF_DIAGONAL
     ),
     reads=lambda motion, inputs, at: crossed(ACCEL_FIRST, inputs.rate**2, OFF_DIAGONAL),

@@ -5,14 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, single
+from tasks.model.parameters import single
 from tasks.model.term import Parameter, Term
 from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.whole import Motion
 
 MAX_PER_TURN = 24
-ARCSEC = 3600.0 * DEG
-AXIS = Parameter("axis", "k", "1", 1.0, (1.0, 9.0))  # table axis from outside, from 1
+AXIS = Parameter("axis", "k", "1", "1", (1.0, 9.0))  # table axis from outside, from 1
 
 
 @dataclass(frozen=True)
@@ -52,8 +51,8 @@ def rate_ripple(per_turn: int, axis: int) -> RateRipple:
     """A ripple N times a turn of a table axis, counted from 1."""
     return RateRipple(
         "rate_ripple", "table", "motion", "θ̇ = θ̇₀·(1 + s·cos Nθ − c·sin Nθ)", "IEEE Std 1554",
-        single("depth_sin", "s", ("1", 1.0, 0.02)) + single("depth_cos", "c", ("1", 1.0, 0.02)),
-        (Parameter("per_turn", "N", "1", 1.0, (2.0, float(MAX_PER_TURN))), AXIS),
+        single("depth_sin", "s", ("1", "1", 0.02)) + single("depth_cos", "c", ("1", "1", 0.02)),
+        (Parameter("per_turn", "N", "1", "1", (2.0, float(MAX_PER_TURN))), AXIS),
         (float(per_turn), float(axis)),
         confused_with=("encoder_eccentricity", "axis_wobble", "mains_pickup"),
     )  # fmt: skip
@@ -64,8 +63,8 @@ def encoder_eccentricity(axis: int) -> EncoderEccentricity:
     return EncoderEccentricity(
         "encoder_eccentricity", "table", "motion", "θ = θ_enc − (s·sin θ + c·cos θ)",
         "IEEE Std 1554",
-        single("amplitude_sin", "s", ("arcsec", ARCSEC, 0.01))
-        + single("amplitude_cos", "c", ("arcsec", ARCSEC, 0.01)),
+        single("amplitude_sin", "s", ("arcsec", "rad", 0.01))
+        + single("amplitude_cos", "c", ("arcsec", "rad", 0.01)),
         (AXIS,), (float(axis),),
         confused_with=("axis_wobble", "rate_ripple"),
     )  # fmt: skip
@@ -106,7 +105,7 @@ def _seen(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.nd
 
 TABLE_SCALE = TableScale(
     "table_scale", "table", "motion", "θ = θ_enc/(1 + κ) on every axis", "IEEE Std 1554",
-    single("scale", "κ", ("1", 1.0, 0.1)),
+    single("scale", "κ", ("1", "1", 0.1)),
     confused_with=("clock_skew", "temperature_scale"),
 )  # fmt: skip
 

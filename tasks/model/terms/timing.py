@@ -90,7 +90,7 @@ class LateReadings(Term):
 TIME_OFFSET = LateReadings(
     "time_offset", "time", "signal", "y′(t) = y(t − τ)",
     "definition of a time stamp; IEEE Std 1554",
-    single("seconds", "τ", ("s", 1.0, 0.1)), late=lambda motion, seconds: seconds,
+    single("seconds", "τ", ("s", "s", 0.1)), late=lambda motion, seconds: seconds,
     confused_with=("bandwidth", "gyro_angular_acceleration", "clock_skew"),
 )  # fmt: skip
 
@@ -99,7 +99,7 @@ TIME_OFFSET = LateReadings(
 CLOCK_SKEW = LateReadings(
     "clock_skew", "time", "signal", "y′(t) = y(t/(1 + ε))",
     "definition of a time stamp; IEEE Std 1139",
-    single("share", "ε", ("1", 1.0, 1e-3)),
+    single("share", "ε", ("1", "1", 1e-3)),
     late=lambda motion, share: motion.t * share / (1.0 + share),
     confused_with=("time_offset", "dropped_samples", "table_scale"),
 )  # fmt: skip
@@ -122,7 +122,7 @@ class AccelAxisSkew(Term):
 
 ACCEL_AXIS_SKEW = AccelAxisSkew(
     "accel_axis_skew", "time", "signal", "a′_y(t) = a_y(t + δ), a′_z(t) = a_z(t + 2δ)",
-    "sequential sampling; IEEE Std 1293", single("step", "δ", ("s", 1.0, 0.01)),
+    "sequential sampling; IEEE Std 1293", single("step", "δ", ("s", "s", 0.01)),
     confused_with=("size_effect", "time_offset"),
 )  # fmt: skip
 

@@ -11,6 +11,7 @@ reference-labels-against-rate = Labels whose rate the { $table ->
    *[no] gyros contradict
 } were excluded: { $segments }.
 reference-nuisances = A delay of the poses and a tilted vertical are normal between tracking system and unit. Both are fitted as nuisance parameters in every model of such a recording and are not faults of the unit.
-reference-turned = The axes of the tracked body are rotated by { $degrees }° relative to those of the unit. This is normal; the poses were turned by it, so that they are those of the unit.
+reference-turned = The axes of the tracked body are rotated by { $degrees }° relative to those of the unit, for both triads alike. This is normal; the poses were turned by it, so that they are those of the unit.
+reference-triads-apart = Against the tracked body, the gyros' axes are arranged differently from those of the accelerometers: columns of one triad are exchanged or inverted, which no mounting does. Nothing was turned; compare both triads with the drawing, and import the recording with --axes.
 reference-unit-clock = The station compared the clocks of unit and table as frames arrived: of the delay of the readings, { $delay } ms ± { $U } ms (k = 2) is due to the clocks. Any delay found beyond that belongs to the unit.
 reference-slow = The table's angles were recorded every { $every } s, too slowly to show how the rate changed in between: { $percent } % of the recording, in ramps and beside them, was not compared.

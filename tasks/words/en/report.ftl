@@ -19,7 +19,9 @@ report-what = { $title }{ $given ->
     }.
 report-parameter = { $name } = { $size }
 report-factor = factor { $number } of the { $channel }
-parameter-seconds = delay
+parameter-seconds = delay of the unit behind the reference (negative: the reference is late)
+parameter-of-rms = rms of the { $channel } within the run
+parameter-of-rate = wander of the { $channel }
 report-place = { $channel } ({ $share }): { $description }
 report-places = It sits in { $places }.
 report-predicted = Segments withheld from the fit become { $times } as probable ({ $nats } nats)
@@ -91,7 +93,7 @@ report-refused-one-end = It resembles “{ $effect }”, but it lies so close to
 report-refused-both-ways = It resembles “{ $effect }”, but its parts run round their loops in opposite directions, which no memory does: a resonance, or a curvature of the response, looks like that; the name is therefore withheld.
 report-refused-swings = It resembles “{ $effect }”, but the amplitude of fast changes is not what a filter with that lag would leave of them: a mount that swings looks like that; the name is therefore withheld.
 report-refused-switching = It resembles “{ $effect }”, but nearly all of its change lies at two moments, where a random walk changes throughout: a signal that switches to and fro looks like that; the name is therefore withheld.
-report-refused-overshadowed = It resembles “{ $effect }”, but the unexplained residual in its channels is { $times } times larger than what that effect would remove and may well contain it; the name is therefore withheld.
+report-refused-overshadowed = It resembles “{ $effect }”, but what stays unexplained in its channels (χ² per degree of freedom up to { $chi2 }, { $times } times what that effect removes) may well contain it; the name is therefore withheld.
 report-refused-form-error = It resembles “{ $effect }”, but other findings weigh { $times } times as much, and a slight error in the form of their equations would leave as much; the name is therefore withheld.
 
 # What to do about it.
@@ -111,7 +113,7 @@ report-next-placed = place the unit in each position a second time, or record it
 report-next-one-end = record again, with a longer rest before the first motion and after the last: a true jump does not recur at the same moment
 report-next-mode = look for a mode of the mounting below about 20 Hz (tap it, and record its ringing); then repeat with slower starts and stops: a memory stays, a resonance fades
 report-next-switching = look up what was switched or touched at these moments, and record a rest of several hours: what switches to and fro has two levels, a random walk has none
-report-next-overshadowed = first find the cause of the residual in these channels, which is much larger; then run explain again
+report-next-overshadowed = first find the cause of the residual in these channels; then run explain again
 report-next = { $dimension ->
         [rate] record steady rates of both signs in at least five steps, and check whether the residual grows with the rate, its magnitude or its square
         [attitude] record rests with each axis up, down and at 45° at two headings, and check what changes with attitude: cables, clamping, nearby magnets
@@ -122,7 +124,7 @@ report-next = { $dimension ->
         [after_moves] make each rest five times as long, approached from both sides, and observe how the fixture settles
         [ramps] record ramps at three accelerations with a trigger common to both clocks, and look up how the unit filters and time-stamps its output
         [recorded] vary that quantity alone while the unit is at rest
-       *[level] record an hour at rest and a few constant rates: what appears at rest is noise or drift, the remainder is a response to motion
+       *[level] record a rest, and the same motion at half and at twice the speed: what appears at rest is noise or drift, what grows with the speed is a response to motion
     }
 
 # The verdict.

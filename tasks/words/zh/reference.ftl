@@ -11,6 +11,7 @@ reference-labels-against-rate = 速率与{ $table ->
    *[no] 陀螺
 }相矛盾的标注未予采用：{ $segments }。
 reference-nuisances = 位姿的延迟和铅垂方向的倾斜在跟踪系统与单元之间属常见现象：在此类记录的每个模型中均予以拟合，并非单元的故障。
-reference-turned = 被跟踪体的轴相对单元的轴偏转 { $degrees }°。此属常见；位姿已按此转换到单元的轴系。
+reference-turned = 被跟踪体的轴相对单元的轴偏转 { $degrees }°，陀螺仪与加速度计所示一致。此属常见；位姿已按此转换到单元的轴系。
+reference-triads-apart = 相对于被跟踪体，陀螺仪各轴与加速度计各轴的排列不一致：其中一组的列被互换或反向，安装方式不会造成这种情况。位姿未作转换；请对照图样核对两组的轴，并用 --axes 重新导入。
 reference-unit-clock = 采集时按数据帧的到达时刻比对了单元时钟与转台时钟：读数延迟中由时钟引起的部分为 { $delay } ms ± { $U } ms（k = 2），其余为单元自身的延迟。
 reference-slow = 转台角度每 { $every } s 记录一次，不足以反映其间角速率的变化：记录中 { $percent } % 的时间（加减速及其前后）未作比较。

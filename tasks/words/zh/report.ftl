@@ -19,7 +19,9 @@ report-what = { $title }{ $given ->
     }。
 report-parameter = { $name } = { $size }
 report-factor = { $channel } 的第 { $number } 个系数
-parameter-seconds = 时延
+parameter-seconds = 单元相对参考装置的滞后（负值：参考装置滞后）
+parameter-of-rms = { $channel }在本次运行内的均方根
+parameter-of-rate = { $channel }的游走系数
 report-place = { $channel }（{ $share }）：{ $description }
 report-places = 所在：{ $places }。
 report-predicted = 未参与拟合的区段，其数据概率提高到 { $times }（{ $nats } nat）
@@ -89,7 +91,7 @@ report-refused-one-end = 其表现类似“{ $effect }”，但发生时刻过�
 report-refused-both-ways = 其表现类似“{ $effect }”，但其各部分的回线方向相反，任何记忆效应都不会如此：共振或响应的弯曲会呈现同样的结果，故不予此名。
 report-refused-swings = 其表现类似“{ $effect }”，但快速变化的幅值与具有该时延的滤波应有的结果不符：弹性支座的摆动会呈现同样的结果，故不予此名。
 report-refused-switching = 其表现类似“{ $effect }”，但其变化几乎全部发生在两个时刻，而随机游走应始终在变化：来回切换的信号会呈现同样的结果，故不予此名。
-report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中未得到解释的部分是它所消除部分的{ $times }倍，很可能包含了它，因此不以此命名。
+report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中仍有未得到解释的部分（每自由度 χ² 最大为 { $chi2 }，为它所消除部分的 { $times } 倍），很可能包含了它，因此不以此命名。
 report-refused-form-error = 其表现类似“{ $effect }”，但其他发现的分量是它的{ $times }倍，其方程的形式稍有差异即可留下同样的残余，故不予此名。
 
 # 下一步。
@@ -109,7 +111,7 @@ report-next-placed = 将产品再次放置到每个位置，或记录其姿态�
 report-next-one-end = 重新记录，并延长首次运动之前和末次运动之后的静止时间：真正的跳变不会在同一时刻再次出现
 report-next-mode = 检查安装结构在约 20 Hz 以下的振型（轻敲并记录其自由振荡），再以更缓的启停重复：记忆效应保持不变，共振则减弱
 report-next-switching = 查明这些时刻接通、断开或触碰了什么，并记录数小时的静止数据：来回切换者有两个电平，随机游走则没有
-report-next-overshadowed = 先查明这些通道中大得多的剩余失配，然后重新分析
+report-next-overshadowed = 先查明这些通道中剩余失配的原因，然后重新分析
 report-next = { $dimension ->
         [rate] 在正反两个方向各取不少于五个恒定角速率，观察剩余残差是随角速率、其大小还是其平方增长
         [attitude] 在两个航向上记录各轴朝上、朝下及45°的静止位置，并检查随姿态变化的因素：电缆、夹紧、附近的磁体
@@ -120,7 +122,7 @@ report-next = { $dimension ->
         [after_moves] 将每次静止时间延长至五倍，从两个方向到达，并观察工装的稳定过程
         [ramps] 以三种角加速度记录加减速段，两套时钟共用触发信号，并查明产品输出的滤波与时间戳方式
         [recorded] 产品静止时单独改变该环境量
-       *[level] 记录 1 h 静止数据与若干恒定角速率：静止时存在的为噪声或漂移，其余为对运动的响应
+       *[level] 记录一段静止数据，并以一半和两倍的速度重复同一运动：静止时存在的为噪声或漂移，随速度增大的为对运动的响应
     }
 
 # 结论。

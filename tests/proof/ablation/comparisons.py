@@ -21,11 +21,8 @@ def _only_clipped(group: Any, *rest: Any) -> tuple[str, ...]:
 
 COMPARISONS = (
     Switch("comparing", "combinations of what compensates", "explain:compared", first),
-    Switch("bootstrap of the reference", "may be the truth though it fits worse",
-           "confounding.bootstrap:ReferenceBootstrap.rivals", says(())),
     Switch("play", "tips from side to side, not bends", "explain:with_play", first),
     Switch("preferred", "special cases and plausible ones first", "explain:with_preferred", first),
-    Switch("hidden in", "another may make up for a tenth", f"{DELAYS}._hidden_in", says(False)),
     Switch("fewest effects", "before what fits best", f"{DELAYS}._fewest_effects", _cheapest),
     Switch("pruned combinations", "what only made up for it",
            f"{DELAYS}._pruned", lambda self, tried: list(tried)),

@@ -207,6 +207,6 @@ TOGETHER: dict[str, tuple[str, ...]] = {
         "switching",
     ),
     "all of parts and channels": ("inhomogeneous", "channel_worse"),
-    "all of the reference": ("reference's noise", "smoothing error", "bootstrap of the reference"),
+    "all of the reference": ("reference's noise", "smoothing error"),
     "all of clipping": ("clipped", "clipped in noise"),
 }  # fmt: skip

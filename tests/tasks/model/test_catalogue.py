@@ -95,11 +95,55 @@ def test_parameters_have_units_and_a_plausible_range_around_the_ideal(term: Term
     for parameter in (*term.parameters, *term.shapes):
         low, high = parameter.plausible
         assert low < high
-        assert parameter.unit
-        assert parameter.factor > 0
     assert all(low <= 0.0 <= high for low, high in (p.plausible for p in term.parameters))
     for value, shape in zip(term.at, term.shapes, strict=True):
         assert shape.plausible[0] <= value <= shape.plausible[1]
+
+
+DEGREE, G = 0.017453292519943295, 9.80665  # rad; m/s²
+# Of each printed unit the SI unit of the value, and how many of it that is; by hand.
+IN_SI = {
+    "deg": ("rad", DEGREE), "arcsec": ("rad", 4.84813681109536e-06),
+    "deg/s": ("rad/s", DEGREE), "deg/h": ("rad/s", 4.84813681109536e-06),
+    "(deg/s)/g": ("(rad/s)/g", DEGREE),  # of the standard's equation (1): force over local gravity
+    "(deg/s)/g2": ("(rad/s)/(m/s2)2", DEGREE / G / G), "1/g": ("1/(m/s2)", 1.0 / G),
+    "deg/g": ("rad/(m/s2)", DEGREE / G), "g/g2": ("(m/s2)/(m/s2)2", 1.0 / G),
+    "(deg/s)/K": ("(rad/s)/K", DEGREE), "(deg/s)/V": ("(rad/s)/V", DEGREE),
+    "(deg/s)/(K/s)": ("(rad/s)/(K/s)", DEGREE), "(deg/s)/mT": ("(rad/s)/T", DEGREE / 1e-3),
+}  # fmt: skip
+
+
+def test_every_unit_of_the_catalogue_is_that_of_its_value() -> None:
+    sized = [free for term in TERMS if (free := term.with_free_size())]
+    stated = (*TERMS, *sized, *STANDARD_TERMS)
+    every = [p for term in stated for p in (*term.parameters, *term.shapes)]
+    assert {p.unit for p in every if p.unit != p.si} == set(IN_SI)
+    for p in every:
+        si, size = IN_SI.get(p.unit, (p.unit, 1.0))
+        assert p.si == si
+        assert p.factor == pytest.approx(1.0 / size, rel=1e-12), p
+
+
+@pytest.mark.parametrize(
+    ("unit", "si"),
+    [
+        ("deg/fortnight", "rad/s"), ("gal", "m/s2"), ("deg/h", "rad"), ("g", "rad/s"),
+        ("(deg/s)/g", "(rad/s)/(m/s2)2"), ("(deg/s", "rad/s"), ("m/s2", "SI"), ("", ""),
+    ],
+)  # fmt: skip
+def test_a_term_with_an_unknown_or_another_unit_is_not_in_the_catalogue(
+    unit: str, si: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "swell.py").write_text(
+        "from tasks.model.parameters import single\n"
+        f"SWELL = single('height', 'h', ({unit!r}, {si!r}, 1.0))\n"
+        "def candidates(recording, motion):\n"
+        "    return ()\n",
+        encoding="utf-8",
+    )
+    monkeypatch.setattr(terms, "__path__", [*terms.__path__, str(tmp_path)])
+    with pytest.raises(ValueError, match=r"unit|quantity"):
+        catalogue(recording(), motion())
 
 
 @pytest.mark.parametrize("term", [t for t in TERMS if t.parameters], ids=lambda t: t.name)

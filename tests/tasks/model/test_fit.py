@@ -105,7 +105,7 @@ class BiasByTime(Term):
 
 CREEP = BiasByTime(
     "creep", "memory", "sensor", "ω′_y = c·t", "this test",
-    (Parameter("c", "c", "rad/s2", 1.0, (-1e-3, 1e-3)),),
+    (Parameter("c", "c", "rad/s2", "rad/s2", (-1e-3, 1e-3)),),
 )  # fmt: skip
 
 
@@ -133,7 +133,7 @@ def test_a_fit_that_does_not_settle_is_refused_with_its_terms() -> None:
         "input",
         "∛x",
         "this test",
-        (Parameter("x", "x", "1", 1.0, (-1, 1), 0.5),),
+        (Parameter("x", "x", "1", "1", (-1, 1), 0.5),),
     )
     ideal = predict(STANDARD_TERMS, motion, nominal_values(STANDARD_TERMS))
     with pytest.raises(Unusable, match="the fit of runaway, gyro_matrix did not settle"):

@@ -67,7 +67,7 @@ def filtered_and_early() -> tuple[FittedSelection, list[Candidate]]:
 
 def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
     """Where nothing else was selected that would be pruned."""
-    return compared_with(fit, candidates, lambda one, kept: one, lambda *of: ())
+    return compared_with(fit, candidates, lambda one, kept: one)
 
 
 def names(fit: FittedSelection) -> set[str]:

@@ -3,11 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from engine_run import NOISY, motion, noise, observed, read
 
 from tasks.explain.confounding.preferred import with_preferred
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
+from tasks.explain.search.empirical import empirical
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, search
 from tasks.model.term import Term
@@ -17,6 +20,7 @@ from tasks.model.terms.site import earth_rotation
 from tasks.motion.whole import Motion
 
 RUN, EARTH = motion(), earth_rotation(0.7)
+NINE_FACTORS = next(term for term in empirical(RUN) if term.equation == "reading += c·ω̇")
 
 
 def found_as(
@@ -48,6 +52,23 @@ def test_a_lever_arm_stands_before_the_size_effect_that_holds_it() -> None:
     arm = read(RUN, (LEVER_ARM, (0.012, -0.018, 0.007))) + noise(len(RUN.t), 5, NOISY)
     assert preferred(arm, RUN, SIZE_EFFECT, LEVER_ARM) == ("lever_arm", ("size_effect",))
     assert preferred(arm, RUN, LEVER_ARM, SIZE_EFFECT) == ("lever_arm", ("size_effect",))
+
+
+@pytest.mark.parametrize("arm", [(0.012, -0.018, 0.007), (0.0, 0.0, 0.03), (-0.0004, 0.05, 0.0)])
+def test_a_lever_arm_stands_before_nine_factors_of_the_angular_acceleration(
+    arm: tuple[float, ...],
+) -> None:
+    made = read(RUN, (LEVER_ARM, arm)) + noise(len(RUN.t), 7, NOISY)
+    assert preferred(made, RUN, NINE_FACTORS, LEVER_ARM)[0] == "lever_arm"
+
+
+@pytest.mark.parametrize("entry", [(0, 0), (0, 1), (2, 1)])
+def test_factors_of_the_angular_acceleration_that_no_place_has_are_no_lever_arm(
+    entry: tuple[int, int],
+) -> None:
+    made = read(RUN) + noise(len(RUN.t), 7, NOISY)
+    made[:, 3 + entry[0]] += 0.02 * RUN.acceleration[:, entry[1]]
+    assert preferred(made, RUN, NINE_FACTORS, LEVER_ARM)[0] == UNNAMED
 
 
 def test_accelerometers_that_are_apart_are_no_lever_arm() -> None:

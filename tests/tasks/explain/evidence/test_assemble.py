@@ -8,7 +8,6 @@ from engine_run import GRAVITY, NOISY, RATE, WHITE, motion, noise, observed, rea
 
 from schemas.recording import Recording, Stream
 from tasks.explain.channels import ACCELS, CHANNELS
-from tasks.explain.determined import si_unit
 from tasks.explain.events.event import Events
 from tasks.explain.evidence.assemble import _verdict, explanation_of
 from tasks.explain.evidence.evidence import Evidence
@@ -177,17 +176,6 @@ def test_where_nothing_was_chosen_nothing_is_said() -> None:
     np.testing.assert_allclose(answer.found, answer.nominal, atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("printed", "si"),
-    [
-        ("deg/s", "rad/s"), ("arcsec", "rad"), ("(deg/s)/K", "(rad/s)/K"), ("deg/h", "rad/h"),
-        ("(deg/s)/mT", "(rad/s)/T"), ("(deg/s)/g", "(rad/s)/(m/s2)"), ("m", "m"), ("m/s2", "m/s2"),
-    ],
-)  # fmt: skip
-def test_a_printed_unit_is_said_in_si(printed: str, si: str) -> None:
-    assert si_unit(printed) == si
-
-
 @pytest.mark.parametrize(("of_reference", "verdict"), [(0.5, "no_mismatch"), (0.0, "unexplained")])
 def test_what_the_references_own_errors_may_leave_is_no_mismatch(
     of_reference: float, verdict: str
@@ -195,5 +183,21 @@ def test_what_the_references_own_errors_may_leave_is_no_mismatch(
     """Nothing above chance, and 2.3 times the noise is left; of_reference: of the noise."""
     squares, none = np.full((100, 6), 2.3), np.zeros((100, 6), bool)
     noise = np.ones((100, 6))
-    left = LeftOver(squares, squares, none, noise, of_reference * noise, 1)
+    left = LeftOver(squares, squares, none, noise, of_reference * noise, 1, np.zeros(6))
     assert _verdict((), 1.0, left) == verdict
+
+
+@pytest.mark.parametrize("channel", range(6))
+@pytest.mark.parametrize(("left_in", "verdict"), [(1.6, "explained"), (2.4, "partly_explained"),
+                                                  (3e5, "partly_explained")])  # fmt: skip
+def test_nothing_is_explained_while_more_than_noise_is_left_in_a_channel(
+    left_in: float, verdict: str, channel: int
+) -> None:
+    """Whatever share of the mismatch was removed: 99.9 % of it."""
+    after, none = np.ones((100, 6)), np.zeros((100, 6), bool)
+    after[:, channel] = left_in
+    left = LeftOver(1000.0 * after, after, none, np.ones((100, 6)), none * 1.0, 1, np.zeros(6))
+    assert left.explained_share > 0.99
+    named = Finding("lever_arm", "geometry", "", "", "", (channel,), (), after, 1e5, 1e5, 1e4)
+    assert _verdict((named,), 0.0, left) == verdict
+    assert _verdict((replace(named, effect=UNNAMED),), 0.0, left) == "unexplained"

@@ -20,8 +20,11 @@ NAMED = Finding(
 STRONG = replace(NAMED, effect="accel_nonlinearity", gain=9000.0, delta_bic=8900.0)
 
 
-def names(*findings: Finding, left: np.ndarray = NOTHING, **more: object) -> list[str]:
-    return [one.effect for one in named_beside(findings, (), left, NOISE, **more)]  # type: ignore[arg-type]
+def names(
+    *findings: Finding, left: np.ndarray = NOTHING, scale: np.ndarray = NOISE, **more: object
+) -> list[str]:
+    named = named_beside(findings, (), left, scale, NOISE, **more)  # type: ignore[arg-type]
+    return [one.effect for one in named]
 
 
 def test_a_weak_name_alone_or_beside_its_like_stands() -> None:
@@ -30,7 +33,7 @@ def test_a_weak_name_alone_or_beside_its_like_stands() -> None:
 
 
 def test_a_weak_name_beside_something_far_stronger_is_an_error_of_its_form() -> None:
-    lost, kept = named_beside([NAMED, STRONG], (), NOTHING, NOISE)
+    lost, kept = named_beside([NAMED, STRONG], (), NOTHING, NOISE, NOISE)
     assert kept is STRONG
     assert (lost.effect, lost.title) == (UNNAMED, "the angular acceleration")
     assert lost.indistinguishable == ()
@@ -45,7 +48,7 @@ def test_what_acts_on_other_channels_leaves_nothing_in_these() -> None:
 
 
 def test_what_was_put_right_first_leaves_form_errors_too() -> None:
-    (lost,) = named_beside([NAMED], [replace(STRONG, effect="code_fault")], NOTHING, NOISE)
+    (lost,) = named_beside([NAMED], [replace(STRONG, effect="code_fault")], NOTHING, NOISE, NOISE)
     assert lost.effect == UNNAMED
 
 
@@ -57,11 +60,47 @@ def test_what_has_no_name_leaves_more_than_a_published_equation() -> None:
 
 def test_beside_what_nothing_explains_in_its_channels_a_weak_name_is_withdrawn() -> None:
     left = np.array([0.0, 0.0, 0.0, 600.0, 0.0, 0.0])
-    (lost,) = named_beside([NAMED], (), left, NOISE)
+    (lost,) = named_beside([NAMED], (), left, NOISE, NOISE)
     assert lost.refusal is not None
     assert (lost.refusal.kind, lost.refusal.value) == ("overshadowed", pytest.approx(10.0))
     assert names(replace(NAMED, gain=6000.0, delta_bic=5990.0), left=left) == ["lever_arm"]
     assert names(NAMED, left=np.roll(left, 3)) == ["lever_arm"]
+
+
+@pytest.mark.parametrize(("gain", "most"), [(300.0, 20.0), (3e4, 2000.0), (3e6, 2e5)])
+def test_the_more_is_left_in_its_channels_the_more_a_name_must_gain(
+    gain: float, most: float
+) -> None:
+    """most: χ² per degree of freedom of what is left, at which nothing of such a gain is named."""
+    one = replace(NAMED, gain=gain, delta_bic=gain - 10.0)
+    assert names(one, scale=np.full(6, np.nan)) == names(one) == ["lever_arm"]
+    assert names(one, scale=np.full(6, 0.1 * most)) == ["lever_arm"]
+    assert names(one, scale=np.full(6, most)) == [UNNAMED]
+    assert names(one, scale=np.array([most, most, most, 1.0, 1.0, most])) == ["lever_arm"]
+    (lost,) = named_beside([one], (), NOTHING, np.full(6, most), NOISE)
+    assert lost.refusal is not None
+    assert (lost.refusal.kind, lost.refusal.limit) == ("overshadowed", most)
+
+
+def test_a_share_of_nine_tenths_names_nothing_where_thousands_of_times_the_noise_are_left() -> None:
+    """Of 10,000 readings with 318,000 times the noise left, a tenth of all: a wrapped rate, of
+    which a cubic makes nine tenths.
+    """
+    rows, left = 1e4, 318e3
+    cubic = replace(NAMED, gain=18.0 * rows * left, delta_bic=18.0 * rows * left - 30.0)
+    there = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
+    assert names(cubic, left=rows * left * there, scale=1.0 + left * there) == [UNNAMED]
+    assert names(cubic, left=rows * 0.2 * there, scale=1.0 + 0.2 * there) == ["lever_arm"]
+
+
+@pytest.mark.parametrize("other", [{"effect": "hysteresis"}, {"unlisted": True}])
+def test_one_form_of_a_memory_or_an_unlisted_one_leaves_as_much_as_what_has_no_name(
+    other: dict[str, object],
+) -> None:
+    strong = replace(STRONG, gain=2000.0, **other)  # type: ignore[arg-type]
+    walk = replace(NAMED, effect="bias_random_walk")
+    assert names(walk, replace(STRONG, gain=2000.0))[0] == "bias_random_walk"
+    assert names(walk, strong)[0] == UNNAMED
 
 
 def test_what_every_model_contains_is_no_form_error_but_may_be_overshadowed() -> None:

@@ -32,7 +32,9 @@ from tasks.motion.whole import Motion
 RUN = motion()
 BAND = gyro_dead_band(0.02)
 PARAMETERS = tuple(
-    one for width in ("0.2", "0.8") for one in each_axis(f"amplitude_{width}", "h", ("m/s2", 1, 1))
+    one
+    for width in ("0.2", "0.8")
+    for one in each_axis(f"amplitude_{width}", "h", ("m/s2", "m/s2", 1.0))
 )
 U = np.full(6, 0.01)
 ROWS = 20  # of each segment, and between them

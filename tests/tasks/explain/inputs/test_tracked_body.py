@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from schemas.recording import Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.explain.explain import explain
 from tasks.explain.inputs.tracked_body import in_unit_axes
 from tasks.motion.whole import whole_motion
@@ -46,6 +46,64 @@ def test_a_turn_that_a_delay_may_feign_goes_without_a_remark() -> None:
     pose, remarks = in_unit_axes(askew, whole_motion(askew))
     assert pose is not None
     assert remarks == ()
+
+
+def read_as(of: Recording, names: tuple[str, ...], matrix: object) -> Recording:
+    """The recording with the columns of a triad exchanged or inverted."""
+    exchanged = of.imu.stack(names) @ np.array(matrix, float).T
+    columns = {**of.imu.columns, **dict(zip(names, exchanged.T, strict=True))}
+    return replace(of, imu=replace(of.imu, columns=columns))
+
+
+CYCLIC = ((0, 1, 0), (0, 0, 1), (1, 0, 0))
+TWO_EXCHANGED = ((0, 1, 0), (1, 0, 0), (0, 0, 1))
+
+
+@pytest.mark.parametrize(
+    ("names", "matrix"),
+    [
+        (GYRO, CYCLIC), (ACCEL, CYCLIC), (GYRO, TWO_EXCHANGED), (ACCEL, np.diag([-1, -1, 1])),
+        (ACCEL, np.diag([1, 1, -1])), (GYRO, np.diag([1, -1, -1])),
+    ],
+)  # fmt: skip
+def test_columns_that_are_exchanged_in_one_triad_are_no_turn_of_the_body(
+    names: tuple[str, ...], matrix: object
+) -> None:
+    askew = read_as(marked_askew(moved()), names, matrix)
+    pose, (remark,) = in_unit_axes(askew, whole_motion(askew))
+    assert pose is None
+    assert "normal" not in say(remark, "en")
+    assert "exchanged or inverted" in say(remark, "en")
+
+
+def test_columns_that_are_exchanged_in_both_triads_alike_are_a_turn_of_the_body() -> None:
+    both = read_as(read_as(moved(), GYRO, CYCLIC), ACCEL, CYCLIC)
+    pose, (remark,) = in_unit_axes(both, whole_motion(both))
+    assert pose is not None
+    assert "120.0°" in say(remark, "en")
+
+
+@pytest.mark.parametrize(
+    ("least", "most"),
+    [
+        ((0.6, 2.0, 2.0), (0.6, 2.0, 2.0)), ((0.3, 0.3, 0.3), (0.3, 0.3, 0.3)),
+        ((0.5, 0.5, 2.0), (0.2, 2.0, 0.3)),
+    ],
+)  # fmt: skip
+def test_clipped_rows_do_not_spoil_the_turn(
+    least: tuple[float, ...], most: tuple[float, ...]
+) -> None:
+    """least, most: limits of each gyro to either side, times its largest rate."""
+    askew = marked_askew(moved())
+    gyro = askew.imu.stack(GYRO)
+    low, high = (np.abs(gyro).max(axis=0) * limits for limits in (least, most))
+    columns = {**askew.imu.columns, **dict(zip(GYRO, np.clip(gyro, -low, high).T, strict=True))}
+    clipped = replace(askew, imu=replace(askew.imu, columns=columns))
+    pose, _ = in_unit_axes(clipped, whole_motion(clipped))
+    assert pose is not None
+    found = Rotation.from_quat(pose.stack(QUATERNION), scalar_first=True)
+    true = Rotation.from_quat(by_hand(pose.t).attitude, scalar_first=True)
+    assert np.degrees((true.inv() * found).mean().magnitude()) < 0.1
 
 
 def test_gyros_that_turn_about_one_axis_do_not_say_how_the_markers_sit() -> None:

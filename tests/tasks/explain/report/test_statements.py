@@ -210,7 +210,10 @@ def test_many_parameters_are_told_by_the_three_most_significant() -> None:
 
 def test_parameters_are_called_by_channel_triad_or_symbol() -> None:
     named = {
-        "gyro_x": "gyro x", "accel": "accelerometers", "seconds": "delay", "r_x": "r_x",
+        "gyro_x": "gyro x", "accel": "accelerometers", "r_x": "r_x",
+        "seconds": "delay of the unit behind the reference (negative: the reference is late)",
+        "rms_gyro_x": "rms of the gyro x within the run",
+        "rate_accel_y": "wander of the accelerometer y",
         "accel_y_3": "factor 3 of the accelerometer y", "vertical_rate": "vertical rate",
     }  # fmt: skip
     assert {name: say(parameter_name(name), "en") for name in named} == named

@@ -27,7 +27,7 @@ REFUSALS: dict[str, Refusal] = {
     "swings": Refusal("swings", "bandwidth"),
     "switching": Refusal("switching", "bias_random_walk"),
     "form_error": Refusal("form_error", "gyro_scale_asymmetry", value=360.0),
-    "overshadowed": Refusal("overshadowed", "bias_random_walk", value=7.2),
+    "overshadowed": Refusal("overshadowed", "bias_random_walk", value=7.2, limit=41.0),
     "channel_worse": Refusal("channel_worse", "axis_wobble", channel=4, value=-30.0),
     "undetermined": Refusal(
         "undetermined", "magnetic_sensitivity", "gyro_x", "rad/s", value=1e-5, limit=2e-5
@@ -114,7 +114,7 @@ def test_what_the_errors_of_the_reference_would_make_asks_for_a_better_one() -> 
 
 def test_a_name_beside_what_nothing_explains_says_how_much_that_is() -> None:
     found = refused("overshadowed")
-    assert "7.2 times" in found.statement.en
+    assert "up to 41.00, 7.2 times" in found.statement.en
     assert "first find the cause of the residual" in found.next.en
 
 

@@ -70,7 +70,7 @@ class Squared(Term):
 def test_derivatives_that_do_not_hold_at_new_values_are_computed_about_these() -> None:
     squared = Squared(
         "squared", "made up", "input", "ω + s²", "none",
-        (Parameter("s", "s", "1", 1.0, (-1.0, 1.0)),),
+        (Parameter("s", "s", "1", "1", (-1.0, 1.0)),),
     )  # fmt: skip
     derivatives = Derivatives(RUN)
     for size, slope in ((0.05, 0.1), (0.1, 0.2), (0.1001, 0.2)):
