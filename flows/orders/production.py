@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flows import run_orders
-from flows.orders import order_queue
+from flows.orders import order_queue, outcomes
+from flows.orders.signed_orders import flow_run
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import ProduceOrder
 from schemas.production import ProductionOrder
@@ -22,13 +23,14 @@ from storage import settings
 from storage.catalogue import orders
 from storage.catalogue.connection import Busy
 from storage.home import Home
-from storage.order_lock import no_order_at, one_order_at, only_worker_of
+from storage.order_lock import one_order_at, only_worker_of
 from storage.station_stop import lockout_of
 from storage.stations import file_named, file_of
 from tasks.stages.left_run import left_runs
 from tasks.stages.procedure_input import procedure_named
 from tasks.stages.ready import ready_to_acquire
-from tasks.station.drivers.identity import confirm
+from tasks.station.drivers.identity import OTHER_UNIT, confirm
+from tasks.words import Message, argument, cause_of, message
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
@@ -68,9 +70,10 @@ Work = Callable[[Production], "tuple[Published, ...]"]
 def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
     """Do the work of an order of the queue, once it can begin; its drafts.
 
-    An order without a number, as of a schedule, is one of its own for the units of the station
-    file. Nothing is done of one that waits no more. Raises Unusable for an order of another
-    station, and what the work raises; the order has then failed.
+    While its units are not mounted, orders whose units are come first. An order without a number,
+    as of a schedule, is the next one of the station's queue; where that is empty, one of its own
+    for the units of the station file. Nothing is done of one that waits no more. Raises Unusable
+    for an order of another station, and what the work raises; the order has then failed.
     """
     home = run_orders.home_of(order)
     station = station_of(order, home)
@@ -83,61 +86,87 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
             )
     with one_order_at(station.station.id, home):
         left = orders.put_back(station.station.id, home)
-        number = order.number or _own_order(order, station, home)
-        _wait_until_it_can_begin(number, station, home, is_of_queue=order.number is not None)
-        kept = orders.claim(number, home)
-        if left:  # not before the claim: one of them may be this order
-            order_queue.submit(home)
-        return _finished(kept, order, station, home, work) if kept else ()
+        queue = [] if order.number else orders.waiting(home, station.station.id)
+        number = order.number or (queue[0].number if queue else _own_order(order, station, home))
+        is_of_queue = bool(order.number or queue)
+        while True:
+            ready = _next_to_begin(number, station, home, is_of_queue=is_of_queue)
+            kept = orders.claim(ready, home)
+            if left:  # not before the claim: one of them may be this order
+                order_queue.submit(home)
+                left = []
+            if ready == number:
+                return _finished(kept, order, station, home, work) if kept else ()
+            if kept:
+                _carried_out_before(kept, order, station, home, work)
 
 
-def _wait_until_it_can_begin(
-    number: str, station: StationFile, home: Home, *, is_of_queue: bool
+def _carried_out_before(
+    kept: ProductionOrder, order: ProduceOrder, station: StationFile, home: Home, work: Work
 ) -> None:
-    """Until nothing keeps an order from beginning, or it waits no more; it says what does.
+    """Another order whose units are mounted; its failure is its own, unless it was a stop."""
+    try:
+        _finished(kept, order, station, home, work)
+    except Unusable:
+        return
+    except BrokenOff as fault:
+        if fault.__cause__ is not None:  # a stop, or a full disk
+            raise
+
+
+def _next_to_begin(number: str, station: StationFile, home: Home, *, is_of_queue: bool) -> str:
+    """The number of an order, once nothing keeps it from beginning or it waits no more; that of
+    another one whose units are mounted in the place of its own. It says what keeps it.
 
     is_of_queue: whether somebody is expected to mount its units; else they are those of the
     station file, and others are refused.
     """
+    began = datetime.now(UTC)
     while True:
         with suppress(Busy):
             kept = orders.find(number, home)
             hindrance = _hindrance(kept, station, home, is_of_queue)
             if kept.state != "waiting" or hindrance is None:
-                return
-            if hindrance != kept.fault:
-                orders.note(number, home, fault=hindrance)
+                return number
+            if other := _mounted_instead(hindrance, station, home):
+                return other
+            if str(hindrance) != kept.fault:
+                orders.note(number, home, fault=str(hindrance), cause=cause_of(hindrance))
+            if datetime.now(UTC) - began > outcomes.LATE:
+                outcomes.say_once(kept, "waits", cause_of(hindrance), home)
         time.sleep(LOOK_S)
+
+
+def _mounted_instead(hindrance: Unusable, station: StationFile, home: Home) -> str | None:
+    """The number of the next order of the unit that is mounted in the place of another."""
+    if not (isinstance(hindrance.cause, Message) and hindrance.cause.id == OTHER_UNIT):
+        return None
+    mounted = str(argument(hindrance.cause, "found"))
+    for each in orders.waiting(home, station.station.id):
+        is_of_it = mounted in (unit.serial for unit in each.units)
+        if is_of_it and _hindrance(each, station, home, is_of_queue=True) is None:
+            return each.number
+    return None
 
 
 def _hindrance(
     kept: ProductionOrder, station: StationFile, home: Home, is_of_queue: bool
-) -> str | None:
-    """Why an order cannot begin just now, as a sentence."""
+) -> Unusable | None:
+    """Why an order cannot begin just now."""
     id_ = station.station.id
     if kept.runs:  # which needs no station
         return None
     if stop := lockout_of(id_, home):
-        return f"station {id_} was stopped by {stop.by}: release it"
+        locked_out = message("station-cause.locked-out", name=stop.by, station=id_)
+        return Unusable(f"station {id_} was stopped by {stop.by}: release it", locked_out)
     try:
         ready_to_acquire(id_, home)
         if is_of_queue:
             for each in station.with_units(kept.units).per_unit():
                 confirm(each.unit, each.unit_link)
     except Unusable as fault:
-        return str(fault)
+        return fault
     return None
-
-
-def take_up_left(station: str, home: Home) -> None:
-    """Have an order of a station wait again that a process left, as after its crash.
-
-    Nothing is done where an order is being carried out.
-    """
-    with no_order_at(station, home) as is_free:
-        left = orders.put_back(station, home) if is_free else []
-    if left:
-        order_queue.submit(home)
 
 
 def station_of(order: ProduceOrder, home: Home) -> StationFile:
@@ -152,6 +181,7 @@ def _own_order(order: ProduceOrder, station: StationFile, home: Home) -> str:
     made = ProductionOrder(
         number=order_queue.drawn_number(now), station=station.station.id, units=units,
         procedure=order.procedure, person=order.by or SCHEDULE, ordered_at=now,
+        flow_run=flow_run(),
     )  # fmt: skip
     orders.add([made], home)
     return made.number
@@ -194,7 +224,9 @@ def _finished(
         drafts = work(_production(kept, order, station, home))
     except BaseException as fault:
         with suppress(Busy):  # then whoever comes next finds that this process ended
-            orders.finish(kept.number, "failed", home, str(fault) or type(fault).__name__)
+            sentence = str(fault) or type(fault).__name__
+            orders.finish(kept.number, "failed", home, sentence, cause_of(fault))
+            outcomes.tell(home)
         raise
     orders.finish(kept.number, "done", home)
     return drafts

@@ -7,15 +7,28 @@ from typing import Any
 from flask import Blueprint, Response, request
 from pydantic import ValidationError
 from pydantic.json_schema import models_json_schema
+from werkzeug.exceptions import HTTPException
 
 from flows.pages import orders_api
 from flows.pages.json_answers import Unanswered, json_answer, refusal
-from flows.pages.line.models import Released, StopPressed, StopShown
+from flows.pages.line.models import (
+    Acknowledged,
+    AlarmPressed,
+    Released,
+    StopPressed,
+    StopShown,
+)
 from flows.pages.numbers import Row, csv_of
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from schemas.base import Frozen, Unusable, first_fault
-from schemas.production import OrderRequest, OrdersQuestion, ProductionOrder, ProductionOrders
+from schemas.production import (
+    OrderRequest,
+    OrdersQuestion,
+    ProductionOrder,
+    ProductionOrders,
+    RetriedOrder,
+)
 from storage.catalogue.connection import Busy
 from storage.home import Home
 from tasks.version import code_version
@@ -27,13 +40,15 @@ REFUSALS = {
     503: "The catalogue cannot be reached just now.",
 }
 PRESS_REFUSALS = {
-    400: "The document names no station.",
+    400: "The document names neither station nor alarm.",
+    404: "There is no such station or alarm.",
     403: "The role does not allow it.",
     401: REFUSALS[401],
 }
 PRESSES = (  # on the card of a station
-    ("stop", "Stop a station's table now", StopShown),
-    ("release", "Let the orders of a stopped station go on", Released),
+    ("stop", "Stop a station's table now", StopShown, StopPressed),
+    ("release", "Let the orders of a stopped station go on", Released, StopPressed),
+    ("acknowledge", "Say that somebody saw to an alarm", Acknowledged, AlarmPressed),
 )
 REFERENCE = "#/components/schemas/{model}"
 
@@ -48,8 +63,19 @@ def endpoints(home: Home) -> Blueprint:
             made.add_url_rule(f"/{page.name}/{part}.csv", f"{page.name}-{part}", answer)
     made.add_url_rule("/orders", "orders", lambda: orders_api.listed(home), methods=["GET"])
     made.add_url_rule("/orders", "order", lambda: orders_api.give(home), methods=["POST"])
+    made.add_url_rule("/retry", "retry", lambda: orders_api.retry(home), methods=["POST"])
     made.add_url_rule("/openapi.json", "openapi", lambda: json_answer(json.dumps(openapi())))
     return made
+
+
+def unknown_address() -> Response | None:
+    """A refusal of what would else be one of Dash's pages, before a request is answered."""
+    rule, fault = request.url_rule, request.routing_exception
+    if isinstance(fault, HTTPException) and fault.code not in (404, 405):
+        return None  # as of another host's name
+    if f"{request.path}/".startswith(f"{PREFIX}/") and not (rule and rule.rule.startswith(PREFIX)):
+        return refusal(404, f"there is nothing here; {PREFIX}/openapi.json says what there is")
+    return None
 
 
 def _answering(
@@ -107,14 +133,26 @@ def openapi() -> dict[str, Any]:
             REFUSALS | refused, takes=OrderRequest,
         ),
     }  # fmt: skip
-    for name, what, answer in PRESSES:
+    again = {200: ("The order waits again.", ProductionOrder)}
+    paths[f"{PREFIX}/retry"] = {
+        "post": _operation(
+            "retry", "Carry out an order again that failed or was cancelled", again,
+            REFUSALS | refused | {404: "There is no such order."}, takes=RetriedOrder,
+        ),
+    }  # fmt: skip
+    for name, what, answer, takes in PRESSES:
         became = {200: ("What became of it.", answer)}
-        pressed = _operation(name, what, became, PRESS_REFUSALS, takes=StopPressed)
+        pressed = _operation(name, what, became, PRESS_REFUSALS, takes=takes)
         paths[f"{PREFIX}/{name}"] = {"post": pressed}
     answers: list[type[Frozen]] = [page.answer for page in PAGES]
-    answers += [ProductionOrders, ProductionOrder, StopShown, Released, Unanswered]
+    answers += [ProductionOrders, ProductionOrder, StopShown, Released, Acknowledged, Unanswered]
     models: list[tuple[type[Frozen], Any]] = [(model, "serialization") for model in answers]
-    models += [(OrderRequest, "validation"), (StopPressed, "validation")]
+    models += [
+        (OrderRequest, "validation"),
+        (RetriedOrder, "validation"),
+        (StopPressed, "validation"),
+        (AlarmPressed, "validation"),
+    ]
     _, schemas = models_json_schema(models, ref_template=REFERENCE)
     return {
         "openapi": "3.1.0",

@@ -9,13 +9,16 @@ from typing import Any
 
 import sqlalchemy as sql
 
-from schemas.base import Unusable
+from schemas.base import NotThere, Unusable
 from schemas.production import OPEN, ProductionOrder, ProductionState
+from schemas.text import Statement
 from storage.catalogue import database, tables, trail
 from storage.home import Home
 
 ORDER = tables.orders.c
+MANY = 200  # of the last ones
 JSON = ("units", "runs", "certificates")
+WITH_CAUSE = '{"fault": '  # how a fault begins that has its cause beside it
 WAITING: tuple[ProductionState, ...] = ("waiting",)
 RUNNING: tuple[ProductionState, ...] = ("running",)
 WAITING_AGAIN: dict[str, Any] = {
@@ -66,7 +69,7 @@ def find(number: str, home: Home) -> ProductionOrder:
     """The order with a number; raises Unusable where there is none."""
     for order in numbered([number], home):
         return order
-    raise Unusable(f"there is no order {number!r}: `mimucal order list` names them")
+    raise NotThere(f"there is no order {number!r}: `mimucal order list` names them")
 
 
 def numbered(numbers: Collection[str], home: Home) -> list[ProductionOrder]:
@@ -115,19 +118,33 @@ def claim(number: str, home: Home) -> ProductionOrder | None:
         return _kept(connection, number)
 
 
-def note(number: str, home: Home, **what: Any) -> None:
-    """Note what is known of an order meanwhile: runs, certificates, flow_run."""
+def note(number: str, home: Home, cause: Statement | None = None, **what: Any) -> None:
+    """Note what is known of an order meanwhile: runs, certificates, flow_run, fault and cause."""
     values = {k: json.dumps(value) if k in JSON else value for k, value in what.items()}
+    if "fault" in what:
+        values["fault"] = _fault(what["fault"], cause)
     with database.changing(home) as connection:
         connection.execute(sql.update(tables.orders).where(ORDER.number == number).values(**values))
 
 
-def finish(number: str, state: ProductionState, home: Home, fault: str | None = None) -> None:
-    """End an order that runs: done, or failed with its fault as a sentence."""
-    ended = {"state": state, "fault": fault, "ended_at": datetime.now(UTC)}
-    changed = sql.update(tables.orders).where(ORDER.number == number, ORDER.state == "running")
+def finish(
+    number: str,
+    state: ProductionState,
+    home: Home,
+    fault: str | None = None,
+    cause: Statement | None = None,
+    *,
+    was: ProductionState = "running",
+) -> bool:
+    """End an order that runs: done, or failed with its fault; whether it still ran.
+
+    was: waiting, of an order that is refused before it begins.
+    """
+    ended = {"state": state, "fault": _fault(fault, cause), "ended_at": datetime.now(UTC)}
+    changed = sql.update(tables.orders).where(ORDER.number == number, ORDER.state == was)
     with database.changing(home) as connection:
-        connection.execute(changed.values(is_interrupted=state == "failed", **ended))
+        values = {"is_interrupted": (state, was) == ("failed", "running"), **ended}
+        return bool(connection.execute(changed.values(**values)).rowcount)
 
 
 def cancel(number: str, person: str, home: Home) -> ProductionOrder:
@@ -143,20 +160,38 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     raise Unusable(f"order {number} is {order.state} and waits no more: {way_out}")
 
 
-def retry(number: str, person: str, home: Home) -> ProductionOrder:
-    """Put an order that failed or was cancelled back into the queue; Unusable for any other."""
+def retry(number: str, person: str, home: Home, reason: str | None = None) -> ProductionOrder:
+    """Put an order that failed or was cancelled back into the queue; Unusable for any other.
+
+    One of which a run is invalid is measured again: the trail has its runs so far, and the reason,
+    which is why it failed where the person gives none.
+    """
+    order = find(number, home)
+    again: dict[str, Any] = {"again": True} | ({"reason": reason} if reason else {})
+    values = WAITING_AGAIN
+    if _is_invalid(order.runs, home):
+        again |= {"reason": reason or order.fault, "runs": order.runs}
+        fresh = {"is_interrupted": False, "began_at": None, "runs": "[]", "certificates": "[]"}
+        values = WAITING_AGAIN | fresh
     changed = sql.update(tables.orders).where(
         ORDER.number == number, ORDER.state.in_(("failed", "cancelled"))
     )
     with database.changing(home) as connection:
-        if connection.execute(changed.values(**WAITING_AGAIN)).rowcount:
-            trail.add(connection, person, "order acquire", number, again=True)
+        if connection.execute(changed.values(**values)).rowcount:
+            trail.add(connection, person, "order acquire", number, **again)
             return _kept(connection, number)
-    order = find(number, home)
     raise Unusable(
         f"order {number} is {order.state}: only one that failed or was cancelled can be carried "
         "out again"
     )
+
+
+def _is_invalid(runs: Sequence[str], home: Home) -> bool:
+    """Whether the last result of one of some runs finds it invalid."""
+    made = tables.outcomes.c
+    asked = sql.select(made.run, made.verdict).where(made.run.in_(runs), made.terms == "")
+    last = {row.run: row.verdict for row in database.rows(home, asked.order_by(made.made_at))}
+    return "invalid" in last.values()
 
 
 def put_back(station: str, home: Home) -> list[ProductionOrder]:
@@ -165,14 +200,21 @@ def put_back(station: str, home: Home) -> list[ProductionOrder]:
     For whoever holds the station's lock of orders: every order that runs is then one whose process
     is dead.
     """
-    left = listed(home, station, RUNNING)
-    for order in left:
-        changed = sql.update(tables.orders).where(
-            ORDER.number == order.number, ORDER.state == "running"
-        )
-        with database.changing(home) as connection:
-            connection.execute(changed.values(is_interrupted=True, **WAITING_AGAIN))
-    return left
+    return [order for order in listed(home, station, RUNNING) if wait_again(order, home)]
+
+
+def wait_again(order: ProductionOrder, home: Home) -> bool:
+    """Put one order back whose process died; whether it was still as that process left it."""
+    left = (ORDER.number == order.number, ORDER.state == "running")
+    changed = sql.update(tables.orders).where(*left, ORDER.attempts == order.attempts)
+    with database.changing(home) as connection:
+        values = {"is_interrupted": True, **WAITING_AGAIN}
+        return bool(connection.execute(changed.values(**values)).rowcount)
+
+
+def running(home: Home) -> list[ProductionOrder]:
+    """The orders that a process began and has not ended."""
+    return listed(home, states=RUNNING)
 
 
 def same_open(order: ProductionOrder, home: Home) -> ProductionOrder | None:
@@ -211,7 +253,7 @@ def _kept(connection: sql.Connection, number: str) -> ProductionOrder:
 
 def _row_of(order: ProductionOrder) -> dict[str, Any]:
     plain = order.model_dump(mode="json")
-    row: dict[str, Any] = order.model_dump(exclude={"units", "client_order"})
+    row: dict[str, Any] = order.model_dump(exclude={"units", "client_order", "cause"})
     row |= {name: json.dumps(plain[name], ensure_ascii=False) for name in JSON}
     client = order.client_order
     return row | {"client_order": client and client.model_dump_json()}
@@ -222,4 +264,13 @@ def _order_of(row: sql.Row[Any]) -> ProductionOrder:
     fields |= {name: json.loads(fields[name]) for name in JSON}
     if fields["client_order"] is not None:
         fields["client_order"] = json.loads(fields["client_order"])
+    if (fields["fault"] or "").startswith(WITH_CAUSE):
+        fields |= json.loads(fields["fault"])
     return ProductionOrder.model_validate(fields)
+
+
+def _fault(fault: str | None, cause: Statement | None) -> str | None:
+    """A fault as its column has it: mere text, or JSON with the cause beside it."""
+    if fault is None or cause is None:
+        return fault
+    return json.dumps({"fault": fault, "cause": cause.model_dump(mode="json")}, ensure_ascii=False)

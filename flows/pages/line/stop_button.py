@@ -10,12 +10,12 @@ from flask import Blueprint, Response, request
 from pydantic import ValidationError
 
 from flows.pages.json_answers import json_answer, refusal
-from flows.pages.line.models import StationNow, StopPressed, StopShown
+from flows.pages.line.models import AlarmPressed, StationNow, StopPressed, StopShown
 from flows.pages.line.stops import stops_of
 from flows.pages.local_time import second_of
 from flows.pages.page import View, view_of_request
 from schemas.access import MAY, Visitor
-from schemas.base import Frozen, Unusable, first_fault
+from schemas.base import Frozen, NotThere, Unusable, first_fault
 from storage.home import Home
 from tasks.words import message
 
@@ -70,7 +70,7 @@ def _outcome(stop: StopShown, view: View) -> Component:
 
 def stop_presses(home: Home) -> Blueprint:
     """POST /api/v1/stop and /api/v1/release with a station: stops it in the name of whoever is
-    logged in, and lets its orders go on.
+    logged in, and lets its orders go on. POST /api/v1/acknowledge with the key of an alarm.
     """
     made = Blueprint("stop", __name__)
 
@@ -82,15 +82,19 @@ def stop_presses(home: Home) -> Blueprint:
     def release() -> Response:
         return _done(lambda station, visitor: stops_of(home).release(station, visitor))
 
+    @made.post("/api/v1/acknowledge")
+    def acknowledge() -> Response:
+        return _done(lambda key, visitor: stops_of(home).acknowledge(key, visitor), AlarmPressed)
+
     return made
 
 
-def _done(act: Callable[[str, Visitor], Frozen]) -> Response:
-    """What an act with the station of the request gave, or why it was refused."""
+def _done(act: Callable[[str, Visitor], Frozen], pressed: type[Frozen] = StopPressed) -> Response:
+    """What an act with the station or the alarm of the request gave, or why it was refused."""
     try:
-        asked = StopPressed.model_validate_json(request.get_data())
-        return json_answer(act(asked.station, view_of_request().visitor).model_dump_json())
+        (about,) = pressed.model_validate_json(request.get_data()).model_dump().values()
+        return json_answer(act(about, view_of_request().visitor).model_dump_json())
     except ValidationError as error:
         return refusal(400, first_fault(error))
     except Unusable as error:
-        return refusal(403, str(error))
+        return refusal(404 if isinstance(error, NotThere) else 403, str(error))

@@ -55,6 +55,7 @@ pages-line-cause =
     .order = Order { $number }: { $fault }
     .reminder = Reminder by { $channel } not sent: { $fault }
 pages-line-todo =
+    .waits = Do what the cause says; the order then begins by itself. Or cancel it on the page Do.
     .stopped = Remove the cause, then order the unit again or continue with `mimucal acquire --resume`.
     .lost = Press Stop so that the table comes to rest, then continue with `mimucal acquire --resume`.
     .silent = Look at the station. If it turns and you do not know why, press Stop; check its network.

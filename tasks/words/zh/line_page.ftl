@@ -54,6 +54,7 @@ pages-line-cause =
     .order = 订单 { $number }：{ $fault }
     .reminder = 经 { $channel } 的提醒未能发出：{ $fault }
 pages-line-todo =
+    .waits = 按原因处理，委托随后自行开始；或在“操作”页面取消该委托。
     .stopped = 排除原因，然后重新下单，或用 `mimucal acquire --resume` 继续测量。
     .lost = 按“停止”使转台静止，然后用 `mimucal acquire --resume` 继续测量。
     .silent = 请到工位查看；若转台转动而原因不明，按“停止”，并检查其网络。

@@ -1,5 +1,6 @@
 """Orders carried out: each once, the next whatever becomes of one, and on where a process died."""
 
+import json
 import os
 import signal
 import subprocess
@@ -13,15 +14,17 @@ import pytest
 
 from flows import run_orders
 from flows.orders import production
-from flows.orders.order_queue import give
-from flows.orders.production import Production, carry_out, take_up_left, work_at
+from flows.orders.order_queue import cancel, give, retry, submit, take_up_left
+from flows.orders.production import Production, carry_out, work_at
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import ProduceOrder
 from schemas.production import OrderRequest, ProductionOrder
-from storage.catalogue import orders
+from schemas.recording import Unit
+from storage.catalogue import orders, trail
 from storage.home import Home
 from storage.order_lock import one_order_at, only_worker_of
 from storage.station_lock import one_run_on
+from tasks.words import message
 from tests.flows.order_homes import add_station, no_workers
 
 POPEN = subprocess.Popen  # before it is replaced
@@ -133,10 +136,58 @@ def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line) -> None:
 
 def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(line) -> None:
     work = Work()
+    for number in "123":
+        orders.cancel(number, "Li", line)
     carry_out(ProduceOrder(station="LINE-1"), work)
     own = orders.listed(line)[-1]
     assert (own.person, own.serials, own.state) == ("schedule", "0001", "done")
     assert work.done[0].by is None
+
+
+def test_an_order_whose_unit_is_mounted_does_not_wait_behind_one_whose_unit_is_not(
+    line: Home, worked, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mounted = ["S2"]
+
+    def confirm(unit: Unit, _: object) -> None:
+        if unit.serial not in mounted:
+            cause = message(production.OTHER_UNIT, found=mounted[0], ordered=unit.serial)
+            raise Unusable(f"mount {unit.serial}", cause)
+
+    monkeypatch.setattr(production, "confirm", confirm)
+    work = worked(Work(S3=Unusable("it is broken")))
+    orders_left = ["S2", "S3", "S1"]
+    monkeypatch.setattr(
+        production, "time",
+        SimpleNamespace(sleep=lambda _: mounted.__setitem__(0, orders_left[len(work.done)])),
+    )  # fmt: skip
+    assert work_at("LINE-1", line, ignore)
+    assert work.serials == ["S2", "S3", "S1"]
+    assert states(line) == ["done", "done", "failed"]
+
+
+def test_a_schedule_takes_the_queue(line: Home) -> None:
+    work = Work()
+    carry_out(ProduceOrder(station="LINE-1"), work)
+    assert work.serials == ["S1"]
+    assert len(states(line)) == 3
+
+
+def test_after_an_invalid_run_an_order_is_measured_again_under_its_number(
+    line: Home, worked, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    orders.claim("1", line)
+    orders.note("1", line, runs=("r1",))
+    orders.finish("1", "failed", line, "run r1 is invalid: the unit was touched")
+    monkeypatch.setattr(orders, "_is_invalid", lambda runs, _: "r1" in runs)
+    assert retry("1", "Li", line).order.runs == ()
+    last = json.loads(trail.entries(line)[-1].details)
+    assert last == {"again": True, "reason": "run r1 is invalid: the unit was touched",
+                    "runs": ["r1"]}  # fmt: skip
+    orders.claim("1", line)
+    orders.note("1", line, runs=("r2",))
+    orders.finish("1", "failed", line, "no paper")
+    assert retry("1", "Li", line, "paper is there").order.runs == ("r2",)  # is not repeated
 
 
 def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> None:
@@ -204,13 +255,24 @@ def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed
 
 
 @pytest.mark.real_time
-def test_what_a_crashed_process_left_waits_again_and_what_is_going_on_does_not(killed) -> None:
+@pytest.mark.parametrize("seen_by", ["submit", "retry", "another"])
+def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, seen_by) -> None:
     with one_order_at("LINE-1", killed):
-        take_up_left("LINE-1", killed)
-        assert states(killed)[0] == "running"
-    take_up_left("LINE-1", killed)
-    assert states(killed) == ["waiting"] * 3
+        assert take_up_left(killed) == []  # somebody has the orders of the station
+    if seen_by == "submit":
+        submit(killed)
+    elif seen_by == "retry":
+        assert retry("1", "Li", killed).order.state == "waiting"
+    else:
+        assert cancel("1", "Li", killed).state == "cancelled"
+    assert states(killed)[1:] == ["waiting"] * 2
     assert orders.find("1", killed).is_interrupted
+
+
+def test_an_order_whose_process_lives_is_left_to_it(line) -> None:
+    orders.claim("1", line)
+    assert take_up_left(line) == []
+    assert states(line)[0] == "running"
 
 
 def test_what_was_measured_is_not_measured_again_and_what_was_interrupted_goes_on(

@@ -19,7 +19,7 @@ STEPS = ("draft", "check", "issue")  # of the trail, in their sequence
 
 @dataclass(frozen=True)
 class Order:
-    """An order of the catalogue."""
+    """An order of the catalogue. process: that began it last."""
 
     number: str
     serial: str
@@ -28,6 +28,7 @@ class Order:
     drafts: tuple[str, ...]
     attempts: int
     fault: str
+    process: int | None = None
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,8 @@ def facts(connection: psycopg.Connection, objects: Path, home: Path, mails: Path
             for row in _rows(connection, SENT)
         ),
         interrupted=tuple(
-            sorted(path.name for path in (home / "acquiring").rglob("*") if path.is_file())
+            sorted(path.name for path in (home / "acquiring").rglob("*")
+                if path.is_file() and path.stat().st_size)
         ),
     )  # fmt: skip
 
@@ -100,10 +102,16 @@ def orders_of(connection: psycopg.Connection) -> Sequence[Order]:
         Order(
             row["number"], json.loads(row["units"])[0]["serial"], row["state"],
             tuple(json.loads(row["runs"])), tuple(json.loads(row["certificates"])),
-            row["attempts"], row["fault"] or "",
+            row["attempts"], _sentence(row["fault"] or ""),
+            row["process"],
         )
         for row in _rows(connection, "SELECT * FROM orders ORDER BY ordered_at, number")
     ]  # fmt: skip
+
+
+def _sentence(fault: str) -> str:
+    """Of a fault that is kept with its cause for the pages, the sentence."""
+    return str(json.loads(fault)["fault"]) if fault.startswith('{"fault"') else fault
 
 
 def _runs(connection: psycopg.Connection, objects: Path) -> Sequence[Run]:

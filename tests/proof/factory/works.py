@@ -243,10 +243,7 @@ class Works:
         (self.home / "tolerances").mkdir()
         (self.home / "client-orders").mkdir()
         laboratory = (papers / "laboratory.toml").read_text(encoding="utf-8")
-        (issuer,) = (name for name, role in PERSONS.items() if role == "issuer")
-        (self.home / "laboratory.toml").write_text(
-            laboratory.replace('issuer = "Demo Issuer"', f'issuer = "{issuer}"'), encoding="utf-8"
-        )
+        (self.home / "laboratory.toml").write_text(laboratory, encoding="utf-8")
         shutil.copy(str(papers / "tolerance.toml"), self.home / "tolerances")
         recall = [OPERATORS.format(port=self.ports["mail"])]
         recall += [
@@ -258,6 +255,16 @@ class Works:
             text = ORDER.format(name=name, months=1 if name == EVERY_MONTH else 12)
             self.client_order(name).write_text(text, encoding="utf-8")
         self.procedure.write_text(_own_procedure().model_dump_json(indent=1), encoding="utf-8")
+
+    def order_by_schedule(self, station: str) -> None:
+        """What the clock gives: a run of the deployment that names no order."""
+        (found,) = self.prefect_api(
+            "POST", "/deployments/filter", json={"deployments": {"name": {"any_": [station]}}}
+        )
+        order = {"order": {**(found["parameters"].get("order") or {}), "station": station}}
+        self.prefect_api(
+            "POST", f"/deployments/{found['id']}/create_flow_run", json={"parameters": order}
+        )
 
     @property
     def orders(self) -> Path:
