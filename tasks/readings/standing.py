@@ -22,6 +22,7 @@ HELD = 0.05  # of the rows of a segment, beyond what is usual in those of its ki
 BEYOND = 3.0  # times what is usual there
 BY_CHANCE = 6.0  # standard deviations of such a share
 FEW_ROWS = 100  # of a segment: too few to tell
+STEP_ROWS = 8000  # rows that a step is looked for in
 FEW_ALIKE = 3  # segments of a kind that show what is usual
 
 
@@ -58,8 +59,13 @@ def coarse_where_it_moves(recording: Recording, segments: Sequence[Segment]) -> 
     """Channels (6,) whose step is wider than their noise in most segments in which they move; of
     one that moves in none, whether it stands at different values.
     """
-    parts = [_parts(recording, s)[:, :PART_ROWS] for s in segments if s.kind != "rotation"]
-    parts = [part for part in parts if part.shape[1] > 1]
+    imu = recording.imu
+    places = [imu.rows(s.t_start, s.t_end) for s in segments if s.kind != "rotation"]
+    parts = [
+        imu.channels(CHANNELS, slice(place.start, min(place.stop, place.start + PART_ROWS)))
+        for place in places
+        if place.stop - place.start > 1
+    ]
     if not parts:
         return np.zeros(len(CHANNELS), bool)
     step = _steps(np.hstack(parts))
@@ -77,7 +83,8 @@ def coarse_remarks(recording: Recording, segments: Sequence[Segment]) -> Iterato
     if not any(stood.values()):
         return
     coarse = coarse_where_it_moves(recording, segments)
-    step = _steps(recording.imu.stack(CHANNELS, slice(0, len(recording.imu))).T)
+    some = recording.imu.at(slice(None, None, len(recording.imu) // STEP_ROWS + 1))
+    step = _steps(some.stack(CHANNELS).T)
     for k, triad in enumerate(TRIADS):
         own = {c for c in range(3 * k, 3 * k + 3) if coarse[c]}
         names = tuple(name for name, channels in stood.items() if channels & own)
@@ -98,17 +105,18 @@ def held_remarks(recording: Recording, segments: Sequence[Segment]) -> Iterator[
     as often a few rows later.
     """
     for still in (True, False):
-        own = [s for s in segments if (s.kind == "static") == still]
-        parts = [_parts(recording, s) for s in own]
-        own = [s for s, part in zip(own, parts, strict=True) if part.shape[1] >= FEW_ROWS]
-        parts = [part for part in parts if part.shape[1] >= FEW_ROWS]
-        if len(parts) <= FEW_ALIKE:
+        own, of_own = list[Segment](), list[tuple[int, np.ndarray, np.ndarray]]()
+        for segment in (s for s in segments if (s.kind == "static") == still):
+            part = _parts(recording, segment)
+            if part.shape[1] >= FEW_ROWS:
+                own.append(segment)
+                of_own.append((part.shape[1], _again(part, 1), _again(part, LATER)))
+        if len(own) <= FEW_ALIKE:
             continue
-        rows = np.array([part.shape[1] for part in parts])[:, None]
-        shares = np.array([_again(part, 1) for part in parts])
-        beyond = shares - np.array([_again(part, LATER) for part in parts])
+        rows, shares, later = map(np.array, zip(*of_own, strict=True))
+        beyond = shares - later
         usual = np.maximum(median(np.abs(beyond).T), 0.0)
-        chance = BY_CHANCE * np.sqrt(2.0 * shares * (1.0 - shares) / rows)
+        chance = BY_CHANCE * np.sqrt(2.0 * shares * (1.0 - shares) / rows[:, None])
         held = beyond > np.maximum(HELD, chance) + BEYOND * usual
         for k, triad in enumerate(TRIADS):
             mine = held[:, 3 * k : 3 * k + 3]
@@ -143,7 +151,7 @@ def _again(values: np.ndarray, later: int) -> np.ndarray:
 def _steps(values: np.ndarray) -> np.ndarray:
     """(c,) the smallest difference between two readings of channels (c, n); 0 where all are one."""
     found = np.zeros(len(values))
-    for c, channel in enumerate(values[:, :: values.shape[1] // 8000 + 1]):
+    for c, channel in enumerate(values[:, :: values.shape[1] // STEP_ROWS + 1]):
         apart = np.diff(np.sort(channel[np.isfinite(channel)]))
         least = 8 * np.finfo(float).eps * np.abs(channel[np.isfinite(channel)]).max(initial=0.0)
         found[c] = apart[apart > least].min(initial=np.inf)
