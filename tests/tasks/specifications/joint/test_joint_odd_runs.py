@@ -88,7 +88,7 @@ def test_a_gyro_that_reads_one_number_throughout_has_no_parameters(ideal_run) ->
     assert found.items["gyro_scale_factor"].value["z"] is None
     assert found.items["gyro_bias"].value["z"] is None
     assert found.items["gyro_scale_factor"].value["x"] == pytest.approx(1.0, abs=1e-9)
-    assert "gyro z" in joined(found, "axes")  # what follows from it is not listed beside
+    assert "gyro" in joined(found, "column_exchanged")  # what follows from it is not listed
 
 
 @METHODS
