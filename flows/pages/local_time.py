@@ -29,6 +29,17 @@ def minute_of(moment: datetime) -> str:
     return f"{moment.astimezone():%F %R}"
 
 
+def stated_minute(text: str) -> str:
+    """A moment in ISO 8601 as `minute_of` has it; of one without a zone its own minute, and any
+    other text as it is.
+    """
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        return text
+    return minute_of(moment) if moment.tzinfo else f"{moment:%F %R}"
+
+
 def hour_of(moment: datetime) -> str:
     """“15:04” of the present day; of another one with its day."""
     there = moment.astimezone()

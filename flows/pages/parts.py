@@ -9,12 +9,12 @@ from dash import dcc
 from dash.development.base_component import Component
 
 from flows.pages.page import View
-from tasks.words import Message, identifiers, message
+from tasks.words import Message, Sayable, cause_of, identifiers, message
 
 OWN_WORDS = "pages-grid-"
 GRID_OPTIONS: dict[str, Any] = {
     "theme": "themeQuartz",
-    "rowHeight": 38,
+    "rowHeight": 44,  # px, room for a finger
     "suppressCellFocus": True,
     "enableCellTextSelection": True,
     "animateRows": False,
@@ -42,18 +42,30 @@ def _cell(cell: Cell) -> Component:
     return dmc.TableTd(shown, maw=480, className="whole" if is_short else None)
 
 
+def notice(view: View, words: str, color: str, fault: Exception | str = "") -> Component:
+    """What stands in the place of a page or of what was asked for, with the cause of the fault."""
+    cause = view.say(cause_of(fault)) if fault else ""
+    return dmc.Alert(cause, title=view.say(message(words)), color=color, className="notice")
+
+
+def asking(question: Sayable, view: View) -> dict[str, str]:
+    """What a button carries that acts after a question alone; `asking.js` puts it."""
+    yes, no = (view.say(message(f"pages-asking.{word}")) for word in ("yes", "no"))
+    return {"data-ask": view.say(question), "data-yes": yes, "data-no": no}
+
+
 def link(text: str, path: str, **fields: str) -> Component:
     """A link to a page with the fields of its question."""
     return dcc.Link(text, href=f"{path}?{urlencode(fields)}")
 
 
-def facts(pairs: Sequence[tuple[Message, Cell]], view: View) -> Component:
+def facts(pairs: Sequence[tuple[Message, Cell]], view: View, across: int = 4) -> Component:
     """Names and what they are, side by side."""
     cards = [
         dmc.Box([dmc.Text(view.say(name), size="xs", c="dimmed"), _fact(value)])
         for name, value in pairs
     ]
-    return dmc.SimpleGrid(cards, cols={"base": 2, "sm": 4}, spacing="xs")
+    return dmc.SimpleGrid(cards, cols={"base": 2, "sm": across}, spacing="xs")
 
 
 def _fact(value: Cell) -> Component:

@@ -98,12 +98,13 @@ def layout(shown: RunsShown, view: View, question: RunsQuestion) -> Component:
     grid = dag.AgGrid(
         id="runs",
         columnDefs=columns(view),
-        defaultColDef={"resizable": True, "sortable": True},
+        defaultColDef={"resizable": True, "sortable": True, "wrapHeaderText": True,
+                       "autoHeaderHeight": True},
         rowModelType="infinite",
         filterModel=filter_model(question, view),
         dashGridOptions=GRID_OPTIONS | {"localeText": locale(view), "cacheBlockSize": AT_ONCE},
         style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
-    )
+    )  # fmt: skip
     count = view.say(message("pages-runs-count", count=shown.total))
     return dmc.Stack([dmc.Text(count, id="runs-count"), grid], gap="xs")
 
@@ -137,19 +138,20 @@ def columns(view: View) -> list[dict[str, Any]]:
             "filter": f"ag{kind}ColumnFilter", "floatingFilter": True, **more,
         }  # fmt: skip
 
-    def state(name: str, **more: Any) -> dict[str, Any]:
-        return column(name, 150, cellRenderer="State", **more)
+    def state(name: str, width: int) -> dict[str, Any]:
+        return column(name, width, cellRenderer="State")
 
+    # What an operator looks for stands within the width of a tablet held upright, 780 px.
     return [
-        column("id", 150, cellRenderer="RunLink", pinned="left"),
-        column("recorded_on", 210, "Date"),
-        column("station", 120),
+        column("id", 125, cellRenderer="RunLink", pinned="left"),
+        column("recorded_on", 125, "Date"),
+        column("station", 90),
+        column("serial", 105, cellRenderer="UnitLink"),
+        state("validity", 110),
+        state("verdict", 115),
+        state("state", 110),
+        state("result_state", 120),
         column("model", 120),
-        column("serial", 120, cellRenderer="UnitLink"),
-        state("validity"),
-        state("result_state"),
-        state("verdict"),
-        state("state"),
         column("certificate", 170),
         column("due", 210, "Date"),
         column("procedure", 120),

@@ -13,6 +13,7 @@ from flows.pages import pictures, query_controls
 from flows.pages.access import fault
 from flows.pages.local_time import zone
 from flows.pages.page import Page, View, parameters, view_of_request
+from flows.pages.parts import notice
 from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
 from storage.catalogue.connection import Busy
@@ -35,7 +36,7 @@ def frame() -> Component:
                 dmc.AppShellHeader(_header(view), px="md"),
                 dmc.AppShellMain([dmc.Box(id="fault"), dmc.Box(id="page", className="figures")]),
             ],
-            header={"height": 56},
+            header={"height": {"base": 108, "md": 60}},  # on a tablet in two rows
             padding="md",
         ),
         forceColorScheme=view.theme,
@@ -65,7 +66,7 @@ def _header(view: View) -> Component:
     return dmc.Group(
         [dmc.Group(links, gap=2, wrap="nowrap"), dmc.Group(switches, gap="xs", wrap="nowrap")],
         justify="space-between",
-        wrap="nowrap",
+        gap=0,
         h="100%",
     )
 
@@ -93,8 +94,8 @@ def say_fault(error: Exception) -> None:
     words = "pages-not-answered" if isinstance(error, Unusable) else "pages-failed"
     if not isinstance(error, Unusable):
         logging.getLogger("mimucal.pages").error("a callback failed", exc_info=error)
-    sentence = str(error) if isinstance(error, Unusable) else type(error).__name__
-    set_props("fault", {"children": notice(view, words, "red", sentence)})
+    fault = error if isinstance(error, Unusable) else type(error).__name__
+    set_props("fault", {"children": notice(view, words, "red", fault)})
 
 
 def add_callbacks(app: Dash, home: Home) -> None:
@@ -141,24 +142,19 @@ def page_at(path: str, search: str, home: Home, view: View) -> PageAndInterval:
     except ValidationError as error:
         return notice(view, "pages-not-answered", "yellow", first_fault(error)), NEVER, True
     except Busy as error:
-        return no_database(str(error), view)
+        return no_database(error, view)
     except Unusable as error:
-        return notice(view, "pages-not-answered", "yellow", str(error)), NEVER, True
+        return notice(view, "pages-not-answered", "yellow", error), NEVER, True
     interval = NEVER if page.refresh_s is None else int(page.refresh_s * 1000)
     return _titled(page, shown, view), interval, page.refresh_s is None
 
 
-def no_database(sentence: str, view: View) -> PageAndInterval:
+def no_database(fault: Exception | str, view: View) -> PageAndInterval:
     """What a page says while the database does not answer; then it asks again."""
-    return notice(view, "pages-no-database", "red", sentence), int(RETRY_S * 1000), False
+    return notice(view, "pages-no-database", "red", fault), int(RETRY_S * 1000), False
 
 
 def _titled(page: Page, shown: Component, view: View) -> Component:
     heading = dmc.Title(page.title(view), order=2)
     about = f"{page.about(view)} · {view.say(zone())}"
     return dmc.Stack([dmc.Box([heading, dmc.Text(about, c="dimmed", size="sm")]), shown], gap="md")
-
-
-def notice(view: View, words: str, color: str, sentence: str = "") -> Component:
-    """What stands in the place of a page, with the sentence of the fault."""
-    return dmc.Alert(sentence, title=view.say(message(words)), color=color, id="notice")

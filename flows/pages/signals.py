@@ -51,7 +51,8 @@ def _stream(streams: dict[str, Stream], question: SignalsQuestion) -> Stream:
         known = ", ".join(f"{name} {each}" for name, s in streams.items() for each in s.columns)
         raise Unusable(
             f"the run has no channel {question.channel} in a stream {question.stream}; there are "
-            f"{known}"
+            f"{known}",
+            message("cause-none.choice", name=question.channel, known=known),
         )
     return stream
 

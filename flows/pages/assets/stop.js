@@ -29,8 +29,9 @@
     }
 
     async function press(button) {
-        const {stop, release, failed} = button.dataset;
+        const {stop, release, failed, ask} = button.dataset;
         const station = stop || release;
+        if (ask && !await window.asking(button.dataset)) return;
         button.classList.add('is-pressed');
         try {
             const answer = await fetch(stop ? '/api/v1/stop' : '/api/v1/release', {

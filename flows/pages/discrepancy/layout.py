@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import dash_mantine_components as dmc
-from dash import html
+from dash import dcc, html
 from dash.development.base_component import Component
 
 from flows.pages.discrepancy.models import (
@@ -18,18 +18,19 @@ from flows.pages.discrepancy.models import (
     Shown,
     UncertainTime,
 )
-from flows.pages.local_time import second_of
+from flows.pages.local_time import second_of, stated_minute
 from flows.pages.page import View
 from flows.pages.parts import Cell, facts, link, table
 from flows.pages.query_controls import asks
-from flows.pages.states import StepState, badge
+from flows.pages.states import StepState, badge, validity_state
 from schemas.discrepancy import FoundParameter, Moved, Verdict
-from schemas.review import Moment
-from storage.catalogue.lineage import stated_day
+from schemas.review import Moment, ReviewFinding
 from tasks.explain.report.names import parameter_text
+from tasks.model.effect import effect_name, next_step, separating_recording
+from tasks.review.report import deciding_run
 from tasks.specifications.items import symbol
-from tasks.words import message
-from tasks.words.quantities import multiple
+from tasks.words import Sayable, message
+from tasks.words.quantities import multiple, plain
 
 ASKED = ("effect", "station", "model", "serial")
 FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
@@ -39,7 +40,10 @@ def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -
     """The last review, then what the explained runs show one by one."""
     none = message("pages-mismatch-no-review")
     review = _review(shown.review, view) if shown.review else [dmc.Text(view.say(none))]
-    counted = message("pages-mismatch-explained", explained=shown.explained, runs=shown.runs)
+    counted = message(
+        "pages-mismatch-explained", explained=shown.explained, runs=shown.runs,
+        invalid=shown.invalid,
+    )  # fmt: skip
     return dmc.Stack(
         [
             _heading("review", view),
@@ -92,7 +96,10 @@ def _review(review: ReviewShown, view: View) -> list[Component]:
     )
     state = _state(review.verdict)
     summary = dmc.Group([badge(state, view), dmc.Text(view.say(review.statement))])
-    return [about, summary, *(_carried(each, view) for each in review.findings)]
+    carriers: dict[tuple[str, str], list[Carried]] = {}
+    for each in review.findings:
+        carriers.setdefault((each.finding.level, each.finding.carrier), []).append(each)
+    return [about, summary, *(_carrier(of, view) for of in carriers.values())]
 
 
 def _asked(name: str, value: str, view: View) -> str:
@@ -109,10 +116,21 @@ def _state(verdict: Verdict) -> StepState:
     return StepState(words, "good" if verdict == "no_mismatch" else "bad")
 
 
-def _carried(carried: Carried, view: View) -> Component:
+def _carrier(of: Sequence[Carried], view: View) -> Component:
+    """A station, unit, model, lot or site once, with everything that was found of it."""
+    finding = of[0].finding
+    name = view.say(message(f"pages-mismatch-level.{finding.level}")) + f" {finding.carrier}"
+    parts = [part for each in of for part in _carried(each, view)]
+    head = dmc.Title(name, order=4)
+    return dmc.Card(dmc.Stack([head, *parts], gap="xs"), withBorder=True, className="carried")
+
+
+def _carried(carried: Carried, view: View) -> list[Component]:
+    """An effect: since when, in how many runs, how large and how clear; what to do about it, and
+    what it touches.
+    """
     finding = carried.finding
     evidence = finding.evidence
-    carrier = view.say(message(f"pages-mismatch-level.{finding.level}")) + f" {finding.carrier}"
     sizes = dmc.Stack([dmc.Text(_parameter(p, view)) for p in finding.parameters], gap=0)
     shown = facts(
         [
@@ -123,26 +141,42 @@ def _carried(carried: Carried, view: View) -> Component:
                 f"{evidence.runs_that_show_it} / {evidence.runs}",
             ),
             (message("pages-mismatch-fact.sizes"), sizes),
+            (
+                message("pages-mismatch-fact.clear"),
+                view.say(message("pages-mismatch-clear", z=plain(evidence.per_run_z_median, 2))),
+            ),
         ],
         view,
     )
-    head = dmc.Group([
-        dmc.Title(carrier, order=4), dmc.Text(view.say(carried.title), fw="bold"),
-    ])  # fmt: skip
-    text = dmc.Text(view.say(finding.statement), size="sm", c="dimmed")
-    parts = [head, shown, text, *_touched(carried.papers, carried.query, view)]
+    parts = [dmc.Text(view.say(carried.title), fw="bold"), shown, _to_do(finding, view)]
+    parts += _touched(carried.papers, carried.query, view)
     parts += [_uncertain(each, view) for each in carried.uncertain]
-    parts += _moved(carried.moved, view)
-    return dmc.Card(dmc.Stack(parts, gap="xs"), withBorder=True, className="carried")
+    return parts + _moved(carried.moved, view)
+
+
+def _to_do(finding: ReviewFinding, view: View) -> Component:
+    """What separates it from other carriers and effects, else what removes it; and where."""
+    steps: list[Sayable] = [
+        deciding_run(finding.level, finding.carrier, each) for each in finding.alternatives
+    ]
+    if finding.indistinguishable_from:
+        names = tuple(map(effect_name, finding.indistinguishable_from))
+        separated = separating_recording(finding.effect)
+        steps.append(message("review-other-names", names=names))
+        steps += [message("review-separated-by", recording=separated)] if separated else []
+    step = next_step(finding.effect)
+    steps += [step] if step and not steps else []
+    texts = [dmc.Text(f"→ {view.say(each)}") for each in steps]
+    order = dcc.Link(view.say(message("pages-action.acquire")), href="/do", className="button")
+    return dmc.Stack([*texts, dmc.Group(order)], gap=4)
 
 
 def _moment(moment: Moment | None, view: View) -> str | None:
-    """The day, and the days between which the change lies with 95 %."""
+    """The moment, and the ones between which the change lies with 95 %."""
     if moment is None:
         return None
-    at, earliest, latest, without = (
-        str(stated_day(each) or each or "")
-        for each in (moment.at, moment.earliest, moment.latest, moment.without)
+    at, earliest, latest, without = map(
+        stated_minute, (moment.at, moment.earliest, moment.latest, moment.without)
     )
     if not without:
         return f"{at} (95 %: {earliest} … {latest})"
@@ -228,7 +262,7 @@ def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
     """Each carrier leads to its runs with the effect."""
     lines = [
         link(f"{each.name}: {each.shown} / {each.of}", "/mismatch", effect=seen.effect,
-             **{field: each.name})
+             **{field: each.name}, **({"model": each.model} if each.model else {}))
         for each in shares[:FEW]
     ]  # fmt: skip
     lines += [dmc.Text("…")] if len(shares) > FEW else []
@@ -236,7 +270,8 @@ def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
 
 
 def _runs(runs: Sequence[ExplainedRun], view: View) -> Component:
-    names = ("run", "day", "station", "unit", "verdict", "findings", "report")
+    names = ("run", "day", "station", "unit", "validity", "verdict", "findings",
+             "report")  # fmt: skip
     headings = [message(f"pages-mismatch-column.{name}") for name in names]
     return table(headings, [_run(run, view) for run in runs], view)
 
@@ -257,6 +292,7 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
         str(run.day) if run.day else None,
         html.Span(run.station, className="whole"),
         f"{run.model} {run.serial}",
+        badge(validity_state(run.validity), view),
         badge(_state(run.verdict), view),
         dmc.Stack(found, gap=2) if found else None,
         report,

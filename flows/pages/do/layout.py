@@ -1,30 +1,34 @@
 """Lays the Do page out, and carries out what is pressed there."""
 
+from collections import Counter
 from functools import cache
 from typing import Any
 
 import dash_mantine_components as dmc
 import sqlalchemy as sql
-from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
+from dash import ALL, MATCH, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.development.base_component import Component
 
 from flows.access_log import LOGGER, plain
 from flows.orders import order_queue
 from flows.pages.do.models import DoQuestion, DoShown, GivenOrder, WaitingCertificate
-from flows.pages.do.orders import FIELDS, Orders, tolerance_files
+from flows.pages.do.orders import FIELDS, REQUIRED, Orders, roles_of, tolerance_files
 from flows.pages.local_time import second_of
 from flows.pages.page import View, view_of_request
-from flows.pages.parts import table
-from flows.pages.states import Kind, StepState, badge
+from flows.pages.parts import asking, facts, notice, table
+from flows.pages.states import Kind, StepState, badge, decision_state
 from schemas.access import MAY, Action
 from schemas.base import Unusable
 from schemas.certificate import LIVE
 from schemas.production import OPEN, ProductionOrder, ProductionState
-from storage.catalogue import database, orders, tables
+from schemas.run_log import ENDED as RUN_ENDED
+from schemas.text import texts_of
+from storage.catalogue import certificates, database, orders, tables
 from storage.home import Home
+from storage.station_lock import statuses
 from storage.stations import station_ids
 from tasks.station import procedures
-from tasks.words import message
+from tasks.words import cause_of, message
 
 REFRESH_MS = 3000
 SHOWN = 500  # certificates to choose from, the last ones
@@ -55,6 +59,11 @@ def data(_: DoQuestion, home: Home) -> DoShown:
         client_orders=order_queue.client_orders_of(home),
         tolerances=tolerance_files(home),
         production=production(home),
+        progress={
+            status.station: status.station_s_done / status.station_s_total
+            for status, is_dead in statuses(home)
+            if not is_dead and status.state not in RUN_ENDED and status.station_s_total
+        },
         certificates=tuple(
             WaitingCertificate(
                 number=row.number,
@@ -79,12 +88,13 @@ def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
     forms = [_form(action, shown, question, view) for action in allowed]
     why = "pages-do-nothing" if view.visitor.name else "pages-do-nobody"
     nothing = dmc.Alert(view.say(message(why)), color="gray")
+    busy: dict[str, Any] = {"data-busy": view.say(message("pages-do-busy"))}
     return dmc.Stack(
         [
+            html.Div(html.Div(id="do-answer"), className="answer", **busy),
             dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
-            dmc.Box(id="do-answer"),
             dmc.Title(view.say(message("pages-do-queue")), order=3),
-            dmc.Box(_production(shown.production, view), id="do-production"),
+            dmc.Box(_production(shown, view), id="do-production"),
             dmc.Title(view.say(message("pages-do-orders")), order=3),
             dmc.Box(_orders(shown.orders, view), id="do-orders"),
             dcc.Interval(id="do-again", interval=REFRESH_MS),
@@ -95,10 +105,59 @@ def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
 
 
 def _form(action: Action, shown: DoShown, question: DoQuestion, view: View) -> Component:
+    """A certificate's card ends with what is said of the chosen one, and the button with it."""
+    title = dmc.Title(view.say(message(f"pages-action.{action}")), order=4)
     fields = [_field(action, name, shown, question, view) for name in FIELDS[action]]
-    name = view.say(message(f"pages-action.{action}"))
-    button = dmc.Button(name, id={"do": action}, color="red" if action == "withdraw" else "blue")
-    return dmc.Card([dmc.Stack([*fields, button], gap="xs")], withBorder=True, padding="md")
+    of_paper = "certificate" in FIELDS[action]
+    end = dmc.Box(id={"of": action, "shows": "chosen"}) if of_paper else _button(action, view)
+    return dmc.Card([dmc.Stack([title, *fields, end], gap="xs")], withBorder=True, padding="md")
+
+
+def _button(action: Action, view: View, **more: Any) -> Component:
+    word, color = view.say(message(f"pages-action.{action}")), "blue"
+    if action == "withdraw":
+        color = "red"
+    return dmc.Button(
+        word, id={"do": action}, color=color, fullWidth=True, className="primary", **more
+    )
+
+
+def chosen(action: Action, number: str | None, view: View, home: Home) -> Component:
+    """What a certificate says, with its PDF, beside the button of its next step; without one
+    nothing can be pressed. Withdrawing is asked first.
+    """
+    if not number:
+        return _button(action, view, disabled=True)
+    try:
+        paper = certificates.record_of(certificates.entry_of(number, home), home)
+    except Unusable as error:
+        return dmc.Alert(view.say(cause_of(error)), color="red")
+    unit, decision = paper.manifest.unit, paper.decision
+    counted = Counter(limit.verdict for limit in decision.limits)
+    limits = message(
+        "pages-do-limits", passed=counted["pass"], failed=counted["fail"],
+        open=counted["inconclusive"],
+    )  # fmt: skip
+    steps = [
+        (message(f"pages-do-step.{step.step}"), f"{step.person}, {second_of(step.at)}")
+        for step in paper.steps
+    ]
+    about = [
+        (message("pages-order-column.unit"), f"{unit.manufacturer} {unit.model} {unit.serial}"),
+        (message("pages-line-order.client"), paper.order.client.name if paper.order else None),
+        (message("pages-certificate-column.calibrated"), str(paper.calibrated_on or "–")),
+        *steps,
+        (message("pages-column-verdict"), badge(decision_state(decision.verdict), view)),
+        (message("pages-items-column.limits"), view.say(limits)),
+    ]
+    pdf = html.A(
+        view.say(message("pages-do-pdf")), href=f"/certificate/{number}.pdf", target="_blank",
+        className="button",
+    )  # fmt: skip
+    question = message("pages-do-withdraw", certificate=number)
+    asked = asking(question, view) if action == "withdraw" else {}
+    reasons = [dmc.Text(view.say(each), size="sm") for each in texts_of(decision, "reasons")]
+    return dmc.Stack([facts(about, view, 2), *reasons, pdf, _button(action, view, **asked)], gap=8)
 
 
 def _field(
@@ -106,7 +165,7 @@ def _field(
 ) -> Component:
     chosen: dict[str, list[str]] = {
         "procedure": list(shown.procedures),
-        "certificate": [c.number for c in shown.certificates if c.state == STEP_OF.get(action)],
+        "certificate": _certificates(action, shown),
         "client_order": list(shown.client_orders),
         "tolerance": list(shown.tolerances),
     }
@@ -114,11 +173,17 @@ def _field(
         chosen["station"] = list(shown.stations)
     id_ = {"of": action, "field": name}
     label = view.say(message(f"pages-do-field.{name.replace('_', '-')}"))
+    given, needed = getattr(question, name, None), name in REQUIRED.get(action, ())
     if name not in chosen:
-        return dmc.TextInput(id=id_, label=label, value=getattr(question, name, None) or "")
-    given = getattr(question, name, None)
+        return dmc.TextInput(id=id_, label=label, value=given or "", withAsterisk=needed)
     first = given if given in chosen[name] else None
-    return dmc.Select(id=id_, label=label, data=chosen[name], value=first, searchable=True)
+    return dmc.Select(id=id_, label=label, data=chosen[name], value=first, searchable=True,
+                      withAsterisk=needed)  # fmt: skip
+
+
+def _certificates(action: str, shown: DoShown) -> list[str]:
+    """Those whose next step it is."""
+    return [c.number for c in shown.certificates if c.state == STEP_OF.get(action)]
 
 
 def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
@@ -130,32 +195,35 @@ def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
             each.person,
             view.say(message(f"pages-action.{each.action}")),
             each.subject,
-            badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
-            each.fault,
+            dmc.Group([
+                badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
+                *([dmc.Loader(size="sm")] if each.state == "running" else []),
+            ], gap="xs"),
+            each.fault and view.say(cause_of(each.fault)),
         )
         for each in given
-    ]
+    ]  # fmt: skip
     names = ("at", "person", "action", "subject", "state", "fault")
     return table([message(f"pages-order-column.{name}") for name in names], rows, view)
 
 
-def _production(ordered: tuple[ProductionOrder, ...], view: View) -> Component:
+def _production(shown: DoShown, view: View) -> Component:
     """The queue by station, unit and procedure, with what can be done about each order."""
-    if not ordered:
+    if not shown.production:
         return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
     rows = [
         (
             each.station,
             each.serials,
             each.procedure,
-            badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
+            _state(each, shown, view),
             each.person,
-            f"{each.ordered_at:%F %T}",
+            second_of(each.ordered_at),
             each.number,
             each.fault or ", ".join(each.certificates),
             _step(each, view),
         )
-        for each in ordered
+        for each in shown.production
     ]
     names = (
         "station", "unit", "procedure", "state", "person", "at", "number", "outcome", "step",
@@ -163,12 +231,19 @@ def _production(ordered: tuple[ProductionOrder, ...], view: View) -> Component:
     return table([message(f"pages-order-column.{name}") for name in names], rows, view)
 
 
+def _state(order: ProductionOrder, shown: DoShown, view: View) -> Component:
+    """Of one that runs, how far its station is as well."""
+    state = badge(StepState(message(f"pages-order.{order.state}"), KINDS[order.state]), view)
+    share = shown.progress.get(order.station) if order.state == "running" else None
+    return dmc.Stack([state, *([dmc.Progress(value=100 * share)] if share else [])], gap=4)
+
+
 def _step(order: ProductionOrder, view: View) -> Component | None:
     step = STEPS.get(order.state)
     if step is None or not view.visitor.may("acquire"):
         return None
     id_ = {"step": step, "number": order.number}
-    return dmc.Button(view.say(message(f"pages-order-step.{step}")), id=id_, size="xs")
+    return dmc.Button(view.say(message(f"pages-order-step.{step}")), id=id_)
 
 
 def _roles(view: View) -> Component:
@@ -176,11 +251,9 @@ def _roles(view: View) -> Component:
     rows = [
         (
             view.say(message(f"pages-action.{action}")),
-            view.say(
-                message("pages-roles", roles=tuple(message(f"pages-role.{r}") for r in roles))
-            ),
+            view.say(message("pages-roles", roles=roles_of(action))),
         )
-        for action, roles in MAY.items()
+        for action in MAY
     ]
     return table(
         [message(f"pages-roles-column.{name}") for name in ("action", "roles")], rows, view
@@ -193,11 +266,20 @@ def callbacks(app: Dash, home: Home) -> None:
     @app.callback(
         Output("do-production", "children"),
         Output("do-orders", "children"),
+        Output({"of": ALL, "field": "certificate"}, "data"),
         Input("do-again", "n_intervals"),
     )
-    def refresh(_: int | None) -> tuple[Component, Component]:
-        view = view_of_request()
-        return _production(production(home), view), _orders(orders_of(home).given(), view)
+    def refresh(_: int | None) -> tuple[Component, Component, list[list[str]]]:
+        view, shown = view_of_request(), data(DoQuestion(), home)
+        listed = [_certificates(each["id"]["of"], shown) for each in ctx.outputs_list[2]]
+        return _production(shown, view), _orders(shown.orders, view), listed
+
+    @app.callback(
+        Output({"of": MATCH, "shows": "chosen"}, "children"),
+        Input({"of": MATCH, "field": "certificate"}, "value"),
+    )
+    def choose(number: str | None) -> Component:
+        return chosen(ctx.outputs_list["id"]["of"], number, view_of_request(), home)
 
     @app.callback(
         Output("do-answer", "children", allow_duplicate=True),
@@ -214,6 +296,7 @@ def callbacks(app: Dash, home: Home) -> None:
         Input({"do": ALL}, "n_clicks"),
         State({"of": ALL, "field": ALL}, "value"),
         State({"of": ALL, "field": ALL}, "id"),
+        running=[(Output("do-answer", "className"), "is-busy", "")],
         prevent_initial_call=True,
     )
     def give(clicks: list[int | None], values: list[str | None], ids: list[dict[str, str]]) -> Any:
@@ -237,8 +320,7 @@ def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Compo
     try:
         subject = orders_of(home).give(known, fields, view.visitor)
     except Unusable as error:
-        title = view.say(message("pages-do-refused"))
-        return dmc.Alert(str(error), title=title, color="red")
+        return notice(view, "pages-do-refused", "red", error)
     done = message("pages-do-done", action=message(f"pages-action.{action}"), subject=subject)
     return dmc.Alert(view.say(done), color="green")
 
@@ -248,8 +330,7 @@ def step_answer(button: dict[str, str], view: View, home: Home) -> Component:
     try:
         subject = orders_of(home).queue_step(button["step"], button["number"], view.visitor)
     except Unusable as error:
-        title = view.say(message("pages-do-refused"))
-        return dmc.Alert(str(error), title=title, color="red")
+        return notice(view, "pages-do-refused", "red", error)
     step = message(f"pages-order-step.{button['step']}")
     return dmc.Alert(
         view.say(message("pages-do-done", action=step, subject=subject)), color="green"

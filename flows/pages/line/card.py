@@ -8,7 +8,7 @@ from dash import html
 from dash.development.base_component import Component
 
 from flows.pages.line.models import AlarmShown, Queued, StationNow
-from flows.pages.line.stop_button import outcome_of_stop, release_button, stop_button
+from flows.pages.line.stop_button import lockout, stop_button
 from flows.pages.local_time import hour_of, second_of
 from flows.pages.page import View
 from flows.pages.states import Kind
@@ -41,12 +41,12 @@ def card(now: StationNow, view: View) -> Component:
     if now.alarm is not None:
         body.append(_alarm(now.alarm, now, view))
     body += _queue(now.waiting, view)
-    foot = [*outcome_of_stop(now, view), *release_button(now, view), stop_button(now.station, view)]
     return html.Section(
         [
             html.Div(head, className=f"station-head station-{KINDS[now.state]}"),
+            *lockout(now, view),
             html.Div(body, className="station-body"),
-            html.Div(foot, className="station-foot"),
+            html.Div(stop_button(now.station, view), className="station-foot"),
         ],
         className="station",
     )

@@ -29,12 +29,13 @@ from flows.pages.quality.pictures import (
     stations_figure,
 )
 from flows.pages.states import StepState, badge
+from tasks.quality.capability import FEWEST as FEWEST_IN_INDEX
 from tasks.quality.capability import CapabilityIndex
 from tasks.quality.charts import RULES
 from tasks.quality.golden import FEWEST, HISTORY
 from tasks.quality.yields import FEWEST_IN_POINT
 from tasks.words import message
-from tasks.words.quantities import plain, quantities, unit_text
+from tasks.words.quantities import Scale, plain, quantities, unit_text
 from tasks.words.rounding import MINUS, USUAL_K
 
 WithCsv = Callable[[str, Component], Component]  # a part by its name, with the link to its CSV
@@ -83,6 +84,8 @@ def _counts(shown: QualityShown, view: View) -> Component:
     sentence = message(
         "pages-quality-counted", runs=counted.runs, first=counted.first, retests=counted.retests,
         undecided=counted.undecided, invalid=counted.invalid, golden=counted.golden,
+        passed=counted.passed, failed=counted.failed, inconclusive=counted.inconclusive,
+        incomplete=counted.incomplete,
     )  # fmt: skip
     rule = message("pages-quality-rule", days=shown.retest_days, fewest=FEWEST_IN_POINT)
     return dmc.Box([
@@ -200,6 +203,9 @@ def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Comp
         remarks.append("pages-quality-about.one-sided")
     remarks += ["pages-quality-about.limits-vary"] if found.limits_vary else []
     texts = [dmc.Text(view.say(message(each)), size="sm", c="dimmed") for each in remarks]
+    if found.n < FEWEST_IN_INDEX:
+        few = message("pages-quality-about.few", count=found.n, fewest=FEWEST_IN_INDEX)
+        return dmc.Stack([dmc.Text(view.say(few)), facts(numbers, view), dmc.Box(texts)], gap="sm")
     return dmc.Stack([facts(indices, view), facts(numbers, view), dmc.Box(texts)], gap="sm")
 
 
@@ -231,6 +237,8 @@ def _chart(
 
 
 def _stations(stations: Sequence[StationShown], shown: QualityShown, view: View) -> Component:
+    if all(each.difference is None for each in stations):
+        return dmc.Text(view.say(message("pages-quality-about.one-station")))
     names = ("station", "difference", "u", "runs", "state")
     headings = [message(f"pages-quality-station.{name}") for name in names]
     rows = [_station(each, shown, view) for each in stations]
@@ -249,7 +257,7 @@ def _station(one: StationShown, shown: QualityShown, view: View) -> tuple[Any, .
     if one.difference is None or one.U is None:
         state = StepState(message("pages-quality-state.open"), "open")
         return one.station, None, None, str(one.runs), badge(state, view)
-    made = quantities([one.difference], one.U, shown.unit)
+    made = quantities([one.difference], one.U, shown.unit, Scale(1.0, 0, shown.unit))
     unit = "" if made.unit == "1" else f" {unit_text(made.unit)}"
     is_off = abs(one.difference) > one.U
     state = StepState(message(f"pages-quality-state.{'off' if is_off else 'within'}"),

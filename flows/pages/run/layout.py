@@ -30,7 +30,7 @@ from flows.pages.states import (
 )
 from schemas.text import Remark, Statement
 from storage.home import Home
-from tasks.words import message
+from tasks.words import Sayable, message
 from tasks.words.quantities import power_of_ten, unit_text
 
 MAX_INLINE_SEGMENTS = 3  # segments; a remark that names more of them stands once, above the table
@@ -52,6 +52,7 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
         [
             _facts(shown, view),
             *_reasons(shown.reasons, view),
+            *_reasons(shown.undecided, view, message("pages-run-undecided")),
             dmc.Tabs(
                 [
                     dmc.TabsList(names),
@@ -64,10 +65,13 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
     )
 
 
-def _reasons(reasons: Sequence[Statement | Remark], view: View) -> list[Component]:
+def _reasons(
+    reasons: Sequence[Statement | Remark], view: View, title: Sayable = ""
+) -> list[Component]:
     """Sentences in one box; nothing where there are none."""
     texts = [dmc.Text(view.say(reason), size="sm") for reason in reasons]
-    return [dmc.Alert(dmc.Stack(texts, gap=6), color="yellow", p="sm")] if texts else []
+    box = dmc.Alert(dmc.Stack(texts, gap=6), title=view.say(title), color="yellow", p="sm")
+    return [box] if texts else []
 
 
 def _facts(shown: RunShown, view: View) -> Component:

@@ -9,7 +9,7 @@ from flows.pages.local_time import minute_of, second_of
 from flows.pages.page import View
 from flows.pages.parts import facts, link, table
 from flows.pages.run.models import CertificateShown, RunShown
-from flows.pages.states import badge, certificate_state
+from flows.pages.states import badge, certificate_state, decision_state
 from storage.catalogue.lineage import MANIFEST
 from tasks.certificate.settings import setting
 from tasks.words import message
@@ -26,7 +26,7 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
                 each.number, href=f"/certificate/{each.number}.pdf", refresh=True, inherit=True
             ),
             badge(certificate_state(each.state), view),
-            view.say(message(f"conformity-verdict.{each.verdict}")),
+            badge(decision_state(each.verdict), view),
             link(each.result, "/run", id=each.run),
             str(each.calibrated_on or "–"),
             str(each.issued_on),

@@ -13,7 +13,7 @@ from flows.pages.parts import GRID_OPTIONS, facts, link, locale, table
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
 from flows.pages.query_controls import asks
 from flows.pages.run.lineage import certificate_table
-from flows.pages.states import StepState, badge
+from flows.pages.states import StepState, badge, decision_state
 from flows.pages.unit.models import (
     AsMeasured,
     ElementHistory,
@@ -25,9 +25,10 @@ from storage.catalogue.units import UnitLine
 from tasks.conformity.limits import interval_text
 from tasks.quality.charts import DriftRate
 from tasks.words import message
-from tasks.words.quantities import quantity, unit_text
+from tasks.words.quantities import Scale, common_scales, quantity, unit_text
 from tasks.words.rounding import exact
 
+Scales = dict[str, Scale]  # by the unit of the values
 ACROSS, PANEL_PX, GAP = 3, 230, 0.08
 COLORS: dict[AsMeasured, str] = {"found": BLUE, "left": ORANGE, "invalid": GREY}
 SYMBOLS: dict[AsMeasured, str] = {"found": "circle", "left": "diamond", "invalid": "x"}
@@ -74,20 +75,13 @@ def _column(name: str, view: View) -> dict[str, Any]:
 
 
 def _row(line: UnitLine, view: View) -> dict[str, Any]:
-    verdict, due = _verdict(line), due_state(line.due)
+    verdict, due = decision_state(line.verdict), due_state(line.due)
     return {
         "unit": line.id, "serial": line.serial, "model": line.model, "runs": line.runs,
         "manufacturer": line.manufacturer, "last-run": line.last_run and str(line.last_run),
         "certificate": line.certificate, "verdict": view.say(verdict.words),
         "verdict_kind": verdict.kind, "due": str(line.due or "–"), "due_kind": due.kind,
     }  # fmt: skip
-
-
-def _verdict(line: UnitLine) -> StepState:
-    if line.verdict is None:
-        return StepState(message("pages-verdict-missing"), "none")
-    kinds: Any = {"pass": "good", "fail": "bad", "inconclusive": "open"}
-    return StepState(message(f"conformity-verdict.{line.verdict}"), kinds[line.verdict])
 
 
 def _facts(line: UnitLine, view: View) -> Component:
@@ -102,7 +96,7 @@ def _facts(line: UnitLine, view: View) -> Component:
             (message("pages-unit-column.runs"), runs),
             (message("pages-unit-column.last-run"), str(line.last_run or "–")),
             (message("pages-unit-column.certificate"), line.certificate),
-            (message("pages-unit-column.verdict"), badge(_verdict(line), view)),
+            (message("pages-unit-column.verdict"), badge(decision_state(line.verdict), view)),
             (
                 message("pages-unit-column.due"),
                 dmc.Group([dmc.Text(str(line.due or "–")), badge(due, view)], gap="xs"),
@@ -129,6 +123,7 @@ def _choice(shown: UnitShown, view: View) -> Component:
 
 def _history(shown: UnitShown, view: View) -> list[Component]:
     of_item = [each for each in shown.elements if each.item == shown.item]
+    scales = _scales(shown.elements)
     if shown.limits_of:
         limits = message("pages-unit-limits.certificate", certificate=shown.limits_of)
     elif shown.limits_by:
@@ -137,45 +132,56 @@ def _history(shown: UnitShown, view: View) -> list[Component]:
         limits = message("pages-unit-limits.none")
     return [
         dmc.Text(view.say(limits), size="sm", c="dimmed"),
-        picture("unit-history", history_figure(of_item, view)),
+        picture("unit-history", history_figure(of_item, view, scales)),
         _heading("drift", view),
         dmc.Text(view.say(message("pages-unit-drift-about")), size="sm", c="dimmed"),
-        _drifts(shown, view),
+        _drifts(shown, view, scales),
         _heading("adjustments", view),
-        _adjustments(of_item, view),
+        _adjustments(of_item, view, scales),
     ]
+
+
+def _scales(elements: Sequence[ElementHistory]) -> Scales:
+    """One unit for all lengths of the page, and one for all rates."""
+    return common_scales(
+        (size, of.unit)
+        for of in elements
+        for size in (of.value, of.U, of.lower, of.upper, *(each.value for each in of.readings))
+    )
 
 
 def _heading(name: str, view: View) -> Component:
     return dmc.Title(view.say(message(f"pages-unit-heading.{name}")), order=3, mt="sm")
 
 
-def _drifts(shown: UnitShown, view: View) -> Component:
+def _drifts(shown: UnitShown, view: View, scales: Scales) -> Component:
     names = ("item", "symbol", "value", "limits", "drift", "readings", "state")
     headings = [message(f"pages-unit-drift.{name}") for name in names]
-    return table(headings, [_element(each, view) for each in shown.elements], view)
+    rows = [_element(each, view, scales.get(each.unit)) for each in shown.elements]
+    return table(headings, rows, view)
 
 
-def _element(of: ElementHistory, view: View) -> tuple[Any, ...]:
+def _element(of: ElementHistory, view: View, scale: Scale | None) -> tuple[Any, ...]:
     found = of.drift
     return (
         view.say(of.title),
         of.symbol,
-        None if of.value is None else quantity(of.value, of.U, of.unit),
-        _limits(of),
-        found and quantity(found.per_year, found.U, of.unit),
+        None if of.value is None else quantity(of.value, of.U, of.unit, scale),
+        _limits(of, scale or Scale(1.0, 0, of.unit)),
+        found and quantity(found.per_year, found.U, of.unit, scale),
         found and str(found.readings),
         badge(_drift_state(found), view),
     )
 
 
-def _limits(of: ElementHistory) -> str | None:
+def _limits(of: ElementHistory, scale: Scale) -> str | None:
     if of.lower is None and of.upper is None:
         return None
     lower, upper = (
-        None if edge is None else exact(float(f"{edge:.9g}")) for edge in (of.lower, of.upper)
+        None if edge is None else exact(float(f"{edge * scale.factor:.9g}"))
+        for edge in (of.lower, of.upper)
     )
-    unit = "" if of.unit == "1" else f" {unit_text(of.unit)}"
+    unit = "" if scale.unit == "1" else f" {unit_text(scale.unit)}"
     return interval_text(lower, upper) + unit
 
 
@@ -187,13 +193,17 @@ def _drift_state(found: DriftRate | None) -> StepState:
                      "open" if drifts else "good")  # fmt: skip
 
 
-def _adjustments(of_item: list[ElementHistory], view: View) -> Component:
+def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> Component:
+    def text(of: ElementHistory, one: Reading) -> str | None:
+        scale = scales.get(of.unit)
+        return None if one.value is None else quantity(one.value, one.U, of.unit, scale)
+
     rows = [
         (
             str(each.left.day),
             element.symbol,
-            each.found.value is not None and quantity(each.found.value, each.found.U, element.unit),
-            each.left.value is not None and quantity(each.left.value, each.left.U, element.unit),
+            text(element, each.found),
+            text(element, each.left),
             link(each.found.run, "/run", id=each.found.run),
             link(each.left.run, "/run", id=each.left.run),
         )
@@ -204,30 +214,33 @@ def _adjustments(of_item: list[ElementHistory], view: View) -> Component:
         return dmc.Text(view.say(message("pages-unit-not-adjusted")), size="sm")
     names = ("day", "symbol", "found", "left", "run-found", "run-left")
     headings = [message(f"pages-unit-adjustment.{name}") for name in names]
-    return table(headings, [tuple(cell or None for cell in row) for row in rows], view)
+    return table(headings, rows, view)
 
 
-def history_figure(elements: Sequence[ElementHistory], view: View) -> Figure:
+def history_figure(elements: Sequence[ElementHistory], view: View, scales: Scales) -> Figure:
     """Values with U over the years, limits dotted; as left and invalid in their own colours."""
     down = -(-len(elements) // ACROSS)
     axes: dict[str, Any] = {}
-    traces, shapes = [], []
+    traces, shapes, titles = [], [], []
     shown: set[AsMeasured] = set()
     for number, element in enumerate(elements):
         end = "" if number == 0 else str(number + 1)
         axes |= _axes(number, down, end, element)
-        shapes += [_limit(edge, end) for edge in (element.lower, element.upper) if edge is not None]
+        scale = scales.get(element.unit) or Scale(1.0, 0, element.unit)
+        titles.append(_title(number, down, element.symbol, scale.unit))
+        edges = [edge for edge in (element.lower, element.upper) if edge is not None]
+        shapes += [_limit(edge * scale.factor, end) for edge in edges]
         for state in COLORS:
             of = [
                 each for each in element.readings if each.state == state and each.value is not None
             ]
             if of:
-                traces.append(_points(of, state, end, state not in shown, view))
+                traces.append(_points(of, state, end, state not in shown, view, scale.factor))
                 shown.add(state)
     return figure(
         traces, view, 90 + PANEL_PX * down, shapes=shapes, showlegend=True,
         legend={"orientation": "h", "y": 1.0, "yref": "container", "yanchor": "top", "x": 0},
-        annotations=[_title(number, down, each) for number, each in enumerate(elements)],
+        annotations=titles,
         margin={"t": 60, "r": 15, "l": 65, "b": 35}, **axes,
     )  # fmt: skip
 
@@ -251,23 +264,25 @@ def _axes(number: int, down: int, end: str, element: ElementHistory) -> dict[str
     }  # fmt: skip
 
 
-def _title(number: int, down: int, element: ElementHistory) -> dict[str, Any]:
+def _title(number: int, down: int, name: str, unit: str) -> dict[str, Any]:
     x, y = _domains(number, down)
-    unit = "" if element.unit == "1" else f" ({unit_text(element.unit)})"
     return {
-        "text": f"{element.symbol}{unit}", "x": x[0], "y": y[1], "xref": "paper", "yref": "paper",
+        "text": name if unit == "1" else f"{name} ({unit_text(unit)})",
+        "x": x[0], "y": y[1], "xref": "paper", "yref": "paper",
         "xanchor": "left", "yanchor": "bottom", "showarrow": False,
     }  # fmt: skip
 
 
 def _points(
-    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, view: View
-) -> Figure:
+    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, view: View,
+    factor: float,
+) -> Figure:  # fmt: skip
     return {
         "type": "scatter", "mode": "markers", "xaxis": f"x{end}", "yaxis": f"y{end}",
-        "x": [str(each.day) for each in readings], "y": [each.value for each in readings],
-        "error_y": {"type": "data", "array": [each.U or 0.0 for each in readings], "width": 0,
-                    "thickness": 1},
+        "x": [str(each.day) for each in readings],
+        "y": [(each.value or 0.0) * factor for each in readings],
+        "error_y": {"type": "data", "array": [(each.U or 0.0) * factor for each in readings],
+                    "width": 0, "thickness": 1},
         "marker": {"color": COLORS[state], "symbol": SYMBOLS[state], "size": 5},
         "customdata": [each.run for each in readings],
         "text": [f"{each.run}, {each.station or '–'}" for each in readings],
