@@ -44,6 +44,23 @@ def is_held(station: str, home: Home) -> bool:
     return False
 
 
+def is_running(process: int | None) -> bool:
+    """Whether a process of this computer runs; one that ended and waits for its parent does not."""
+    if process is None:
+        return False
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # somebody else's
+        return True
+    try:
+        stat = Path(f"/proc/{process}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:  # another system
+        return True
+    return not stat.rpartition(")")[2].split()[:1] == ["Z"]
+
+
 @contextmanager
 def one_run_on(station: str, home: Home) -> Iterator[None]:
     """The station with this id for the length of the block.

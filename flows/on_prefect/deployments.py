@@ -66,7 +66,7 @@ OF_THE_LINE = (
     ),
     Deployed(
         "submit", "Orders that wait are given to Prefect again, where it lost them.",
-        alone=True, cron="*/5 * * * *",
+        alone=True, cron="* * * * *",
     ),
     Deployed(
         "review", "What all runs show together, who carries it, and which certificates it touched.",

@@ -4,7 +4,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flows.orders.production import take_up_left
+from flows.orders import order_queue
 from schemas.base import Unusable
 from schemas.station import StationFile
 from storage import settings
@@ -31,4 +31,5 @@ def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
         if any(status.station == station and is_dead for status, is_dead in statuses(place)):
             cause = f"Prefect ({state.name}: {state.message or flow.name})"
             stop_station(station, cause, place, lockout=False)
-        take_up_left(station, place)
+    with suppress(Unusable):
+        order_queue.submit(place)

@@ -60,6 +60,16 @@ def _alive(flow_runs: Sequence[str], client: "SyncPrefectClient") -> set[str]:
     return found
 
 
+def ended(begun: Sequence[ProductionOrder], home: Home) -> list[ProductionOrder]:
+    """Orders of other computers whose flow run ended without ending them; none of a server that
+    does not answer.
+    """
+    with suppress(Unusable), _client(home) as client:
+        alive = _alive([str(order.flow_run) for order in begun], client)
+        return [order for order in begun if order.flow_run not in alive]
+    return []
+
+
 def give_up_pending(pool: str, home: Home) -> None:
     """Have the flow runs of a pool crash that its worker, now dead, took and did not begin."""
     with _client(home, "then start the worker again") as client:

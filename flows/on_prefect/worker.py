@@ -16,6 +16,9 @@ PATIENT = {
     "PREFECT_CLIENT_RETRY_EXTRA_CODES": "500",
     "PREFECT_FLOWS_HEARTBEAT_FREQUENCY": "30",  # s; a run without is one that died
     "DO_NOT_TRACK": "1",
+    # Prefect 3.9.1 starts a hook by its file, and a file's folder comes first on the import path:
+    # `prefect/runner`, whose storage.py would hide our `storage`. With this no folder is added.
+    "PYTHONSAFEPATH": "1",
 }
 
 

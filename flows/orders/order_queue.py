@@ -5,6 +5,7 @@ That is a Prefect server where PREFECT_API_URL names one, else a process of the 
 """
 
 import os
+import socket
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -18,10 +19,13 @@ from flows.on_prefect.prefect_server import server_named
 from schemas.orders import AcquireOrder
 from schemas.production import OrderedUnit, OrderRequest, ProductionOrder
 from schemas.recording import Unit
+from schemas.run_log import ENDED
 from schemas.station import StationFile
 from storage import settings
 from storage.catalogue import orders
 from storage.home import Home
+from storage.order_lock import no_order_at
+from storage.station_lock import is_running, statuses
 from storage.stations import file_of
 from storage.whole_files import writing_in_home
 from tasks.stages.certificate_inputs import check_order, day_of_moment
@@ -117,7 +121,11 @@ def _unit(ordered: OrderedUnit, there: Unit) -> Unit:
 
 
 def submit(home: Home) -> str | None:
-    """Give every order that waits to what carries it out; why that is not possible just now."""
+    """Give every order that waits to what carries it out; why that is not possible just now.
+
+    An order whose process died waits again.
+    """
+    take_up_left(home)
     waiting = orders.waiting(home)
     if not waiting:
         return None
@@ -132,6 +140,7 @@ def submit(home: Home) -> str | None:
 
 def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     """Cancel an order that waits, here and at Prefect; raises Unusable for any other."""
+    take_up_left(home)
     flow_run = orders.find(number, home).flow_run
     cancelled = orders.cancel(number, person, home)
     if flow_run and server_named():
@@ -143,8 +152,38 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
 
 def retry(number: str, person: str, home: Home) -> GivenProduction:
     """Have an order carried out again that failed or was cancelled; a run it began goes on."""
-    order = orders.retry(number, person, home)
+    left = take_up_left(home)
+    if any(each.number == number for each in left):
+        order = orders.find(number, home)  # it waits again already
+    else:
+        order = orders.retry(number, person, home)
     return GivenProduction(order, is_new=False, fault=submit(home))
+
+
+def take_up_left(home: Home) -> list[ProductionOrder]:
+    """Have every order wait again whose process died, whoever that was; returns them.
+
+    On this computer the process is looked for, and the lock of its station's orders; of another
+    one Prefect knows whether the flow run has ended, and the run's status whether it goes on.
+    """
+    here = socket.gethostname()
+    begun = orders.running(home)
+    away = [each for each in begun if each.host != here and each.flow_run]
+    if away and server_named():
+        from flows.on_prefect import prefect_queue
+
+        alive = {status.station for status, is_dead in statuses(home)
+                 if status.state not in ENDED and not is_dead}  # fmt: skip
+        ended = prefect_queue.ended([each for each in away if each.station not in alive], home)
+    else:
+        ended = []
+    left = [each for each in begun if each.host == here and not is_running(each.process)]
+    taken = []
+    for order in left:
+        with no_order_at(order.station, home) as is_free:
+            if is_free and orders.wait_again(order, home):
+                taken.append(order)
+    return taken + [each for each in ended if orders.wait_again(each, home)]
 
 
 def start_worker(station: str, home: Home) -> None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from flows import run_orders
 from flows.orders import order_queue
+from flows.orders.signed_orders import flow_run
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import ProduceOrder
 from schemas.production import ProductionOrder
@@ -22,7 +23,7 @@ from storage import settings
 from storage.catalogue import orders
 from storage.catalogue.connection import Busy
 from storage.home import Home
-from storage.order_lock import no_order_at, one_order_at, only_worker_of
+from storage.order_lock import one_order_at, only_worker_of
 from storage.station_stop import lockout_of
 from storage.stations import file_named, file_of
 from tasks.stages.left_run import left_runs
@@ -129,17 +130,6 @@ def _hindrance(
     return None
 
 
-def take_up_left(station: str, home: Home) -> None:
-    """Have an order of a station wait again that a process left, as after its crash.
-
-    Nothing is done where an order is being carried out.
-    """
-    with no_order_at(station, home) as is_free:
-        left = orders.put_back(station, home) if is_free else []
-    if left:
-        order_queue.submit(home)
-
-
 def station_of(order: ProduceOrder, home: Home) -> StationFile:
     """The station of an order, by its file or its id."""
     return settings.read(file_named(order.station, home), StationFile)
@@ -152,6 +142,7 @@ def _own_order(order: ProduceOrder, station: StationFile, home: Home) -> str:
     made = ProductionOrder(
         number=order_queue.drawn_number(now), station=station.station.id, units=units,
         procedure=order.procedure, person=order.by or SCHEDULE, ordered_at=now,
+        flow_run=flow_run(),
     )  # fmt: skip
     orders.add([made], home)
     return made.number

@@ -94,7 +94,7 @@ def _taken(flow: str, order: OrderModel, person: str, place: Home) -> Signature:
     subject = _subject(order)
     try:
         signature = _checked(flow, order, person, place)
-        run = _flow_run()
+        run = flow_run()
         if not signatures.take(signature, flow, plain(subject), run, place):
             raise Unusable(
                 f"{flow} {plain(subject)}: the signature of this order was used already; give "
@@ -104,7 +104,7 @@ def _taken(flow: str, order: OrderModel, person: str, place: Home) -> Signature:
         raise
     except Unusable as fault:
         known = place if (place.path / ORDER_KEY).is_file() else home()
-        refused(known, flow, subject, claimed=person, why=fault, flow_run=_flow_run())
+        refused(known, flow, subject, claimed=person, why=fault, flow_run=flow_run())
         raise
     return signature
 
@@ -161,7 +161,7 @@ def _login() -> str:
         return f"uid {os.geteuid()}"
 
 
-def _flow_run() -> str | None:
+def flow_run() -> str | None:
     """The id of the flow run that is going on here."""
     if "prefect" not in sys.modules:
         return None

@@ -122,12 +122,13 @@ def note(number: str, home: Home, **what: Any) -> None:
         connection.execute(sql.update(tables.orders).where(ORDER.number == number).values(**values))
 
 
-def finish(number: str, state: ProductionState, home: Home, fault: str | None = None) -> None:
-    """End an order that runs: done, or failed with its fault as a sentence."""
+def finish(number: str, state: ProductionState, home: Home, fault: str | None = None) -> bool:
+    """End an order that runs: done, or failed with its fault; whether it still ran."""
     ended = {"state": state, "fault": fault, "ended_at": datetime.now(UTC)}
     changed = sql.update(tables.orders).where(ORDER.number == number, ORDER.state == "running")
     with database.changing(home) as connection:
-        connection.execute(changed.values(is_interrupted=state == "failed", **ended))
+        values = {"is_interrupted": state == "failed", **ended}
+        return bool(connection.execute(changed.values(**values)).rowcount)
 
 
 def cancel(number: str, person: str, home: Home) -> ProductionOrder:
@@ -165,14 +166,21 @@ def put_back(station: str, home: Home) -> list[ProductionOrder]:
     For whoever holds the station's lock of orders: every order that runs is then one whose process
     is dead.
     """
-    left = listed(home, station, RUNNING)
-    for order in left:
-        changed = sql.update(tables.orders).where(
-            ORDER.number == order.number, ORDER.state == "running"
-        )
-        with database.changing(home) as connection:
-            connection.execute(changed.values(is_interrupted=True, **WAITING_AGAIN))
-    return left
+    return [order for order in listed(home, station, RUNNING) if wait_again(order, home)]
+
+
+def wait_again(order: ProductionOrder, home: Home) -> bool:
+    """Put one order back whose process died; whether it was still as that process left it."""
+    left = (ORDER.number == order.number, ORDER.state == "running")
+    changed = sql.update(tables.orders).where(*left, ORDER.attempts == order.attempts)
+    with database.changing(home) as connection:
+        values = {"is_interrupted": True, **WAITING_AGAIN}
+        return bool(connection.execute(changed.values(**values)).rowcount)
+
+
+def running(home: Home) -> list[ProductionOrder]:
+    """The orders that a process began and has not ended."""
+    return listed(home, states=RUNNING)
 
 
 def same_open(order: ProductionOrder, home: Home) -> ProductionOrder | None:

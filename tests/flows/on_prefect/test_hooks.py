@@ -1,17 +1,33 @@
 """What Prefect's hooks do with a station whose run crashed."""
 
+import json
+import os
+import subprocess
+import sys
 from datetime import UTC, datetime
+from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from uuid import uuid4
 
 import pytest
+from prefect.client.schemas.objects import FlowRun
+from prefect.states import Crashed
 
+from flows.on_prefect.deployments import environment
 from flows.on_prefect.hooks import free_station
+from flows.orders.order_queue import give
+from schemas.production import OrderRequest
 from schemas.run_log import RunStatus
+from storage.catalogue import orders
 from storage.home import Home
 from storage.station_lock import one_run_on, write_status
 from tasks.station.virtual import config
+from tests.flows.order_homes import add_station
+
+CLAIM = "import sys; from storage.catalogue import orders; from storage.home import home; "
+CLAIM += "orders.claim(sys.argv[1], home())"
 
 
 @pytest.fixture
@@ -74,3 +90,43 @@ def test_a_crash_of_an_order_whose_station_is_not_known_does_nothing(
 ) -> None:
     crash(left, Path("nowhere.json"))
     assert stopped == []
+
+
+def begun_and_died(number: str, home: Home) -> None:
+    """An order that another process took, which is dead."""
+    request = {"number": number, "station": "LINE-1", "units": [{"serial": "S1"}]}
+    give(OrderRequest.model_validate(request), "Li", home)
+    own = os.environ | {"MIMUCAL_HOME": str(home.path)}
+    subprocess.run([sys.executable, "-c", CLAIM, number], check=True, env=own)
+
+
+@pytest.mark.real_time
+def test_prefect_finds_our_hook_by_the_import_path_that_it_gives_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = Home(tmp_path / "home")
+    add_station(home.path)
+    monkeypatch.setattr("flows.orders.order_queue.start_worker", lambda *_: None)
+    begun_and_died("1", home)
+    assert [each.state for each in orders.listed(home)] == ["running"]
+    runner = Path(str(find_spec("prefect.runner").submodule_search_locations[0]))  # type: ignore[union-attr, index]
+    manifest = {
+        "working_directory": str(tmp_path),
+        "runtime_entrypoint": "flows.on_prefect.prefect_flows.produce",
+    }
+    (tmp_path / "manifest").write_text(json.dumps(manifest), encoding="utf-8")
+    run = FlowRun(
+        id=uuid4(), flow_id=uuid4(), parameters={"order": {"station": "LINE-1", "number": "1"}}
+    )
+    (tmp_path / "run").write_text(run.model_dump_json(), encoding="utf-8")
+    (tmp_path / "state").write_text(Crashed(message="killed").model_dump_json(), encoding="utf-8")
+    away = {"PREFECT_API_URL": "http://127.0.0.1:1/api", "PREFECT_LOGGING_TO_API_ENABLED": "false"}
+    files = [str(tmp_path / name) for name in ("manifest", "run", "state")]
+    done = subprocess.run(
+        [sys.executable, str(runner / "_workspace_runtime_bootstrap.py"), "hook", "crashed", *files],
+        capture_output=True, text=True, cwd=tmp_path,
+        env=os.environ | environment(home) | away | {"PREFECT_CLIENT_MAX_RETRIES": "0"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "Error" not in done.stderr
+    assert [each.state for each in orders.listed(home)] == ["waiting"]

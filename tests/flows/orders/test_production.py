@@ -13,8 +13,8 @@ import pytest
 
 from flows import run_orders
 from flows.orders import production
-from flows.orders.order_queue import give
-from flows.orders.production import Production, carry_out, take_up_left, work_at
+from flows.orders.order_queue import cancel, give, retry, submit, take_up_left
+from flows.orders.production import Production, carry_out, work_at
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import ProduceOrder
 from schemas.production import OrderRequest, ProductionOrder
@@ -204,13 +204,24 @@ def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed
 
 
 @pytest.mark.real_time
-def test_what_a_crashed_process_left_waits_again_and_what_is_going_on_does_not(killed) -> None:
+@pytest.mark.parametrize("seen_by", ["submit", "retry", "another"])
+def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, seen_by) -> None:
     with one_order_at("LINE-1", killed):
-        take_up_left("LINE-1", killed)
-        assert states(killed)[0] == "running"
-    take_up_left("LINE-1", killed)
-    assert states(killed) == ["waiting"] * 3
+        assert take_up_left(killed) == []  # somebody has the orders of the station
+    if seen_by == "submit":
+        submit(killed)
+    elif seen_by == "retry":
+        assert retry("1", "Li", killed).order.state == "waiting"
+    else:
+        assert cancel("1", "Li", killed).state == "cancelled"
+    assert states(killed)[1:] == ["waiting"] * 2
     assert orders.find("1", killed).is_interrupted
+
+
+def test_an_order_whose_process_lives_is_left_to_it(line) -> None:
+    orders.claim("1", line)
+    assert take_up_left(line) == []
+    assert states(line)[0] == "running"
 
 
 def test_what_was_measured_is_not_measured_again_and_what_was_interrupted_goes_on(
