@@ -275,7 +275,7 @@ def acquire(
     acquired = as_flow_run(run_orders.acquire, order)
     is_sound = print_acquired(acquired, run_orders.home_of(order), as_json)
     if acquired.given_up:
-        raise BrokenOff("; ".join(acquired.given_up))
+        raise BrokenOff("; ".join(map(str, acquired.given_up)))
     if not is_sound:
         raise typer.Exit(INVALID)
 

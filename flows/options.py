@@ -214,6 +214,12 @@ StoppedBy = Annotated[
     str | None,
     _option("NAME", "Person who stops it; default: MIMUCAL_USER, else the login.", "--by"),
 ]
+ReleasedBy = Annotated[
+    str | None,
+    _option(
+        "NAME", "Person who saw that it may turn; default: MIMUCAL_USER, else the login.", "--by"
+    ),
+]
 Move = Annotated[
     bool, typer.Option("--move", help="Also turn each table axis by 1 degree and back.")
 ]

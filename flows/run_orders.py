@@ -39,6 +39,8 @@ from storage.stations import file_named
 from tasks.stages.authority import authorised_operator
 from tasks.stages.import_recording import run_of
 from tasks.stages.procedure_input import procedure_named
+from tasks.stages.stop import whoever
+from tasks.words import cause_of, clauses
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -94,7 +96,8 @@ def check_acquisition(order: AcquireOrder) -> None:
 def release_station(order: AcquireOrder) -> None:
     """Whoever starts a run by hand has seen that the station may turn after a stop."""
     place = home_of(order)
-    release(settings.read(file_named(order.station, place), StationFile).station.id, place)
+    station = settings.read(file_named(order.station, place), StationFile).station.id
+    release(station, order.by or whoever(), place)
 
 
 def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":
@@ -129,7 +132,7 @@ def _produced(
 
     order, runs = production.order, production.runs
     inputs = read_inputs(order)  # bad files are refused before it turns
-    faults: list[str] = []
+    faults: list[Unusable] = []
     if not runs:
         usual = inputs.laboratory.operator if inputs.laboratory else None
         acquired = acquire(order.model_copy(update={"by": order.by or usual}))
@@ -140,12 +143,14 @@ def _produced(
         try:
             draft = certify(order.certify(run))
         except Unusable as fault:
-            faults.append(str(fault).rstrip("."))
+            faults.append(fault)
         else:
             production.note_draft(draft)
             drafted(draft)
     if faults:
-        raise BrokenOff("; ".join(faults))
+        sentence = "; ".join(str(fault).rstrip(".") for fault in faults)
+        cause = clauses([cause_of(fault) for fault in faults], "station-cause.and")
+        raise BrokenOff(sentence, cause)
     return tuple(production.drafts)
 
 

@@ -88,7 +88,7 @@ def print_acquired(acquired: "AcquiredRuns", home: Home, as_json: bool) -> bool:
     judged = [(run, made, validity_of(run, home)) for run, made in acquired.kept]
     if as_json:
         first, *others = (_as_data(*each) for each in judged)
-        several = {"neighbours": others, "given_up": list(acquired.given_up)}
+        several = {"neighbours": others, "given_up": list(map(str, acquired.given_up))}
         is_alone = not others and not acquired.given_up
         print_json({"format": "mimu-acquire/1"} | first | ({} if is_alone else several))
     else:

@@ -196,21 +196,23 @@ def stop(
         print(f"its orders wait for `mimucal station release {stopped.station}`")
 
 
-@app.command(epilog="Example: mimucal station release LAB-1")
-def release(station: order_options.OrderedStation) -> None:
+@app.command(epilog="Example: mimucal station release LAB-1 --by Li")
+def release(station: order_options.OrderedStation, by: options.ReleasedBy = None) -> None:
     """Let the orders of a station go on after it was stopped; see first that it may turn.
 
     A run that is started by hand, with `mimucal acquire`, releases it, too.
     """
     from storage import station_stop
+    from tasks.stages.stop import whoever
 
     stop = station_stop.lockout_of(station, home())
     if stop is None:
         print(f"station {station} is not locked out")
         return
-    station_stop.release(station, home())
+    person = by or whoever()
+    station_stop.release(station, person, home())
     at = f"{stop.at.astimezone():%F %T}"
-    print(f"station {station} released; it was stopped by {stop.by} at {at}")
+    print(f"station {station} released by {person}; it was stopped by {stop.by} at {at}")
 
 
 @app.command(epilog="Example: mimucal station page LAB-1 --port 8770")

@@ -85,7 +85,7 @@ class StationPage:
         """Let the orders of the station go on; the page then says no more that they wait."""
         self.stopped, self._fault = None, ""
         try:
-            release(self.id, self._home)
+            release(self.id, self._by, self._home)
         except Unusable as fault:
             self._fault = str(fault)
 

@@ -15,7 +15,19 @@ class Frozen(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Unusable(Exception):  # noqa: N818 (it speaks of the input, not of the program)
+class Worded(Exception):  # noqa: N818 (its kinds say what is wrong)
+    """A sentence for the terminal.
+
+    cause: the same as a message or statement for the pages, which show neither commands of a shell
+    nor places of the server; null where only the sentence exists.
+    """
+
+    def __init__(self, sentence: str = "", cause: object = None) -> None:
+        super().__init__(sentence)
+        self.cause = cause
+
+
+class Unusable(Worded):
     """Input that cannot be used.
 
     The text is one sentence for the person at the bench: the file, the field, the value and
@@ -23,7 +35,11 @@ class Unusable(Exception):  # noqa: N818 (it speaks of the input, not of the pro
     """
 
 
-class BrokenOff(Exception):  # noqa: N818 (nothing is in error)
+class NotThere(Unusable):
+    """What is named does not exist."""
+
+
+class BrokenOff(Worded):
     """The operator or the machine ended a run; the sentence says where its recording is."""
 
 

@@ -7,16 +7,28 @@ file; `ProductionOrder` is the order as the catalogue keeps it, with what became
 from pathlib import PurePath
 from typing import Annotated, Literal
 
-from pydantic import AwareDatetime, Field
+from pydantic import AfterValidator, AwareDatetime, Field
 
 from schemas.base import Frozen
 from schemas.certificate import Order
 from schemas.recording import Unit
+from schemas.text import Statement
 
 # Visible characters, with spaces between them: what a label, a scanner or a form can give.
 Name = Annotated[
     str, Field(min_length=1, max_length=100, pattern=r"^[^\p{C}\p{Z}]([^\p{C}]*[^\p{C}\p{Z}])?$")
 ]
+
+
+def _is_serial(text: str) -> str:
+    """Refuses markup, and what has neither letter nor digit, as dots."""
+    if MARKUP & set(text) or not any(sign.isalnum() for sign in text):
+        raise ValueError("a serial number has a letter or a digit, and none of < > & \" ' ` \\")
+    return text
+
+
+MARKUP = set("<>&\"'`\\")
+Serial = Annotated[Name, AfterValidator(_is_serial)]
 ProductionState = Literal["waiting", "running", "done", "failed", "cancelled"]
 OPEN: tuple[ProductionState, ...] = ("waiting", "running")
 
@@ -27,7 +39,7 @@ class OrderedUnit(Frozen):
     manufacturer, model: null means those of the station file's unit at the same place.
     """
 
-    serial: Name
+    serial: Serial
     manufacturer: Name | None = None
     model: Name | None = None
 
@@ -55,7 +67,7 @@ class ProductionOrder(Frozen):
     goes on with that run. attempts: how often it was begun. submissions: how often it was given to
     Prefect; flow_run: the last of them, null where there is none that counts. host, process: where
     it was begun last. runs, certificates: ids and keys of drafts, in the order of the units. fault:
-    why it failed; of one that waits, what keeps it from beginning.
+    why it failed; of one that waits, what keeps it from beginning; cause: the same for the pages.
     """
 
     number: str
@@ -77,6 +89,7 @@ class ProductionOrder(Frozen):
     runs: tuple[str, ...] = ()
     certificates: tuple[str, ...] = ()
     fault: str | None = None
+    cause: Statement | None = None
 
     @property
     def serials(self) -> str:

@@ -42,8 +42,9 @@ class RunStatus(Frozen):
 
     units: serial numbers. at: time of writing. segment of segments: the one being measured.
     rates_hz: rows of each stream per second of station time. noise: standard deviation of single
-    samples, deg/s and m/s². cause: why it stopped. recordings: raw files being written. lock: the
-    computer and the folder in which the run holds its station.
+    samples, deg/s and m/s². cause: why it stopped;
+    shown_cause: the same for the pages, null from an earlier version. recordings: raw files being
+    written. lock: the computer and the folder in which the run holds its station.
     """
 
     format: Literal["mimu-status/1"] = "mimu-status/1"
@@ -64,5 +65,6 @@ class RunStatus(Frozen):
     noise: Mapping[str, Finite] = {}
     alarms: tuple[Alarm, ...] = ()
     cause: str = ""
+    shown_cause: Statement | None = None
     recordings: tuple[str, ...] = ()
     lock: str = ""

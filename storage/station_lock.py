@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from schemas.base import Unusable
 from schemas.run_log import ENDED, RunStatus
+from schemas.text import Message, Statement
 from storage.home import Home
 from storage.whole_files import drafted, make_folder, writing_in_home
 
@@ -58,7 +59,7 @@ def is_running(process: int | None) -> bool:
         stat = Path(f"/proc/{process}/stat").read_text(encoding="utf-8", errors="replace")
     except OSError:  # another system
         return True
-    return not stat.rpartition(")")[2].split()[:1] == ["Z"]
+    return stat.rpartition(")")[2].split()[:1] != ["Z"]
 
 
 @contextmanager
@@ -78,7 +79,8 @@ def one_run_on(station: str, home: Home) -> Iterator[None]:
             lock.seek(0)
             raise Unusable(
                 f"a run is going on at station {station} (process {lock.read().strip()}): wait for "
-                f"its end, or end it with `mimucal station stop`"
+                f"its end, or end it with `mimucal station stop`",
+                Message("station-cause.busy", (("station", station),)),
             ) from None
         lock.truncate(0)
         lock.write(str(os.getpid()))
@@ -155,12 +157,17 @@ def is_dead(status: RunStatus, home: Home) -> bool:
     return datetime.now(UTC) - status.at > SILENCE
 
 
-def end_status(station: str, cause: str, home: Home) -> None:
-    """If the status of a station's last run is not final, mark it as stopped."""
+def end_status(station: str, cause: str, home: Home, shown: Statement | None = None) -> None:
+    """If the status of a station's last run is not final, mark it as stopped.
+
+    shown: the cause, as pages show it.
+    """
     for folder in {home.station_status, home.status}:
         status = read_status(status_file_of(station, folder))
         if status is not None and status.state not in ENDED:
-            ended = {"state": "stopped", "cause": cause, "at": datetime.now(UTC)}
+            ended = {
+                "state": "stopped", "cause": cause, "shown_cause": shown, "at": datetime.now(UTC),
+            }  # fmt: skip
             with suppress(OSError):
                 _write(status.model_copy(update=ended), folder)
 

@@ -47,6 +47,18 @@ def answer_stop(answer: StopAnswer, folder: Path, station: str) -> None:
     _write(answer, folder / f"{hashed(station)}.stopped")
 
 
+def note_in_trail(request: StopRequest, home: Home) -> None:
+    """Enter a stop in the audit trail, once; who released it sees to it where that failed."""
+    from storage.catalogue import database, trail  # late: a stop does not wait for their import
+
+    if database.for_reading(home) is None:
+        return
+    with database.changing(home) as connection:
+        trail.add_once(
+            connection, request.by, "stop station", request.station, at=request.at, key=request.key
+        )
+
+
 def lock_out(request: StopRequest, home: Home) -> None:
     """Keep the orders of a station waiting after a stop, until somebody releases it."""
     _write(request, home.locks / f"{hashed(request.station)}.lockout")
@@ -59,8 +71,17 @@ def lockout_of(station: str, home: Home) -> StopRequest | None:
     return next((each for each in found if each is not None), None)
 
 
-def release(station: str, home: Home) -> None:
-    """Let the orders of a station begin again; raises Unusable where that cannot be written."""
+def release(station: str, by: str, home: Home) -> None:
+    """Let the orders of a station begin again, and enter in the audit trail who saw that it may
+    turn, and the stop before; raises Unusable where that cannot be written.
+    """
+    from storage.catalogue import database, trail  # late, as above
+
+    stop = lockout_of(station, home)
+    if stop is not None:
+        note_in_trail(stop, home)
+        with database.changing(home) as connection:
+            trail.add(connection, by, "release station", station, key=stop.key)
     for folder in (home.locks, home.shared_locks):
         file = folder / f"{hashed(station)}.lockout"
         try:

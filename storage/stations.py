@@ -3,7 +3,7 @@
 from contextlib import suppress
 from pathlib import Path
 
-from schemas.base import Unusable
+from schemas.base import NotThere, Unusable
 from schemas.station import StationFile
 from storage import settings
 from storage.home import Home
@@ -33,12 +33,12 @@ def station_ids(home: Home) -> tuple[str, ...]:
 def file_of(station: str, home: Home) -> Path:
     """The station file of the station with this id.
 
-    Raises Unusable for one that is not among the home's, or is there twice.
+    Raises NotThere for one that is not among the home's, Unusable for one that is there twice.
     """
     files = [folder_of(home) / name for name in station_files(home)]
     found = [path for path in files if settings.read(path, StationFile).station.id == station]
     if not found:
-        raise Unusable(
+        raise NotThere(
             f"{folder_of(home)} has no file of station {station}; add it with "
             "`mimucal station add FILE`"
         )

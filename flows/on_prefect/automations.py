@@ -37,7 +37,10 @@ def automations(alert: UUID) -> list[AutomationCore]:
     late = f"{OF_A_RUN} is late: see that the worker of its pool lives."
     crashed = f"{OF_A_RUN} crashed or is silent: see its log in Prefect, its station and computer."
     pool = "Work pool {{ work_pool.name }} has no live worker: start it on its computer."
-    invalid = "Unit {{ event.resource.name }}: an invalid run: {{ event.payload.why }}"
+    invalid = (
+        "Unit {{ event.resource.name }} on station {{ event.payload.station }}: an invalid run: "
+        "{{ event.payload.why }} Remove the cause, then repeat the order."
+    )
     reminder = "Unit {{ event.resource.name }}: a reminder not sent: {{ event.payload.why }}"
     died = ChangeFlowRunState(
         state=StateType.CRASHED, name="Crashed", message="no heartbeat", force=False

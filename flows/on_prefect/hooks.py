@@ -8,14 +8,20 @@ from flows.orders import order_queue
 from schemas.base import Unusable
 from schemas.station import StationFile
 from storage import settings
+from storage.catalogue import orders
 from storage.home import Home, home
 from storage.station_lock import statuses
 from storage.stations import file_named
 from tasks.stages.stop import stop_station
+from tasks.station.stopping import CANCELLATION, stopped_by
+from tasks.words import statement
 
 if TYPE_CHECKING:
     from prefect.client.schemas.objects import FlowRun
     from prefect.states import State
+
+
+CANCELLED = ("Cancelling", "Cancelled")
 
 
 def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
@@ -32,4 +38,9 @@ def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
             cause = f"Prefect ({state.name}: {state.message or flow.name})"
             stop_station(station, cause, place, lockout=False)
     with suppress(Unusable):
+        if state.name in CANCELLED:  # what somebody ended does not begin again by itself
+            for each in orders.running(place):
+                if each.flow_run == str(flow_run.id):
+                    shown = statement(stopped_by(CANCELLATION))
+                    orders.finish(each.number, "failed", place, shown.en, shown)
         order_queue.submit(place)

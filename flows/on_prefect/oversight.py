@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from tasks.stages.prefect_api import NotAnswered, get
+from tasks.station.stopping import CANCELLATION, LOSS
 
 LOOK_S = 1.0
 ASK_EVERY = 3  # looks
 FLOW_RUN = "PREFECT__FLOW_RUN_ID"  # set by a worker for the process that it starts
-CANCELLATION, LOSS = "a cancellation in Prefect", "the loss of its Prefect worker"
 CANCELLED = ("CANCELLING", "CANCELLED")
 
 

@@ -12,6 +12,7 @@ from schemas.base import Unusable
 from schemas.production import ProductionOrder
 from storage.catalogue import orders
 from storage.home import Home
+from tasks.words import cause_of
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 MOST = 200  # flow runs that the server gives in one answer
 LINE = "line"  # the pool of what needs no station
 WAITS = "the order waits, and is given to it with the next one"
+TRIED = 3  # flow runs of an order that fail before they take it, after which it is refused
 POOL = "station-"  # how the names of the stations' work pools begin
 # A worker that is killed between taking a flow run and starting it leaves it pending forever, and
 # the pool of its station full. With all cores busy a process takes a minute to start.
@@ -39,7 +41,7 @@ def submit(waiting: Sequence[ProductionOrder], home: Home) -> str | None:
             _crash_pending(client, BEGINS_WITHIN)
             alive = _alive([order.flow_run for order in waiting if order.flow_run], client)
             for order in waiting:
-                if order.flow_run not in alive:
+                if order.flow_run not in alive and not _is_refused(order, client, home):
                     faults[order.station] = _submitted(order, client, home)
     except Unusable as fault:
         return str(fault)
@@ -58,6 +60,22 @@ def _alive(flow_runs: Sequence[str], client: "SyncPrefectClient") -> set[str]:
             if run.state is None or not run.state.is_final():
                 found.add(str(run.id))
     return found
+
+
+def _is_refused(order: ProductionOrder, client: "SyncPrefectClient", home: Home) -> bool:
+    """Ends an order whose flow runs fail again and again before they take it."""
+    from prefect.exceptions import ObjectNotFound
+
+    if order.submissions < TRIED or order.flow_run is None:
+        return False
+    with suppress(ObjectNotFound):
+        state = client.read_flow_run(UUID(order.flow_run)).state
+        if state is not None and state.is_failed():
+            fault = state.message or state.name or ""
+            return orders.finish(
+                order.number, "failed", home, fault, cause_of(fault), was="waiting"
+            )
+    return False
 
 
 def ended(begun: Sequence[ProductionOrder], home: Home) -> list[ProductionOrder]:

@@ -16,6 +16,7 @@ from secrets import token_hex
 
 from flows import run_orders
 from flows.on_prefect.prefect_server import server_named
+from flows.orders import outcomes
 from schemas.orders import AcquireOrder
 from schemas.production import OrderedUnit, OrderRequest, ProductionOrder
 from schemas.recording import Unit
@@ -126,6 +127,7 @@ def submit(home: Home) -> str | None:
     An order whose process died waits again.
     """
     take_up_left(home)
+    outcomes.tell(home)
     waiting = orders.waiting(home)
     if not waiting:
         return None
@@ -160,16 +162,17 @@ def retry(number: str, person: str, home: Home) -> GivenProduction:
     return GivenProduction(order, is_new=False, fault=submit(home))
 
 
-def take_up_left(home: Home) -> list[ProductionOrder]:
+def take_up_left(home: Home, *, here: bool = False) -> list[ProductionOrder]:
     """Have every order wait again whose process died, whoever that was; returns them.
 
     On this computer the process is looked for, and the lock of its station's orders; of another
     one Prefect knows whether the flow run has ended, and the run's status whether it goes on.
+    here: whether only those of this computer are looked at.
     """
-    here = socket.gethostname()
+    host = socket.gethostname()
     begun = orders.running(home)
-    away = [each for each in begun if each.host != here and each.flow_run]
-    if away and server_named():
+    away = [each for each in begun if each.host != host and each.flow_run]
+    if away and not here and server_named():
         from flows.on_prefect import prefect_queue
 
         alive = {status.station for status, is_dead in statuses(home)
@@ -177,7 +180,7 @@ def take_up_left(home: Home) -> list[ProductionOrder]:
         ended = prefect_queue.ended([each for each in away if each.station not in alive], home)
     else:
         ended = []
-    left = [each for each in begun if each.host == here and not is_running(each.process)]
+    left = [each for each in begun if each.host == host and not is_running(each.process)]
     taken = []
     for order in left:
         with no_order_at(order.station, home) as is_free:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flows import run_orders
-from flows.orders import order_queue
+from flows.orders import order_queue, outcomes
 from flows.orders.signed_orders import flow_run
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import ProduceOrder
@@ -30,6 +30,7 @@ from tasks.stages.left_run import left_runs
 from tasks.stages.procedure_input import procedure_named
 from tasks.stages.ready import ready_to_acquire
 from tasks.station.drivers.identity import confirm
+from tasks.words import cause_of, message
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
@@ -100,33 +101,37 @@ def _wait_until_it_can_begin(
     is_of_queue: whether somebody is expected to mount its units; else they are those of the
     station file, and others are refused.
     """
+    began = datetime.now(UTC)
     while True:
         with suppress(Busy):
             kept = orders.find(number, home)
             hindrance = _hindrance(kept, station, home, is_of_queue)
             if kept.state != "waiting" or hindrance is None:
                 return
-            if hindrance != kept.fault:
-                orders.note(number, home, fault=hindrance)
+            if str(hindrance) != kept.fault:
+                orders.note(number, home, fault=str(hindrance), cause=cause_of(hindrance))
+            if datetime.now(UTC) - began > outcomes.LATE:
+                outcomes.say_once(kept, "waits", cause_of(hindrance), home)
         time.sleep(LOOK_S)
 
 
 def _hindrance(
     kept: ProductionOrder, station: StationFile, home: Home, is_of_queue: bool
-) -> str | None:
-    """Why an order cannot begin just now, as a sentence."""
+) -> Unusable | None:
+    """Why an order cannot begin just now."""
     id_ = station.station.id
     if kept.runs:  # which needs no station
         return None
     if stop := lockout_of(id_, home):
-        return f"station {id_} was stopped by {stop.by}: release it"
+        locked_out = message("station-cause.locked-out", name=stop.by, station=id_)
+        return Unusable(f"station {id_} was stopped by {stop.by}: release it", locked_out)
     try:
         ready_to_acquire(id_, home)
         if is_of_queue:
             for each in station.with_units(kept.units).per_unit():
                 confirm(each.unit, each.unit_link)
     except Unusable as fault:
-        return str(fault)
+        return fault
     return None
 
 
@@ -185,7 +190,9 @@ def _finished(
         drafts = work(_production(kept, order, station, home))
     except BaseException as fault:
         with suppress(Busy):  # then whoever comes next finds that this process ended
-            orders.finish(kept.number, "failed", home, str(fault) or type(fault).__name__)
+            sentence = str(fault) or type(fault).__name__
+            orders.finish(kept.number, "failed", home, sentence, cause_of(fault))
+            outcomes.tell(home)
         raise
     orders.finish(kept.number, "done", home)
     return drafts

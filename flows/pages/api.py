@@ -10,7 +10,13 @@ from pydantic.json_schema import models_json_schema
 
 from flows.pages import orders_api
 from flows.pages.json_answers import Unanswered, json_answer, refusal
-from flows.pages.line.models import Released, StopPressed, StopShown
+from flows.pages.line.models import (
+    Acknowledged,
+    AlarmPressed,
+    Released,
+    StopPressed,
+    StopShown,
+)
 from flows.pages.numbers import Row, csv_of
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
@@ -27,13 +33,15 @@ REFUSALS = {
     503: "The catalogue cannot be reached just now.",
 }
 PRESS_REFUSALS = {
-    400: "The document names no station.",
+    400: "The document names neither station nor alarm.",
+    404: "There is no such station or alarm.",
     403: "The role does not allow it.",
     401: REFUSALS[401],
 }
 PRESSES = (  # on the card of a station
-    ("stop", "Stop a station's table now", StopShown),
-    ("release", "Let the orders of a stopped station go on", Released),
+    ("stop", "Stop a station's table now", StopShown, StopPressed),
+    ("release", "Let the orders of a stopped station go on", Released, StopPressed),
+    ("acknowledge", "Say that somebody saw to an alarm", Acknowledged, AlarmPressed),
 )
 REFERENCE = "#/components/schemas/{model}"
 
@@ -50,6 +58,14 @@ def endpoints(home: Home) -> Blueprint:
     made.add_url_rule("/orders", "order", lambda: orders_api.give(home), methods=["POST"])
     made.add_url_rule("/openapi.json", "openapi", lambda: json_answer(json.dumps(openapi())))
     return made
+
+
+def unknown_address() -> Response | None:
+    """A refusal of what would else be one of Dash's pages, before a request is answered."""
+    rule = request.url_rule
+    if f"{request.path}/".startswith(f"{PREFIX}/") and not (rule and rule.rule.startswith(PREFIX)):
+        return refusal(404, f"there is nothing here; {PREFIX}/openapi.json says what there is")
+    return None
 
 
 def _answering(
@@ -107,14 +123,18 @@ def openapi() -> dict[str, Any]:
             REFUSALS | refused, takes=OrderRequest,
         ),
     }  # fmt: skip
-    for name, what, answer in PRESSES:
+    for name, what, answer, takes in PRESSES:
         became = {200: ("What became of it.", answer)}
-        pressed = _operation(name, what, became, PRESS_REFUSALS, takes=StopPressed)
+        pressed = _operation(name, what, became, PRESS_REFUSALS, takes=takes)
         paths[f"{PREFIX}/{name}"] = {"post": pressed}
     answers: list[type[Frozen]] = [page.answer for page in PAGES]
-    answers += [ProductionOrders, ProductionOrder, StopShown, Released, Unanswered]
+    answers += [ProductionOrders, ProductionOrder, StopShown, Released, Acknowledged, Unanswered]
     models: list[tuple[type[Frozen], Any]] = [(model, "serialization") for model in answers]
-    models += [(OrderRequest, "validation"), (StopPressed, "validation")]
+    models += [
+        (OrderRequest, "validation"),
+        (StopPressed, "validation"),
+        (AlarmPressed, "validation"),
+    ]
     _, schemas = models_json_schema(models, ref_template=REFERENCE)
     return {
         "openapi": "3.1.0",

@@ -89,6 +89,7 @@ def make_app(home: Home) -> Application:
     app.server.before_request(_to_first_page)
     _keep_at_home(app, is_https=settings.pages(home).https)
     gate = guard(app.server, home)
+    app.server.before_request(api.unknown_address)
     app.server.register_blueprint(login(home, gate))
     app.server.register_blueprint(health.endpoints(home, gate))
     compress(app.server)

@@ -40,7 +40,10 @@ def listening(home: Home, host: str, port: int) -> Any:
         app.config["TRUSTED_HOSTS"] = list(HERE)
     logging.getLogger("waitress.queue").setLevel(logging.ERROR)  # that somebody waits is no fault
     try:
-        return create_server(app, host=host, port=port, threads=THREADS, ident="mimucal")
+        return create_server(
+            app, host=host, port=port, threads=THREADS, ident="mimucal",
+            clear_untrusted_proxy_headers=False,  # by them health.py sees who comes from elsewhere
+        )  # fmt: skip
     except (OSError, ValueError) as error:
         raise Unusable(
             f"the pages cannot be served at {host} port {port} ({error}); choose others with "

@@ -14,6 +14,7 @@ from sqlalchemy.pool import NullPool, QueuePool
 
 from schemas.base import Unusable
 from schemas.secret_urls import escaped, shown
+from schemas.text import Message
 from storage.home import Home
 
 SWITCH_PAUSE_S = 0.02
@@ -135,7 +136,8 @@ def explained(made: sql.Engine) -> Iterator[None]:
         raise (Busy if _may_pass(error) else Unusable)(
             f"The catalogue {shown(repr(made.url))} cannot be used ({reason}); see that it can be "
             "reached and written and that its disk has room, or let MIMUCAL_HOME or "
-            "MIMUCAL_DATABASE name another."
+            "MIMUCAL_DATABASE name another.",
+            Message("station-cause.catalogue"),
         ) from error
 
 

@@ -11,11 +11,14 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.production import OPEN, ProductionOrder, ProductionState
+from schemas.text import Statement
 from storage.catalogue import database, tables, trail
 from storage.home import Home
 
 ORDER = tables.orders.c
+MANY = 200  # of the last ones
 JSON = ("units", "runs", "certificates")
+WITH_CAUSE = '{"fault": '  # how a fault begins that has its cause beside it
 WAITING: tuple[ProductionState, ...] = ("waiting",)
 RUNNING: tuple[ProductionState, ...] = ("running",)
 WAITING_AGAIN: dict[str, Any] = {
@@ -115,19 +118,32 @@ def claim(number: str, home: Home) -> ProductionOrder | None:
         return _kept(connection, number)
 
 
-def note(number: str, home: Home, **what: Any) -> None:
-    """Note what is known of an order meanwhile: runs, certificates, flow_run."""
+def note(number: str, home: Home, cause: Statement | None = None, **what: Any) -> None:
+    """Note what is known of an order meanwhile: runs, certificates, flow_run, fault and cause."""
     values = {k: json.dumps(value) if k in JSON else value for k, value in what.items()}
+    if "fault" in what:
+        values["fault"] = _fault(what["fault"], cause)
     with database.changing(home) as connection:
         connection.execute(sql.update(tables.orders).where(ORDER.number == number).values(**values))
 
 
-def finish(number: str, state: ProductionState, home: Home, fault: str | None = None) -> bool:
-    """End an order that runs: done, or failed with its fault; whether it still ran."""
-    ended = {"state": state, "fault": fault, "ended_at": datetime.now(UTC)}
-    changed = sql.update(tables.orders).where(ORDER.number == number, ORDER.state == "running")
+def finish(
+    number: str,
+    state: ProductionState,
+    home: Home,
+    fault: str | None = None,
+    cause: Statement | None = None,
+    *,
+    was: ProductionState = "running",
+) -> bool:
+    """End an order that runs: done, or failed with its fault; whether it still ran.
+
+    was: waiting, of an order that is refused before it begins.
+    """
+    ended = {"state": state, "fault": _fault(fault, cause), "ended_at": datetime.now(UTC)}
+    changed = sql.update(tables.orders).where(ORDER.number == number, ORDER.state == was)
     with database.changing(home) as connection:
-        values = {"is_interrupted": state == "failed", **ended}
+        values = {"is_interrupted": (state, was) == ("failed", "running"), **ended}
         return bool(connection.execute(changed.values(**values)).rowcount)
 
 
@@ -219,7 +235,7 @@ def _kept(connection: sql.Connection, number: str) -> ProductionOrder:
 
 def _row_of(order: ProductionOrder) -> dict[str, Any]:
     plain = order.model_dump(mode="json")
-    row: dict[str, Any] = order.model_dump(exclude={"units", "client_order"})
+    row: dict[str, Any] = order.model_dump(exclude={"units", "client_order", "cause"})
     row |= {name: json.dumps(plain[name], ensure_ascii=False) for name in JSON}
     client = order.client_order
     return row | {"client_order": client and client.model_dump_json()}
@@ -230,4 +246,13 @@ def _order_of(row: sql.Row[Any]) -> ProductionOrder:
     fields |= {name: json.loads(fields[name]) for name in JSON}
     if fields["client_order"] is not None:
         fields["client_order"] = json.loads(fields["client_order"])
+    if (fields["fault"] or "").startswith(WITH_CAUSE):
+        fields |= json.loads(fields["fault"])
     return ProductionOrder.model_validate(fields)
+
+
+def _fault(fault: str | None, cause: Statement | None) -> str | None:
+    """A fault as its column has it: mere text, or JSON with the cause beside it."""
+    if fault is None or cause is None:
+        return fault
+    return json.dumps({"fault": fault, "cause": cause.model_dump(mode="json")}, ensure_ascii=False)

@@ -64,6 +64,35 @@ def add(
     connection.execute(sql.update(end).values(hash=hash_))
 
 
+def add_once(
+    connection: sql.Connection,
+    person: str,
+    action: str,
+    subject: str,
+    *,
+    at: datetime | None = None,
+    **details: Any,
+) -> bool:
+    """Adds an entry unless there is one of this action, subject and details; whether it was new."""
+    end, entry = tables.trail_end, tables.trail.c
+    connection.execute(sql.update(end).values(number=end.c.number))  # others wait from here
+    alike = (
+        entry.action == action, entry.subject == subject, entry.details == _canonical(details),
+    )  # fmt: skip
+    if connection.execute(sql.select(entry.number).where(*alike).limit(1)).first():
+        return False
+    add(connection, person, action, subject, at=at, **details)
+    return True
+
+
+def of_action(action: str, since: datetime, home: Home) -> list[Entry]:
+    """The entries of an action since a moment, the oldest first."""
+    entry = tables.trail.c
+    mine = sql.select(tables.trail).where(entry.action == action, entry.at >= since)
+    found = database.rows(home, mine.order_by(entry.number))
+    return [Entry.model_validate(row, from_attributes=True) for row in found]
+
+
 def entries(home: Home) -> list[Entry]:
     """The whole trail, in the order in which it was written."""
     asked = sql.select(tables.trail).order_by(tables.trail.c.number)

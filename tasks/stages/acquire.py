@@ -13,6 +13,7 @@ from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
 from schemas.run_log import ENDED, RunStatus, State
 from schemas.station import StationFile
+from schemas.text import Statement
 from storage.catalogue.run_index import Run
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
@@ -27,7 +28,8 @@ from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquir
 from tasks.station.ports import Ask
 from tasks.station.progress import Progress
 from tasks.station.run_manifest import interrupted
-from tasks.station.stopping import OPERATOR, StopRequested, StopSwitch
+from tasks.station.stopping import OPERATOR, StopRequested, StopSwitch, stopped_by
+from tasks.words import Sayable, cause_of, message
 
 WRITE_EVERY_S = 1.0
 
@@ -63,7 +65,7 @@ class Measured:
     """
 
     whole: tuple[tuple[Path, Acquired], ...]
-    given_up: tuple[str, ...] = ()
+    given_up: tuple[Unusable, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ class AcquiredRuns:
     """A run of each unit, and a sentence for each unit that was given up on the way."""
 
     kept: tuple[tuple[Run, Acquired], ...]
-    given_up: tuple[str, ...] = ()
+    given_up: tuple[Unusable, ...] = ()
 
 
 def acquire_run(
@@ -148,12 +150,14 @@ def measure(  # noqa: PLR0913 (what a run is, and who follows it)
             made = acquire(RunRequest(station, procedure, new, report, ask, is_paused, stop))
     except Unusable as fault:
         _forget(raw)
-        raise Unusable(_with_what_is_left(fault, raw)) from fault
+        raise Unusable(_with_what_is_left(fault, raw), cause_of(fault)) from fault
     except OSError as fault:
-        raise BrokenOff(f"{_broken(fault, raw)}{what_is_left(raw)}") from fault
+        sentence, cause = _broken(fault, raw)
+        raise BrokenOff(f"{sentence}{what_is_left(raw)}", cause) from fault
     except (KeyboardInterrupt, StopRequested) as end:
         _forget(raw)
-        raise BrokenOff(f"stopped by {stop.by or OPERATOR}{what_is_left(raw)}") from end
+        by = stop.by or OPERATOR
+        raise BrokenOff(f"stopped by {by}{what_is_left(raw)}", stopped_by(by)) from end
     _forget(raw)
     whole = tuple(
         (_moved(each.path, home), acquired)
@@ -170,19 +174,21 @@ def _moved(path: Path, home: Home) -> Path:
         return path.rename(target)
 
 
-def _broken(fault: OSError, raw: list[RawRecording]) -> str:
+def _broken(fault: OSError, raw: list[RawRecording]) -> tuple[str, Sayable]:
     """Whether it was the recording that could not be written, or something else that failed."""
     why = fault.strerror or str(fault) or type(fault).__name__
     if any(each.sink.is_broken for each in raw):
-        return f"the recording could not be written ({why})"
-    return f"the run broke off ({why})"
+        cause = message("station-cause.not-written", why=why)
+        return f"the recording could not be written ({why})", cause
+    return f"the run broke off ({why})", message("station-log-stopped", cause=why)
 
 
-def _given_up(raw: list[RawRecording], made: tuple[Acquired, ...]) -> Iterator[str]:
+def _given_up(raw: list[RawRecording], made: tuple[Acquired, ...]) -> Iterator[Unusable]:
     for each, acquired in zip(raw, made, strict=True):
         if acquired.given_up is not None:
             why, serial = acquired.given_up.rstrip("."), each.new.station.unit.serial
-            yield f"unit {serial} was given up: {why}{what_is_left([each])}"
+            cause = message("station-cause.given-up", unit=serial, cause=acquired.cause or why)
+            yield Unusable(f"unit {serial} was given up: {why}{what_is_left([each])}", cause)
 
 
 def _forget(raw: list[RawRecording]) -> None:
@@ -254,7 +260,7 @@ def status_file(
     last = Progress("connecting", 0.0, 0.0, 0.0)
     units = tuple(alone.unit.serial for alone in station.per_unit())
 
-    def write(state: State, cause: str = "") -> None:
+    def write(state: State, cause: str = "", shown: Statement | None = None) -> None:
         nonlocal written_s
         written_s = time.monotonic()
         status = RunStatus(
@@ -263,6 +269,7 @@ def status_file(
             segment=last.segment, segments=last.segments, station_s_done=last.station_s_done,
             station_s_total=last.station_s_total, wall_s_left=last.wall_s_left,
             rates_hz=last.rates_hz, noise=last.noise, alarms=last.alarms, cause=cause,
+            shown_cause=shown,
             recordings=tuple(str(each.path) for each in raw if each.path.exists()),
             lock=lock_place(home),
         )  # fmt: skip
@@ -282,6 +289,6 @@ def status_file(
     try:
         yield reporting
     except BaseException as fault:
-        write("stopped", str(fault) or type(fault).__name__)
+        write("stopped", str(fault) or type(fault).__name__, cause_of(fault))
         raise
     write("done")

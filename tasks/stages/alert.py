@@ -8,7 +8,7 @@ from storage.home import Home
 from tasks.reminders import send as sending
 from tasks.stages.events import logger_of
 from tasks.stages.remind import Send
-from tasks.words import message, say
+from tasks.words import Sayable, message, say
 
 LOG = logger_of("alert")
 
@@ -21,7 +21,7 @@ class Sent:
     fault: str | None
 
 
-def alert(home: Home, sentence: str, send: Send = sending.send) -> list[Sent]:
+def alert(home: Home, sentence: Sayable, send: Send = sending.send) -> list[Sent]:
     """Sends a sentence to the operators on each of their channels, in silent hours too.
 
     Raises Unusable where recall.toml names no operators, and for an invalid channel.
@@ -34,7 +34,8 @@ def alert(home: Home, sentence: str, send: Send = sending.send) -> list[Sent]:
     urls = {
         name: sending.check_channel(name, url) for name, url in asked.operators.channels.items()
     }
-    title = say(message("alert-title"), asked.operators.language)
+    language = asked.operators.language
+    title, sentence = say(message("alert-title"), language), say(sentence, language)
     done = [Sent(name, send(url, title, sentence, None)) for name, url in urls.items()]
     for each in done:
         fields = {"of": sentence, "channel": each.channel, "cause": each.fault}

@@ -11,6 +11,7 @@ from schemas.configuration import configuration_of
 from schemas.decision import Decision
 from schemas.equipment import MeasurementStandard
 from schemas.recording import Manifest
+from schemas.text import texts_of
 from storage import settings
 from storage.catalogue import certificates, runs
 from storage.catalogue.run_index import Run
@@ -38,7 +39,7 @@ from tasks.stages.evidence import as_text, evidence_of
 from tasks.stages.published import Published
 from tasks.stages.stage import announce, stage
 from tasks.validation import record
-from tasks.words import statement
+from tasks.words import message, statement
 
 MOST = 20  # the last ones show how a unit moves
 
@@ -220,14 +221,18 @@ def _check_run(run: Run, calibration: Calibration, inputs: CertificateInputs) ->
     """Refuses an invalid run with its first reason."""
     validity = calibration.validity
     if validity.verdict == "invalid":
-        announce("run.invalid", run.serial, run=run.id, why=validity.reasons[0])
+        announce(
+            "run.invalid", run.serial, run=run.id, station=run.station or "",
+            why=validity.reasons[0],
+        )  # fmt: skip
     if validity.verdict == "invalid" and not inputs.invalid_run:
         more = len(validity.reasons) - 1
         others = f" (and {more} more reasons)" if more else ""
         raise Unusable(
             f"run {run.id} is invalid: {validity.reasons[0].rstrip('.')}{others}; measure again "
             "(`mimucal acquire`, or a new order), or ask for a report of the invalid run with "
-            "--invalid-run"
+            "--invalid-run",
+            message("station-cause.invalid", reason=texts_of(validity, "reasons")[0]),
         )
 
 

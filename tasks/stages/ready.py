@@ -11,6 +11,7 @@ from storage.blobs import blobs_of
 from storage.catalogue import database, tables
 from storage.home import Home
 from storage.station_lock import one_run_on
+from tasks.words import cause_of, clauses, message
 
 FREE_BYTES = 2 << 30  # on the disk: ten runs of an hour
 
@@ -28,7 +29,10 @@ def ready_to_acquire(station: str, home: Home) -> None:
     )
     faults = [fault for look in looks if (fault := _fault_of(look))]
     if faults:
-        raise Unusable("; ".join(fault.rstrip(".") for fault in faults))
+        sentence = "; ".join(str(fault).rstrip(".") for fault in faults)
+        raise Unusable(
+            sentence, clauses([cause_of(fault) for fault in faults], "station-cause.and")
+        )
 
 
 def free_bytes(folder: Path) -> int:
@@ -37,12 +41,12 @@ def free_bytes(folder: Path) -> int:
     return shutil.disk_usage(there).free
 
 
-def _fault_of(look: Callable[[], None]) -> str:
+def _fault_of(look: Callable[[], None]) -> Unusable | None:
     try:
         look()
     except Unusable as fault:
-        return str(fault)
-    return ""
+        return fault
+    return None
 
 
 def _catalogue_is_writable(home: Home) -> None:
@@ -61,7 +65,10 @@ def _disk_has_room(home: Home) -> None:
     if free < FREE_BYTES:
         raise Unusable(
             f"the disk of {home.acquiring} has {free / 2**30:.1f} GiB free, and a run may need "
-            f"{FREE_BYTES / 2**30:.0f} GiB: free some space"
+            f"{FREE_BYTES / 2**30:.0f} GiB: free some space",
+            message(
+                "station-cause.disk", free=f"{free / 2**30:.1f}", needed=f"{FREE_BYTES / 2**30:.0f}"
+            ),
         )
 
 

@@ -2,12 +2,14 @@
 
 import getpass
 import os
+import threading
 import time
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from secrets import token_hex
 
-from schemas.base import Unusable
+from schemas.base import NotThere, Unusable
 from schemas.run_log import ENDED
 from schemas.station import StationFile
 from schemas.stop import StopAnswer, Stopped, StopRequest
@@ -24,12 +26,15 @@ from storage.station_stop import (
     answer_in,
     kept_station_file,
     lock_out,
+    note_in_trail,
     request_stop,
     take_back,
 )
+from tasks.words import statement
 
 ANSWER_S = 1.0  # time allowed for the run's process to command every axis
 LOOK_S = 0.02
+TRAIL_S = 0.5
 REST_S = 30.0  # time allowed for a process that has answered to bring the table to rest
 
 
@@ -60,15 +65,32 @@ def stop_station(station: str, by: str, home: Home, lockout: bool = True) -> Sto
         stopped = _directly(file, by)
     else:
         take_back(home.locks, id_)
-        raise unknown or Unusable(f"station {id_} is not known")
+        raise unknown or NotThere(f"station {id_} is not known")
     if not is_held(id_, home):
         take_back(home.locks, id_)
         if stopped.at_rest and not _lives(id_, home):
-            end_status(id_, f"stopped by {by}", home)
+            from tasks.station.stopping import stopped_by  # late, as below
+
+            end_status(id_, f"stopped by {by}", home, statement(stopped_by(by)))
     seconds = time.monotonic() - began_s
+    _enter_in_trail(request, home)
     return stopped.model_copy(
         update={"recordings": _recordings(id_, home), "seconds": round(seconds, 3)}
     )
+
+
+def _enter_in_trail(request: StopRequest, home: Home) -> None:
+    """Within TRAIL_S, in a thread that nobody waits for: a stop needs no database, and the release
+    after it enters what is missing.
+    """
+
+    def enter() -> None:
+        with suppress(Exception):
+            note_in_trail(request, home)
+
+    entering = threading.Thread(target=enter, daemon=True)
+    entering.start()
+    entering.join(TRAIL_S)
 
 
 def whoever() -> str:
@@ -84,7 +106,9 @@ def _file(station: str, home: Home) -> tuple[StationFile | None, Unusable | None
         return kept, None
     try:
         return settings.read(stations.file_of(station, home), StationFile), None
-    except (Unusable, OSError) as fault:
+    except Unusable as fault:
+        return None, fault
+    except OSError as fault:
         return None, Unusable(str(fault))
 
 

@@ -12,7 +12,8 @@ from schemas.stop import StopAnswer, StopRequest
 from storage.home import Home
 from storage.station_lock import end_status, one_run_on, share_status
 from storage.station_stop import answer_stop, keep_station_file, request_in, take_back
-from tasks.station.stopping import StopSwitch, axes_of
+from tasks.station.stopping import StopSwitch, axes_of, stopped_by
+from tasks.words import statement
 
 LOOK_S = 0.1  # between two looks for a request
 SHARE_S = 1.0  # between two statuses for other computers
@@ -91,7 +92,8 @@ class _Watch(threading.Thread):
         at_rest = self._wait(lambda: self._switch.rest is not None)
         read = {"at_rest": at_rest, "axes": axes_of(self._station, self._switch.rest)}
         # also if the run itself hangs: its last status would be wrong
-        end_status(request.station, f"stopped by {request.by}", self._home)
+        shown = statement(stopped_by(request.by))
+        end_status(request.station, f"stopped by {request.by}", self._home, shown)
         answer_stop(answer.model_copy(update=read), self._folder, request.station)
 
     def _wait(self, is_so: Callable[[], bool]) -> bool:

@@ -10,7 +10,7 @@ from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.recording import Manifest
 from schemas.station import StationFile
-from schemas.text import Remark
+from schemas.text import Remark, Statement
 from tasks.station.anomalies import MEASURED, remarks_on
 from tasks.station.clock import StationClock
 from tasks.station.connected_station import Bench, connected
@@ -22,9 +22,15 @@ from tasks.station.recorder import Recorder
 from tasks.station.requirements import check_attended, check_limits, check_procedure
 from tasks.station.run_manifest import Interrupted, ManifestBuilder, remaining
 from tasks.station.sequencer import Sequencer
-from tasks.station.stopping import OPERATOR, StopRequested, StopSwitch, run_until_stopped
+from tasks.station.stopping import (
+    OPERATOR,
+    StopRequested,
+    StopSwitch,
+    run_until_stopped,
+    stopped_by,
+)
 from tasks.station.unit_recorder import Sink, UnitRecorder
-from tasks.words import Message, message, texts
+from tasks.words import Message, cause_of, message, texts
 
 LEAVE_TIMEOUT_S = 8.0  # lines of text with a pause behind each take seconds
 CLOCK_INTERVAL_S = 0.1
@@ -35,7 +41,7 @@ CANCEL_AGAIN_S = 0.1
 class Acquired:
     """What a run gave of a unit beside the streams, which are in the sink.
 
-    given_up: why the run went on without the unit, as a sentence.
+    given_up: why the run went on without the unit, as a sentence; cause: the same for the pages.
     """
 
     manifest: Manifest
@@ -43,6 +49,7 @@ class Acquired:
     bad_frames: int
     lost_samples: int
     given_up: str | None = None
+    cause: Statement | None = None
 
 
 @dataclass(frozen=True)
@@ -150,7 +157,8 @@ async def run(request: RunRequest, bench: Bench) -> tuple[Acquired, ...]:
         await _stop_if_reachable(bench.table)
         recorder.enter("stopped", _cause_of_the_end(cause, request.stop))
         if isinstance(cause, Unusable):
-            raise Unusable(_stopped(tracker.now, cause, recorder)) from cause
+            during = message("station-cause.during", now=tracker.now, cause=cause_of(cause))
+            raise Unusable(_stopped(tracker.now, cause, recorder), during) from cause
         raise
     finally:
         for driver in bench.units:
@@ -183,6 +191,7 @@ def _acquired(unit: UnitRecorder, procedure: Procedure) -> Acquired:
         bad_frames=unit.driver.bad_frames,
         lost_samples=unit.unit.lost_samples,
         given_up=unit.given_up,
+        cause=unit.cause,
     )
 
 
@@ -238,11 +247,9 @@ def _write_rest(recorder: Recorder, procedure: Procedure) -> None:
 
 
 def _cause_of_the_end(cause: BaseException, stop: StopSwitch) -> Message:
-    if stop.by not in (None, OPERATOR):
-        return message("station-log-stopped-by", name=stop.by)
-    if stop.by == OPERATOR or isinstance(cause, KeyboardInterrupt | asyncio.CancelledError):
-        return message("station-log-operator")
-    return message("station-log-stopped", cause=str(cause) or type(cause).__name__)
+    if stop.by or isinstance(cause, KeyboardInterrupt | asyncio.CancelledError):
+        return stopped_by(stop.by or OPERATOR)
+    return message("station-log-stopped", cause=cause_of(cause))
 
 
 def _stopped(now: str, cause: Unusable, recorder: Recorder) -> str:

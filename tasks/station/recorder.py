@@ -66,7 +66,7 @@ class Recorder:
         if faults and len(faults) == len(self.sound):
             raise faults[-1][1]
         for unit, its_fault in faults:
-            unit.give_up(str(its_fault))
+            unit.give_up(its_fault)
             unit.write_manifest(half_width_s)
 
     @property
@@ -168,7 +168,7 @@ class Recorder:
 def _given_up(unit: UnitRecorder) -> tuple[Alarm, ...]:
     if unit.given_up is None:
         return ()
-    cause = message("station-log-given-up", cause=unit.given_up)
+    cause = message("station-log-given-up", cause=unit.cause or unit.given_up)
     return (Alarm(code=GIVEN_UP, at=unit.log.entries[-1].at, **worded(cause)),)
 
 

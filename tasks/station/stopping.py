@@ -10,16 +10,28 @@ from typing import Any, TypeVar
 from schemas.base import Unusable
 from schemas.station import StationFile
 from schemas.stop import AxisReading
+from schemas.text import Message
 from tasks.station.clock import wall_s
 from tasks.station.drivers.devices import Devices
 from tasks.station.ports import Table, TableState
+from tasks.words import message
 
 T = TypeVar("T")
 
 OPERATOR = "the operator"  # of the terminal, and whoever sends a signal
+CANCELLATION, LOSS = "a cancellation in Prefect", "the loss of its Prefect worker"
+STOPS = {
+    OPERATOR: "station-log-operator", CANCELLATION: "station-cause.cancelled",
+    LOSS: "station-cause.no-worker",
+}  # fmt: skip
 AT_REST_DEG_S = 0.01
 REST_S = 20.0  # wall time: from 400 deg/s with 20 deg/s2
 LOOK_S = 0.03
+
+
+def stopped_by(name: str) -> Message:
+    """By whom, or by what, a run was stopped, as a sentence."""
+    return message(STOPS[name]) if name in STOPS else message("station-log-stopped-by", name=name)
 
 
 class StopRequested(Exception):  # noqa: N818 (nothing is in error)

@@ -9,16 +9,17 @@ from typing import Protocol
 
 import numpy as np
 
+from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, Manifest, Segment, Stream, joined
 from schemas.run_log import Alarm, LogEntry, State
-from schemas.text import Remark
+from schemas.text import Remark, Statement
 from tasks.station.anomalies import FAILURES, Anomaly, touches
 from tasks.station.clock import StationClock
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.monitor import SegmentMonitor
 from tasks.station.run_manifest import ManifestBuilder
 from tasks.station.stream_readers import UnitReader
-from tasks.words import Message, message, worded
+from tasks.words import Message, cause_of, message, worded
 
 ROWS = 400  # the last ones, of which the figures are
 MOST_OF = {"gyro": (GYRO, 180.0 / np.pi), "accel": (ACCEL, 1.0)}
@@ -139,7 +140,8 @@ class Sink(Protocol):
 class UnitRecorder:
     """The recording of one unit, with the table and the air of the run in it.
 
-    given_up: why nothing more of it is recorded, as a sentence.
+    given_up: why nothing more of it is recorded, as a sentence; cause: the same for the
+    pages.
     """
 
     def __init__(
@@ -147,6 +149,7 @@ class UnitRecorder:
     ) -> None:
         self.anomalies: list[Anomaly] = []
         self.given_up: str | None = None
+        self.cause: Statement | None = None
         self.manifest = manifest
         self.driver = driver
         self.unit = UnitReader(driver, clock, self.anomalies.append)
@@ -179,13 +182,13 @@ class UnitRecorder:
             self._sink.append(name, self.manifest.since_start(stream))
             self.last_rows.add(name, stream)
 
-    def give_up(self, why: str) -> None:
+    def give_up(self, fault: Unusable) -> None:
         """Record no more of it: it has failed, and its neighbours go on."""
-        self.given_up = why
+        self.given_up, self.cause = str(fault), cause_of(fault)
         self.driver.end()
-        fields = {"of": self.serial, "cause": why}
+        fields = {"of": self.serial, "cause": self.given_up}
         logging.getLogger("mimucal.station.unit").error("given up", extra=fields)
-        self.log.enter("stopped", message("station-log-given-up", cause=why))
+        self.log.enter("stopped", message("station-log-given-up", cause=self.cause))
 
     def finish(self, segment: Segment, spin_axis: str | None) -> None:
         """A measured segment is over: label it, and check it when its data are there.

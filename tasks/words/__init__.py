@@ -9,6 +9,7 @@ from tasks.words.message import Argument, Message, Sayable, argument, clauses, k
 from tasks.words.translation import (
     LANGUAGES,
     MAIN,
+    cause_of,
     identifiers,
     known,
     remark,
@@ -25,6 +26,7 @@ __all__ = [
     "Message",
     "Sayable",
     "argument",
+    "cause_of",
     "clauses",
     "identifiers",
     "kind_of",

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache, lru_cache, partial
 from importlib.resources import files
+from itertools import takewhile
 from threading import Lock
 from typing import Any
 
@@ -26,6 +27,9 @@ IDENTIFIER = re.compile(r"^([a-zA-Z][\w-]*) *=", re.MULTILINE)
 PLAIN = re.compile(r"(?:[a-zA-Z][\w-]*|    \.(?P<attribute>[\w-]+)) *= *(?P<text>[^{}]*[^{}\s])")
 WORD = re.compile(r"[a-zA-Z][\w-]*")
 LONG = 2400  # characters; the formatter takes no argument of more than 2500
+CLAUSE = re.compile(r"(?<=[:;]) ")
+OF_TERMINALS = re.compile(r"`|--[a-z]|[A-Z]{3,}_[A-Z]|[a-z]+://")
+PLACE = re.compile(r"(?<![\w.°/:])(?:/[\w.@ -]+)*/(?=[\w.-])")  # of a file, before its name
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
 FOLDER = files("tasks.words")
 MAIN = CONTRACTED[0]  # of the terminal, the logs, and where nobody chooses
@@ -174,6 +178,27 @@ def _rendered(sayable: Message, language: str) -> str:
     for name, place in places.items():
         text = text.replace(place, long[name])
     return str(text)
+
+
+def cause_of(fault: BaseException | str) -> Statement:
+    """Why something failed, as pages and alerts show it.
+
+    That is the cause that a fault carries, or one that led to it. Of a mere sentence, made for a
+    terminal, English shows what stands before the first command, with files by their names alone;
+    the other languages say that the log has it.
+    """
+    led: BaseException | None = fault if isinstance(fault, BaseException) else None
+    while led is not None:
+        if isinstance(cause := getattr(led, "cause", None), Message | Statement):
+            return statement(cause)
+        led = led.__cause__
+    sentence = str(fault) or type(fault).__name__
+    clauses_ = CLAUSE.split(PLACE.sub("", sentence))
+    plain = takewhile(lambda clause: not OF_TERMINALS.search(clause), clauses_)
+    shown = " ".join(plain).rstrip(":; ")
+    other = texts(Message("station-cause.other"))
+    words: dict[str, Any] = {**other, MAIN: shown or other[MAIN]}
+    return Statement(**words)
 
 
 def texts(sayable: Sayable) -> Mapping[str, str]:

@@ -11,6 +11,7 @@ from dash.development.base_component import Component
 
 from flows.access_log import LOGGER, plain
 from flows.orders import order_queue
+from flows.orders.outcomes import shown_cause
 from flows.pages.do.models import DoQuestion, DoShown, GivenOrder, WaitingCertificate
 from flows.pages.do.orders import FIELDS, REQUIRED, Orders, roles_of, tolerance_files
 from flows.pages.local_time import second_of
@@ -220,7 +221,7 @@ def _production(shown: DoShown, view: View) -> Component:
             each.person,
             second_of(each.ordered_at),
             each.number,
-            each.fault or ", ".join(each.certificates),
+            view.say(shown_cause(each)) if each.fault else ", ".join(each.certificates),
             _step(each, view),
         )
         for each in shown.production

@@ -5,24 +5,51 @@ Of stations, of their files, of orders, of messages to clients and of Prefect's 
 
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
+from hashlib import sha256
 
-from flows.pages.line.models import AlarmShown, FlowRun, Flows, StationNow
-from schemas.production import ProductionState
+from flows.orders.outcomes import LATE, shown_cause
+from flows.pages.line.models import Acknowledged, AlarmShown, FlowRun, Flows, StationNow
+from schemas.production import ProductionOrder, ProductionState
 from schemas.run_log import Alarm
-from storage.catalogue import orders, reminders
+from storage.catalogue import database, orders, reminders, trail
 from storage.catalogue.reminders import Reminder
 from storage.home import Home
-from tasks.words import Sayable, known, message, statement
+from tasks.words import Sayable, cause_of, known, message, statement
 
 SHOWN = 20
 FAILED: tuple[ProductionState, ...] = ("failed",)
+ACKNOWLEDGE = "acknowledge alarm"
 RECENT = timedelta(days=7)  # how long a failed order or a stopped run is shown
 
 
 def newest(found: Iterable[AlarmShown]) -> tuple[AlarmShown, ...]:
-    """The last ones first; what has no time stands now, and so before them."""
+    """The last ones first, those that somebody acknowledged at the end; what has no time stands
+    now, and so before those that have.
+    """
     latest = datetime.max.replace(tzinfo=UTC)
-    return tuple(sorted(found, key=lambda each: each.at or latest, reverse=True)[:SHOWN])
+    last_first = sorted(found, key=lambda each: each.at or latest, reverse=True)
+    return tuple(sorted(last_first, key=lambda each: each.acknowledged is not None)[:SHOWN])
+
+
+def with_acknowledgement(found: Iterable[AlarmShown], home: Home) -> list[AlarmShown]:
+    """The alarms, each with who acknowledged it last."""
+    since = datetime.now(UTC) - RECENT
+    known = {
+        each.subject: Acknowledged(by=each.person, at=each.at)
+        for each in trail.of_action(ACKNOWLEDGE, since, home)
+    }
+    return [each.model_copy(update={"acknowledged": known.get(each.key)}) for each in found]
+
+
+def acknowledge(alarm: AlarmShown, person: str, home: Home) -> Acknowledged:
+    """Enters in the audit trail that a person saw to an alarm."""
+    now = datetime.now(UTC)
+    with database.changing(home) as connection:
+        trail.add(
+            connection, person, ACKNOWLEDGE, alarm.key, at=now, station=alarm.station,
+            about=alarm.about, cause=alarm.cause.en,
+        )  # fmt: skip
+    return Acknowledged(by=person, at=now)
 
 
 def of_station(now: StationNow) -> Iterator[AlarmShown]:
@@ -32,11 +59,14 @@ def of_station(now: StationNow) -> Iterator[AlarmShown]:
         return
     units = ", ".join(run.units)
     if now.state in ("stopped", "lost", "silent"):
-        cause = run.cause or message(f"pages-line-cause.{now.state}")
+        cause: Sayable = message(f"pages-line-cause.{now.state}")
+        if run.cause:
+            cause = run.shown_cause or cause_of(run.cause)
         todo = message(f"pages-line-todo.{now.state}", station=now.station)
-        yield _alarm(run.at, now.station, units, cause, todo)
+        yield _alarm(run.at, now.station, units, cause, todo, (now.state, run.began_at))
     for each in run.alarms:
-        yield _alarm(each.at or run.at, now.station, units, each, _todo(each))
+        known_by = (each.code or each.en, run.began_at)
+        yield _alarm(each.at or run.at, now.station, units, each, _todo(each), known_by)
 
 
 def _todo(alarm: Alarm) -> Sayable:
@@ -47,13 +77,13 @@ def _todo(alarm: Alarm) -> Sayable:
 
 def of_file(name: str, fault: str) -> AlarmShown:
     """A file in the home's stations that cannot be used."""
-    return _alarm(None, "", name, fault, message("pages-line-todo.file"))
+    return _alarm(None, "", name, cause_of(fault), message("pages-line-todo.file"))
 
 
 def of_flows(flows: Flows) -> Iterator[AlarmShown]:
     """A server that does not answer, and runs whose time has passed."""
     if flows.fault is not None:
-        yield _alarm(None, "", "Prefect", flows.fault, message("pages-line-todo.server"))
+        yield _alarm(None, "", "Prefect", cause_of(flows.fault), message("pages-line-todo.server"))
     for run in flows.runs:
         if run.is_late:
             yield _late(run)
@@ -71,26 +101,41 @@ def of_catalogue(home: Home) -> Iterator[AlarmShown]:
     for order in orders.listed(home, states=FAILED, last=SHOWN):
         if order.ended_at is None or now - order.ended_at > RECENT:
             continue
-        cause = message("pages-line-cause.order", number=order.number, fault=order.fault or "")
-        todo = message("pages-line-todo.order")
-        yield _alarm(order.ended_at, order.station, order.serials, cause, todo)
+        known_by = (order.number, order.ended_at)
+        yield _of_order(order, order.ended_at, message("pages-line-todo.order"), known_by)
+    for order in orders.waiting(home):
+        if order.fault is not None and now - order.ordered_at > LATE:
+            todo = message("pages-line-todo.waits")
+            yield _of_order(order, order.ordered_at, todo, (order.number, order.ordered_at))
     for each in reminders.all_reminders(home):
         if each.sent_at is None and each.fault is not None:
             yield _unsent(each)
 
 
+def _of_order(
+    order: ProductionOrder, at: datetime, todo: Sayable, known_by: tuple[object, ...]
+) -> AlarmShown:
+    cause = message("pages-line-cause.order", number=order.number, fault=shown_cause(order))
+    return _alarm(at, order.station, order.serials, cause, todo, known_by)
+
+
 def _unsent(reminder: Reminder) -> AlarmShown:
     """The time of the last attempt is not kept."""
     cause = message(
-        "pages-line-cause.reminder", channel=reminder.channel, fault=reminder.fault or ""
+        "pages-line-cause.reminder", channel=reminder.channel, fault=cause_of(reminder.fault or "")
     )
     todo = message("pages-line-todo.reminder")
     return _alarm(None, "", reminder.certificate, cause, todo)
 
 
 def _alarm(
-    at: datetime | None, station: str, about: str, cause: Sayable, todo: Sayable
-) -> AlarmShown:
+    at: datetime | None, station: str, about: str, cause: Sayable, todo: Sayable,
+    known_by: tuple[object, ...] = (),
+) -> AlarmShown:  # fmt: skip
+    """known_by: what distinguishes it from the next alarm about the same; else its cause."""
+    cause = statement(cause)
+    parts = (station, about, *(known_by or (cause.en,)))
+    key = sha256("\n".join(map(str, parts)).encode()).hexdigest()[:16]
     return AlarmShown(
-        at=at, station=station, about=about, cause=statement(cause), todo=statement(todo)
+        key=key, at=at, station=station, about=about, cause=cause, todo=statement(todo)
     )

@@ -129,7 +129,7 @@ def _queue(waiting: Sequence[Queued], view: View) -> list[Component]:
         return []
     named = [f"{', '.join(each.serials)} ({each.procedure})" for each in ahead[:WAITING_SHOWN]]
     parts = [_small(message("pages-line-waiting", count=len(ahead), named=tuple(named)), view)]
-    hindrances = [each.hindrance for each in ahead if each.hindrance]
+    hindrances = [view.say(each.hindrance) for each in ahead if each.hindrance]
     return [*parts, *(html.Div(each, className="station-alarm alarm-open") for each in hindrances)]
 
 

@@ -2,10 +2,13 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from datetime import UTC, date, datetime, timedelta
 
 import sqlalchemy as sql
 
+from flows.orders import order_queue
+from flows.orders.outcomes import shown_cause
 from flows.pages.line import alarms
 from flows.pages.line.flow_runs import flow_runs
 from flows.pages.line.models import (
@@ -30,6 +33,7 @@ from storage.home import Home
 from storage.station_lock import statuses
 from storage.station_stop import lockout_of
 from storage.stations import folder_of, station_files
+from tasks.words import statement
 
 MOST_IN_A_DAY = 10_000
 # A run writes its status every second; a slow network or a busy computer may delay that by some
@@ -54,6 +58,8 @@ def data(_: LineQuestion, home: Home) -> LineNow:
     queued: tuple[Queued, ...] = ()
     made = None
     try:
+        if order_queue.take_up_left(home, here=True):
+            order_queue.submit(home)
         queued = tuple(map(_queued, orders.listed(home, states=OPEN)))
         made = output(today(), home)
         found += alarms.of_catalogue(home)
@@ -61,6 +67,13 @@ def data(_: LineQuestion, home: Home) -> LineNow:
         fault = str(error)
     stations = tuple(_station_now(home, named, queued))
     found += [each for station in stations for each in alarms.of_station(station)]
+    with suppress(Busy):
+        found = alarms.with_acknowledgement(found, home)
+    by_key = {each.key: each for each in found}
+    stations = tuple(
+        each.model_copy(update={"alarm": each.alarm and by_key[each.alarm.key]})
+        for each in stations
+    )
     return LineNow(
         stations=stations, alarms=alarms.newest(found), orders=queued, flows=flows, today=made,
         catalogue=fault,
@@ -100,7 +113,7 @@ def _queued(order: ProductionOrder) -> Queued:
         serials=tuple(unit.serial for unit in order.units), procedure=order.procedure,
         client=client, state="running" if order.state == "running" else "waiting",
         since=order.began_at if order.state == "running" and order.began_at else order.ordered_at,
-        hindrance=order.fault,
+        hindrance=statement(shown_cause(order)) if order.fault else None,
     )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.line.card import card
+from flows.pages.line.stop_button import acknowledgement
 from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued
 from flows.pages.local_time import hour_of
 from flows.pages.page import View
@@ -54,10 +55,11 @@ def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
             each.about or None,
             view.say(each.cause),
             view.say(each.todo),
+            acknowledgement(each, view),
         )
         for each in alarms
     ]
-    names = ("at", "station", "about", "cause", "todo")
+    names = ("at", "station", "about", "cause", "todo", "acknowledged")
     return table([message(f"pages-line-alarm.{name}") for name in names], rows, view, 760)
 
 

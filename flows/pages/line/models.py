@@ -22,14 +22,31 @@ class LineQuestion(Frozen):
 
 class AlarmShown(Frozen):
     """Something that a person must see to. station: empty where it is none of a station's; about:
-    the unit, certificate or flow run; at: null where nobody knows when.
+    the unit, certificate or flow run; at: null where nobody knows when. key: identifies the alarm,
+    as long as it stands. acknowledged: by whom and when; null while nobody did.
     """
+
+    key: str
 
     at: AwareDatetime | None
     station: str
     about: str
     cause: Statement
     todo: Statement
+    acknowledged: "Acknowledged | None" = None
+
+
+class Acknowledged(Frozen):
+    """A person saw to an alarm."""
+
+    by: str
+    at: AwareDatetime
+
+
+class AlarmPressed(Frozen):
+    """Whoever is logged in acknowledges an alarm, by its key."""
+
+    alarm: str = Field(pattern="^[0-9a-f]{16}$")
 
 
 class StopPressed(Frozen):
@@ -69,7 +86,7 @@ class Queued(Frozen):
     client: str
     state: Waits
     since: AwareDatetime
-    hindrance: str | None = None
+    hindrance: Statement | None = None
 
 
 class StationNow(Frozen):

@@ -10,13 +10,13 @@ from pydantic import ValidationError
 
 from flows.pages.do.orders import roles_of
 from flows.pages.json_answers import json_answer, refusal
-from flows.pages.line.models import StationNow, StopPressed
+from flows.pages.line.models import AlarmPressed, AlarmShown, StationNow, StopPressed
 from flows.pages.line.stops import stops_of
-from flows.pages.local_time import second_of
+from flows.pages.local_time import hour_of, second_of
 from flows.pages.page import View, view_of_request
 from flows.pages.parts import asking
 from schemas.access import Visitor
-from schemas.base import Frozen, Unusable, first_fault
+from schemas.base import Frozen, NotThere, Unusable, first_fault
 from storage.home import Home
 from tasks.words import message
 
@@ -57,6 +57,21 @@ def lockout(now: StationNow, view: View) -> list[Component]:
     return [html.Div(shown, className="lockout station-now")]
 
 
+def acknowledgement(alarm: AlarmShown, view: View) -> Component | None:
+    """Who saw to an alarm, else the button that says so, for whoever may."""
+    if alarm.acknowledged is not None:
+        by = {"by": alarm.acknowledged.by, "at": hour_of(alarm.acknowledged.at)}
+        return html.Span(view.say(message("pages-line-acknowledged", **by)))
+    if not view.visitor.may("stop"):
+        return None
+    asked: dict[str, Any] = {
+        "data-acknowledge": alarm.key,
+        "data-failed": view.say(message("pages-line-acknowledge.failed")),
+    }
+    word = view.say(message("pages-line-acknowledge"))
+    return html.Button(word, className="acknowledge", **asked)
+
+
 def _outcome_of_stop(now: StationNow, view: View) -> list[Component]:
     """The last stop, for as long as no later run began: a table that may still turn is said so in
     red, and what to do at once.
@@ -73,7 +88,7 @@ def _outcome_of_stop(now: StationNow, view: View) -> list[Component]:
 
 def stop_presses(home: Home) -> Blueprint:
     """POST /api/v1/stop and /api/v1/release with a station: stops it in the name of whoever is
-    logged in, and lets its orders go on.
+    logged in, and lets its orders go on. POST /api/v1/acknowledge with the key of an alarm.
     """
     made = Blueprint("stop", __name__)
 
@@ -85,15 +100,19 @@ def stop_presses(home: Home) -> Blueprint:
     def release() -> Response:
         return _done(lambda station, visitor: stops_of(home).release(station, visitor))
 
+    @made.post("/api/v1/acknowledge")
+    def acknowledge() -> Response:
+        return _done(lambda key, visitor: stops_of(home).acknowledge(key, visitor), AlarmPressed)
+
     return made
 
 
-def _done(act: Callable[[str, Visitor], Frozen]) -> Response:
-    """What an act with the station of the request gave, or why it was refused."""
+def _done(act: Callable[[str, Visitor], Frozen], pressed: type[Frozen] = StopPressed) -> Response:
+    """What an act with the station or the alarm of the request gave, or why it was refused."""
     try:
-        asked = StopPressed.model_validate_json(request.get_data())
-        return json_answer(act(asked.station, view_of_request().visitor).model_dump_json())
+        (about,) = pressed.model_validate_json(request.get_data()).model_dump().values()
+        return json_answer(act(about, view_of_request().visitor).model_dump_json())
     except ValidationError as error:
         return refusal(400, first_fault(error))
     except Unusable as error:
-        return refusal(403, str(error))
+        return refusal(404 if isinstance(error, NotThere) else 403, str(error))

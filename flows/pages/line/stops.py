@@ -7,11 +7,13 @@ from pathlib import Path
 from threading import Lock
 
 from flows.pages.do.orders import check_may
-from flows.pages.line.models import Released, StopShown
+from flows.pages.line import alarms
+from flows.pages.line.models import Acknowledged, LineQuestion, Released, StopShown
 from schemas.access import Visitor
-from schemas.base import Unusable
+from schemas.base import NotThere, Unusable
 from storage.home import Home
-from storage.station_stop import release
+from storage.station_stop import lockout_of, release
+from storage.stations import file_of
 from tasks.stages.stop import stop_station
 
 LOG = logging.getLogger("mimucal.pages.stop")
@@ -32,7 +34,7 @@ class Stops:
     def press(self, station: str, visitor: Visitor) -> StopShown:
         """Stops the station; whatever fails is said in the answer, and never raised.
 
-        Raises Unusable where the role does not allow it.
+        Raises Unusable where the role does not allow it, NotThere for an unknown station.
         """
         check_may("stop", visitor, station, self._home)
         shown = self._stopped(station, visitor.name)
@@ -43,18 +45,37 @@ class Stops:
     def release(self, station: str, visitor: Visitor) -> Released:
         """Lets the orders of a station go on that was stopped.
 
-        Raises Unusable where the role does not allow it, or it cannot be written.
+        Raises Unusable where the role does not allow it, or it cannot be written, NotThere for an
+        unknown station.
         """
         check_may("stop", visitor, station, self._home)
-        release(station, self._home)
+        if lockout_of(station, self._home) is None:
+            file_of(station, self._home)
+        release(station, visitor.name, self._home)
         LOG.info("station %s released by %s", station, visitor.name)
         return Released(station=station, by=visitor.name)
+
+    def acknowledge(self, key: str, visitor: Visitor) -> Acknowledged:
+        """A person saw to an alarm that stands.
+
+        Raises Unusable where the role does not allow it, and where the alarm is over.
+        """
+        check_may("stop", visitor, key, self._home)
+        # late: the data of the page show what was pressed here
+        from flows.pages.line.data import data
+
+        for alarm in data(LineQuestion(), self._home).alarms:
+            if alarm.key == key:
+                return alarms.acknowledge(alarm, visitor.name, self._home)
+        raise NotThere(f"there is no alarm {key} any more; look at the page again")
 
     def _stopped(self, station: str, by: str) -> StopShown:
         try:
             if Path(station).is_file():  # which at a terminal is a station file
-                raise Unusable(f"there is no station {station!r}; press Stop on its card")
+                raise NotThere(f"there is no station {station!r}; press Stop on its card")
             stopped = stop_station(station, by, self._home)
+        except NotThere:
+            raise
         except Exception as error:  # the person must be informed that the table may still turn
             if not isinstance(error, Unusable):
                 LOG.exception("station %s was not stopped", station)

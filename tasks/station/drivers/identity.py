@@ -9,6 +9,7 @@ import serial
 from schemas.base import Unusable
 from schemas.recording import Unit
 from schemas.unit_link import SerialQuery, UnitLink
+from tasks.words import message
 
 ANSWER_S = 2.0
 ASK_EVERY_S = 0.5  # a unit that is busy drops a line; 4 requests in all
@@ -24,11 +25,15 @@ def confirm(unit: Unit, link: UnitLink) -> str | None:
     """
     if link.identify is None:
         return None
-    serial = serial_of(link, link.identify)
+    try:
+        serial = serial_of(link, link.identify)
+    except Unusable as fault:
+        raise Unusable(str(fault), message("station-cause.no-serial", unit=unit.serial)) from fault
     if serial != unit.serial:
         raise Unusable(
             f"the unit on {link.url} says that it is {serial}, and the run is ordered for "
-            f"{unit.serial}: mount {unit.serial}, or order {serial}"
+            f"{unit.serial}: mount {unit.serial}, or order {serial}",
+            message("station-cause.other-unit", found=serial, ordered=unit.serial),
         )
     return serial
 

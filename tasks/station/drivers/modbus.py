@@ -14,6 +14,7 @@ from pymodbus.pdu import ModbusPDU
 
 from schemas.base import Unusable
 from schemas.described import BIT_BANKS, Bank, Connection, ModbusConnection, RegisterType
+from tasks.words import message
 
 Client: TypeAlias = AsyncModbusSerialClient | AsyncModbusTcpClient
 LOG = logging.getLogger("mimucal.station.connection")
@@ -188,7 +189,8 @@ class ModbusLink:
             raise Unusable(
                 f"{self._where} does not answer ({what}, {ATTEMPTS} attempts): check "
                 f"that it is switched on, that the cable is in, and that url and device of the "
-                f"station file are right"
+                f"station file are right",
+                message("station-cause.silent", device=self.url),
             )
         if answer.isError():
             code = answer.exception_code

@@ -15,6 +15,7 @@ from schemas.base import Unusable
 from schemas.described import Query, TextDevice
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Values
+from tasks.words import message
 
 LOG = logging.getLogger("mimucal.station.connection")
 ATTEMPTS = 3
@@ -57,7 +58,8 @@ class TextLink:
         raise Unusable(
             f"the device at {self.url} does not answer “{line}” ({ATTEMPTS} attempts): check that "
             f"it is switched on and connected, and that url, baudrate and terminators in the "
-            f"station file are right"
+            f"station file are right",
+            message("station-cause.silent", device=self.url),
         )
 
     async def _in_thread(self, line: str, is_answered: bool) -> str | None:

@@ -4,6 +4,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import Stream
+from schemas.text import Message
 from schemas.unit_link import AnyFrame, BinaryFrame, UnitLink
 from tasks.station.clock import wall_s
 from tasks.station.drivers.frames import find_binary, find_text
@@ -15,6 +16,7 @@ from tasks.station.drivers.samples import (
     to_stream,
 )
 from tasks.station.ports import Line
+from tasks.words import message
 
 LONGEST_STEP_US = 3_000_000
 STEPS = 10  # of a slow unit, that a step may be long
@@ -180,7 +182,7 @@ class UnitDriver:
             restart = self._restart_in(samples["stamp"])
             return samples[:restart], samples[restart:]
         if self._silent_s > SILENCE_S and not self.is_off:
-            raise Unusable(self._silence())
+            raise Unusable(self._silence(), self._cause())
         if self._line.broken:
             raise Unusable(self._line.broken)
         return no_samples(self.link.frame), no_samples(self.link.frame)
@@ -211,6 +213,13 @@ class UnitDriver:
             )
         self._may_restart = False
         return int(back[0])
+
+    def _cause(self) -> Message:
+        """For the pages."""
+        shown = {"unit": self.link.url, "seconds": f"{SILENCE_S:g}"}
+        return message(
+            f"station-cause.{'no-frame' if self._bytes_since else 'nothing-sent'}", **shown
+        )
 
     def _silence(self) -> str:
         unit = f"the unit on {self.link.url}"

@@ -91,3 +91,34 @@ station-todo =
     .spikes = Check the unit's connector, supply and clamping; if spikes stay, the unit is faulty: reject it.
     .given-up = Take this unit out and check its cable and supply; the others go on. Order it again afterwards.
 station-of-unit = { $unit }: { $alarm }
+
+## Why a run or an order stopped, failed or cannot begin, as the pages show it.
+
+station-cause =
+    .and = { $first } { $rest }
+    .other = The log says why.
+    .other-unit = Unit { $found } is mounted, and the order is for { $ordered }: mount { $ordered }, or order { $found }.
+    .no-serial = Unit { $unit } does not tell its serial number: check its supply and its cable.
+    .busy = Another run is going on at station { $station }.
+    .disk = The disk for recordings has { $free } GiB free, and a run may need { $needed } GiB: free some space.
+    .catalogue = The database of the catalogue cannot be used just now.
+    .locked-out = { $name } stopped station { $station }: release it on the page Line once it may turn.
+    .no-worker = The Prefect worker of the run was lost.
+    .cancelled = The run was cancelled in Prefect.
+    .not-written = The recording could not be written ({ $why }).
+    .during = During “{ $now }”: { $cause }
+    .given-up = Unit { $unit } was abandoned: { $cause }
+    .invalid = The run is invalid: { $reason }
+    .silent = The device at { $device } does not answer: check that it is switched on and connected.
+    .nothing-sent = The unit at { $unit } has sent nothing for { $seconds } s: check its supply and its cable.
+    .died = The process that carried it out ended without a word.
+    .no-frame = The unit at { $unit } has sent bytes and no whole frame for { $seconds } s: check its frame in the station file, its baud rate and its cable.
+
+## What became of an order, for whoever operates the line.
+
+order-outcome =
+    .failed = Order { $number }, unit { $unit } on station { $station }, failed: { $cause } What to do: remove the cause, then repeat or leave the order on the page Do.
+    .refused = Order { $number }, unit { $unit } on station { $station }, was refused: { $cause } What to do: correct it, then repeat the order on the page Do.
+    .waits = Order { $number }, unit { $unit } on station { $station }, has not been able to begin for { $minutes } min: { $cause }
+    .never-begun = Order { $number }, unit { $unit } on station { $station }, was never begun: { $cause }
+    .nothing-takes-it = nothing takes the orders of this station. What to do: see that the station's computer runs and its worker with it.

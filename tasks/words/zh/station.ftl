@@ -94,3 +94,34 @@ station-todo =
     .spikes = 检查器件的接头、供电与夹紧；若仍有野值，则器件有故障：剔除。
     .given-up = 取下该器件，检查其电缆与供电；其余器件继续测量。之后重新下单。
 station-of-unit = { $unit }: { $alarm }
+
+## 采集或委托停止、失败或不能开始的原因（页面上显示）。
+
+station-cause =
+    .and = { $first }{ $rest }
+    .other = 原因见日志。
+    .other-unit = 已安装的器件是 { $found }，委托的是 { $ordered }：请安装 { $ordered }，或改为委托 { $found }。
+    .no-serial = 器件 { $unit } 未报告编号：请检查供电与电缆。
+    .busy = 工位 { $station } 正在进行另一次采集。
+    .disk = 存放记录的磁盘剩余 { $free } GiB，一次采集可能需要 { $needed } GiB：请腾出空间。
+    .catalogue = 目录数据库暂时不能使用。
+    .locked-out = { $name } 停止了工位 { $station }：确认可以转动后，请在“产线”页面解除锁定。
+    .no-worker = 本次采集的 Prefect 工作进程已丢失。
+    .cancelled = 本次采集已在 Prefect 中取消。
+    .not-written = 记录不能写入（{ $why }）。
+    .during = 在“{ $now }”期间：{ $cause }
+    .given-up = 放弃器件 { $unit }：{ $cause }
+    .invalid = 本次采集无效：{ $reason }
+    .silent = { $device } 处的设备无应答：请检查是否通电、连接。
+    .nothing-sent = { $unit } 处的器件已有 { $seconds } s 未发送数据：请检查供电与电缆。
+    .died = 执行进程意外终止。
+    .no-frame = { $unit } 处的器件已有 { $seconds } s 只发送字节而无完整帧：请检查工位文件中的帧格式、波特率与电缆。
+
+## 委托的结果，通知产线操作人员。
+
+order-outcome =
+    .failed = 委托 { $number }（工位 { $station }，器件 { $unit }）失败：{ $cause }处理：排除原因，然后在“操作”页面重做或保留该委托。
+    .refused = 委托 { $number }（工位 { $station }，器件 { $unit }）被拒绝：{ $cause }处理：更正后在“操作”页面重做该委托。
+    .waits = 委托 { $number }（工位 { $station }，器件 { $unit }）已 { $minutes } 分钟不能开始：{ $cause }
+    .never-begun = 委托 { $number }（工位 { $station }，器件 { $unit }）一直没有开始：{ $cause }
+    .nothing-takes-it = 没有进程接收该工位的委托。处理：请确认工位计算机及其工作进程正在运行。

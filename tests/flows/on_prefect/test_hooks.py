@@ -26,6 +26,7 @@ from storage.station_lock import one_run_on, write_status
 from tasks.station.virtual import config
 from tests.flows.order_homes import add_station
 
+BOOTSTRAP = "_workspace_runtime_bootstrap.py"
 CLAIM = "import sys; from storage.catalogue import orders; from storage.home import home; "
 CLAIM += "orders.claim(sys.argv[1], home())"
 
@@ -123,7 +124,7 @@ def test_prefect_finds_our_hook_by_the_import_path_that_it_gives_it(
     away = {"PREFECT_API_URL": "http://127.0.0.1:1/api", "PREFECT_LOGGING_TO_API_ENABLED": "false"}
     files = [str(tmp_path / name) for name in ("manifest", "run", "state")]
     done = subprocess.run(
-        [sys.executable, str(runner / "_workspace_runtime_bootstrap.py"), "hook", "crashed", *files],
+        [sys.executable, str(runner / BOOTSTRAP), "hook", "crashed", *files],
         capture_output=True, text=True, cwd=tmp_path,
         env=os.environ | environment(home) | away | {"PREFECT_CLIENT_MAX_RETRIES": "0"},
     )  # fmt: skip

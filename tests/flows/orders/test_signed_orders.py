@@ -166,14 +166,14 @@ def test_a_flow_run_that_crashed_goes_on_with_its_order_and_no_other_does(
     order: CheckOrder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     signed = sign("check", order)
-    monkeypatch.setattr(signed_orders, "_flow_run", lambda: "first")
+    monkeypatch.setattr(signed_orders, "flow_run", lambda: "first")
     for crash in (Busy, RuntimeError):
         with pytest.raises(crash), accepted("check", signed):
             raise crash
-    monkeypatch.setattr(signed_orders, "_flow_run", lambda: "second")
+    monkeypatch.setattr(signed_orders, "flow_run", lambda: "second")
     with pytest.raises(Unusable, match="used already"):
         taken("check", signed)
-    monkeypatch.setattr(signed_orders, "_flow_run", lambda: "first")
+    monkeypatch.setattr(signed_orders, "flow_run", lambda: "first")
     taken("check", signed)
     with pytest.raises(Unusable, match="used already"):
         taken("check", signed)
@@ -182,7 +182,7 @@ def test_a_flow_run_that_crashed_goes_on_with_its_order_and_no_other_does(
 def test_an_order_that_the_rules_refuse_is_not_kept_for_a_better_moment(
     order: CheckOrder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(signed_orders, "_flow_run", lambda: "first")
+    monkeypatch.setattr(signed_orders, "flow_run", lambda: "first")
     signed = sign("check", order.model_copy(update={"by": "Wang"}))  # who drafted it
     with pytest.raises(Unusable, match="another person"), accepted("check", signed):
         raise Unusable("another person must check it")

@@ -107,3 +107,9 @@ def test_a_question_that_cannot_be_answered_is_refused_with_a_sentence(client: F
     assert refused.status_code == 400
     assert refused.json["error"].startswith("start: ")
     assert client.get("/api/v1/runs?no_such=1").status_code == 400
+
+
+@pytest.mark.parametrize("path", ["", "/", "/nothing", "/line/more", "/stop"])
+def test_an_unknown_address_of_the_api_is_no_page(client: FlaskClient, path: str) -> None:
+    answer = client.get(f"/api/v1{path}")
+    assert (answer.status_code, answer.mimetype) == (404, "application/json")

@@ -211,7 +211,8 @@ def test_failed_orders_and_reminders_are_alarms(tmp_path: Path) -> None:
     assert (failed.station, failed.about) == ("T1", "V7")
     assert "another unit is mounted" in failed.cause.en
     assert (unsent.about, unsent.at) == (number, None)
-    assert "mailbox full" in unsent.cause.zh
+    assert "mailbox full" in unsent.cause.en
+    assert "mailbox" not in unsent.cause.zh  # which is no Chinese
 
 
 def test_without_the_catalogue_stations_are_shown_and_can_be_stopped(
@@ -316,7 +317,10 @@ def test_a_table_that_may_still_turn_is_said_so_until_a_later_run_begins(
 
 
 def test_a_path_is_no_station_for_who_presses_stop(tmp_path: Path, station_file: Path) -> None:
-    assert "there is no station" in press(Home(tmp_path), str(station_file)).json["fault"]
+    for unknown in (str(station_file), "NOWHERE"):
+        answer = press(Home(tmp_path), unknown)
+        assert answer.status_code == 404
+        assert "station" in answer.json["error"]
 
 
 ANSWERS: dict[str, list[dict[str, Any]]] = {

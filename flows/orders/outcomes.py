@@ -1,0 +1,79 @@
+"""What became of an order, said once to whoever operates the line."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from datetime import UTC, datetime, timedelta
+
+from schemas.base import Unusable
+from schemas.production import ProductionOrder, ProductionState
+from storage import settings
+from storage.catalogue import database, orders, trail
+from storage.home import Home
+from storage.station_stop import lockout_of
+from tasks.stages.alert import alert
+from tasks.words import Message, Sayable, cause_of, message
+
+LINE = "line"  # the person of what the program itself enters in the trail
+FAILED: tuple[ProductionState, ...] = ("failed",)
+RECENT = timedelta(days=1)  # an older outcome is no news
+LATE = timedelta(minutes=15)  # a person mounts a unit, a computer starts, within that
+
+
+def tell(home: Home) -> None:
+    """Alert the operators to every outcome that they were not alerted to yet.
+
+    Those are orders that failed or were refused, and the next order of a station that nothing takes
+    although nothing runs there. Whoever comes here first alerts, and the trail says so.
+    """
+    now = datetime.now(UTC)
+    with suppress(Unusable):  # without the catalogue nobody knows what was said
+        for order in orders.listed(home, states=FAILED, last=orders.MANY):
+            if order.ended_at is not None and now - order.ended_at < RECENT:
+                outcome = "failed" if order.attempts else "refused"
+                say_once(order, outcome, shown_cause(order), home)
+        for order in _never_begun(now, home):
+            say_once(order, "never-begun", message("order-outcome.nothing-takes-it"), home)
+
+
+def say_once(order: ProductionOrder, outcome: str, cause: Sayable, home: Home) -> None:
+    """Alert the operators, where the home names any and nobody did it for this attempt before."""
+    asked = settings.reminders(home)
+    if asked is None or asked.operators is None:
+        return
+    with database.changing(home) as connection:
+        is_new = trail.add_once(
+            connection, LINE, "alert", order.number, outcome=outcome, attempt=order.attempts
+        )
+    if not is_new:
+        return
+    alert(home, sentence_of(order, outcome, cause))
+
+
+def sentence_of(order: ProductionOrder, outcome: str, cause: Sayable) -> Message:
+    """Which order of which unit, what became of it on which station, why, and what to do."""
+    about = {"number": order.number, "unit": order.serials, "station": order.station}
+    minutes = f"{LATE.total_seconds() / 60:.0f}"
+    return message(f"order-outcome.{outcome}", **about, minutes=minutes, cause=cause)
+
+
+def shown_cause(order: ProductionOrder) -> Sayable:
+    """Why an order failed, or does not begin, as pages and alerts show it."""
+    return order.cause or cause_of(order.fault or "")
+
+
+def _never_begun(now: datetime, home: Home) -> Iterator[ProductionOrder]:
+    """The next order of each station where none is carried out, or kept from beginning."""
+    begun = {each.station for each in orders.running(home)}
+    next_of: dict[str, ProductionOrder] = {}
+    hindered = set()
+    for each in orders.waiting(home):
+        next_of.setdefault(each.station, each)
+        if each.fault:
+            hindered.add(each.station)
+    for station, order in next_of.items():
+        if station in begun | hindered or lockout_of(station, home):
+            continue
+        last = orders.listed(home, station, ("done", "failed", "cancelled"), last=1)
+        ended = [each.ended_at for each in last if each.ended_at]
+        if now - max((order.ordered_at, *ended)) > LATE:
+            yield order
