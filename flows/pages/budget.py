@@ -43,7 +43,7 @@ def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
     rows = [
         (
             f"{view.say(name_of(each))} ({each.symbol})",
-            f"{each.kind}, {view.say(message(f'pages-distribution.{each.distribution}'))}",
+            f"{each.kind}, {view.text(f'pages-distribution.{each.distribution}')}",
             f"{plain(each.u)} {unit_text(each.unit)}",
             plain(each.sensitivity),
             f"{plain(each.contribution)} {unit}",

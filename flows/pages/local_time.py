@@ -29,15 +29,13 @@ def minute_of(moment: datetime) -> str:
     return f"{moment.astimezone():%F %R}"
 
 
-def stated_minute(text: str) -> str:
-    """A moment in ISO 8601 as `minute_of` has it; of one without a zone its own minute, and any
-    other text as it is.
-    """
+def day_in(text: str) -> str:
+    """The day there of a moment in ISO 8601, its own day where it has no zone; any other text."""
     try:
         moment = datetime.fromisoformat(text)
     except ValueError:
         return text
-    return minute_of(moment) if moment.tzinfo else f"{moment:%F %R}"
+    return str(day_of(moment) if moment.tzinfo else moment.date())
 
 
 def hour_of(moment: datetime) -> str:

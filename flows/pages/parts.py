@@ -9,7 +9,7 @@ from dash import dcc
 from dash.development.base_component import Component
 
 from flows.pages.page import View
-from tasks.words import Message, Sayable, cause_of, identifiers, message
+from tasks.words import Message, Sayable, cause_of, identifiers
 
 OWN_WORDS = "pages-grid-"
 GRID_OPTIONS: dict[str, Any] = {
@@ -45,12 +45,12 @@ def _cell(cell: Cell) -> Component:
 def notice(view: View, words: str, color: str, fault: Exception | str = "") -> Component:
     """What stands in the place of a page or of what was asked for, with the cause of the fault."""
     cause = view.say(cause_of(fault)) if fault else ""
-    return dmc.Alert(cause, title=view.say(message(words)), color=color, className="notice")
+    return dmc.Alert(cause, title=view.text(words), color=color, className="notice")
 
 
 def asking(question: Sayable, view: View) -> dict[str, str]:
     """What a button carries that acts after a question alone; `asking.js` puts it."""
-    yes, no = (view.say(message(f"pages-asking.{word}")) for word in ("yes", "no"))
+    yes, no = (view.text(f"pages-asking.{word}") for word in ("yes", "no"))
     return {"data-ask": view.say(question), "data-yes": yes, "data-no": no}
 
 
@@ -74,4 +74,4 @@ def _fact(value: Cell) -> Component:
 
 def locale(view: View) -> dict[str, str]:
     """The grid's words by its own keys, which are the ends of the identifiers."""
-    return {id_.removeprefix(OWN_WORDS): view.say(message(id_)) for id_ in identifiers(OWN_WORDS)}
+    return {id_.removeprefix(OWN_WORDS): view.text(id_) for id_ in identifiers(OWN_WORDS)}

@@ -105,7 +105,7 @@ def layout(shown: RunsShown, view: View, question: RunsQuestion) -> Component:
         dashGridOptions=GRID_OPTIONS | {"localeText": locale(view), "cacheBlockSize": AT_ONCE},
         style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
     )  # fmt: skip
-    count = view.say(message("pages-runs-count", count=shown.total))
+    count = view.text("pages-runs-count", count=shown.total)
     return dmc.Stack([dmc.Text(count, id="runs-count"), grid], gap="xs")
 
 
@@ -125,14 +125,14 @@ def callbacks(app: Dash, home: Home) -> None:
         start = int(request["startRow"])
         total, runs = run_list(conditions, order, start, AT_ONCE, home)
         found = {"rowData": [row(run, view) for run in runs], "rowCount": total}
-        return found, view.say(message("pages-runs-count", count=total))
+        return found, view.text("pages-runs-count", count=total)
 
 
 def columns(view: View) -> list[dict[str, Any]]:
     """The columns of the grid; `State` and the links are renderers in assets/grid.js."""
 
     def column(name: str, width: int, kind: str = "Text", **more: Any) -> dict[str, Any]:
-        heading = view.say(message(f"pages-column-{name.replace('_', '-')}"))
+        heading = view.text(f"pages-column-{name.replace('_', '-')}")
         return {
             "field": name, "headerName": heading, "width": width, "minWidth": 90,
             "filter": f"ag{kind}ColumnFilter", "floatingFilter": True, **more,

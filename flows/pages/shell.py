@@ -18,7 +18,7 @@ from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
 from storage.catalogue.connection import Busy
 from storage.home import Home
-from tasks.words import LANGUAGES, message
+from tasks.words import LANGUAGES
 
 RETRY_S = 5.0  # after which a page that the database did not answer is asked for again
 NEVER = 86_400_000  # ms
@@ -51,12 +51,10 @@ def _header(view: View) -> Component:
         for page in PAGES
         if page.in_navigation
     ]
-    languages = [
-        {"value": name, "label": View(name).say(message("language-name"))} for name in LANGUAGES
-    ]
+    languages = [{"value": name, "label": View(name).text("language-name")} for name in LANGUAGES]
     themes = [
-        {"value": "light", "label": view.say(message("pages-light"))},
-        {"value": "dark", "label": view.say(message("pages-dark"))},
+        {"value": "light", "label": view.text("pages-light")},
+        {"value": "dark", "label": view.text("pages-dark")},
     ]
     switches = [
         dmc.SegmentedControl(id="language", data=languages, value=view.language, size="xs"),
@@ -75,10 +73,10 @@ def _person(view: View) -> list[Component]:
     """Who is logged in, and the way out; nobody where the home has no users."""
     if not view.visitor.name:
         return []
-    role = view.say(message(f"pages-role.{view.visitor.role}"))
+    role = view.text(f"pages-role.{view.visitor.role}")
     leave = [
         dcc.Input(type="hidden", name="csrf_token", value=generate_csrf()),
-        html.Button(view.say(message("pages-login.leave")), type="submit", className="leave"),
+        html.Button(view.text("pages-login.leave"), type="submit", className="leave"),
     ]
     return [
         dmc.Text(f"{view.visitor.name} ({role})", size="xs", truncate="end", maw=140),

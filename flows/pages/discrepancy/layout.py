@@ -18,7 +18,7 @@ from flows.pages.discrepancy.models import (
     Shown,
     UncertainTime,
 )
-from flows.pages.local_time import second_of, stated_minute
+from flows.pages.local_time import day_in, second_of
 from flows.pages.page import View
 from flows.pages.parts import Cell, facts, link, table
 from flows.pages.query_controls import asks
@@ -60,7 +60,7 @@ def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -
 
 
 def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-mismatch-{name}")), order=3, mt="sm")
+    return dmc.Title(view.text(f"pages-mismatch-{name}"), order=3, mt="sm")
 
 
 def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
@@ -69,9 +69,9 @@ def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion)
     asked = question.model_dump()
     controls = [
         dmc.Select(
-            id=asks(name, asked[name]), label=view.say(message(f"pages-mismatch-asked.{name}")),
+            id=asks(name, asked[name]), label=view.text(f"pages-mismatch-asked.{name}"),
             data=list(values[name]), value=asked[name], searchable=True, clearable=True,
-            placeholder=view.say(message("pages-mismatch-all")),
+            placeholder=view.text("pages-mismatch-all"),
         )
         for name in ASKED
     ]  # fmt: skip
@@ -81,7 +81,7 @@ def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion)
 def _review(review: ReviewShown, view: View) -> list[Component]:
     asked = ", ".join(_asked(name, value, view) for name, value in review.asked.items())
     days = f"{review.days[0]} … {review.days[1]}" if review.days else None
-    everything = view.say(message("pages-mismatch-all"))
+    everything = view.text("pages-mismatch-all")
     about = facts(
         [
             (message("pages-mismatch-fact.at"), second_of(review.at)),
@@ -105,9 +105,9 @@ def _review(review: ReviewShown, view: View) -> list[Component]:
 def _asked(name: str, value: str, view: View) -> str:
     """A part of what a review was asked of, in words."""
     if name == "paths":
-        return view.say(message("pages-mismatch-recordings", count=int(value)))
+        return view.text("pages-mismatch-recordings", count=int(value))
     kind = "fact" if name in ("since", "until") else "asked"
-    return f"{view.say(message(f'pages-mismatch-{kind}.{name}'))} {value}"
+    return f"{view.text(f'pages-mismatch-{kind}.{name}')} {value}"
 
 
 def _state(verdict: Verdict) -> StepState:
@@ -119,7 +119,7 @@ def _state(verdict: Verdict) -> StepState:
 def _carrier(of: Sequence[Carried], view: View) -> Component:
     """A station, unit, model, lot or site once, with everything that was found of it."""
     finding = of[0].finding
-    name = view.say(message(f"pages-mismatch-level.{finding.level}")) + f" {finding.carrier}"
+    name = view.text(f"pages-mismatch-level.{finding.level}") + f" {finding.carrier}"
     parts = [part for each in of for part in _carried(each, view)]
     head = dmc.Title(name, order=4)
     return dmc.Card(dmc.Stack([head, *parts], gap="xs"), withBorder=True, className="carried")
@@ -143,7 +143,7 @@ def _carried(carried: Carried, view: View) -> list[Component]:
             (message("pages-mismatch-fact.sizes"), sizes),
             (
                 message("pages-mismatch-fact.clear"),
-                view.say(message("pages-mismatch-clear", z=plain(evidence.per_run_z_median, 2))),
+                view.text("pages-mismatch-clear", z=plain(evidence.per_run_z_median, 2)),
             ),
         ],
         view,
@@ -167,21 +167,21 @@ def _to_do(finding: ReviewFinding, view: View) -> Component:
     step = next_step(finding.effect)
     steps += [step] if step and not steps else []
     texts = [dmc.Text(f"→ {view.say(each)}") for each in steps]
-    order = dcc.Link(view.say(message("pages-action.acquire")), href="/do", className="button")
+    order = dcc.Link(view.text("pages-action.acquire"), href="/do", className="button")
     return dmc.Stack([*texts, dmc.Group(order)], gap=4)
 
 
 def _moment(moment: Moment | None, view: View) -> str | None:
-    """The moment, and the ones between which the change lies with 95 %."""
+    """The day, and the days between which the change lies with 95 %."""
     if moment is None:
         return None
     at, earliest, latest, without = map(
-        stated_minute, (moment.at, moment.earliest, moment.latest, moment.without)
+        day_in, (moment.at, moment.earliest, moment.latest, moment.without)
     )
     if not without:
         return f"{at} (95 %: {earliest} … {latest})"
     low, high = (without, latest) if without < earliest else (earliest, without)
-    return view.say(message("pages-mismatch-between", at=at, low=low, high=high))
+    return view.text("pages-mismatch-between", at=at, low=low, high=high)
 
 
 def _uncertain(time: UncertainTime, view: View) -> Component:
@@ -231,7 +231,7 @@ def _touched(papers: Papers | None, query: dict[str, str] | None, view: View) ->
 
 
 def _runs_link(query: dict[str, str], view: View) -> Component:
-    return link(view.say(message("pages-mismatch-their-runs")), "/runs", **query)
+    return link(view.text("pages-mismatch-their-runs"), "/runs", **query)
 
 
 def _effect(seen: EffectSeen, view: View) -> Component:
@@ -244,7 +244,7 @@ def _effect(seen: EffectSeen, view: View) -> Component:
     ]
     days = f"{seen.since} … {seen.until}" if seen.since else None
     moved = ", ".join(map(_in_U, seen.moved))
-    counted = view.say(message("pages-mismatch-in-runs", count=seen.runs))
+    counted = view.text("pages-mismatch-in-runs", count=seen.runs)
     head = dmc.Group([
         dmc.Title(view.say(seen.title), order=4), dmc.Code(seen.effect),
         link(counted, "/mismatch", effect=seen.effect),
@@ -283,7 +283,7 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
         for f in run.findings
     ]  # fmt: skip
     report = html.A(
-        view.say(message("pages-mismatch-report")), href=f"/explained/{run.run}.html",
+        view.text("pages-mismatch-report"), href=f"/explained/{run.run}.html",
         className="whole",
         target="_blank",
     )  # fmt: skip

@@ -74,7 +74,7 @@ class ReviewShown(Frozen):
 
 
 class Shown(Frozen):
-    """In how many of its explained runs a station, unit or model shows an effect. model: of a unit."""
+    """In how many of its explained runs a station, unit or model shows an effect. model: of units."""
 
     name: str
     model: str | None = None

@@ -88,18 +88,18 @@ def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
     allowed = [action for action in FIELDS if view.visitor.may(action)]
     forms = [_form(action, shown, question, view) for action in allowed]
     why = "pages-do-nothing" if view.visitor.name else "pages-do-nobody"
-    nothing = dmc.Alert(view.say(message(why)), color="gray")
-    busy: dict[str, Any] = {"data-busy": view.say(message("pages-do-busy"))}
+    nothing = dmc.Alert(view.text(why), color="gray")
+    busy: dict[str, Any] = {"data-busy": view.text("pages-do-busy")}
     return dmc.Stack(
         [
             html.Div(html.Div(id="do-answer"), className="answer", **busy),
             dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
-            dmc.Title(view.say(message("pages-do-queue")), order=3),
+            dmc.Title(view.text("pages-do-queue"), order=3),
             dmc.Box(_production(shown, view), id="do-production"),
-            dmc.Title(view.say(message("pages-do-orders")), order=3),
+            dmc.Title(view.text("pages-do-orders"), order=3),
             dmc.Box(_orders(shown.orders, view), id="do-orders"),
             dcc.Interval(id="do-again", interval=REFRESH_MS),
-            dmc.Title(view.say(message("pages-do-roles")), order=3),
+            dmc.Title(view.text("pages-do-roles"), order=3),
             _roles(view),
         ]
     )
@@ -107,7 +107,7 @@ def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
 
 def _form(action: Action, shown: DoShown, question: DoQuestion, view: View) -> Component:
     """A certificate's card ends with what is said of the chosen one, and the button with it."""
-    title = dmc.Title(view.say(message(f"pages-action.{action}")), order=4)
+    title = dmc.Title(view.text(f"pages-action.{action}"), order=4)
     fields = [_field(action, name, shown, question, view) for name in FIELDS[action]]
     of_paper = "certificate" in FIELDS[action]
     end = dmc.Box(id={"of": action, "shows": "chosen"}) if of_paper else _button(action, view)
@@ -115,7 +115,7 @@ def _form(action: Action, shown: DoShown, question: DoQuestion, view: View) -> C
 
 
 def _button(action: Action, view: View, **more: Any) -> Component:
-    word, color = view.say(message(f"pages-action.{action}")), "blue"
+    word, color = view.text(f"pages-action.{action}"), "blue"
     if action == "withdraw":
         color = "red"
     return dmc.Button(
@@ -152,7 +152,7 @@ def chosen(action: Action, number: str | None, view: View, home: Home) -> Compon
         (message("pages-items-column.limits"), view.say(limits)),
     ]
     pdf = html.A(
-        view.say(message("pages-do-pdf")), href=f"/certificate/{number}.pdf", target="_blank",
+        view.text("pages-do-pdf"), href=f"/certificate/{number}.pdf", target="_blank",
         className="button",
     )  # fmt: skip
     question = message("pages-do-withdraw", certificate=number)
@@ -173,7 +173,7 @@ def _field(
     if action == "acquire":
         chosen["station"] = list(shown.stations)
     id_ = {"of": action, "field": name}
-    label = view.say(message(f"pages-do-field.{name.replace('_', '-')}"))
+    label = view.text(f"pages-do-field.{name.replace('_', '-')}")
     given, needed = getattr(question, name, None), name in REQUIRED.get(action, ())
     if name not in chosen:
         return dmc.TextInput(id=id_, label=label, value=given or "", withAsterisk=needed)
@@ -189,12 +189,12 @@ def _certificates(action: str, shown: DoShown) -> list[str]:
 
 def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
     if not given:
-        return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
+        return dmc.Text(view.text("pages-do-no-order"), size="sm")
     rows = [
         (
             second_of(each.at),
             each.person,
-            view.say(message(f"pages-action.{each.action}")),
+            view.text(f"pages-action.{each.action}"),
             each.subject,
             dmc.Group([
                 badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
@@ -211,7 +211,7 @@ def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
 def _production(shown: DoShown, view: View) -> Component:
     """The queue by station, unit and procedure, with what can be done about each order."""
     if not shown.production:
-        return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
+        return dmc.Text(view.text("pages-do-no-order"), size="sm")
     rows = [
         (
             each.station,
@@ -244,15 +244,15 @@ def _step(order: ProductionOrder, view: View) -> Component | None:
     if step is None or not view.visitor.may("acquire"):
         return None
     id_ = {"step": step, "number": order.number}
-    return dmc.Button(view.say(message(f"pages-order-step.{step}")), id=id_)
+    return dmc.Button(view.text(f"pages-order-step.{step}"), id=id_)
 
 
 def _roles(view: View) -> Component:
     """Which role may do what, as it stands."""
     rows = [
         (
-            view.say(message(f"pages-action.{action}")),
-            view.say(message("pages-roles", roles=roles_of(action))),
+            view.text(f"pages-action.{action}"),
+            view.text("pages-roles", roles=roles_of(action)),
         )
         for action in MAY
     ]
@@ -317,7 +317,7 @@ def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Compo
     known = next((each for each in FIELDS if each == action), None)
     if known is None or not all(isinstance(value, str) for value in fields.values()):
         LOGGER.warning("order %s refused to %s: no such order", plain(action), view.visitor.name)
-        return dmc.Alert(view.say(message("pages-not-answered")), color="red")
+        return dmc.Alert(view.text("pages-not-answered"), color="red")
     try:
         subject = orders_of(home).give(known, fields, view.visitor)
     except Unusable as error:
@@ -333,6 +333,4 @@ def step_answer(button: dict[str, str], view: View, home: Home) -> Component:
     except Unusable as error:
         return notice(view, "pages-do-refused", "red", error)
     step = message(f"pages-order-step.{button['step']}")
-    return dmc.Alert(
-        view.say(message("pages-do-done", action=step, subject=subject)), color="green"
-    )
+    return dmc.Alert(view.text("pages-do-done", action=step, subject=subject), color="green")

@@ -15,7 +15,7 @@ from flows.pages.pictures import BLUE, Figure, figure, picture
 from flows.pages.query_controls import asks
 from flows.pages.states import Kind, StepState, badge
 from schemas.text import text_in
-from tasks.words import message
+from tasks.words import cause_of, message
 
 HORIZONS = (0, 30, 60, 90, 180, 365)  # days
 MESSAGE_KINDS: dict[str, Kind] = {"sent": "good", "failed": "bad", "waiting": "open"}
@@ -44,23 +44,23 @@ def layout(shown: DueShown, view: View, question: DueQuestion) -> Component:
 
 
 def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-due-heading.{name}")), order=3, mt="sm")
+    return dmc.Title(view.text(f"pages-due-heading.{name}"), order=3, mt="sm")
 
 
 def _none(name: str, view: View) -> Component:
-    return dmc.Text(view.say(message(f"pages-due-none.{name}")), size="sm")
+    return dmc.Text(view.text(f"pages-due-none.{name}"), size="sm")
 
 
 def _choices(shown: DueShown, view: View, question: DueQuestion) -> Component:
     def select(name: str, values: list[Any], value: object, *, needed: bool = False) -> Component:
         return dmc.Select(
-            id=asks(name, value), label=view.say(message(f"pages-due-asked.{name}")), data=values,
+            id=asks(name, value), label=view.text(f"pages-due-asked.{name}"), data=values,
             value=None if value is None else str(value), searchable=True, clearable=not needed,
-            placeholder="" if needed else view.say(message("pages-due-all")), allowDeselect=False,
+            placeholder="" if needed else view.text("pages-due-all"), allowDeselect=False,
         )  # fmt: skip
 
     horizons = [
-        {"value": str(days), "label": view.say(message("pages-due-within", days=days))}
+        {"value": str(days), "label": view.text("pages-due-within", days=days)}
         for days in sorted({*HORIZONS, question.within})
     ]
     clients = {each[0]: {"value": each[0], "label": _client(each, view)} for each in shown.clients}
@@ -99,7 +99,7 @@ def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component
 
 
 def _column(name: str, view: View) -> dict[str, Any]:
-    heading = view.say(message(f"pages-due-column.{name}"))
+    heading = view.text(f"pages-due-column.{name}")
     of_column: dict[str, dict[str, Any]] = {
         "name": {"cellRenderer": "UnitLink", "flex": 2, "minWidth": 190},
         "client": {"minWidth": 150},
@@ -141,7 +141,7 @@ def _months(shown: DueShown, view: View) -> Figure:
         "y": [each.units for each in shown.months], "marker": {"color": BLUE},
         "hovertemplate": "%{x}: %{y}<extra></extra>",
     }  # fmt: skip
-    title = view.say(message("pages-due-months"))
+    title = view.text("pages-due-months")
     return figure([bars], view, 260, xaxis={"type": "category", "tickangle": -40},
                   yaxis={"rangemode": "tozero", "title": {"text": title}},
                   margin={"t": 10, "r": 10, "l": 55, "b": 60})  # fmt: skip
@@ -160,11 +160,11 @@ def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
     return (
         minute_of(each.at),
         each.certificate,
-        view.say(message(f"pages-due-occasion.{side}", days=abs(each.days))),
+        view.text(f"pages-due-occasion.{side}", days=abs(each.days)),
         each.channel,
         badge(StepState(message(f"pages-due-sent.{each.state}"), MESSAGE_KINDS[each.state]), view),
         str(each.tries),
-        each.fault,
+        each.fault and view.say(cause_of(each.fault)),
     )
 
 

@@ -28,7 +28,7 @@ RUNS = ("begun", "warming_up", "measuring", "repeating", "paused", "turning_over
 
 def card(now: StationNow, view: View) -> Component:
     """State and station, units, segment and remaining time, alarm, queue, and Stop."""
-    word = view.say(message(f"pages-line-state.{now.state.replace('_', '-')}"))
+    word = view.text(f"pages-line-state.{now.state.replace('_', '-')}")
     head = [
         html.Div(word, className="station-state"),
         html.Div(now.station, className="station-id"),
@@ -103,7 +103,7 @@ def _duration(seconds: float) -> Sayable:
 def _details(run: RunStatus, view: View) -> str:
     rates = [f"{name} {rate:.1f} Hz" for name, rate in run.rates_hz.items()]
     noise = [f"{name} {value:.2g} {UNITS.get(name, '')}" for name, value in run.noise.items()]
-    at = view.say(message("pages-line-at", at=second_of(run.at)))
+    at = view.text("pages-line-at", at=second_of(run.at))
     return " · ".join([at, *rates, *noise])
 
 

@@ -6,13 +6,13 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.line.card import card
-from flows.pages.line.stop_button import acknowledgement
 from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued
+from flows.pages.line.stop_button import acknowledgement
 from flows.pages.local_time import hour_of
 from flows.pages.page import View
-from flows.pages.parts import facts, table
+from flows.pages.parts import facts, notice, table
 from flows.pages.states import Kind, StepState, badge
-from tasks.words import message
+from tasks.words import cause_of, message
 
 COLUMNS = 3  # of cards on a wide screen; more would be too small to be read from three metres
 
@@ -21,24 +21,23 @@ def layout(line: LineNow, view: View, _: LineQuestion) -> Component:
     """A card for each station, then alarms, orders, flow runs and the day."""
     parts = [_stations(line, view), _heading("alarms", view), _alarms(line.alarms, view)]
     if line.catalogue is not None:
-        words = view.say(message("pages-no-database"))
-        parts.insert(0, dmc.Alert(line.catalogue, title=words, color="red"))
+        parts.insert(0, notice(view, "pages-no-database", "red"))
     if line.today is not None:
         parts += [_heading("orders", view), _orders(line.orders, view)]
     parts += [_heading("flows", view), _flows(line.flows, view)]
     if line.today is not None:
-        title = view.say(message("pages-line-today", day=str(line.today.day)))
+        title = view.text("pages-line-today", day=str(line.today.day))
         parts += [dmc.Title(title, order=3, mt="sm"), _today(line.today, view)]
     return dmc.Stack(parts, gap="sm")
 
 
 def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-line-heading.{name}")), order=3, mt="sm")
+    return dmc.Title(view.text(f"pages-line-heading.{name}"), order=3, mt="sm")
 
 
 def _stations(line: LineNow, view: View) -> Component:
     if not line.stations:
-        return dmc.Text(view.say(message("pages-line-no-station")))
+        return dmc.Text(view.text("pages-line-no-station"))
     widest = min(COLUMNS, len(line.stations))
     columns = {"base": 1, "sm": min(2, widest), "lg": widest}
     cards = [card(each, view) for each in line.stations]
@@ -47,7 +46,7 @@ def _stations(line: LineNow, view: View) -> Component:
 
 def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
     if not alarms:
-        return dmc.Text(view.say(message("pages-line-none.alarms")), size="sm")
+        return dmc.Text(view.text("pages-line-none.alarms"), size="sm")
     rows = [
         (
             hour_of(each.at) if each.at else None,
@@ -66,7 +65,7 @@ def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
 def _orders(orders: Sequence[Queued], view: View) -> Component:
     """The queue of each station, what runs first."""
     if not orders:
-        return dmc.Text(view.say(message("pages-line-none.orders")), size="sm")
+        return dmc.Text(view.text("pages-line-none.orders"), size="sm")
     rows = [
         (
             each.station,
@@ -90,11 +89,11 @@ def _waits(order: Queued) -> StepState:
 
 def _flows(flows: Flows, view: View) -> Component:
     if not flows.server:
-        return dmc.Text(view.say(message("pages-line-no-server")), size="sm")
+        return dmc.Text(view.text("pages-line-no-server"), size="sm")
     if flows.fault is not None:
-        return dmc.Alert(flows.fault, color="red")
+        return dmc.Alert(view.say(cause_of(flows.fault)), color="red")
     if not flows.runs:
-        return dmc.Text(view.say(message("pages-line-none.flows")), size="sm")
+        return dmc.Text(view.text("pages-line-none.flows"), size="sm")
     rows = [
         (
             each.deployment,

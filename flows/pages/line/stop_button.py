@@ -31,9 +31,9 @@ def stop_button(station: str, view: View) -> Component:
         return html.Div(view.say(hint), className="station-details")
     asked: dict[str, Any] = {
         "data-stop": station,
-        "data-failed": view.say(message("pages-line-stop.failed")),
+        "data-failed": view.text("pages-line-stop.failed"),
     }
-    word = view.say(message("pages-line-stop"))
+    word = view.text("pages-line-stop")
     return html.Button([html.Span(className="stop-sign"), word], className="stop", **asked)
 
 
@@ -45,14 +45,14 @@ def lockout(now: StationNow, view: View) -> list[Component]:
     if now.lockout is None:
         return [html.Div(shown, className="lockout")] if shown else []
     stopped = {"by": now.lockout.by, "at": second_of(now.lockout.at)}
-    shown.append(html.Div(view.say(message("pages-line-lockout", **stopped))))
+    shown.append(html.Div(view.text("pages-line-lockout", **stopped)))
     if view.visitor.may("stop"):
         asked: dict[str, Any] = {
             "data-release": now.station,
-            "data-failed": view.say(message("pages-line-lockout.failed")),
+            "data-failed": view.text("pages-line-lockout.failed"),
             **asking(message("pages-line-lockout.ask", station=now.station), view),
         }
-        word = view.say(message("pages-line-lockout.release"))
+        word = view.text("pages-line-lockout.release")
         shown.append(html.Button(word, className="release", **asked))
     return [html.Div(shown, className="lockout station-now")]
 
@@ -61,14 +61,14 @@ def acknowledgement(alarm: AlarmShown, view: View) -> Component | None:
     """Who saw to an alarm, else the button that says so, for whoever may."""
     if alarm.acknowledged is not None:
         by = {"by": alarm.acknowledged.by, "at": hour_of(alarm.acknowledged.at)}
-        return html.Span(view.say(message("pages-line-acknowledged", **by)))
+        return html.Span(view.text("pages-line-acknowledged", **by))
     if not view.visitor.may("stop"):
         return None
     asked: dict[str, Any] = {
         "data-acknowledge": alarm.key,
-        "data-failed": view.say(message("pages-line-acknowledge.failed")),
+        "data-failed": view.text("pages-line-acknowledge.failed"),
     }
-    word = view.say(message("pages-line-acknowledge"))
+    word = view.text("pages-line-acknowledge")
     return html.Button(word, className="acknowledge", **asked)
 
 
@@ -80,8 +80,8 @@ def _outcome_of_stop(now: StationNow, view: View) -> list[Component]:
     if stop is None or (now.run is not None and now.run.began_at > stop.at):
         return []
     rest = "at-rest" if stop.is_at_rest else "not-at-rest"
-    words = view.say(message(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at)))
-    fault = [html.Div(stop.fault)] if stop.fault else []
+    words = view.text(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))
+    fault = [html.Div(view.say(stop.cause))] if stop.cause else []
     color = "good" if stop.is_at_rest else "bad"
     return [html.Div(words, className=f"at-rest alarm-{color}"), *fault]
 

@@ -12,9 +12,10 @@ from flows.pages.line.models import Acknowledged, LineQuestion, Released, StopSh
 from schemas.access import Visitor
 from schemas.base import NotThere, Unusable
 from storage.home import Home
-from storage.station_stop import lockout_of, release
+from storage.station_stop import answer_in, lockout_of, release
 from storage.stations import file_of
 from tasks.stages.stop import stop_station
+from tasks.words import cause_of
 
 LOG = logging.getLogger("mimucal.pages.stop")
 
@@ -28,8 +29,17 @@ class Stops:
         self._one_at_a_time = Lock()
 
     def last(self, station: str) -> StopShown | None:
-        """The last one of a station since the pages are served."""
-        return self._last.get(station)
+        """The last one of a station: pressed here since the pages are served, or else the one
+        that keeps its orders waiting, if its run answered where the table was.
+        """
+        lockout = lockout_of(station, self._home)
+        pressed = self._last.get(station)
+        if lockout is None or (pressed is not None and pressed.at > lockout.at):
+            return pressed
+        answer = answer_in(self._home.locks, lockout)
+        if answer is None or answer.at_rest is None:
+            return pressed
+        return StopShown(by=lockout.by, at=lockout.at, is_at_rest=answer.at_rest, fault="")
 
     def press(self, station: str, visitor: Visitor) -> StopShown:
         """Stops the station; whatever fails is said in the answer, and never raised.
@@ -80,10 +90,13 @@ class Stops:
             if not isinstance(error, Unusable):
                 LOG.exception("station %s was not stopped", station)
             fault = str(error) or type(error).__name__
-            return StopShown(by=by, at=datetime.now(UTC), is_at_rest=False, fault=fault)
+            return StopShown(
+                by=by, at=datetime.now(UTC), is_at_rest=False, fault=fault, cause=cause_of(error)
+            )
         return StopShown(
-            by=by, at=datetime.now(UTC), is_at_rest=stopped.at_rest, fault=stopped.fault
-        )
+            by=by, at=datetime.now(UTC), is_at_rest=stopped.at_rest, fault=stopped.fault,
+            cause=cause_of(stopped.fault) if stopped.fault else None,
+        )  # fmt: skip
 
 
 @cache

@@ -11,7 +11,6 @@ from flows.pages.page import View
 from flows.pages.quality.models import QualityQuestion, QualityShown
 from storage.home import Home
 from tasks.specifications.items import symbol
-from tasks.words import message
 
 ASKED = ("model", "item", "element", "station", "serial", "since", "until", "plot")
 
@@ -28,21 +27,21 @@ def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Compo
         [{"value": e, "label": symbol(item.item, e)} for e in item.elements] if item else []
     )
     plots = [
-        {"value": each, "label": view.say(message(f"pages-quality-plot.{each}"))}
+        {"value": each, "label": view.text(f"pages-quality-plot.{each}")}
         for each in ("value", "change")
     ]
 
     def select(name: str, values: Sequence[Any], *, needed: bool = False) -> Component:
         return dmc.Select(
-            id=f"quality-{name}", label=view.say(message(f"pages-quality-asked.{name}")),
+            id=f"quality-{name}", label=view.text(f"pages-quality-asked.{name}"),
             data=list(values), value=asked[name], searchable=True, clearable=not needed,
-            placeholder="" if needed else view.say(message("pages-quality-all")),
+            placeholder="" if needed else view.text("pages-quality-all"),
             allowDeselect=False,
         )  # fmt: skip
 
     def day(name: str) -> Component:
         return dmc.DateInput(
-            id=f"quality-{name}", label=view.say(message(f"pages-quality-asked.{name}")),
+            id=f"quality-{name}", label=view.text(f"pages-quality-asked.{name}"),
             value=asked[name], valueFormat="YYYY-MM-DD", clearable=True, placeholder="YYYY-MM-DD",
         )  # fmt: skip
 

@@ -44,7 +44,7 @@ WithCsv = Callable[[str, Component], Component]  # a part by its name, with the 
 def layout(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
     """What is asked for, then yield, capability, chart and stations of it."""
     if shown.model is None:
-        return dmc.Text(view.say(message("pages-quality-no-run")))
+        return dmc.Text(view.text("pages-quality-no-run"))
     chosen = {name: getattr(shown, name) for name in ("model", "item", "element")}
     same = question.model_copy(update=chosen)  # the choices that were made for who asked
 
@@ -73,7 +73,7 @@ def layout(shown: QualityShown, view: View, question: QualityQuestion) -> Compon
 
 
 def _heading(name: str, view: View, shown: QualityShown | None = None) -> Component:
-    text = view.say(message(f"pages-quality-{name}"))
+    text = view.text(f"pages-quality-{name}")
     if shown and shown.title:
         text = f"{text}: {view.say(shown.title)} {shown.symbol}"
     return dmc.Title(text, order=3, mt="sm")
@@ -96,7 +96,7 @@ def _counts(shown: QualityShown, view: View) -> Component:
 
 def _yields(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
     titles = {each.item: view.say(each.title) for each in shown.choices.items}
-    in_all = view.say(message("pages-quality-total"))
+    in_all = view.text("pages-quality-total")
     total = [_yield(shown.total, in_all)] if shown.total else []
     by_item = [_yield(each, titles.get(each.name, each.name)) for each in shown.by_item]
     others = [
@@ -202,7 +202,7 @@ def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Comp
     elif found.lower is None or found.upper is None:
         remarks.append("pages-quality-about.one-sided")
     remarks += ["pages-quality-about.limits-vary"] if found.limits_vary else []
-    texts = [dmc.Text(view.say(message(each)), size="sm", c="dimmed") for each in remarks]
+    texts = [dmc.Text(view.text(each), size="sm", c="dimmed") for each in remarks]
     if found.n < FEWEST_IN_INDEX:
         few = message("pages-quality-about.few", count=found.n, fewest=FEWEST_IN_INDEX)
         return dmc.Stack([dmc.Text(view.say(few)), facts(numbers, view), dmc.Box(texts)], gap="sm")
@@ -224,7 +224,7 @@ def _chart(
 ) -> list[Component]:
     counts = [sum(rule in point.broken for point in chart.points) for rule in range(1, RULES + 1)]
     rules = [
-        (str(rule), view.say(message(f"pages-quality-nelson.rule-{rule}")), str(count))
+        (str(rule), view.text(f"pages-quality-nelson.rule-{rule}"), str(count))
         for rule, count in enumerate(counts, start=1)
     ]
     headings = [message(f"pages-quality-nelson.{name}") for name in ("rule", "pattern", "count")]
@@ -238,13 +238,13 @@ def _chart(
 
 def _stations(stations: Sequence[StationShown], shown: QualityShown, view: View) -> Component:
     if all(each.difference is None for each in stations):
-        return dmc.Text(view.say(message("pages-quality-about.one-station")))
+        return dmc.Text(view.text("pages-quality-about.one-station"))
     names = ("station", "difference", "u", "runs", "state")
     headings = [message(f"pages-quality-station.{name}") for name in names]
     rows = [_station(each, shown, view) for each in stations]
     figure = stations_figure(stations, shown, view)
     return dmc.Stack([
-        dmc.Text(view.say(message("pages-quality-about.stations")), size="sm", c="dimmed"),
+        dmc.Text(view.text("pages-quality-about.stations"), size="sm", c="dimmed"),
         dmc.SimpleGrid(
             [picture("quality-stations", figure),
              table(headings, rows, view, min_width=320)],

@@ -47,7 +47,7 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
         "log": log(shown, view),
         "lineage": lineage(shown, view),
     }
-    names = [dmc.TabsTab(view.say(message(f"pages-run-tab.{tab}")), value=tab) for tab in TABS]
+    names = [dmc.TabsTab(view.text(f"pages-run-tab.{tab}"), value=tab) for tab in TABS]
     return dmc.Stack(
         [
             _facts(shown, view),
@@ -110,7 +110,7 @@ def _items(shown: RunShown, view: View) -> Component:
             dmc.Select(
                 id="budget-of",
                 data=budgets,
-                label=view.say(message("pages-budget-of")),
+                label=view.text("pages-budget-of"),
                 searchable=True,
                 clearable=True,
                 maw=480,
@@ -154,8 +154,8 @@ def _segments(shown: RunShown, view: View) -> Component:
 def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
     rows = None if segment.rows is None else f"{segment.rows}"
     if segment.rows_left_out:
-        rows = view.say(
-            message("pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out)
+        rows = view.text(
+            "pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out
         )
     checks = [
         dmc.Text(view.say(remark), size="sm")
@@ -164,7 +164,7 @@ def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
     ]
     return (
         segment.name,
-        view.say(message(f"pages-segment-kind.{segment.kind}")),
+        view.text(f"pages-segment-kind.{segment.kind}"),
         f"{segment.t_start:.2f}",
         f"{segment.t_end:.2f}",
         None if segment.rate_deg_s is None else f"{segment.rate_deg_s:+g} °/s",

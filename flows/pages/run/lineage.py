@@ -18,7 +18,7 @@ from tasks.words import message
 def certificate_table(shown: Sequence[CertificateShown], view: View) -> Component:
     """Certificates, each with its PDF and the run that it stands on."""
     if not shown:
-        return dmc.Text(view.say(message("pages-certificates-none")))
+        return dmc.Text(view.text("pages-certificates-none"))
     names = ("number", "state", "verdict", "result", "calibrated", "issued", "due", "why")
     rows = [
         (
@@ -41,12 +41,12 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
 def log(shown: RunShown, view: View) -> Component:
     """Every change of the run's state, when and why."""
     if not shown.log:
-        return dmc.Text(view.say(message("pages-run-no-log")))
+        return dmc.Text(view.text("pages-run-no-log"))
     rows = [
         (
             second_of(entry.at),
             f"{entry.t:.2f}",
-            view.say(message(f"pages-run-state.{entry.state.replace('_', '-')}")),
+            view.text(f"pages-run-state.{entry.state.replace('_', '-')}"),
             view.say(entry),
         )
         for entry in shown.log
@@ -106,8 +106,8 @@ def lineage(shown: RunShown, view: View) -> Component:
 
 def _named_by(document: str, view: View) -> str:
     """The number of a certificate, or that the recording's manifest does."""
-    return view.say(message("pages-standards-manifest")) if document == MANIFEST else document
+    return view.text("pages-standards-manifest") if document == MANIFEST else document
 
 
 def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-lineage-heading.{name}")), order=4)
+    return dmc.Title(view.text(f"pages-lineage-heading.{name}"), order=4)

@@ -42,7 +42,7 @@ def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
     if shown.elements:
         parts += [_choice(shown, view), *_history(shown, view)]
     else:
-        parts.append(dmc.Text(view.say(message("pages-unit-no-result"))))
+        parts.append(dmc.Text(view.text("pages-unit-no-result")))
     return dmc.Stack(
         [*parts, _heading("certificates", view), certificate_table(shown.certificates, view)]
     )
@@ -67,7 +67,7 @@ def _list(shown: UnitShown, view: View) -> Component:
 def _column(name: str, view: View) -> dict[str, Any]:
     kind = {"runs": "agNumberColumnFilter"}.get(name, "agTextColumnFilter")
     return {
-        "field": name, "headerName": view.say(message(f"pages-unit-column.{name}")), "filter": kind,
+        "field": name, "headerName": view.text(f"pages-unit-column.{name}"), "filter": kind,
         **({"cellRenderer": "UnitLink"} if name == "serial" else {}),
         **({"minWidth": 165} if name == "certificate" else {}),
         **({"cellRenderer": "State", "minWidth": 140} if name in ("verdict", "due") else {}),
@@ -108,14 +108,14 @@ def _facts(line: UnitLine, view: View) -> Component:
 
 def _advice(shown: UnitShown, view: View) -> Component:
     sentence = view.say(shown.advice or shown.why_no_advice or "")
-    name = dmc.Text(view.say(message("pages-unit-interval")), size="xs", c="dimmed")
+    name = dmc.Text(view.text("pages-unit-interval"), size="xs", c="dimmed")
     return dmc.Box([name, dmc.Text(sentence, size="sm")])
 
 
 def _choice(shown: UnitShown, view: View) -> Component:
     titles = {each.item: view.say(each.title) for each in shown.elements}
     return dmc.Select(
-        id=asks("item", shown.item), label=view.say(message("pages-unit-item")),
+        id=asks("item", shown.item), label=view.text("pages-unit-item"),
         data=[{"value": item, "label": title} for item, title in titles.items()],
         value=shown.item, allowDeselect=False, searchable=True, maw=480,
     )  # fmt: skip
@@ -134,7 +134,7 @@ def _history(shown: UnitShown, view: View) -> list[Component]:
         dmc.Text(view.say(limits), size="sm", c="dimmed"),
         picture("unit-history", history_figure(of_item, view, scales)),
         _heading("drift", view),
-        dmc.Text(view.say(message("pages-unit-drift-about")), size="sm", c="dimmed"),
+        dmc.Text(view.text("pages-unit-drift-about"), size="sm", c="dimmed"),
         _drifts(shown, view, scales),
         _heading("adjustments", view),
         _adjustments(of_item, view, scales),
@@ -151,7 +151,7 @@ def _scales(elements: Sequence[ElementHistory]) -> Scales:
 
 
 def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-unit-heading.{name}")), order=3, mt="sm")
+    return dmc.Title(view.text(f"pages-unit-heading.{name}"), order=3, mt="sm")
 
 
 def _drifts(shown: UnitShown, view: View, scales: Scales) -> Component:
@@ -211,7 +211,7 @@ def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> C
         for each in element.adjustments
     ]
     if not rows:
-        return dmc.Text(view.say(message("pages-unit-not-adjusted")), size="sm")
+        return dmc.Text(view.text("pages-unit-not-adjusted"), size="sm")
     names = ("day", "symbol", "found", "left", "run-found", "run-left")
     headings = [message(f"pages-unit-adjustment.{name}") for name in names]
     return table(headings, rows, view)
@@ -287,7 +287,7 @@ def _points(
         "customdata": [each.run for each in readings],
         "text": [f"{each.run}, {each.station or '–'}" for each in readings],
         "hovertemplate": "%{x}: %{y:.6g}<br>%{text}<extra></extra>",
-        "name": view.say(message(f"pages-unit-state.{state}")), "legendgroup": state,
+        "name": view.text(f"pages-unit-state.{state}"), "legendgroup": state,
         "showlegend": in_legend,
     }  # fmt: skip
 
