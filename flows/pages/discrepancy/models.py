@@ -74,7 +74,10 @@ class ReviewShown(Frozen):
 
 
 class Shown(Frozen):
-    """In how many of its explained runs a station, unit or model shows an effect. model: of units."""
+    """In how many of its explained runs a station, unit or model shows an effect.
+
+    model: of a unit.
+    """
 
     name: str
     model: str | None = None

@@ -27,6 +27,7 @@ from storage.catalogue import line_history
 from storage.catalogue.certificates import AS_LEFT
 from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
+from tasks.conformity.reasons import is_of_a_limit
 from tasks.quality.yields import RETEST_DAYS, first_runs, pooled, shares, yields
 from tasks.specifications.items import item_title, symbol
 from tasks.words import kind_of, message, statement
@@ -198,7 +199,7 @@ def _failing(decided: Runs, model: str | None, home: Home) -> tuple[Failing, ...
         if run in runs:
             (failed if verdict == "fail" else inconclusive)[item, element] += 1
     for run, reason in line_history.reasons(model, home):
-        if run in runs:
+        if run in runs and not is_of_a_limit(reason):
             kind = reasons.setdefault(kind_of(reason), reason)
             inconclusive[None, kind.en] += 1
     incomplete = int(_kinds(valid)["incomplete"].sum())
