@@ -13,7 +13,7 @@ from flows.pages import pictures, query_controls
 from flows.pages.access import fault
 from flows.pages.local_time import zone
 from flows.pages.page import Page, View, parameters, view_of_request
-from flows.pages.parts import notice
+from flows.pages.parts import note, notice
 from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
 from storage.catalogue.connection import Busy
@@ -155,4 +155,4 @@ def no_database(fault: Exception | str, view: View) -> PageAndInterval:
 def _titled(page: Page, shown: Component, view: View) -> Component:
     heading = dmc.Title(page.title(view), order=2)
     about = f"{page.about(view)} · {view.say(zone())}"
-    return dmc.Stack([dmc.Box([heading, dmc.Text(about, c="dimmed", size="sm")]), shown], gap="md")
+    return dmc.Stack([dmc.Box([heading, note(about)]), shown], gap="md")

@@ -20,7 +20,7 @@ from flows.pages.discrepancy.models import (
 )
 from flows.pages.local_time import day_in, second_of
 from flows.pages.page import View
-from flows.pages.parts import Cell, facts, link, table
+from flows.pages.parts import Cell, facts, heading, link, note, table
 from flows.pages.query_controls import asks
 from flows.pages.states import StepState, badge, validity_state
 from schemas.discrepancy import FoundParameter, Moved, Verdict
@@ -38,29 +38,25 @@ FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
 
 def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
     """The last review, then what the explained runs show one by one."""
-    none = message("pages-mismatch-no-review")
-    review = _review(shown.review, view) if shown.review else [dmc.Text(view.say(none))]
-    counted = message(
+    none = view.text("pages-mismatch-no-review")
+    review = _review(shown.review, view) if shown.review else [dmc.Text(none)]
+    counted = view.text(
         "pages-mismatch-explained", explained=shown.explained, runs=shown.runs,
         invalid=shown.invalid,
     )  # fmt: skip
     return dmc.Stack(
         [
-            _heading("review", view),
+            heading("pages-mismatch-review", view),
             *review,
-            _heading("own", view),
+            heading("pages-mismatch-own", view),
             _choices(shown, view, question),
-            dmc.Text(view.say(counted), size="sm", c="dimmed"),
+            note(counted),
             *(_effect(each, view) for each in shown.effects),
-            _heading("runs", view),
+            heading("pages-mismatch-runs", view),
             _runs(shown.newest, view),
         ],
         gap="sm",
     )
-
-
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.text(f"pages-mismatch-{name}"), order=3, mt="sm")
 
 
 def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
@@ -81,17 +77,13 @@ def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion)
 def _review(review: ReviewShown, view: View) -> list[Component]:
     asked = ", ".join(_asked(name, value, view) for name, value in review.asked.items())
     days = f"{review.days[0]} … {review.days[1]}" if review.days else None
-    everything = view.text("pages-mismatch-all")
     about = facts(
-        [
-            (message("pages-mismatch-fact.at"), second_of(review.at)),
-            (
-                message("pages-mismatch-fact.asked"),
-                asked or everything,
-            ),
-            (message("pages-mismatch-fact.runs"), f"{review.runs} (+ {review.skipped})"),
-            (message("pages-mismatch-fact.days"), days),
-        ],
+        {
+            "pages-mismatch-fact.at": second_of(review.at),
+            "pages-mismatch-fact.asked": asked or view.text("pages-mismatch-all"),
+            "pages-mismatch-fact.runs": f"{review.runs} (+ {review.skipped})",
+            "pages-mismatch-fact.days": days,
+        },
         view,
     )
     state = _state(review.verdict)
@@ -133,19 +125,15 @@ def _carried(carried: Carried, view: View) -> list[Component]:
     evidence = finding.evidence
     sizes = dmc.Stack([dmc.Text(_parameter(p, view)) for p in finding.parameters], gap=0)
     shown = facts(
-        [
-            (message("pages-mismatch-fact.since"), _moment(finding.since, view)),
-            (message("pages-mismatch-fact.until"), _moment(finding.until, view)),
-            (
-                message("pages-mismatch-fact.shown"),
-                f"{evidence.runs_that_show_it} / {evidence.runs}",
+        {
+            "pages-mismatch-fact.since": _moment(finding.since, view),
+            "pages-mismatch-fact.until": _moment(finding.until, view),
+            "pages-mismatch-fact.shown": f"{evidence.runs_that_show_it} / {evidence.runs}",
+            "pages-mismatch-fact.sizes": sizes,
+            "pages-mismatch-fact.clear": view.text(
+                "pages-mismatch-clear", z=plain(evidence.per_run_z_median, 2)
             ),
-            (message("pages-mismatch-fact.sizes"), sizes),
-            (
-                message("pages-mismatch-fact.clear"),
-                view.text("pages-mismatch-clear", z=plain(evidence.per_run_z_median, 2)),
-            ),
-        ],
+        },
         view,
     )
     parts = [dmc.Text(view.say(carried.title), fw="bold"), shown, _to_do(finding, view)]
@@ -185,11 +173,11 @@ def _moment(moment: Moment | None, view: View) -> str | None:
 
 
 def _uncertain(time: UncertainTime, view: View) -> Component:
-    counted = message(
+    counted = view.text(
         "pages-mismatch-uncertain", issued=time.papers.issued, since=time.query["since"],
         until=time.query["until"],
     )  # fmt: skip
-    return dmc.Group([dmc.Text(view.say(counted), size="sm"), _runs_link(time.query, view)])
+    return dmc.Group([dmc.Text(counted, size="sm"), _runs_link(time.query, view)])
 
 
 def _moved(papers: Sequence[PaperMoved], view: View) -> list[Component]:
@@ -198,15 +186,17 @@ def _moved(papers: Sequence[PaperMoved], view: View) -> list[Component]:
         return []
     rows = [
         (
-            html.Span(link(paper.number, "/runs", certificate=paper.number), className="whole"),
-            html.Span(link(paper.run, "/run", id=paper.run), className="whole"),
+            link(paper.number, "/runs", certificate=paper.number),
+            link(paper.run, "/run", id=paper.run),
             ", ".join(_in_U(each) for each in paper.moved),
         )
         for paper in papers[:MOST_PAPERS]
     ]
-    headings = [message(f"pages-mismatch-moved.{name}") for name in ("paper", "run", "elements")]
-    about = message("pages-mismatch-moved", count=len(papers), listed=len(rows))
-    return [dmc.Text(view.say(about), size="sm", fw="bold"), table(headings, rows, view)]
+    about = view.text("pages-mismatch-moved", count=len(papers), listed=len(rows))
+    return [
+        dmc.Text(about, size="sm", fw="bold"),
+        table("pages-mismatch-moved", "paper run elements", rows, view),
+    ]
 
 
 def _in_U(moved: Moved) -> str:
@@ -222,8 +212,8 @@ def _touched(papers: Papers | None, query: dict[str, str] | None, view: View) ->
     """The certificates that may be wrong, with the way to their runs."""
     if papers is None:
         return []
-    counted = message("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
-    parts: list[Component] = [dmc.Text(view.say(counted), size="sm", fw="bold")]
+    counted = view.text("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
+    parts: list[Component] = [dmc.Text(counted, size="sm", fw="bold")]
     parts += [_runs_link(query, view)] if query else []
     listed = [link(number, "/runs", certificate=number) for number in papers.numbers]
     listed += [dmc.Text("…")] if papers.issued > len(papers.numbers) else []
@@ -235,13 +225,10 @@ def _runs_link(query: dict[str, str], view: View) -> Component:
 
 
 def _effect(seen: EffectSeen, view: View) -> Component:
-    carriers = [
-        (
-            message(f"pages-mismatch-level.{level}"),
-            _shares(getattr(seen, f"by_{level}"), seen, field),
-        )
+    carriers = {
+        f"pages-mismatch-level.{level}": _shares(getattr(seen, f"by_{level}"), seen, field)
         for level, field in (("station", "station"), ("model", "model"), ("unit", "serial"))
-    ]
+    }
     days = f"{seen.since} … {seen.until}" if seen.since else None
     moved = ", ".join(map(_in_U, seen.moved))
     counted = view.text("pages-mismatch-in-runs", count=seen.runs)
@@ -250,8 +237,8 @@ def _effect(seen: EffectSeen, view: View) -> Component:
         link(counted, "/mismatch", effect=seen.effect),
     ])  # fmt: skip
     shown = facts(
-        [(message("pages-mismatch-fact.days"), days), *carriers,
-         (message("pages-mismatch-fact.moved"), dmc.Text(moved, size="sm") if moved else None)],
+        {"pages-mismatch-fact.days": days, **carriers,
+         "pages-mismatch-fact.moved": dmc.Text(moved, size="sm") if moved else None},
         view,
     )  # fmt: skip
     touched = _touched(seen.papers, None, view)
@@ -270,10 +257,8 @@ def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
 
 
 def _runs(runs: Sequence[ExplainedRun], view: View) -> Component:
-    names = ("run", "day", "station", "unit", "validity", "verdict", "findings",
-             "report")  # fmt: skip
-    headings = [message(f"pages-mismatch-column.{name}") for name in names]
-    return table(headings, [_run(run, view) for run in runs], view)
+    names = "run day station unit validity verdict findings report"
+    return table("pages-mismatch-column", names, [_run(run, view) for run in runs], view)
 
 
 def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
@@ -288,9 +273,9 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
         target="_blank",
     )  # fmt: skip
     return (
-        html.Span(link(run.run, "/run", id=run.run), className="whole"),
+        link(run.run, "/run", id=run.run),
         str(run.day) if run.day else None,
-        html.Span(run.station, className="whole"),
+        run.station,
         f"{run.model} {run.serial}",
         badge(validity_state(run.validity), view),
         badge(_state(run.verdict), view),

@@ -1,6 +1,7 @@
 """Lays the Do page out, and carries out what is pressed there."""
 
 from collections import Counter
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -16,7 +17,7 @@ from flows.pages.do.models import DoQuestion, DoShown, GivenOrder, WaitingCertif
 from flows.pages.do.orders import FIELDS, REQUIRED, Orders, roles_of, tolerance_files
 from flows.pages.local_time import second_of
 from flows.pages.page import View, view_of_request
-from flows.pages.parts import asking, facts, notice, table
+from flows.pages.parts import asking, facts, heading, notice, table
 from flows.pages.states import Kind, StepState, badge, decision_state
 from schemas.access import MAY, Action
 from schemas.base import Unusable
@@ -29,11 +30,13 @@ from storage.home import Home
 from storage.station_lock import statuses
 from storage.stations import station_ids
 from tasks.station import procedures
-from tasks.words import cause_of, message
+from tasks.words import Message, cause_of, message
 
 REFRESH_MS = 3000
 SHOWN = 500  # certificates to choose from, the last ones
-STEP_OF = {"check": "draft", "issue": "checked", "amend": "issued", "withdraw": "issued"}
+STEP_OF: dict[Action, str] = {
+    "check": "draft", "issue": "checked", "amend": "issued", "withdraw": "issued",
+}  # fmt: skip
 ENDED: tuple[ProductionState, ...] = ("done", "failed", "cancelled")
 ENDED_SHOWN = 50  # production orders that ended, the last ones
 KINDS: dict[str, Kind] = {
@@ -59,7 +62,10 @@ def data(_: DoQuestion, home: Home) -> DoShown:
         procedures=procedures.names(),
         client_orders=order_queue.client_orders_of(home),
         tolerances=tolerance_files(home),
-        production=production(home),
+        production=(
+            *orders.listed(home, states=ENDED, last=ENDED_SHOWN),
+            *orders.listed(home, states=OPEN),
+        ),
         progress={
             status.station: status.station_s_done / status.station_s_total
             for status, is_dead in statuses(home)
@@ -77,12 +83,6 @@ def data(_: DoQuestion, home: Home) -> DoShown:
     )
 
 
-def production(home: Home) -> tuple[ProductionOrder, ...]:
-    """Orders of the stations: every one that is open, and the last ones that ended."""
-    ended = orders.listed(home, states=ENDED, last=ENDED_SHOWN)
-    return (*ended, *orders.listed(home, states=OPEN))
-
-
 def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
     """A form for each order that the role allows; the orders given here; who may give which."""
     allowed = [action for action in FIELDS if view.visitor.may(action)]
@@ -94,12 +94,12 @@ def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
         [
             html.Div(html.Div(id="do-answer"), className="answer", **busy),
             dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
-            dmc.Title(view.text("pages-do-queue"), order=3),
+            heading("pages-do-queue", view),
             dmc.Box(_production(shown, view), id="do-production"),
-            dmc.Title(view.text("pages-do-orders"), order=3),
+            heading("pages-do-orders", view),
             dmc.Box(_orders(shown.orders, view), id="do-orders"),
             dcc.Interval(id="do-again", interval=REFRESH_MS),
-            dmc.Title(view.text("pages-do-roles"), order=3),
+            heading("pages-do-roles", view),
             _roles(view),
         ]
     )
@@ -115,12 +115,11 @@ def _form(action: Action, shown: DoShown, question: DoQuestion, view: View) -> C
 
 
 def _button(action: Action, view: View, **more: Any) -> Component:
-    word, color = view.text(f"pages-action.{action}"), "blue"
-    if action == "withdraw":
-        color = "red"
+    color = "red" if action == "withdraw" else "blue"
     return dmc.Button(
-        word, id={"do": action}, color=color, fullWidth=True, className="primary", **more
-    )
+        view.text(f"pages-action.{action}"), id={"do": action}, color=color, fullWidth=True,
+        className="primary", **more,
+    )  # fmt: skip
 
 
 def chosen(action: Action, number: str | None, view: View, home: Home) -> Component:
@@ -132,30 +131,29 @@ def chosen(action: Action, number: str | None, view: View, home: Home) -> Compon
     try:
         paper = certificates.record_of(certificates.entry_of(number, home), home)
     except Unusable as error:
-        return dmc.Alert(view.say(cause_of(error)), color="red")
+        return notice(view, "pages-not-answered", "red", error)
     unit, decision = paper.manifest.unit, paper.decision
     counted = Counter(limit.verdict for limit in decision.limits)
-    limits = message(
+    limits = view.text(
         "pages-do-limits", passed=counted["pass"], failed=counted["fail"],
         open=counted["inconclusive"],
     )  # fmt: skip
-    steps = [
-        (message(f"pages-do-step.{step.step}"), f"{step.person}, {second_of(step.at)}")
-        for step in paper.steps
-    ]
-    about = [
-        (message("pages-order-column.unit"), f"{unit.manufacturer} {unit.model} {unit.serial}"),
-        (message("pages-line-order.client"), paper.order.client.name if paper.order else None),
-        (message("pages-certificate-column.calibrated"), str(paper.calibrated_on or "–")),
-        *steps,
-        (message("pages-column-verdict"), badge(decision_state(decision.verdict), view)),
-        (message("pages-items-column.limits"), view.say(limits)),
-    ]
+    about = {
+        "pages-order-column.unit": f"{unit.manufacturer} {unit.model} {unit.serial}",
+        "pages-line-order.client": paper.order.client.name if paper.order else None,
+        "pages-certificate-column.calibrated": str(paper.calibrated_on or "–"),
+        **{
+            f"pages-do-step.{step.step}": f"{step.person}, {second_of(step.at)}"
+            for step in paper.steps
+        },
+        "pages-column-verdict": badge(decision_state(decision.verdict), view),
+        "pages-items-column.limits": limits,
+    }
     pdf = html.A(
         view.text("pages-do-pdf"), href=f"/certificate/{number}.pdf", target="_blank",
         className="button",
     )  # fmt: skip
-    question = message("pages-do-withdraw", certificate=number)
+    question = view.text("pages-do-withdraw", certificate=number)
     asked = asking(question, view) if action == "withdraw" else {}
     reasons = [dmc.Text(view.say(each), size="sm") for each in texts_of(decision, "reasons")]
     return dmc.Stack([facts(about, view, 2), *reasons, pdf, _button(action, view, **asked)], gap=8)
@@ -182,7 +180,7 @@ def _field(
                       withAsterisk=needed)  # fmt: skip
 
 
-def _certificates(action: str, shown: DoShown) -> list[str]:
+def _certificates(action: Any, shown: DoShown) -> list[str]:
     """Those whose next step it is."""
     return [c.number for c in shown.certificates if c.state == STEP_OF.get(action)]
 
@@ -196,16 +194,12 @@ def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
             each.person,
             view.text(f"pages-action.{each.action}"),
             each.subject,
-            dmc.Group([
-                badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
-                *([dmc.Loader(size="sm")] if each.state == "running" else []),
-            ], gap="xs"),
+            _state(each.state, None, view),
             each.fault and view.say(cause_of(each.fault)),
         )
         for each in given
     ]  # fmt: skip
-    names = ("at", "person", "action", "subject", "state", "fault")
-    return table([message(f"pages-order-column.{name}") for name in names], rows, view)
+    return table("pages-order-column", "at person action subject state fault", rows, view)
 
 
 def _production(shown: DoShown, view: View) -> Component:
@@ -217,7 +211,7 @@ def _production(shown: DoShown, view: View) -> Component:
             each.station,
             each.serials,
             each.procedure,
-            _state(each, shown, view),
+            _state(each.state, shown.progress.get(each.station), view),
             each.person,
             second_of(each.ordered_at),
             each.number,
@@ -226,17 +220,15 @@ def _production(shown: DoShown, view: View) -> Component:
         )
         for each in shown.production
     ]
-    names = (
-        "station", "unit", "procedure", "state", "person", "at", "number", "outcome", "step",
-    )  # fmt: skip
-    return table([message(f"pages-order-column.{name}") for name in names], rows, view)
+    names = "station unit procedure state person at number outcome step"
+    return table("pages-order-column", names, rows, view)
 
 
-def _state(order: ProductionOrder, shown: DoShown, view: View) -> Component:
-    """Of one that runs, how far its station is as well."""
-    state = badge(StepState(message(f"pages-order.{order.state}"), KINDS[order.state]), view)
-    share = shown.progress.get(order.station) if order.state == "running" else None
-    return dmc.Stack([state, *([dmc.Progress(value=100 * share)] if share else [])], gap=4)
+def _state(state: str, share: float | None, view: View) -> Component:
+    """Of an order that runs with how far it is, or else that it moves."""
+    shown = badge(StepState(message(f"pages-order.{state}"), KINDS[state]), view)
+    bar = dmc.Progress(value=100 * (share or 1.0), animated=share is None)
+    return dmc.Stack([shown, *([bar] if state == "running" else [])], gap=4)
 
 
 def _step(order: ProductionOrder, view: View) -> Component | None:
@@ -249,16 +241,9 @@ def _step(order: ProductionOrder, view: View) -> Component | None:
 
 def _roles(view: View) -> Component:
     """Which role may do what, as it stands."""
-    rows = [
-        (
-            view.text(f"pages-action.{action}"),
-            view.text("pages-roles", roles=roles_of(action)),
-        )
-        for action in MAY
-    ]
-    return table(
-        [message(f"pages-roles-column.{name}") for name in ("action", "roles")], rows, view
-    )
+    rows = [(view.text(f"pages-action.{action}"), view.text("pages-roles", roles=roles_of(action)))
+            for action in MAY]  # fmt: skip
+    return table("pages-roles-column", "action roles", rows, view)
 
 
 def callbacks(app: Dash, home: Home) -> None:
@@ -272,15 +257,18 @@ def callbacks(app: Dash, home: Home) -> None:
     )
     def refresh(_: int | None) -> tuple[Component, Component, list[list[str]]]:
         view, shown = view_of_request(), data(DoQuestion(), home)
-        listed = [_certificates(each["id"]["of"], shown) for each in ctx.outputs_list[2]]
+        listed = [_certificates(each["id"].get("of"), shown) for each in ctx.outputs_list[2]]
         return _production(shown, view), _orders(shown.orders, view), listed
 
     @app.callback(
         Output({"of": MATCH, "shows": "chosen"}, "children"),
         Input({"of": MATCH, "field": "certificate"}, "value"),
     )
-    def choose(number: str | None) -> Component:
-        return chosen(ctx.outputs_list["id"]["of"], number, view_of_request(), home)
+    def choose(number: str | None) -> Any:
+        action = next((each for each in STEP_OF if each == ctx.outputs_list["id"]["of"]), None)
+        if action is None or not isinstance(number, str | None):
+            return no_update
+        return chosen(action, number, view_of_request(), home)
 
     @app.callback(
         Output("do-answer", "children", allow_duplicate=True),
@@ -318,19 +306,19 @@ def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Compo
     if known is None or not all(isinstance(value, str) for value in fields.values()):
         LOGGER.warning("order %s refused to %s: no such order", plain(action), view.visitor.name)
         return dmc.Alert(view.text("pages-not-answered"), color="red")
-    try:
-        subject = orders_of(home).give(known, fields, view.visitor)
-    except Unusable as error:
-        return notice(view, "pages-do-refused", "red", error)
-    done = message("pages-do-done", action=message(f"pages-action.{action}"), subject=subject)
-    return dmc.Alert(view.say(done), color="green")
+    words = message(f"pages-action.{action}")
+    return _became(words, view, lambda: orders_of(home).give(known, fields, view.visitor))
 
 
 def step_answer(button: dict[str, str], view: View, home: Home) -> Component:
     """Cancels an order of a queue or repeats it; what became of it, as a sentence."""
+    step, number = button["step"], button["number"]
+    words = message(f"pages-order-step.{step}")
+    return _became(words, view, lambda: orders_of(home).queue_step(step, number, view.visitor))
+
+
+def _became(action: Message, view: View, give: Callable[[], str]) -> Component:
     try:
-        subject = orders_of(home).queue_step(button["step"], button["number"], view.visitor)
+        return dmc.Alert(view.text("pages-do-done", action=action, subject=give()), color="green")
     except Unusable as error:
         return notice(view, "pages-do-refused", "red", error)
-    step = message(f"pages-order-step.{button['step']}")
-    return dmc.Alert(view.text("pages-do-done", action=step, subject=subject), color="green")

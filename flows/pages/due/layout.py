@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
@@ -10,7 +9,7 @@ from flows.pages.due.data import due_state
 from flows.pages.due.models import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue
 from flows.pages.local_time import minute_of
 from flows.pages.page import View
-from flows.pages.parts import GRID_OPTIONS, locale, table
+from flows.pages.parts import grid, heading, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
 from flows.pages.query_controls import asks
 from flows.pages.states import Kind, StepState, badge
@@ -27,24 +26,20 @@ def layout(shown: DueShown, view: View, question: DueQuestion) -> Component:
     return dmc.Stack(
         [
             _choices(shown, view, question),
-            _heading("units", view),
+            heading("pages-due-heading.units", view),
             *_units(shown, view, question),
-            _heading("clients", view),
+            heading("pages-due-heading.clients", view),
             dmc.SimpleGrid(
                 [_clients(shown, view, question), picture("due-months", _months(shown, view))],
                 cols={"base": 1, "md": 2},
             ),
-            _heading("messages", view),
+            heading("pages-due-heading.messages", view),
             _messages(shown, view),
-            _heading("equipment", view),
+            heading("pages-due-heading.equipment", view),
             _equipment(shown, view),
         ],
         gap="sm",
     )
-
-
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.text(f"pages-due-heading.{name}"), order=3, mt="sm")
 
 
 def _none(name: str, view: View) -> Component:
@@ -78,24 +73,18 @@ def _client(client: tuple[str, str], view: View) -> str:
 
 def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component]:
     overdue = sum(each.days < 0 for each in shown.units)
-    counts = message(
+    counts = view.text(
         "pages-due-counts", overdue=overdue, coming=len(shown.units) - overdue,
         days=question.within, today=str(shown.today),
     )  # fmt: skip
-    text = dmc.Text(view.say(counts), size="sm")
+    text = dmc.Text(counts, size="sm")
     if not shown.units:
         return [text]
-    grid = dag.AgGrid(
-        id="due-units",
-        columnDefs=[_column(name, view) for name in
-                    ("name", "client", "due", "state", "certificate", "messages")],
-        rowData=[_row(each, shown, view) for each in shown.units],
-        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 130,
-                       "filter": True, "floatingFilter": True},
-        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
-        style={"height": f"{min(FRAME_PX + ROW_PX * len(shown.units), MOST_PX)}px"},
-    )  # fmt: skip
-    return [text, grid]
+    names = ("name", "client", "due", "state", "certificate", "messages")
+    columns = [_column(name, view) for name in names]
+    rows = [_row(each, shown, view) for each in shown.units]
+    height = f"{min(FRAME_PX + ROW_PX * len(rows), MOST_PX)}px"
+    return [text, grid("due-units", columns, rows, view, height, 130)]
 
 
 def _column(name: str, view: View) -> dict[str, Any]:
@@ -127,12 +116,8 @@ def _clients(shown: DueShown, view: View, question: DueQuestion) -> Component:
         (_client(each.client, view), str(each.overdue), str(each.coming))
         for each in shown.by_client
     ]
-    headings = [
-        message("pages-due-column.client"),
-        message("pages-due-overdue"),
-        message("pages-due-within", days=question.within),
-    ]
-    return table(headings, rows, view, min_width=320)
+    names = "client pages-due-overdue pages-due-within"
+    return table("pages-due-column", names, rows, view, 320, days=question.within)
 
 
 def _months(shown: DueShown, view: View) -> Figure:
@@ -150,9 +135,8 @@ def _months(shown: DueShown, view: View) -> Figure:
 def _messages(shown: DueShown, view: View) -> Component:
     if not shown.messages:
         return _none("messages", view)
-    names = ("at", "certificate", "occasion", "channel", "state", "tries", "fault")
-    headings = [message(f"pages-due-message.{name}") for name in names]
-    return table(headings, [_message(each, view) for each in shown.messages], view)
+    names = "at certificate occasion channel state tries fault"
+    return table("pages-due-message", names, [_message(e, view) for e in shown.messages], view)
 
 
 def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
@@ -171,9 +155,8 @@ def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
 def _equipment(shown: DueShown, view: View) -> Component:
     if not shown.equipment:
         return _none("equipment", view)
-    names = ("name", "serial", "certificate", "until", "state")
-    headings = [message(f"pages-due-standard.{name}") for name in names]
-    return table(headings, [_standard(each, shown, view) for each in shown.equipment], view)
+    rows = [_standard(each, shown, view) for each in shown.equipment]
+    return table("pages-due-standard", "name serial certificate until state", rows, view)
 
 
 def _standard(each: StandardDue, shown: DueShown, view: View) -> tuple[Any, ...]:

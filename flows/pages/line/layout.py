@@ -10,7 +10,7 @@ from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Ou
 from flows.pages.line.stop_button import acknowledgement
 from flows.pages.local_time import hour_of
 from flows.pages.page import View
-from flows.pages.parts import facts, notice, table
+from flows.pages.parts import Cell, facts, heading, notice, table
 from flows.pages.states import Kind, StepState, badge
 from tasks.words import cause_of, message
 
@@ -19,20 +19,20 @@ COLUMNS = 3  # of cards on a wide screen; more would be too small to be read fro
 
 def layout(line: LineNow, view: View, _: LineQuestion) -> Component:
     """A card for each station, then alarms, orders, flow runs and the day."""
-    parts = [_stations(line, view), _heading("alarms", view), _alarms(line.alarms, view)]
+    parts = [
+        _stations(line, view),
+        heading("pages-line-heading.alarms", view),
+        _alarms(line.alarms, view),
+    ]
     if line.catalogue is not None:
         parts.insert(0, notice(view, "pages-no-database", "red"))
     if line.today is not None:
-        parts += [_heading("orders", view), _orders(line.orders, view)]
-    parts += [_heading("flows", view), _flows(line.flows, view)]
+        parts += [heading("pages-line-heading.orders", view), _orders(line.orders, view)]
+    parts += [heading("pages-line-heading.flows", view), _flows(line.flows, view)]
     if line.today is not None:
         title = view.text("pages-line-today", day=str(line.today.day))
         parts += [dmc.Title(title, order=3, mt="sm"), _today(line.today, view)]
     return dmc.Stack(parts, gap="sm")
-
-
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.text(f"pages-line-heading.{name}"), order=3, mt="sm")
 
 
 def _stations(line: LineNow, view: View) -> Component:
@@ -58,8 +58,8 @@ def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
         )
         for each in alarms
     ]
-    names = ("at", "station", "about", "cause", "todo", "acknowledged")
-    return table([message(f"pages-line-alarm.{name}") for name in names], rows, view, 760)
+    names = "at station about cause todo acknowledged"
+    return table("pages-line-alarm", names, rows, view, 760)
 
 
 def _orders(orders: Sequence[Queued], view: View) -> Component:
@@ -78,8 +78,8 @@ def _orders(orders: Sequence[Queued], view: View) -> Component:
         )
         for each in sorted(orders, key=lambda each: (each.station, each.state))
     ]
-    names = ("station", "serial", "procedure", "state", "since", "client", "number")
-    return table([message(f"pages-line-order.{name}") for name in names], rows, view, 760)
+    names = "station serial procedure state since client number"
+    return table("pages-line-order", names, rows, view, 760)
 
 
 def _waits(order: Queued) -> StepState:
@@ -103,16 +103,13 @@ def _flows(flows: Flows, view: View) -> Component:
         )
         for each in flows.runs
     ]
-    names = ("deployment", "subject", "state", "expected")
-    return table([message(f"pages-line-flow.{name}") for name in names], rows, view)
+    return table("pages-line-flow", "deployment subject state expected", rows, view)
 
 
 def _today(today: Output, view: View) -> Component:
     stations = ", ".join(f"{name} {count}" for name, count in today.by_station.items())
-    counts = {
-        "runs": today.runs, "valid": today.valid, "remarks": today.remarks,
-        "invalid": today.invalid, "not-judged": today.not_judged, "passed": today.passed,
-        "failed": today.failed, "issued": today.issued,
-    }  # fmt: skip
-    shown = [(message(f"pages-line-output.{name}"), str(n)) for name, n in counts.items()]
-    return facts([*shown, (message("pages-line-output.by-station"), stations)], view)
+    counts = today.model_dump(exclude={"day", "by_station"})
+    shown: dict[str, Cell] = {
+        f"pages-line-output.{name.replace('_', '-')}": str(count) for name, count in counts.items()
+    }
+    return facts(shown | {"pages-line-output.by-station": stations}, view)

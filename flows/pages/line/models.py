@@ -65,15 +65,13 @@ class Released(Frozen):
 class StopShown(Frozen):
     """The last stop that was pressed for a station, and what became of it.
 
-    is_at_rest: whether the table was read to stand still. fault: why that is not known; cause: the
-    same for the page.
+    is_at_rest: whether the table was read to stand still. fault: why that is not known.
     """
 
     by: str
     at: AwareDatetime
     is_at_rest: bool
     fault: str
-    cause: Statement | None = None
 
 
 class Queued(Frozen):

@@ -18,7 +18,7 @@ from flows.pages.parts import asking
 from schemas.access import Visitor
 from schemas.base import Frozen, NotThere, Unusable, first_fault
 from storage.home import Home
-from tasks.words import message
+from tasks.words import cause_of
 
 
 def stop_button(station: str, view: View) -> Component:
@@ -27,8 +27,8 @@ def stop_button(station: str, view: View) -> Component:
     `stop.js` sees the press.
     """
     if not view.visitor.may("stop"):
-        hint = message("pages-line-stop.elsewhere", roles=roles_of("stop"), station=station)
-        return html.Div(view.say(hint), className="station-details")
+        hint = view.text("pages-line-stop.elsewhere", roles=roles_of("stop"), station=station)
+        return html.Div(hint, className="station-details")
     asked: dict[str, Any] = {
         "data-stop": station,
         "data-failed": view.text("pages-line-stop.failed"),
@@ -50,7 +50,7 @@ def lockout(now: StationNow, view: View) -> list[Component]:
         asked: dict[str, Any] = {
             "data-release": now.station,
             "data-failed": view.text("pages-line-lockout.failed"),
-            **asking(message("pages-line-lockout.ask", station=now.station), view),
+            **asking(view.text("pages-line-lockout.ask", station=now.station), view),
         }
         word = view.text("pages-line-lockout.release")
         shown.append(html.Button(word, className="release", **asked))
@@ -81,7 +81,7 @@ def _outcome_of_stop(now: StationNow, view: View) -> list[Component]:
         return []
     rest = "at-rest" if stop.is_at_rest else "not-at-rest"
     words = view.text(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))
-    fault = [html.Div(view.say(stop.cause))] if stop.cause else []
+    fault = [html.Div(view.say(cause_of(stop.fault)))] if stop.fault else []
     color = "good" if stop.is_at_rest else "bad"
     return [html.Div(words, className=f"at-rest alarm-{color}"), *fault]
 

@@ -15,7 +15,6 @@ from storage.home import Home
 from storage.station_stop import answer_in, lockout_of, release
 from storage.stations import file_of
 from tasks.stages.stop import stop_station
-from tasks.words import cause_of
 
 LOG = logging.getLogger("mimucal.pages.stop")
 
@@ -32,9 +31,8 @@ class Stops:
         """The last one of a station: pressed here since the pages are served, or else the one
         that keeps its orders waiting, if its run answered where the table was.
         """
-        lockout = lockout_of(station, self._home)
-        pressed = self._last.get(station)
-        if lockout is None or (pressed is not None and pressed.at > lockout.at):
+        lockout, pressed = lockout_of(station, self._home), self._last.get(station)
+        if lockout is None or (pressed and pressed.at > lockout.at):
             return pressed
         answer = answer_in(self._home.locks, lockout)
         if answer is None or answer.at_rest is None:
@@ -90,13 +88,10 @@ class Stops:
             if not isinstance(error, Unusable):
                 LOG.exception("station %s was not stopped", station)
             fault = str(error) or type(error).__name__
-            return StopShown(
-                by=by, at=datetime.now(UTC), is_at_rest=False, fault=fault, cause=cause_of(error)
-            )
+            return StopShown(by=by, at=datetime.now(UTC), is_at_rest=False, fault=fault)
         return StopShown(
-            by=by, at=datetime.now(UTC), is_at_rest=stopped.at_rest, fault=stopped.fault,
-            cause=cause_of(stopped.fault) if stopped.fault else None,
-        )  # fmt: skip
+            by=by, at=datetime.now(UTC), is_at_rest=stopped.at_rest, fault=stopped.fault
+        )
 
 
 @cache

@@ -10,7 +10,7 @@ from dash.development.base_component import Component
 from flows.pages import budget, signals
 from flows.pages.local_time import day_of
 from flows.pages.page import View, parameters, view_of_request
-from flows.pages.parts import facts, link, table
+from flows.pages.parts import facts, link, note, table
 from flows.pages.run.lineage import certificate_table, lineage, log
 from flows.pages.run.models import (
     BudgetQuestion,
@@ -78,23 +78,22 @@ def _facts(shown: RunShown, view: View) -> Component:
     run = shown.run
     unit = f"{run.manufacturer} {run.model} {run.serial}"
     return facts(
-        [
-            (message("pages-column-id"), run.id),
-            (message("pages-line-unit"), link(unit, "/unit", id=str(run.unit))),
-            (message("pages-column-station"), run.station),
-            (message("pages-column-recorded-on"), str(run.recorded_on or day_of(run.imported_at))),
-            (message("pages-column-validity"), badge(validity_state(run.validity), view)),
-            (message("pages-column-result-state"), badge(result_state(run), view)),
-            (message("pages-column-verdict"), badge(verdict_state(run), view)),
-            (message("pages-column-state"), badge(certificate_state(run.state), view)),
-        ],
+        {
+            "pages-column-id": run.id,
+            "pages-line-unit": link(unit, "/unit", id=str(run.unit)),
+            "pages-column-station": run.station,
+            "pages-column-recorded-on": str(run.recorded_on or day_of(run.imported_at)),
+            "pages-column-validity": badge(validity_state(run.validity), view),
+            "pages-column-result-state": badge(result_state(run), view),
+            "pages-column-verdict": badge(verdict_state(run), view),
+            "pages-column-state": badge(certificate_state(run.state), view),
+        },
         view,
     )
 
 
 def _items(shown: RunShown, view: View) -> Component:
-    names = ("item", "symbol", "value", "u", "limits", "margin", "verdict")
-    headings = [message(f"pages-items-column.{name}") for name in names]
+    names = "item symbol value u limits margin verdict"
     rows = [row for element in shown.elements for row in _element(element, view)]
     budgets = [
         {"value": f"{each.item} {each.element}", "label": f"{view.say(each.title)} {each.symbol}"}
@@ -106,7 +105,7 @@ def _items(shown: RunShown, view: View) -> Component:
     without = message("pages-items-no-limits")
     return dmc.Stack(
         [
-            dmc.Text(view.say(limits if shown.limits_of else without), size="sm", c="dimmed"),
+            note(view.say(limits if shown.limits_of else without)),
             dmc.Select(
                 id="budget-of",
                 data=budgets,
@@ -116,7 +115,7 @@ def _items(shown: RunShown, view: View) -> Component:
                 maw=480,
             ),
             dmc.Box(id="budget"),
-            table(headings, rows, view),
+            table("pages-items-column", names, rows, view),
             *absent,
         ]
     )
@@ -143,12 +142,11 @@ def _limit(limit: LimitShown | None, unit: str, view: View) -> tuple[Any, ...]:
 
 
 def _segments(shown: RunShown, view: View) -> Component:
-    names = ("name", "kind", "since", "until", "rate", "rows", "checks")
-    headings = [message(f"pages-segments-column.{name}") for name in names]
+    names = "name kind since until rate rows checks"
     every = {remark.code: remark for each in shown.segments for remark in each.remarks}
     of_many = [each for each in every.values() if len(each.segments) > MAX_INLINE_SEGMENTS]
     rows = [_segment(each, view) for each in shown.segments]
-    return dmc.Stack([*_reasons(of_many, view), table(headings, rows, view)])
+    return dmc.Stack([*_reasons(of_many, view), table("pages-segments-column", names, rows, view)])
 
 
 def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:

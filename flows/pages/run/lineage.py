@@ -7,19 +7,18 @@ from dash.development.base_component import Component
 
 from flows.pages.local_time import minute_of, second_of
 from flows.pages.page import View
-from flows.pages.parts import facts, link, table
+from flows.pages.parts import facts, heading, link, table
 from flows.pages.run.models import CertificateShown, RunShown
 from flows.pages.states import badge, certificate_state, decision_state
 from storage.catalogue.lineage import MANIFEST
 from tasks.certificate.settings import setting
-from tasks.words import message
 
 
 def certificate_table(shown: Sequence[CertificateShown], view: View) -> Component:
     """Certificates, each with its PDF and the run that it stands on."""
     if not shown:
         return dmc.Text(view.text("pages-certificates-none"))
-    names = ("number", "state", "verdict", "result", "calibrated", "issued", "due", "why")
+    names = "number state verdict result calibrated issued due why"
     rows = [
         (
             dmc.Anchor(
@@ -35,7 +34,7 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
         )
         for each in shown
     ]
-    return table([message(f"pages-certificate-column.{name}") for name in names], rows, view)
+    return table("pages-certificate-column", names, rows, view)
 
 
 def log(shown: RunShown, view: View) -> Component:
@@ -51,8 +50,7 @@ def log(shown: RunShown, view: View) -> Component:
         )
         for entry in shown.log
     ]
-    names = ("at", "t", "state", "cause")
-    return table([message(f"pages-log-column.{name}") for name in names], rows, view)
+    return table("pages-log-column", "at t state cause", rows, view)
 
 
 def lineage(shown: RunShown, view: View) -> Component:
@@ -69,37 +67,30 @@ def lineage(shown: RunShown, view: View) -> Component:
         )
         for each in shown.results
     ]
-    names = ("id", "method", "code", "made", "supersedes", "why", "certificates")
+    names = "id method code made supersedes why certificates"
     standards = [
         (each.name, each.serial, each.certificate, _named_by(each.document, view))
         for each in shown.standards
     ]
-    standard_names = ("name", "serial", "certificate", "document")
     made_with = [setting(*each) for each in shown.settings.items()]
     settings = [(view.say(each.name), view.say(each.value)) for each in made_with]
     return dmc.Stack(
         [
             facts(
-                [
-                    (message("pages-lineage-raw"), dmc.Code(shown.digest)),
-                    (message("pages-lineage-sources"), ", ".join(shown.sources)),
-                    (message("pages-column-recording-id"), shown.run.recording_id),
-                    (message("pages-column-procedure"), shown.run.procedure),
-                ],
+                {
+                    "pages-lineage-raw": dmc.Code(shown.digest),
+                    "pages-lineage-sources": ", ".join(shown.sources),
+                    "pages-column-recording-id": shown.run.recording_id,
+                    "pages-column-procedure": shown.run.procedure,
+                },
                 view,
             ),
-            _heading("results", view),
-            table([message(f"pages-results-column.{name}") for name in names], results, view),
-            _heading("standards", view),
-            table(
-                [message(f"pages-standards-column.{name}") for name in standard_names],
-                standards,
-                view,
-            ),
-            _heading("settings", view),
-            table(
-                [message(f"pages-settings-column.{n}") for n in ("name", "value")], settings, view
-            ),
+            heading("pages-lineage-heading.results", view),
+            table("pages-results-column", names, results, view),
+            heading("pages-lineage-heading.standards", view),
+            table("pages-standards-column", "name serial certificate document", standards, view),
+            heading("pages-lineage-heading.settings", view),
+            table("pages-settings-column", "name value", settings, view),
         ]
     )
 
@@ -107,7 +98,3 @@ def lineage(shown: RunShown, view: View) -> Component:
 def _named_by(document: str, view: View) -> str:
     """The number of a certificate, or that the recording's manifest does."""
     return view.text("pages-standards-manifest") if document == MANIFEST else document
-
-
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.text(f"pages-lineage-heading.{name}"), order=4)

@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from typing import Any
 
-import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.due.data import due_state
 from flows.pages.page import View
-from flows.pages.parts import GRID_OPTIONS, facts, link, locale, table
+from flows.pages.parts import facts, grid, heading, link, note, table
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
 from flows.pages.query_controls import asks
 from flows.pages.run.lineage import certificate_table
@@ -44,24 +43,21 @@ def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
     else:
         parts.append(dmc.Text(view.text("pages-unit-no-result")))
     return dmc.Stack(
-        [*parts, _heading("certificates", view), certificate_table(shown.certificates, view)]
+        [
+            *parts,
+            heading("pages-unit-heading.certificates", view),
+            certificate_table(shown.certificates, view),
+        ]
     )
 
 
 def _list(shown: UnitShown, view: View) -> Component:
     names = ("serial", "model", "manufacturer", "runs", "last-run", "certificate", "verdict", "due")
     columns = [_column(name, view) for name in names]
-    grid = dag.AgGrid(
-        id="units",
-        columnDefs=columns,
-        rowData=[_row(each, view) for each in shown.units],
-        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 120,
-                       "floatingFilter": True, "filter": True},
-        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
-        style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
-    )  # fmt: skip
-    count = message("pages-unit-count", count=shown.total)
-    return dmc.Stack([dmc.Text(view.say(count)), grid], gap="xs")
+    rows = [_row(each, view) for each in shown.units]
+    shown_units = grid("units", columns, rows, view, "calc(100vh - 190px)", 120)
+    count = view.text("pages-unit-count", count=shown.total)
+    return dmc.Stack([dmc.Text(count), shown_units], gap="xs")
 
 
 def _column(name: str, view: View) -> dict[str, Any]:
@@ -89,19 +85,18 @@ def _facts(line: UnitLine, view: View) -> Component:
     runs = link(str(line.runs), "/runs", manufacturer=line.manufacturer, model=line.model,
                 serial=line.serial)  # fmt: skip
     return facts(
-        [
-            (message("pages-unit-column.manufacturer"), line.manufacturer),
-            (message("pages-unit-column.model"), line.model),
-            (message("pages-unit-column.serial"), line.serial),
-            (message("pages-unit-column.runs"), runs),
-            (message("pages-unit-column.last-run"), str(line.last_run or "–")),
-            (message("pages-unit-column.certificate"), line.certificate),
-            (message("pages-unit-column.verdict"), badge(decision_state(line.verdict), view)),
-            (
-                message("pages-unit-column.due"),
-                dmc.Group([dmc.Text(str(line.due or "–")), badge(due, view)], gap="xs"),
+        {
+            "pages-unit-column.manufacturer": line.manufacturer,
+            "pages-unit-column.model": line.model,
+            "pages-unit-column.serial": line.serial,
+            "pages-unit-column.runs": runs,
+            "pages-unit-column.last-run": str(line.last_run or "–"),
+            "pages-unit-column.certificate": line.certificate,
+            "pages-unit-column.verdict": badge(decision_state(line.verdict), view),
+            "pages-unit-column.due": dmc.Group(
+                [dmc.Text(str(line.due or "–")), badge(due, view)], gap="xs"
             ),
-        ],
+        },
         view,
     )
 
@@ -131,12 +126,12 @@ def _history(shown: UnitShown, view: View) -> list[Component]:
     else:
         limits = message("pages-unit-limits.none")
     return [
-        dmc.Text(view.say(limits), size="sm", c="dimmed"),
+        note(view.say(limits)),
         picture("unit-history", history_figure(of_item, view, scales)),
-        _heading("drift", view),
-        dmc.Text(view.text("pages-unit-drift-about"), size="sm", c="dimmed"),
+        heading("pages-unit-heading.drift", view),
+        note(view.text("pages-unit-drift-about")),
         _drifts(shown, view, scales),
-        _heading("adjustments", view),
+        heading("pages-unit-heading.adjustments", view),
         _adjustments(of_item, view, scales),
     ]
 
@@ -150,15 +145,10 @@ def _scales(elements: Sequence[ElementHistory]) -> Scales:
     )
 
 
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.text(f"pages-unit-heading.{name}"), order=3, mt="sm")
-
-
 def _drifts(shown: UnitShown, view: View, scales: Scales) -> Component:
-    names = ("item", "symbol", "value", "limits", "drift", "readings", "state")
-    headings = [message(f"pages-unit-drift.{name}") for name in names]
+    names = "item symbol value limits drift readings state"
     rows = [_element(each, view, scales.get(each.unit)) for each in shown.elements]
-    return table(headings, rows, view)
+    return table("pages-unit-drift", names, rows, view)
 
 
 def _element(of: ElementHistory, view: View, scale: Scale | None) -> tuple[Any, ...]:
@@ -212,9 +202,7 @@ def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> C
     ]
     if not rows:
         return dmc.Text(view.text("pages-unit-not-adjusted"), size="sm")
-    names = ("day", "symbol", "found", "left", "run-found", "run-left")
-    headings = [message(f"pages-unit-adjustment.{name}") for name in names]
-    return table(headings, rows, view)
+    return table("pages-unit-adjustment", "day symbol found left run-found run-left", rows, view)
 
 
 def history_figure(elements: Sequence[ElementHistory], view: View, scales: Scales) -> Figure:
