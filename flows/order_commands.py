@@ -152,16 +152,19 @@ def cancel(
 
 @app.command(epilog="Example: mimucal order retry 4711")
 def retry(
-    number: order_options.GivenNumber, by: options.By = None, as_json: options.Json = False
+    number: order_options.GivenNumber,
+    by: options.By = None,
+    reason: options.Reason = None,
+    as_json: options.Json = False,
 ) -> None:
     """Carry out an order again that failed or was cancelled.
 
     What it measured counts: an interrupted run goes on, and a run that is in the store is not
-    repeated. To measure a unit anew, give a new order.
+    repeated unless it is invalid: then the order's units are measured again under its number.
     """
     from flows.orders.order_queue import retry as retry_order
 
-    _print_given([retry_order(number, _person(by), home())], as_json)
+    _print_given([retry_order(number, _person(by), home(), reason)], as_json)
 
 
 def _print_given(given: "Sequence[GivenProduction]", as_json: bool) -> None:

@@ -60,6 +60,13 @@ class OrderRequest(Frozen):
     client_order: Order | None = None
 
 
+class RetriedOrder(Frozen):
+    """An order that failed or was cancelled is to be carried out again, and why."""
+
+    number: Name
+    reason: str | None = Field(default=None, max_length=1000)
+
+
 class ProductionOrder(Frozen):
     """An order of the catalogue, and what became of it.
 

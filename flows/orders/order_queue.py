@@ -152,13 +152,16 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     return cancelled
 
 
-def retry(number: str, person: str, home: Home) -> GivenProduction:
-    """Have an order carried out again that failed or was cancelled; a run it began goes on."""
+def retry(number: str, person: str, home: Home, reason: str | None = None) -> GivenProduction:
+    """Have an order carried out again that failed or was cancelled.
+
+    A run it began goes on; after an invalid one its units are measured again.
+    """
     left = take_up_left(home)
     if any(each.number == number for each in left):
         order = orders.find(number, home)  # it waits again already
     else:
-        order = orders.retry(number, person, home)
+        order = orders.retry(number, person, home, reason)
     return GivenProduction(order, is_new=False, fault=submit(home))
 
 

@@ -29,8 +29,8 @@ from storage.stations import file_named, file_of
 from tasks.stages.left_run import left_runs
 from tasks.stages.procedure_input import procedure_named
 from tasks.stages.ready import ready_to_acquire
-from tasks.station.drivers.identity import confirm
-from tasks.words import cause_of, message
+from tasks.station.drivers.identity import OTHER_UNIT, confirm
+from tasks.words import Message, argument, cause_of, message
 
 if TYPE_CHECKING:
     from tasks.stages.published import Published
@@ -70,9 +70,10 @@ Work = Callable[[Production], "tuple[Published, ...]"]
 def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
     """Do the work of an order of the queue, once it can begin; its drafts.
 
-    An order without a number, as of a schedule, is one of its own for the units of the station
-    file. Nothing is done of one that waits no more. Raises Unusable for an order of another
-    station, and what the work raises; the order has then failed.
+    While its units are not mounted, orders whose units are come first. An order without a number,
+    as of a schedule, is the next one of the station's queue; where that is empty, one of its own
+    for the units of the station file. Nothing is done of one that waits no more. Raises Unusable
+    for an order of another station, and what the work raises; the order has then failed.
     """
     home = run_orders.home_of(order)
     station = station_of(order, home)
@@ -85,18 +86,37 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
             )
     with one_order_at(station.station.id, home):
         left = orders.put_back(station.station.id, home)
-        number = order.number or _own_order(order, station, home)
-        _wait_until_it_can_begin(number, station, home, is_of_queue=order.number is not None)
-        kept = orders.claim(number, home)
-        if left:  # not before the claim: one of them may be this order
-            order_queue.submit(home)
-        return _finished(kept, order, station, home, work) if kept else ()
+        queue = [] if order.number else orders.waiting(home, station.station.id)
+        number = order.number or (queue[0].number if queue else _own_order(order, station, home))
+        is_of_queue = bool(order.number or queue)
+        while True:
+            ready = _next_to_begin(number, station, home, is_of_queue=is_of_queue)
+            kept = orders.claim(ready, home)
+            if left:  # not before the claim: one of them may be this order
+                order_queue.submit(home)
+                left = []
+            if ready == number:
+                return _finished(kept, order, station, home, work) if kept else ()
+            if kept:
+                _carried_out_before(kept, order, station, home, work)
 
 
-def _wait_until_it_can_begin(
-    number: str, station: StationFile, home: Home, *, is_of_queue: bool
+def _carried_out_before(
+    kept: ProductionOrder, order: ProduceOrder, station: StationFile, home: Home, work: Work
 ) -> None:
-    """Until nothing keeps an order from beginning, or it waits no more; it says what does.
+    """Another order whose units are mounted; its failure is its own, unless it was a stop."""
+    try:
+        _finished(kept, order, station, home, work)
+    except Unusable:
+        return
+    except BrokenOff as fault:
+        if fault.__cause__ is not None:  # a stop, or a full disk
+            raise
+
+
+def _next_to_begin(number: str, station: StationFile, home: Home, *, is_of_queue: bool) -> str:
+    """The number of an order, once nothing keeps it from beginning or it waits no more; that of
+    another one whose units are mounted in the place of its own. It says what keeps it.
 
     is_of_queue: whether somebody is expected to mount its units; else they are those of the
     station file, and others are refused.
@@ -107,12 +127,26 @@ def _wait_until_it_can_begin(
             kept = orders.find(number, home)
             hindrance = _hindrance(kept, station, home, is_of_queue)
             if kept.state != "waiting" or hindrance is None:
-                return
+                return number
+            if other := _mounted_instead(hindrance, station, home):
+                return other
             if str(hindrance) != kept.fault:
                 orders.note(number, home, fault=str(hindrance), cause=cause_of(hindrance))
             if datetime.now(UTC) - began > outcomes.LATE:
                 outcomes.say_once(kept, "waits", cause_of(hindrance), home)
         time.sleep(LOOK_S)
+
+
+def _mounted_instead(hindrance: Unusable, station: StationFile, home: Home) -> str | None:
+    """The number of the next order of the unit that is mounted in the place of another."""
+    if not (isinstance(hindrance.cause, Message) and hindrance.cause.id == OTHER_UNIT):
+        return None
+    mounted = str(argument(hindrance.cause, "found"))
+    for each in orders.waiting(home, station.station.id):
+        is_of_it = mounted in (unit.serial for unit in each.units)
+        if is_of_it and _hindrance(each, station, home, is_of_queue=True) is None:
+            return each.number
+    return None
 
 
 def _hindrance(

@@ -21,7 +21,13 @@ from flows.pages.numbers import Row, csv_of
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from schemas.base import Frozen, Unusable, first_fault
-from schemas.production import OrderRequest, OrdersQuestion, ProductionOrder, ProductionOrders
+from schemas.production import (
+    OrderRequest,
+    OrdersQuestion,
+    ProductionOrder,
+    ProductionOrders,
+    RetriedOrder,
+)
 from storage.catalogue.connection import Busy
 from storage.home import Home
 from tasks.version import code_version
@@ -56,6 +62,7 @@ def endpoints(home: Home) -> Blueprint:
             made.add_url_rule(f"/{page.name}/{part}.csv", f"{page.name}-{part}", answer)
     made.add_url_rule("/orders", "orders", lambda: orders_api.listed(home), methods=["GET"])
     made.add_url_rule("/orders", "order", lambda: orders_api.give(home), methods=["POST"])
+    made.add_url_rule("/retry", "retry", lambda: orders_api.retry(home), methods=["POST"])
     made.add_url_rule("/openapi.json", "openapi", lambda: json_answer(json.dumps(openapi())))
     return made
 
@@ -123,6 +130,13 @@ def openapi() -> dict[str, Any]:
             REFUSALS | refused, takes=OrderRequest,
         ),
     }  # fmt: skip
+    again = {200: ("The order waits again.", ProductionOrder)}
+    paths[f"{PREFIX}/retry"] = {
+        "post": _operation(
+            "retry", "Carry out an order again that failed or was cancelled", again,
+            REFUSALS | refused | {404: "There is no such order."}, takes=RetriedOrder,
+        ),
+    }  # fmt: skip
     for name, what, answer, takes in PRESSES:
         became = {200: ("What became of it.", answer)}
         pressed = _operation(name, what, became, PRESS_REFUSALS, takes=takes)
@@ -132,6 +146,7 @@ def openapi() -> dict[str, Any]:
     models: list[tuple[type[Frozen], Any]] = [(model, "serialization") for model in answers]
     models += [
         (OrderRequest, "validation"),
+        (RetriedOrder, "validation"),
         (StopPressed, "validation"),
         (AlarmPressed, "validation"),
     ]

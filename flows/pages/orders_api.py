@@ -7,8 +7,8 @@ from flows.orders import order_queue
 from flows.pages.do.orders import check_may
 from flows.pages.json_answers import json_answer, refusal
 from schemas.access import Visitor
-from schemas.base import Unusable, first_fault
-from schemas.production import OrderRequest, OrdersQuestion, ProductionOrders
+from schemas.base import NotThere, Unusable, first_fault
+from schemas.production import OrderRequest, OrdersQuestion, ProductionOrders, RetriedOrder
 from storage.catalogue import orders
 from storage.catalogue.connection import Busy
 from storage.home import Home
@@ -28,6 +28,25 @@ def listed(home: Home) -> Response:
     except Busy as error:
         return refusal(503, str(error))
     return json_answer(ProductionOrders(orders=tuple(found)).model_dump_json())
+
+
+def retry(home: Home) -> Response:
+    """Have an order carried out again that failed or was cancelled: 404 for an unknown number."""
+    visitor: Visitor = g.get("visitor") or Visitor()
+    try:
+        check_may("acquire", visitor, "*", home)
+    except Unusable as error:
+        return refusal(403, str(error))
+    try:
+        asked = RetriedOrder.model_validate_json(request.get_data())
+        given = order_queue.retry(asked.number, visitor.name, home, asked.reason)
+    except ValidationError as error:
+        return refusal(400, first_fault(error))
+    except Busy as error:
+        return refusal(503, str(error))
+    except Unusable as error:
+        return refusal(404 if isinstance(error, NotThere) else 400, str(error))
+    return json_answer(given.order.model_dump_json())
 
 
 def give(home: Home) -> Response:

@@ -9,7 +9,7 @@ from typing import Any
 
 import sqlalchemy as sql
 
-from schemas.base import Unusable
+from schemas.base import NotThere, Unusable
 from schemas.production import OPEN, ProductionOrder, ProductionState
 from schemas.text import Statement
 from storage.catalogue import database, tables, trail
@@ -69,7 +69,7 @@ def find(number: str, home: Home) -> ProductionOrder:
     """The order with a number; raises Unusable where there is none."""
     for order in numbered([number], home):
         return order
-    raise Unusable(f"there is no order {number!r}: `mimucal order list` names them")
+    raise NotThere(f"there is no order {number!r}: `mimucal order list` names them")
 
 
 def numbered(numbers: Collection[str], home: Home) -> list[ProductionOrder]:
@@ -160,20 +160,38 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     raise Unusable(f"order {number} is {order.state} and waits no more: {way_out}")
 
 
-def retry(number: str, person: str, home: Home) -> ProductionOrder:
-    """Put an order that failed or was cancelled back into the queue; Unusable for any other."""
+def retry(number: str, person: str, home: Home, reason: str | None = None) -> ProductionOrder:
+    """Put an order that failed or was cancelled back into the queue; Unusable for any other.
+
+    One of which a run is invalid is measured again: the trail has its runs so far, and the reason,
+    which is why it failed where the person gives none.
+    """
+    order = find(number, home)
+    again: dict[str, Any] = {"again": True} | ({"reason": reason} if reason else {})
+    values = WAITING_AGAIN
+    if _is_invalid(order.runs, home):
+        again |= {"reason": reason or order.fault, "runs": order.runs}
+        fresh = {"is_interrupted": False, "began_at": None, "runs": "[]", "certificates": "[]"}
+        values = WAITING_AGAIN | fresh
     changed = sql.update(tables.orders).where(
         ORDER.number == number, ORDER.state.in_(("failed", "cancelled"))
     )
     with database.changing(home) as connection:
-        if connection.execute(changed.values(**WAITING_AGAIN)).rowcount:
-            trail.add(connection, person, "order acquire", number, again=True)
+        if connection.execute(changed.values(**values)).rowcount:
+            trail.add(connection, person, "order acquire", number, **again)
             return _kept(connection, number)
-    order = find(number, home)
     raise Unusable(
         f"order {number} is {order.state}: only one that failed or was cancelled can be carried "
         "out again"
     )
+
+
+def _is_invalid(runs: Sequence[str], home: Home) -> bool:
+    """Whether the last result of one of some runs finds it invalid."""
+    made = tables.outcomes.c
+    asked = sql.select(made.run, made.verdict).where(made.run.in_(runs), made.terms == "")
+    last = {row.run: row.verdict for row in database.rows(home, asked.order_by(made.made_at))}
+    return "invalid" in last.values()
 
 
 def put_back(station: str, home: Home) -> list[ProductionOrder]:

@@ -172,7 +172,9 @@ class Orders:
         about = f"{given.order.serials} ({given.order.number})"
         return f"{about}; {given.fault}" if given.fault else about
 
-    def queue_step(self, step: str, number: str, visitor: Visitor) -> str:
+    def queue_step(
+        self, step: str, number: str, visitor: Visitor, reason: str | None = None
+    ) -> str:
         """Cancels an order of a queue, or has it carried out again; gives what it is about.
 
         Raises Unusable as `give` does.
@@ -180,7 +182,7 @@ class Orders:
         check_may("acquire", visitor, number, self._home)
         if step == "cancel":
             return order_queue.cancel(number, visitor.name, self._home).serials
-        return order_queue.retry(number, visitor.name, self._home).order.serials
+        return order_queue.retry(number, visitor.name, self._home, reason).order.serials
 
     def _reprocess(self, fields: Fields, person: str) -> str:
         order_of(ReprocessOrder, **fields)

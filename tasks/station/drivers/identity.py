@@ -11,6 +11,7 @@ from schemas.recording import Unit
 from schemas.unit_link import SerialQuery, UnitLink
 from tasks.words import message
 
+OTHER_UNIT = "station-cause.other-unit"
 ANSWER_S = 2.0
 ASK_EVERY_S = 0.5  # a unit that is busy drops a line; 4 requests in all
 READ_TIMEOUT_S = 0.05
@@ -33,7 +34,7 @@ def confirm(unit: Unit, link: UnitLink) -> str | None:
         raise Unusable(
             f"the unit on {link.url} says that it is {serial}, and the run is ordered for "
             f"{unit.serial}: mount {unit.serial}, or order {serial}",
-            message("station-cause.other-unit", found=serial, ordered=unit.serial),
+            message(OTHER_UNIT, found=serial, ordered=unit.serial),
         )
     return serial
 

@@ -16,7 +16,8 @@ from prefect.client.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 from prefect.states import Cancelling
 
-from storage.catalogue import certificates, run_index
+from schemas.production import ProductionOrder
+from storage.catalogue import certificates, orders, run_index
 from storage.home import Home
 from storage.station_lock import statuses
 from tasks.stages.prefect_api import post
@@ -28,6 +29,7 @@ from tests.prefect_line import PASSWORD, PrefectLine, flow_runs, prefect_line, w
 
 pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 STATIONS = ("S-1", "S-2")
+SERIALS = {"S-1": "V00007", "S-2": "V00008"}
 LONG_S = 900.0  # of a machine that does other work
 SPEED = 20.0
 UNFINISHED = ("SCHEDULED", "PENDING", "RUNNING")
@@ -169,6 +171,50 @@ def test_a_worker_that_is_killed_stops_the_table_and_the_recording_is_kept(line,
 def stopped(line: PrefectLine, station: str) -> list:
     found = statuses(Home(line.home))
     return [each for each in found if each[0].station == station and each[0].state == "stopped"]
+
+
+def order_that_measures(line: PrefectLine, station: str, number: str) -> ProductionOrder:
+    """An order of the queue whose process writes readings."""
+    procedure, left = line.folder / "longer.toml", line.home / "acquiring"
+    before = set(left.glob("*.mcap"))
+    line.mimucal(
+        "order", "add", station, "--serial", SERIALS[station], "--number", number,
+        "--procedure", procedure, "--by", "Li",
+    )  # fmt: skip
+    wait_for(
+        lambda: any(each.stat().st_size > 50_000 for each in set(left.glob("*.mcap")) - before),
+        LONG_S,
+    )
+    return orders.find(number, Home(line.home))
+
+
+def hooks_that_failed(line: PrefectLine) -> list[str]:
+    logs = (log.read_text(encoding="utf-8") for log in line.folder.glob("worker-*.log"))
+    return [
+        text for text in logs if "failed to retrieve flow" in text or "is not a package" in text
+    ]
+
+
+def test_an_order_whose_own_process_is_killed_goes_on_within_a_minute(line) -> None:
+    home, order = Home(line.home), order_that_measures(line, "S-1", "killed")
+    os.kill(order.process, signal.SIGKILL)
+    wait_for(lambda: orders.find("killed", home).attempts == 2, 60.0)
+    wait_for(lambda: orders.find("killed", home).state == "done", LONG_S)
+    assert len(orders.find("killed", home).runs) == 1
+    assert hooks_that_failed(line) == []
+
+
+def test_an_order_that_is_cancelled_in_prefect_failed_and_does_not_begin_again(
+    line, client
+) -> None:
+    home, order = Home(line.home), order_that_measures(line, "S-1", "cancelled")
+    client.set_flow_run_state(order.flow_run, Cancelling(), force=True)
+    wait_for(lambda: orders.find("cancelled", home).state == "failed", 60.0)
+    wait_for(lambda: state_of(client, order.flow_run) == "Cancelled", 60.0)
+    ended = orders.find("cancelled", home)
+    assert (ended.state, ended.attempts) == ("failed", 1)
+    assert "Prefect" in ended.cause.zh
+    assert hooks_that_failed(line) == []
 
 
 def test_a_cancellation_stops_the_table_though_the_worker_no_longer_looks(line, client) -> None:

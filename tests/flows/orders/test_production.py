@@ -1,5 +1,6 @@
 """Orders carried out: each once, the next whatever becomes of one, and on where a process died."""
 
+import json
 import os
 import signal
 import subprocess
@@ -18,10 +19,12 @@ from flows.orders.production import Production, carry_out, work_at
 from schemas.base import BrokenOff, Unusable
 from schemas.certificate_orders import ProduceOrder
 from schemas.production import OrderRequest, ProductionOrder
-from storage.catalogue import orders
+from schemas.recording import Unit
+from storage.catalogue import orders, trail
 from storage.home import Home
 from storage.order_lock import one_order_at, only_worker_of
 from storage.station_lock import one_run_on
+from tasks.words import message
 from tests.flows.order_homes import add_station, no_workers
 
 POPEN = subprocess.Popen  # before it is replaced
@@ -133,10 +136,58 @@ def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line) -> None:
 
 def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(line) -> None:
     work = Work()
+    for number in "123":
+        orders.cancel(number, "Li", line)
     carry_out(ProduceOrder(station="LINE-1"), work)
     own = orders.listed(line)[-1]
     assert (own.person, own.serials, own.state) == ("schedule", "0001", "done")
     assert work.done[0].by is None
+
+
+def test_an_order_whose_unit_is_mounted_does_not_wait_behind_one_whose_unit_is_not(
+    line: Home, worked, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mounted = ["S2"]
+
+    def confirm(unit: Unit, _: object) -> None:
+        if unit.serial not in mounted:
+            cause = message(production.OTHER_UNIT, found=mounted[0], ordered=unit.serial)
+            raise Unusable(f"mount {unit.serial}", cause)
+
+    monkeypatch.setattr(production, "confirm", confirm)
+    work = worked(Work(S3=Unusable("it is broken")))
+    orders_left = ["S2", "S3", "S1"]
+    monkeypatch.setattr(
+        production, "time",
+        SimpleNamespace(sleep=lambda _: mounted.__setitem__(0, orders_left[len(work.done)])),
+    )  # fmt: skip
+    assert work_at("LINE-1", line, ignore)
+    assert work.serials == ["S2", "S3", "S1"]
+    assert states(line) == ["done", "done", "failed"]
+
+
+def test_a_schedule_takes_the_queue(line: Home) -> None:
+    work = Work()
+    carry_out(ProduceOrder(station="LINE-1"), work)
+    assert work.serials == ["S1"]
+    assert len(states(line)) == 3
+
+
+def test_after_an_invalid_run_an_order_is_measured_again_under_its_number(
+    line: Home, worked, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    orders.claim("1", line)
+    orders.note("1", line, runs=("r1",))
+    orders.finish("1", "failed", line, "run r1 is invalid: the unit was touched")
+    monkeypatch.setattr(orders, "_is_invalid", lambda runs, _: "r1" in runs)
+    assert retry("1", "Li", line).order.runs == ()
+    last = json.loads(trail.entries(line)[-1].details)
+    assert last == {"again": True, "reason": "run r1 is invalid: the unit was touched",
+                    "runs": ["r1"]}  # fmt: skip
+    orders.claim("1", line)
+    orders.note("1", line, runs=("r2",))
+    orders.finish("1", "failed", line, "no paper")
+    assert retry("1", "Li", line, "paper is there").order.runs == ("r2",)  # is not repeated
 
 
 def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> None:
