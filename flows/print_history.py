@@ -22,10 +22,10 @@ def print_report(report: Reprocessing, out: str | None) -> None:
     if report.changed:
         changes = [
             (c.run, f"{c.item}.{c.element}", _number(c.before), _number(c.after),
-             _number(c.U_before), _number(c.in_U), unit_text(c.unit))
+             _number(c.U_before), _number(c.U_after), _number(c.in_U), unit_text(c.unit))
             for c in report.changed
         ]  # fmt: skip
-        columns = ("run", "element", "before", "after", "U", "change / U", "unit")
+        columns = ("run", "element", "before", "after", "U before", "U", "change / U", "unit")
         print_rows(f"Changed: {_shown(len(changes))}", columns, changes[:SHOWN])
     if report.flips:
         verdicts = [
@@ -36,10 +36,17 @@ def print_report(report: Reprocessing, out: str | None) -> None:
         print_rows(f"Verdicts: {_shown(len(verdicts))}", of_verdict, verdicts[:SHOWN])
     if report.certificates:
         papers = [
-            (t.number, t.run, t.state, t.verdict, _number(t.largest_in_U))
+            (
+                t.number,
+                t.run,
+                t.state,
+                t.verdict,
+                _number(t.largest_in_U),
+                _number(t.U_factor),
+            )
             for t in report.certificates
         ]
-        of_paper = ("certificate", "run", "state", "verdict", "largest change / U")
+        of_paper = ("certificate", "run", "state", "verdict", "largest change / U", "U × by")
         print_rows(f"Certificates: {_shown(len(papers))}", of_paper, papers[:SHOWN])
     if report.failures:
         rows = [(f.run, f.why) for f in report.failures]

@@ -16,7 +16,7 @@ COUNTED_IN_U = 0.01
 
 
 class Change(Frozen):
-    """An element whose value moved by more than COUNTED_IN_U, or its U by as much of itself.
+    """An element whose value moved by more than COUNTED_IN_U, or its U by as much of itself, or k.
 
     Null: not determined.
 
@@ -34,16 +34,19 @@ class Change(Frozen):
     U_before: Finite | None
     U_after: Finite | None
     in_U: Finite | None
+    k_before: Finite | None = None
+    k_after: Finite | None = None
 
 
 class Flip(Frozen):
-    """A verdict that changed: on the run, on the unit, or on one element. Those on the unit and on
-    an element use the limits in the home.
+    """A verdict that changed: on the run, on the unit, or on one element; or the reasons of that on
+    the run. Those on the unit and on an element use the limits in the home; before is what the
+    certificate says, where the run has one.
     """
 
     run: str
     method: str
-    about: Literal["run", "unit", "element"]
+    about: Literal["run", "unit", "element", "reasons"]
     item: str | None = None
     element: str | None = None
     before: str
@@ -58,6 +61,9 @@ class Touched(Frozen):
     state: State
     verdict: Verdict
     largest_in_U: Finite | None = Field(description="null where no value of it moved by a number")
+    U_factor: Finite | None = Field(
+        default=None, description="by which, above 1, a U of it is another one"
+    )
 
 
 class Failure(Frozen):
@@ -68,7 +74,9 @@ class Failure(Frozen):
 
 
 class Difference(Frozen):
-    """What is different between two results of one run."""
+    """What is different between two results of one run; of one with a certificate, from what that
+    prints.
+    """
 
     changed: tuple[Change, ...] = ()
     flips: tuple[Flip, ...] = ()

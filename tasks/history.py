@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
 from schemas.capability import Capability
+from schemas.decision import Decision
 from schemas.history import COUNTED_IN_U, Change, Difference, Flip, Reprocessing
 from schemas.tolerance import Tolerance
 from tasks.conformity import as_stated, decide
@@ -29,19 +30,19 @@ def difference(
     after: Calibration,
     tolerance: Tolerance | None = None,
     capabilities: Sequence[Capability] = (),
+    printed: Decision | None = None,
 ) -> Difference:
     """What changed between two results by one method; nothing for two whose numbers agree.
 
     Verdicts on elements are by the same limits for both, and by the results alone: the effect of an
     expired standard or a missing validation on either verdict is not a difference of code. Limits
     that do not apply to such a result change nothing. capabilities: the laboratory's, below which
-    no U is decided on.
+    no U is decided on. printed: what a certificate of the result before says of the unit; what else
+    than the result kept it from a pass still does.
     """
+    old, new = as_stated(before, capabilities), as_stated(after, capabilities)
     return Difference(
-        changed=tuple(_changes(before, after)),
-        flips=tuple(
-            _flips(as_stated(before, capabilities), as_stated(after, capabilities), tolerance)
-        ),
+        changed=tuple(_changes(before, after)), flips=tuple(_flips(old, new, tolerance, printed))
     )
 
 
@@ -52,7 +53,9 @@ def _changes(before: Calibration, after: Calibration) -> Iterator[Change]:
         for element in elements:
             was, U_was = _of(old, element)
             now, U_now = _of(new, element)
-            if not (_moved(was, now, U_was or U_now) or _moved(U_was, U_now, U_was)):
+            k_was, k_now = (each.k if each else None for each in (old, new))
+            moved = _moved(was, now, U_was or U_now) or _moved(U_was, U_now, U_was)
+            if not (moved or (was is not None and now is not None and k_was != k_now)):
                 continue
             yield Change(
                 run=after.run,
@@ -65,6 +68,8 @@ def _changes(before: Calibration, after: Calibration) -> Iterator[Change]:
                 U_before=U_was,
                 U_after=U_now,
                 in_U=_in_U(was, now, U_was or U_now),
+                k_before=k_was,
+                k_after=k_now,
             )
 
 
@@ -85,19 +90,30 @@ def _in_U(was: float | None, now: float | None, U: float | None) -> float | None
     return abs(now - was) / U
 
 
-def _flips(before: Calibration, after: Calibration, tolerance: Tolerance | None) -> Iterator[Flip]:
+def _flips(
+    before: Calibration,
+    after: Calibration,
+    tolerance: Tolerance | None,
+    printed: Decision | None = None,
+) -> Iterator[Flip]:
     of = {"run": after.run, "method": after.method}
     was, now = before.validity.verdict, after.validity.verdict
     if was != now:
         yield Flip(about="run", before=was, after=now, **of)
+    why, why_now = ("; ".join(each.validity.reasons) for each in (before, after))
+    if was == now and why != why_now:
+        yield Flip(about="reasons", before=why, after=why_now, **of)
     if tolerance is None:
         return
     try:
-        old, new = decide(before, tolerance), decide(after, tolerance)
+        alone, new = decide(before, tolerance), decide(after, tolerance)
     except Unusable:
         return
-    if old.verdict != new.verdict:
-        yield Flip(about="unit", before=old.verdict, after=new.verdict, **of)
+    old, verdict = printed or alone, new.verdict
+    if verdict == "pass" and old.verdict == "inconclusive" != alone.verdict:
+        verdict = "inconclusive"
+    if old.verdict != verdict:
+        yield Flip(about="unit", before=old.verdict, after=verdict, **of)
     old_of = {(limit.item, limit.element): limit.verdict for limit in old.limits}
     for limit in new.limits:
         earlier = old_of.get((limit.item, limit.element), "inconclusive")

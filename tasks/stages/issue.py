@@ -34,17 +34,21 @@ from tasks.words import message
 if TYPE_CHECKING:
     from tasks.certificate.sign import Signing
 
+ANYBODY = "?"  # who will issue, where the laboratory names nobody
 DONE: dict[StepName, str] = {"draft": "drafted", "check": "checked", "issue": "issued"}
 
 
 @stage("check certificate")
 def check(key: str, home: Home, person: str, reason: str | None = None) -> Published:
-    """Record that a person checked a draft; Unusable for anything else, and for its own author."""
+    """Record that a person checked a draft; Unusable for anything else, for its own author, and for
+    a draft that nobody may issue as it is.
+    """
     now = datetime.now(UTC)
     with database.changing(home) as connection:
         entry, draft = _at_state(connection, key, home, "draft")
         check_person(draft, person, "check", home)
         checked = _with_step(draft, "check", person, now, reason, "checked", home)
+        _check_that_somebody_may_issue(connection, entry, checked, now, home)
         files = _replace(connection, home, entry, checked)
         trail.add(
             connection, person, "check", key, at=now, reason=reason,
@@ -96,6 +100,31 @@ def withdraw(number: str, home: Home, person: str, why: str) -> Published:
         keep_certificate.change_state(connection, number, "withdrawn")
         trail.add(connection, person, "withdraw", number, reason=why)
     return published(number, home)
+
+
+def _check_that_somebody_may_issue(
+    connection: sql.Connection, entry: Entry, checked: Certificate, now: datetime, home: Home
+) -> None:
+    """Raises what `issue` would raise today, for the first of those who issue, where it would for
+    each: another draft costs less before the check than after it.
+    """
+    laboratory = settings.laboratory(home) or checked.laboratory
+    listed = laboratory.authorised if laboratory else ()
+    named = [each.name for each in listed if "issue" in each.may]
+    if not named and laboratory and laboratory.issuer:
+        named = [laboratory.issuer]
+    faults = []
+    for issuer in named or [ANYBODY]:
+        try:
+            if named:
+                check_person(checked, issuer, "issue", home)
+            issued = _with_step(checked, "issue", issuer, now, None, "issued", home)
+            check_issuable(connection, entry, issued, home)
+        except Unusable as fault:
+            faults.append(fault)
+        else:
+            return
+    raise faults[0]
 
 
 def check_issued(entry: Entry, home: Home) -> Certificate:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 
 from schemas.capability import Capability
+from schemas.certificate import LIVE
 from schemas.history import Change, Difference, Failure, Plan, Reprocessing, Touched
 from schemas.orders import ReprocessOrder
 from schemas.tolerance import Tolerance
@@ -72,7 +73,8 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
         progress(len(outcomes), len(jobs))
     capabilities = laboratory.capabilities if laboratory else ()
     before = _again(earlier, runs, limits, capabilities, home)
-    report = _report(runs, [*before, *outcomes], home).model_copy(
+    compared = _with_certificates([*before, *outcomes], runs, limits, capabilities, home)
+    report = _report(runs, list(compared), home).model_copy(
         update={
             "circumstances": now,
             "done_before": len(earlier),
@@ -139,6 +141,36 @@ def _again(
         yield Outcome(made, changes)
 
 
+def _with_certificates(
+    outcomes: Sequence[Outcome],
+    runs: Sequence[Run],
+    limits: Callable[[str, str], Tolerance | None],
+    capabilities: Sequence[Capability],
+    home: Home,
+) -> Iterator[Outcome]:
+    """The outcomes; of a result that a live certificate prints, or that came after the printed one,
+    with the difference from that certificate.
+    """
+    by_id = {run.id: run for run in runs}
+    papers = {each.run: each for each in certificates.register(home) if each.state in LIVE}
+    for outcome in outcomes:
+        made = outcome.made
+        paper = papers.get(made.run)
+        if paper is None or made.before is None or made.after is None:
+            yield outcome
+            continue
+        if paper.result not in (made.before, *results.chain(made.before, home)):
+            yield outcome
+            continue
+        run = by_id[made.run]
+        printed, after = (results.find(each, home) for each in (paper.result, made.after))
+        moved = difference(
+            printed.calibration, after.calibration, limits(run.manufacturer, run.model),
+            capabilities, certificates.record_of(paper, home).decision,
+        )  # fmt: skip
+        yield Outcome(made, moved)
+
+
 def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Reprocessing:
     done = [each for each in outcomes if not each.made.fault]
     changed = [change for each in done for change in each.difference.changed]
@@ -183,9 +215,7 @@ def _touched(done: Sequence[Outcome], home: Home) -> Iterator[Touched]:
             made = outcome.made
             if made.before is None or made.after is None or made.after == entry.result:
                 continue
-            if entry.result == made.before:
-                moved = outcome.difference
-            elif entry.result in results.chain(made.before, home):
+            if entry.result == made.before or entry.result in results.chain(made.before, home):
                 printed = results.find(entry.result, home).calibration
                 moved = difference(printed, results.find(made.after, home).calibration)
             else:
@@ -199,4 +229,12 @@ def _touched(done: Sequence[Outcome], home: Home) -> Iterator[Touched]:
                     largest_in_U=max(
                         (c.in_U for c in moved.changed if c.in_U is not None), default=None
                     ),
+                    U_factor=max(map(_factor_of_u, moved.changed)),
                 )
+
+
+def _factor_of_u(change: Change) -> float:
+    """By which factor, above 1, a U is another one; 1 where it was or is not stated."""
+    if not change.U_before or not change.U_after:
+        return 1.0
+    return max(change.U_after / change.U_before, change.U_before / change.U_after)

@@ -231,6 +231,38 @@ def test_certificates_on_values_that_moved_are_touched(store: Home, mimucal, sha
     assert reprocess().certificates == report.certificates
 
 
+def test_a_certificate_whose_u_grew_is_reported_though_a_later_result_has_it_already(
+    store: Home, tmp_path: Path
+) -> None:
+    """As where a limit of the table is registered after the certificate, and the run calibrated."""
+    first, _ = newest(store)
+    scale = first.items["gyro_scale_factor"]
+    U = {**scale.U, "x": scale.U["x"] / 3.0}
+    smaller = scale.model_copy(update={"U": U, "k": 3.0})
+    printed = first.model_copy(
+        update={"items": first.items | {"gyro_scale_factor": smaller}, "code_version": EARLIER}
+    )
+    results.save(printed, store)
+    number = _certified(store, first.run)
+    results.save(first.model_copy(update={"code_version": "0.1.0"}), store)  # who knows the limit
+    store.tolerances.mkdir(parents=True)
+    unit = runs.load(run_index.find(first.run, store), store).manifest.unit
+    limit = {"item": "gyro_scale_factor", "unit": "1", "elements": ["x"], "magnitude": 10.0}
+    limits = {
+        "format": "mimu-tolerance/1", "manufacturer": unit.manufacturer, "model": unit.model,
+        "document": "wide", "limits": [limit],
+    }  # fmt: skip
+    (store.tolerances / "wide.json").write_text(json.dumps(limits), encoding="utf-8")
+    report = reprocess()
+    moved = {each.element: each for each in report.changed if each.item == "gyro_scale_factor"}
+    assert (moved["x"].k_before, moved["x"].k_after) == (3.0, scale.k)
+    assert moved["x"].U_after == pytest.approx(3.0 * moved["x"].U_before)
+    (touched,) = report.certificates
+    assert (touched.number, touched.U_factor) == (number, pytest.approx(3.0))
+    assert report.unchanged == 1
+    assert "pass" not in [each.before for each in report.flips if each.about == "unit"]
+
+
 def _certified(home: Home, run: str) -> str:
     """A certificate that prints the newest result of a run."""
     kept = run_index.find(run, home)

@@ -243,10 +243,7 @@ class Works:
         (self.home / "tolerances").mkdir()
         (self.home / "client-orders").mkdir()
         laboratory = (papers / "laboratory.toml").read_text(encoding="utf-8")
-        (issuer,) = (name for name, role in PERSONS.items() if role == "issuer")
-        (self.home / "laboratory.toml").write_text(
-            laboratory.replace('issuer = "Demo Issuer"', f'issuer = "{issuer}"'), encoding="utf-8"
-        )
+        (self.home / "laboratory.toml").write_text(laboratory, encoding="utf-8")
         shutil.copy(str(papers / "tolerance.toml"), self.home / "tolerances")
         recall = [OPERATORS.format(port=self.ports["mail"])]
         recall += [
