@@ -27,6 +27,7 @@ from tasks.station.virtual.registers import (
 from tasks.station.virtual.simulation import Simulation
 
 LOOK_S = 0.1  # a pause of the station itself counts for no more: it heard nobody meanwhile
+TRIED_S = 1.0  # the same of one that does not hold the table, as who tries devices
 WANTED_S = 30.0  # wall time for which a client that has stopped fetching holds the clock
 
 REFUSALS = {
@@ -138,7 +139,7 @@ class Controller:
         if self._holder and self._unheard_s * 1000.0 > self._table.watchdog:
             self._hold(None)
             self._simulation.table.trip({"watchdog"})
-        if self._unfetched_s > WANTED_S:
+        if self._unfetched_s > (WANTED_S if self._holder else TRIED_S):
             self._simulation.table.wanted = None
 
     def _hold(self, holder: Connection | None) -> None:

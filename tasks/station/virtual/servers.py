@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import math
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -16,9 +17,14 @@ from tasks.station.virtual.faults import Condition, StationFault
 from tasks.station.virtual.simulation import Simulation
 from tasks.station.virtual.unit_line import attend
 
+LOG = logging.getLogger("mimucal.station.virtual")
 SLICE_WALL_S = 0.005
 BREATH_WALL_S = 0.0005  # where it is behind: not 0, for a request takes several turns of the loop
 MAX_STEPS = 1000  # in one go: some milliseconds of computing, so that requests are answered
+LATE_STATION_S = 0.5  # station time by which the clocks of late clients may differ
+SLOWEST = 1.0  # no machine is too slow for real time
+FORGET_S = 1.0  # wall time in which a late wait counts e times less
+SLOW_S = 3.0  # wall time at less than half the speed after which it says so
 IDLE_WALL_S = 0.1
 IDLE_STEPS = 5 * MAX_STEPS
 IDLE_AFTER_S = 1.0  # wall time since the last request
@@ -84,6 +90,32 @@ class Doze:
         self._is_present.set()
 
 
+class Pace:
+    """The speed that this machine allows: at most the one that is asked for.
+
+    Of the latest waits the longest counts, and less the longer ago it was.
+    """
+
+    def __init__(self, asked: float) -> None:
+        self._asked = asked
+        self._late_s = self._slow_s = 0.0
+        self._has_spoken = False
+
+    @property
+    def speed(self) -> float:
+        return min(self._asked, max(LATE_STATION_S / max(self._late_s, 1e-6), SLOWEST))
+
+    def note(self, late_s: float, waited_s: float) -> None:
+        """How much later than asked a wait ended; both in wall time."""
+        passed_s = late_s + waited_s
+        self._late_s = max(late_s, self._late_s * math.exp(-passed_s / FORGET_S))
+        self._slow_s = self._slow_s + passed_s if self.speed < self._asked / 2 else 0.0
+        if self._slow_s > SLOW_S and not self._has_spoken:
+            self._has_spoken = True
+            shown = {"asked": self._asked, "given": round(self.speed, 1)}
+            LOG.warning("slower than asked", extra=shown)
+
+
 async def keep_time(
     simulation: Simulation,
     speed: float,
@@ -91,7 +123,9 @@ async def keep_time(
     watch: Callable[[], None] = lambda: None,
     doze: Doze | None = None,
 ) -> None:
-    """Lets station time pass at speed × wall time, slower where the machine cannot keep up.
+    """Lets station time pass at speed × wall time, slower where the machine cannot keep up: by how
+    much it comes late to its own work, its clients come late to theirs, and what a frame waits for
+    at them is an error of their clocks of so much times the speed. It says so.
 
     It ends with the station's power.
 
@@ -100,14 +134,18 @@ async def keep_time(
     send: takes the unit's frames as they come. watch: called in every slice of wall time. doze:
     lengthens the slices of an idle station.
     """
-    origin_s = wall_s() - simulation.table.steps * STEP_S / speed
+    pace, owed, before_s = Pace(speed), 0.0, wall_s()
     while not simulation.condition.is_dead:
-        behind = int((wall_s() - origin_s) * speed / STEP_S) - simulation.table.steps
+        now_s = wall_s()
+        owed += (now_s - before_s) * pace.speed / STEP_S
+        before_s = now_s
+        behind = int(owed)
         is_idle = doze is not None and doze.is_idle
         most = IDLE_STEPS if is_idle else MAX_STEPS
-        origin_s += max(behind - 2 * most, 0) * STEP_S / speed
+        owed = min(owed, 2.0 * most)
         watch()
         steps = min(behind, most, simulation.table.room())
+        owed -= max(steps, 0)
         if steps > 0 and (sent := simulation.advance(steps)):
             send(b"".join(sent))
         if doze is not None:
@@ -115,7 +153,9 @@ async def keep_time(
             if is_idle:
                 await doze.sleep(min(IDLE_WALL_S, IDLE_STEPS * STEP_S / speed))
                 continue
-        await asyncio.sleep(BREATH_WALL_S if behind > steps > 0 else SLICE_WALL_S)
+        rest_s, began_s = BREATH_WALL_S if behind > steps > 0 else SLICE_WALL_S, wall_s()
+        await asyncio.sleep(rest_s)
+        pace.note(wall_s() - began_s - rest_s, rest_s)
 
 
 async def serve(

@@ -100,8 +100,11 @@ def test_numbers_of_a_laboratorys_own_scheme_have_no_gaps(home: Home) -> None:
 
 def test_a_refused_issue_costs_no_number(home: Home) -> None:
     key = draft(home, "1", decision=NO_LIMITS).certificate.number
-    check(key, home, "Li")
-    refusal(issue, key, home, "Zhao")
+    refusal(check, key, home, "Li")
+    late = draft(home, "3").certificate.number
+    check(late, home, "Li")
+    newer = results.save(calibration_of(run_index.all_runs(home)[-1], bias=0.5), home)
+    assert newer in refusal(issue, late, home, "Zhao")
     assert issued(home, "2").certificate.number.endswith("-0001")
 
 
@@ -174,8 +177,7 @@ def test_a_unit_without_limits_is_issued_only_where_the_order_asks_for_no_verdic
     home: Home,
 ) -> None:
     key = draft(home, decision=NO_LIMITS).certificate.number
-    check(key, home, "Li")
-    assert "there are no limits of Maker U" in refusal(issue, key, home, "Zhao")
+    assert "there are no limits of Maker U" in refusal(check, key, home, "Li")
     order = Order(client=PARTY, received=date(2026, 11, 1), conformity=False)
     assert issued(home, "2", decision=NO_LIMITS, order=order).state == "issued"
 
@@ -183,8 +185,7 @@ def test_a_unit_without_limits_is_issued_only_where_the_order_asks_for_no_verdic
 def test_equipment_that_had_run_out_blocks_the_issue(home: Home) -> None:
     laboratory = LABORATORY.model_copy(update={"equipment": (TABLE,)})
     key = draft(home, laboratory=laboratory).certificate.number
-    check(key, home, "Li")
-    assert "2026-11-19" in refusal(issue, key, home, "Zhao")
+    assert "2026-11-19" in refusal(check, key, home, "Li")
 
 
 def test_a_newer_result_of_the_run_blocks_the_issue(home: Home) -> None:

@@ -11,7 +11,7 @@ from pymodbus.constants import ExcCodes
 from tasks.station.virtual import controller as under_test
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.protocol import COMMANDS, TABLE_STATUS
-from tasks.station.virtual.servers import Doze, keep_time
+from tasks.station.virtual.servers import Doze, Pace, keep_time
 from tasks.station.virtual.simulation import Simulation
 from tests.simulated_time import run_simulated
 
@@ -150,6 +150,7 @@ def test_time_stands_still_rather_than_overwrite_what_is_still_wanted(simulation
     kept = simulation.config.table.capture_kept
 
     async def work(reader: Client, _: Client) -> None:
+        await reader.write(WATCHDOG, 60_000)
         await reader.write(CAPTURE_FROM, 0, 100)
         await asyncio.sleep(5.0)  # 500 s of the station, were it not held
         assert captured_until(simulation) == 100 + kept - 1
@@ -157,6 +158,17 @@ def test_time_stands_still_rather_than_overwrite_what_is_still_wanted(simulation
         await asyncio.sleep(5.0)
         assert captured_until(simulation) == 200 + kept - 1
         assert simulation.table.capture(200, 1)[0] == 200
+
+    with_two_clients(simulation, work)
+
+
+def test_who_only_tries_the_table_does_not_hold_the_time_of_the_unit(simulation):
+    """Else a unit that is tried after the encoders sends nothing (`station check` at 30 times)."""
+
+    async def work(reader: Client, _: Client) -> None:
+        await reader.write(CAPTURE_FROM, 0, 100)
+        await asyncio.sleep(2.0 + under_test.TRIED_S)
+        assert captured_until(simulation) > 100 + simulation.config.table.capture_kept
 
     with_two_clients(simulation, work)
 
@@ -216,3 +228,16 @@ def test_an_idle_station_wakes_seldom_and_its_time_is_the_present_one_for_whoeve
 
     assert run_simulated(run()) == pytest.approx(200.3, abs=0.1)
     assert len(slices) < 1000  # of 4000, were it not idle
+
+
+def test_a_machine_that_comes_late_slows_its_clock_and_soon_takes_it_up_again(caplog) -> None:
+    pace = Pace(60.0)
+    pace.note(0.001, 0.005)
+    assert pace.speed == 60.0
+    for _ in range(100):
+        pace.note(0.05, 0.005)  # 50 ms late: at 60 times 3 s of station time
+    assert pace.speed == pytest.approx(10.0)
+    assert [each.message for each in caplog.records] == ["slower than asked"]
+    for _ in range(500):
+        pace.note(0.0, 0.01)
+    assert pace.speed == 60.0
