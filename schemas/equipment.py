@@ -187,7 +187,9 @@ class MeasurementStandard(Frozen):
     limits: the error limits of its certificate, which go into the budgets and are printed in place
     of `accuracy`. functions: the stated error of rate, position, gravity or time_base with its U,
     as a function of rate or angle. It may be used from `calibrated_on` to `valid_until`. traceable:
-    whether its certificate shows an unbroken chain of calibrations to the SI. checks: between
+    whether its certificate shows an unbroken chain of calibrations to the SI. virtual: whether it
+    is one of a simulation; whatever is certified by virtual standards alone says so on each page
+    and claims no traceability, and beside a real one it is a standard without any. checks: between
     calibrations; one that failed prevents a pass.
     """
 
@@ -198,6 +200,7 @@ class MeasurementStandard(Frozen):
     accuracy_zh: str = ""
     certificate: str
     traceable: bool = True
+    virtual: bool = Field(default=False, exclude_if=lambda virtual: not virtual)
     calibrated_on: date | None = None
     valid_until: date | None = None
     limits: dict[LimitName, ErrorBound] = Field(default_factory=dict)

@@ -23,6 +23,7 @@ from tasks.certificate.equipment import accuracy
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.figures import PrintedFigure, figures
 from tasks.certificate.information import InformationRow, information_rows
+from tasks.certificate.mandatory import standards_of
 from tasks.certificate.remarks import RemarkRow, remarks
 from tasks.certificate.results import PrintedSection, sections
 from tasks.certificate.settings import settings
@@ -35,7 +36,7 @@ from tasks.certificate.statements import (
     uncertainty,
     uncertainty_in_short,
 )
-from tasks.conformity import is_traceable
+from tasks.conformity import is_traceable, is_virtual
 from tasks.conformity.capabilities import certificate_as_stated
 from tasks.conformity.deviations import deviations
 from tasks.conformity.reasons import conditional
@@ -117,11 +118,15 @@ def content(certificate: Certificate) -> Content:
     kind = "report" if certificate.report else "calibration"
     if calibration.validity.verdict == "invalid":
         kind = "invalid-run"
+    title = message(f"certificate-title.{kind}")
+    state: str | None = certificate.state if marked else None
+    if is_virtual(standards_of(certificate)):
+        title, state = message("certificate-title.virtual", title=title), state or "virtual"
     return Content(
         number=certificate.number,
-        title=message(f"certificate-title.{kind}"),
+        title=title,
         is_report=kind != "calibration",
-        watermark=message(f"certificate-watermark.{certificate.state}") if marked else None,
+        watermark=message(f"certificate-watermark.{state}") if state else None,
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),
         laboratory_fields=tuple(cover.laboratory_fields(laboratory)),

@@ -7,6 +7,7 @@ from tasks.conformity.equipment import (
     expired,
     failed_checks,
     is_traceable,
+    is_virtual,
     smaller_than_stated,
     untraceable,
 )
@@ -21,6 +22,7 @@ __all__ = [
     "expired",
     "failed_checks",
     "is_traceable",
+    "is_virtual",
     "smaller_than_stated",
     "untraceable",
 ]

@@ -38,7 +38,12 @@ def expired(equipment: Iterable[MeasurementStandard], on: date) -> tuple[Message
 
 def is_traceable(standard: MeasurementStandard) -> bool:
     """Whether a certificate shows that what a standard states is traceable to the SI."""
-    return standard.traceable and bool(standard.certificate.strip())
+    return standard.traceable and not standard.virtual and bool(standard.certificate.strip())
+
+
+def is_virtual(equipment: Sequence[MeasurementStandard]) -> bool:
+    """Whether standards are those of a simulation, all of them."""
+    return bool(equipment) and all(standard.virtual for standard in equipment)
 
 
 def untraceable(equipment: Sequence[MeasurementStandard]) -> tuple[Message, ...]:

@@ -90,7 +90,7 @@ def certify(
         unmet = (each.printed for each in deviating if not each.waived)
         doubts = record.doubts_of(validated, result)
         standing = (
-            *conformity.untraceable(used),
+            *(() if conformity.is_virtual(used) else conformity.untraceable(used)),
             *conformity.expired(used, on),
             *conformity.failed_checks(used),
             *conformity.smaller_than_stated(result, used, on),

@@ -25,11 +25,17 @@ def standards_in_use(
 ) -> tuple[MeasurementStandard, ...]:
     """The standards that a run names, else those that its laboratory lists.
 
-    Those of the register with the certificate that counts on a day.
+    Those of the register with the certificate that counts on a day. What a run says is virtual
+    stays so, whatever the register leaves out.
     """
     listed = of_manifest(manifest) or (laboratory.equipment if laboratory else ())
     registered = equipment.on_day(home, day) if listed else {}
-    return tuple(registered.get(standard.serial, standard) for standard in listed)
+    return tuple(
+        registered.get(each.serial, each).model_copy(update={"virtual": True})
+        if each.virtual
+        else registered.get(each.serial, each)
+        for each in listed
+    )
 
 
 def contradictions(

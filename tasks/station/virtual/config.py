@@ -192,8 +192,9 @@ def _equipment(station: str, axes: int) -> tuple[MeasurementStandard, ...]:
             **text_fields("name", statement(name), CONTRACTED),
             serial=f"{station}-{serial}",
             accuracy=accuracy,
-            certificate="VIRTUAL",
+            certificate=f"VIRTUAL-{serial}",
             traceable=False,
+            virtual=True,
             valid_until=date(2099, 12, 31),
             limits={
                 limit: ErrorBound(half_width=half_width, distribution="rectangular")

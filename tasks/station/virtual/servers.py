@@ -112,8 +112,9 @@ class Pace:
         self._slow_s = self._slow_s + passed_s if self.speed < self._asked / 2 else 0.0
         if self._slow_s > SLOW_S and not self._has_spoken:
             self._has_spoken = True
-            shown = {"asked": self._asked, "given": round(self.speed, 1)}
-            LOG.warning("slower than asked", extra=shown)
+            LOG.warning(
+                "this machine gives %.1f times real time in place of %g", self.speed, self._asked
+            )
 
 
 async def keep_time(

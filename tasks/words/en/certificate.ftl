@@ -1,12 +1,14 @@
 ## The certificate: texts, by specification and method where they differ, and labels.
 
 certificate-title =
+    .virtual = { $title } – VIRTUAL, of a simulation
     .calibration = Calibration Certificate
     .report = Calibration Report
     .invalid-run = Report of an Invalid Run
 certificate-not-given = not given
 certificate-quoted = { $text }
 certificate-watermark =
+    .virtual = VIRTUAL
     .draft = DRAFT
     .checked = NOT ISSUED
     .amended = AMENDED

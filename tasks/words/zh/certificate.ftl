@@ -1,12 +1,14 @@
 ## The certificate: texts, by specification and method where they differ, and labels.
 
 certificate-title =
+    .virtual = { $title }（虚拟，仅为仿真）
     .calibration = 校准证书
     .report = 校准报告
     .invalid-run = 测量无效报告
 certificate-not-given = 未提供
 certificate-quoted = { $text }
 certificate-watermark =
+    .virtual = 虚拟
     .draft = 草稿
     .checked = 未签发
     .amended = 已更改

@@ -25,6 +25,7 @@ from tasks.stages.amend import amendment
 from tasks.stages.certificate_inputs import CertificateInputs as Inputs
 from tasks.stages.certify import certify
 from tasks.stages.draft import keep_draft
+from tasks.stages.equipment_in_use import standards_in_use
 from tasks.stages.estimate import estimate
 from tasks.stages.issue import check, issue
 from tasks.validation import record
@@ -172,9 +173,8 @@ def test_a_draft_that_lists_other_standards_than_its_run_is_not_issued(kept) -> 
         run, result, laboratory=paper, manifest=manifest, calibrated_on=day, due=None
     )
     key = keep_draft(draft, home, MORNING).certificate.number
-    check(key, home, "Li")
     with pytest.raises(Unusable, match=r"TT-3000-07.*VIRTUAL-T1"):
-        issue(key, home, "Zhao")
+        check(key, home, "Li")
 
 
 @pytest.mark.parametrize("bare", [{"traceable": False}, {"certificate": ""}])
@@ -194,6 +194,30 @@ def test_nothing_passes_is_traceable_or_accredited_through_a_standard_that_is_no
         assert "none is given for" in traced or "no metrological traceability" in traced
         assert [f for f in printed.laboratory_fields if f.label.id.endswith("accreditation")] == []
         assert any("outside the accreditation" in say(each, "en") for each in printed.statement)
+
+
+def test_a_simulation_passes_on_virtual_standards_and_says_so_on_every_page(kept) -> None:
+    virtual = {"traceable": False, "virtual": True}
+    given = kept(standard(**virtual))
+    certificate = made(given, laboratory(accreditation="CNAS L1234"))
+    assert certificate.decision.verdict == "pass"
+    printed = content(certificate.model_copy(update={"state": "issued"}))
+    assert "VIRTUAL" in say(printed.title, "en")  # in the head of every page
+    assert printed.watermark is not None
+    assert say(printed.watermark, "zh") == "虚拟"
+    assert "no metrological traceability" in say(printed.traceability, "en")
+    assert [f for f in printed.laboratory_fields if f.label.id.endswith("accreditation")] == []
+
+
+def test_nobody_gets_rid_of_what_is_virtual_by_leaving_it_out(kept) -> None:
+    """Neither in the register nor beside a real standard."""
+    run, home = kept(standard(traceable=False, virtual=True))
+    renewed = standard(certificate="C-2", calibrated_on="2020-01-01")
+    equipment.add([renewed], home, "Li")
+    (used,) = standards_in_use(runs.load(run, home).manifest, home, None, date(2026, 5, 2))
+    assert (used.certificate, used.virtual) == ("C-2", True)
+    mixed = kept(standard(traceable=False, virtual=True), standard(serial="F-1"))
+    assert made(mixed, laboratory()).decision.verdict == "inconclusive"
 
 
 def test_a_run_as_found_has_its_own_standards(kept) -> None:
