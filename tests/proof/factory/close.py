@@ -75,6 +75,15 @@ def _yields(works: Works) -> Iterator[Row]:
     total: dict[str, Any] = shown["total"] or {}
     got = {name: total.get(name) for name in ("passed", "of")}
     expected = {"passed": verdicts["pass"], "of": runs}
+    invalid = sum(
+        each["failed"]
+        for each in shown["failing"]
+        if each["item"] is None and "invalid" in each["title"]["en"].lower()
+    )
+    with works.database.connected("mimucal") as connection:
+        asked = "SELECT count(DISTINCT run) FROM outcomes WHERE verdict = 'invalid'"
+        (in_book,) = connection.execute(asked).fetchone() or (0,)
+    yield row("The Pareto chart has every invalid run", in_book, invalid)
     yield row("Yield on the pages is that of runs and certificates", expected, got)
 
 

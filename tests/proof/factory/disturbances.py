@@ -1,6 +1,8 @@
 """Each part is killed once at a random moment of the play, and started again some seconds later."""
 
+import os
 import random
+import signal
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -45,6 +47,7 @@ class Disturbances:
             for part, due in zip(shuffled, dues, strict=True)
         ]  # fmt: skip
         self.happened: list[Happened] = []
+        self._killed = ("", 0)
 
     @property
     def is_over(self) -> bool:
@@ -64,8 +67,7 @@ class Disturbances:
         if turn.killed_s is None:
             if turn.due_s is None and done >= turn.due:
                 turn.due_s = now_s + turn.delay_s
-            if turn.due_s is not None and now_s >= turn.due_s:
-                self._kill(turn.part)
+            if turn.due_s is not None and now_s >= turn.due_s and self._kill(turn.part):
                 turn.killed_s = now_s
         elif not turn.begun and now_s >= turn.killed_s + turn.away_s:
             self._begin(turn.part)
@@ -75,23 +77,44 @@ class Disturbances:
             self._came_back(turn.part)
             del self._left[0]
 
-    def _kill(self, part: str) -> None:
-        if part == "PostgreSQL":
+    def _kill(self, part: str) -> bool:
+        """Whether it was there to be killed."""
+        if part == OF_A_RUN:
+            running = self._running()
+            if not running:
+                return False
+            self._killed = next(iter(running.items()))
+            os.kill(self._killed[1], signal.SIGKILL)
+        elif part == "PostgreSQL":
             self._works.database.kill()
         else:
             self._works.parts[part].kill()
+        return True
+
+    def _running(self) -> dict[str, int]:
+        """The processes of the orders that measure, by the number of the order."""
+        asked = "SELECT number, process FROM orders WHERE state = 'running' AND runs = '[]'"
+        with self._works.database.connected("mimucal") as connection:
+            return dict(connection.execute(asked).fetchall())
 
     def _begin(self, part: str) -> None:
+        if part == OF_A_RUN:
+            return
         if part == "PostgreSQL":
             self._works.database.start()
         else:
             self._works.parts[part].begin()
 
     def _is_up(self, part: str) -> bool:
+        if part == OF_A_RUN:  # the order is no longer held by the dead process
+            number, process = self._killed
+            return self._running().get(number) != process
         return part == "PostgreSQL" or self._works.parts[part].answers()
 
 
+OF_A_RUN = "a run's own process"
 PARTS = (
+    OF_A_RUN,
     "PostgreSQL", "Prefect server", "S3", "pages", "mail sink", "dask scheduler", "worker line",
     *(f"worker station-{id_}" for id_ in STATIONS), *STATIONS,
 )  # fmt: skip

@@ -14,6 +14,7 @@ REJECTED = (
     "saturated_axis",
     "unit_garbage",
 )  # the run is kept, and is no valid one
+OUT = "out_of_tolerance"  # a gyro scale factor beyond its limit: the unit fails
 FAULTY = 0.15  # of the units have one
 BY_CHANCE = "invalid by chance"  # as where the station's computer was too busy: measured anew
 STOPS_AFTER_S = (4.0, 16.0)  # wall time from the mounting to a fault that stops the run
@@ -41,6 +42,16 @@ class OrderedUnit:
         """Whether the run is expected to be invalid, so that there is no certificate."""
         return self.fault in (*REJECTED, BY_CHANCE)
 
+    @property
+    def verdict(self) -> str | None:
+        """On the unit, as the factory's own book has it; None where it depends on how the run went.
+
+        The factory's own procedure is too short for a verdict.
+        """
+        if self.procedure == "factory" and not self.is_rejected:
+            return "inconclusive"
+        return {None: "pass", OUT: "fail"}.get(self.fault)
+
 
 def ordered(seed: int, count: int, stations: Sequence[str]) -> tuple[OrderedUnit, ...]:
     """The orders in their sequence, one unit each."""
@@ -49,6 +60,7 @@ def ordered(seed: int, count: int, stations: Sequence[str]) -> tuple[OrderedUnit
     made = []
     for number in range(count):
         fault = rng.choice(faults) if rng.random() < FAULTY else None
+        fault = OUT if number == 1 else fault
         made.append(
             OrderedUnit(
                 number=f"F{seed}-{number + 1:04d}", serial=f"V{seed:02d}{number + 1:04d}",

@@ -100,10 +100,15 @@ def orders_of(connection: psycopg.Connection) -> Sequence[Order]:
         Order(
             row["number"], json.loads(row["units"])[0]["serial"], row["state"],
             tuple(json.loads(row["runs"])), tuple(json.loads(row["certificates"])),
-            row["attempts"], row["fault"] or "",
+            row["attempts"], _sentence(row["fault"] or ""),
         )
         for row in _rows(connection, "SELECT * FROM orders ORDER BY ordered_at, number")
     ]  # fmt: skip
+
+
+def _sentence(fault: str) -> str:
+    """Of a fault that is kept with its cause for the pages, the sentence."""
+    return str(json.loads(fault)["fault"]) if fault.startswith('{"fault"') else fault
 
 
 def _runs(connection: psycopg.Connection, objects: Path) -> Sequence[Run]:

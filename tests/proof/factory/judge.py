@@ -102,7 +102,15 @@ def _certificates(ordered: Sequence[OrderedUnit], facts: Facts) -> list[Row]:
     ]
     serials = Counter(int(paper.number.rpartition("-")[2]) for paper in issued)
     due = Counter(range(1, len(issued) + 1))
+    serial_of = {run.id: run.serial for run in facts.runs}
+    verdicts = {serial_of.get(paper.run): paper.verdict for paper in live}
+    unlike = [
+        f"{unit.serial}: {verdicts.get(unit.serial)}, planted {unit.verdict}"
+        for unit in ordered
+        if unit.verdict is not None and verdicts.get(unit.serial) != unit.verdict
+    ]
     return [
+        none_of("Units pass, fail and stay inconclusive as they were planted", unlike),
         none_of("Each order that is done has one certificate, and no other order has one", wrong),
         none_of("Each certificate is issued",
                 (f"{paper.number} {paper.state}" for paper in live if paper.state != "issued")),

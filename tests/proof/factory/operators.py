@@ -9,6 +9,7 @@ import httpx
 from tests.proof.factory.draw import (
     BY_CHANCE,
     DISTURBED,
+    OUT,
     REJECTED,
     STOPPED,
     STOPS_AFTER_S,
@@ -21,23 +22,28 @@ MOST_TRIES = 6  # of an order: what keeps failing is left, and found by the judg
 LOOK_S = 1.0
 INVALID = " is invalid: "  # as the order says why it failed
 MOUNT = ": mount "  # as it says that another unit is on the table
+LATE_S = 20.0
 IDLE_S = 20.0  # for which orders wait before the operator asks why
 
 
 @dataclass
 class Operator:
-    """Keeps one station going. wrong: the order for which the wrong unit is mounted, once."""
+    """Keeps one station going. wrong: the order for which the wrong unit is mounted,
+    once; late: that whose unit is mounted LATE_S late.
+    """
 
     works: Works
     station: str
     units: dict[str, OrderedUnit]
     rng: random.Random
     wrong: str | None
+    late: str | None = None
     events: list[str] = field(default_factory=list)
     _mounted: str | None = None
     _is_faulty: bool = False
     _cleared: set[str] = field(default_factory=set)
     _looked_s: float = 0.0
+    _late_since_s: float | None = None
     _idle_since_s: float | None = None
 
     def tick(self, orders: list[Order]) -> None:
@@ -67,6 +73,10 @@ class Operator:
         due = next(
             (number for number in queue if number in self.units and number not in made), None
         )
+        if due is not None and due == self.late and self._late_since_s is None:
+            self._late_since_s = time.monotonic()
+        if due == self.late and time.monotonic() < (self._late_since_s or 0.0) + LATE_S:
+            due = None
         if due is not None and (due not in measuring or self._mounted is None):
             self._mount(self.units[due])
         self._submit_again(is_idle=not queue and any(o.state == "waiting" for o in mine))
@@ -80,7 +90,8 @@ class Operator:
         }  # fmt: skip
         found = self.works.prefect_api("POST", "/flow_runs/filter", json=asked)
         found.sort(key=lambda each: each["state_type"] == "SCHEDULED")
-        return [each["parameters"]["order"]["number"] for each in found]
+        numbers = (each["parameters"]["order"].get("number") for each in found)
+        return [number for number in numbers if number]  # one of the schedule has none
 
     def _submit_again(self, *, is_idle: bool) -> None:
         """Orders wait that Prefect lost: give them in again, as the file's sender would."""
@@ -141,7 +152,7 @@ class Operator:
     def _faults(self, unit: OrderedUnit) -> list[str]:
         if unit.fault in STOPPED and unit.number not in self._cleared:
             return [f"{unit.fault}@{self.works.speed * self.rng.uniform(*STOPS_AFTER_S):.0f}"]
-        return [unit.fault] if unit.fault in DISTURBED + REJECTED else []
+        return [unit.fault] if unit.fault in (*DISTURBED, *REJECTED, OUT) else []
 
     def came_back(self) -> None:
         """The station was started anew: whatever was on the table is to be mounted again."""

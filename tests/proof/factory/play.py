@@ -58,8 +58,10 @@ def play(
     """Produce until every order has ended and its certificate is issued, or time is over."""
     rng, known = random.Random(seed), {unit.number: unit for unit in units}
     wrong = rng.choice([unit.number for unit in units if unit.fault is None])
+    late = rng.choice([unit.number for unit in units if unit.number != wrong])
     operators = {
-        id_: Operator(works, id_, known, random.Random(rng.random()), wrong) for id_ in STATIONS
+        id_: Operator(works, id_, known, random.Random(rng.random()), wrong, late)
+        for id_ in STATIONS
     }
 
     def came_back(part: str) -> None:
@@ -71,6 +73,7 @@ def play(
     laboratory = Laboratory(works.pages_url)
     began_s = time.monotonic()
     works.command("order", "import", write_orders(units, works), "--by", "Li Na")
+    works.order_by_schedule(STATIONS[0])
     laboratory.begin()
     is_over = False
     while not is_over and time.monotonic() < began_s + longest_s:

@@ -11,13 +11,17 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
+
 from schemas.station import StationFile
 from tasks.station.virtual.config import TableDesign, VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import serve
 from tasks.station.virtual.unit import draw_unit
+from tests.proof.factory.draw import OUT
 
 CAPTURE_MS = 100
+TOO_LARGE = 1.05  # the limits are ±1.5 %
 PRIORITY = -10  # a table has a computer of its own; here it shares the cores with everything else
 
 
@@ -46,6 +50,10 @@ def main(config: VirtualStation, speed: float, port: int, file: Path, faults: li
 if __name__ == "__main__":
     id_, serial, seed, speed, port, file, *faults = sys.argv[1:]
     unit = draw_unit(int(seed)).model_copy(update={"label": serial})
+    if OUT in faults:
+        faults.remove(OUT)
+        scale = (np.array(unit.gyro.scale) @ np.diag([TOO_LARGE, 1.0, 1.0])).tolist()
+        unit = unit.model_copy(update={"gyro": unit.gyro.model_copy(update={"scale": scale})})
     table = TableDesign(capture_ms=CAPTURE_MS)
     main(
         VirtualStation(id=id_, table=table, unit=unit), float(speed), int(port), Path(file), faults

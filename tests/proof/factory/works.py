@@ -256,6 +256,16 @@ class Works:
             self.client_order(name).write_text(text, encoding="utf-8")
         self.procedure.write_text(_own_procedure().model_dump_json(indent=1), encoding="utf-8")
 
+    def order_by_schedule(self, station: str) -> None:
+        """What the clock gives: a run of the deployment that names no order."""
+        (found,) = self.prefect_api(
+            "POST", "/deployments/filter", json={"deployments": {"name": {"any_": [station]}}}
+        )
+        order = {"order": {**(found["parameters"].get("order") or {}), "station": station}}
+        self.prefect_api(
+            "POST", f"/deployments/{found['id']}/create_flow_run", json={"parameters": order}
+        )
+
     @property
     def orders(self) -> Path:
         """The orders as the CSV that a manufacturing system would write."""

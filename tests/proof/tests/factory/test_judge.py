@@ -26,8 +26,8 @@ def sound(units: tuple[OrderedUnit, ...] = UNITS) -> Facts:
     """All as it was promised."""
     good = [unit for unit in units if not unit.is_rejected]
     papers = [
-        Paper(f"DEMO-2026-{n:04d}", f"draft-{u.serial}", f"r{u.serial}", "issued", "pass",
-              ("Li", "Zhao", "Chen"), True)
+        Paper(f"DEMO-2026-{n:04d}", f"draft-{u.serial}", f"r{u.serial}", "issued",
+              u.verdict or "pass", ("Li", "Zhao", "Chen"), True)
         for n, u in enumerate(good, 1)
     ]  # fmt: skip
     sent = {
@@ -68,6 +68,9 @@ LOST: dict[str, Callable[[Facts], Facts]] = {
     "a mail": lambda f: replace(f, mails={n: k for n, k in f.mails.items() if n != _reminded(f)}),
     "the note of a mail": lambda f: replace(f, reminders={}),
     "what a station recorded": lambda f: replace(f, interrupted=("left.mcap",)),
+    "a verdict": lambda f: replace(
+        f, papers=(f.papers[0], replace(f.papers[1], verdict="inconclusive"), *f.papers[2:])
+    ),
     "the issue": lambda f: replace(f, papers=(replace(f.papers[0], state="checked"),
                                               *f.papers[1:])),
     "the end of an order": lambda f: replace(f, orders=(replace(f.orders[0], state="running"),
