@@ -19,7 +19,7 @@ STEPS = ("draft", "check", "issue")  # of the trail, in their sequence
 
 @dataclass(frozen=True)
 class Order:
-    """An order of the catalogue."""
+    """An order of the catalogue. process: that began it last."""
 
     number: str
     serial: str
@@ -28,6 +28,7 @@ class Order:
     drafts: tuple[str, ...]
     attempts: int
     fault: str
+    process: int | None = None
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,7 @@ def orders_of(connection: psycopg.Connection) -> Sequence[Order]:
             row["number"], json.loads(row["units"])[0]["serial"], row["state"],
             tuple(json.loads(row["runs"])), tuple(json.loads(row["certificates"])),
             row["attempts"], _sentence(row["fault"] or ""),
+            row["process"],
         )
         for row in _rows(connection, "SELECT * FROM orders ORDER BY ordered_at, number")
     ]  # fmt: skip

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import psutil
 import psycopg
 
 from tests.proof.factory import facts
@@ -27,6 +28,7 @@ class Played:
     """What happened. units: the orders, with those of units that were measured anew. stop: of which
     order, after how long (s) its table was at rest, whether the unit says so, too. wrong: the order
     for which the wrong unit was mounted. seconds: wall time of production, to the last certificate.
+    held_s: for how long (s) an order was held by a dead process while every part was up.
     """
 
     units: tuple[OrderedUnit, ...]
@@ -37,6 +39,7 @@ class Played:
     wrong: str
     seconds: float
     is_over: bool
+    held_s: float
 
 
 def write_orders(units: Sequence[OrderedUnit], works: Works) -> Path:
@@ -53,9 +56,12 @@ def write_orders(units: Sequence[OrderedUnit], works: Works) -> Path:
 
 def play(
     works: Works, units: Sequence[OrderedUnit], seed: int, longest_s: float,
-    report: Callable[[int, int], None],
+    report: Callable[[int, int], None], parts: Sequence[str] = PARTS,
 ) -> Played:  # fmt: skip
-    """Produce until every order has ended and its certificate is issued, or time is over."""
+    """Produce until every order has ended and its certificate is issued, or time is over.
+
+    parts: what is killed, one after another.
+    """
     rng, known = random.Random(seed), {unit.number: unit for unit in units}
     wrong = rng.choice([unit.number for unit in units if unit.fault is None])
     late = rng.choice([unit.number for unit in units if unit.number != wrong])
@@ -68,7 +74,7 @@ def play(
         if part in operators:
             operators[part].came_back()
 
-    disturbances = Disturbances(works, PARTS, len(units), rng, came_back)
+    disturbances, held = Disturbances(works, parts, len(units), rng, came_back), Held()
     stop = Stop(works, rng.choice(STATIONS))
     laboratory = Laboratory(works.pages_url)
     began_s = time.monotonic()
@@ -86,6 +92,7 @@ def play(
             for id_, operator in operators.items():
                 if id_ != disturbances.away:
                     operator.tick(orders)
+            held.look(orders if disturbances.away is None else ())
             if disturbances.away is None:
                 stop.tick(orders, len(units) // STOP_AFTER)
             report(done, len(known))
@@ -104,7 +111,28 @@ def play(
         wrong,
         seconds,
         is_over,
+        held.longest_s,
     )
+
+
+class Held:
+    """For how long orders are held by processes that are dead."""
+
+    def __init__(self) -> None:
+        self.longest_s = 0.0
+        self._since_s: dict[tuple[str, int], float] = {}
+
+    def look(self, orders: Sequence[facts.Order]) -> None:
+        """At orders as they stand; none while a part is away, which begins the time anew."""
+        now_s = time.monotonic()
+        dead = {
+            (each.number, each.process)
+            for each in orders
+            if each.state == "running" and each.process and not psutil.pid_exists(each.process)
+        }
+        self._since_s = {each: self._since_s.get(each, now_s) for each in dead}
+        for since_s in self._since_s.values():
+            self.longest_s = max(self.longest_s, now_s - since_s)
 
 
 def state(works: Works) -> tuple[list[facts.Order], list[facts.Paper]] | None:
