@@ -30,12 +30,15 @@ def table(
     rows: Sequence[Sequence[Cell]],
     view: View,
     min_width: int = 600,
+    none: str = "",
     **arguments: Argument,
 ) -> Component:
     """A plain table; what is missing is a dash. names: of the columns, whose headings are the
     messages GROUP.NAME, or the one that is named whole, with these arguments. min_width: px, below
-    which it scrolls.
+    which it scrolls. none: the message in the place of a table without rows.
     """
+    if none and not rows:
+        return dmc.Text(view.text(none), size="sm")
     ids = [name if name.startswith("pages-") else f"{group}.{name}" for name in names.split()]
     head = dmc.TableThead(dmc.TableTr([dmc.TableTh(view.text(id_, **arguments)) for id_ in ids]))
     body = [dmc.TableTr([_cell(cell) for cell in row]) for row in rows]

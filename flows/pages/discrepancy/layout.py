@@ -21,7 +21,7 @@ from flows.pages.discrepancy.models import (
 from flows.pages.local_time import day_in, second_of
 from flows.pages.page import View
 from flows.pages.parts import Cell, facts, heading, link, note, table
-from flows.pages.query_controls import asks
+from flows.pages.query_controls import choice
 from flows.pages.states import StepState, badge, validity_state
 from schemas.discrepancy import FoundParameter, Moved, Verdict
 from schemas.review import Moment, ReviewFinding
@@ -32,7 +32,7 @@ from tasks.specifications.items import symbol
 from tasks.words import Sayable, message
 from tasks.words.quantities import multiple, plain
 
-ASKED = ("effect", "station", "model", "serial")
+EVERY = "pages-mismatch-all"
 FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
 
 
@@ -62,15 +62,10 @@ def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -
 def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
     values = {"effect": shown.known, "station": shown.stations, "model": shown.models,
               "serial": shown.serials}  # fmt: skip
-    asked = question.model_dump()
     controls = [
-        dmc.Select(
-            id=asks(name, asked[name]), label=view.text(f"pages-mismatch-asked.{name}"),
-            data=list(values[name]), value=asked[name], searchable=True, clearable=True,
-            placeholder=view.text("pages-mismatch-all"),
-        )
-        for name in ASKED
-    ]  # fmt: skip
+        choice(name, f"pages-mismatch-asked.{name}", of, getattr(question, name), view, EVERY)
+        for name, of in values.items()
+    ]
     return dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
 
 
@@ -80,7 +75,7 @@ def _review(review: ReviewShown, view: View) -> list[Component]:
     about = facts(
         {
             "pages-mismatch-fact.at": second_of(review.at),
-            "pages-mismatch-fact.asked": asked or view.text("pages-mismatch-all"),
+            "pages-mismatch-fact.asked": asked or view.text(EVERY),
             "pages-mismatch-fact.runs": f"{review.runs} (+ {review.skipped})",
             "pages-mismatch-fact.days": days,
         },

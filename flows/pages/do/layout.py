@@ -186,8 +186,6 @@ def _certificates(action: Any, shown: DoShown) -> list[str]:
 
 
 def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
-    if not given:
-        return dmc.Text(view.text("pages-do-no-order"), size="sm")
     rows = [
         (
             second_of(each.at),
@@ -199,13 +197,17 @@ def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
         )
         for each in given
     ]  # fmt: skip
-    return table("pages-order-column", "at person action subject state fault", rows, view)
+    return table(
+        "pages-order-column",
+        "at person action subject state fault",
+        rows,
+        view,
+        none="pages-do-no-order",
+    )
 
 
 def _production(shown: DoShown, view: View) -> Component:
     """The queue by station, unit and procedure, with what can be done about each order."""
-    if not shown.production:
-        return dmc.Text(view.text("pages-do-no-order"), size="sm")
     rows = [
         (
             each.station,
@@ -221,7 +223,7 @@ def _production(shown: DoShown, view: View) -> Component:
         for each in shown.production
     ]
     names = "station unit procedure state person at number outcome step"
-    return table("pages-order-column", names, rows, view)
+    return table("pages-order-column", names, rows, view, none="pages-do-no-order")
 
 
 def _state(state: str, share: float | None, view: View) -> Component:

@@ -11,12 +11,13 @@ from flows.pages.local_time import minute_of
 from flows.pages.page import View
 from flows.pages.parts import grid, heading, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
-from flows.pages.query_controls import asks
+from flows.pages.query_controls import choice
 from flows.pages.states import Kind, StepState, badge
 from schemas.text import text_in
 from tasks.words import cause_of, message
 
 HORIZONS = (0, 30, 60, 90, 180, 365)  # days
+EVERY = "pages-due-all"
 MESSAGE_KINDS: dict[str, Kind] = {"sent": "good", "failed": "bad", "waiting": "open"}
 ROW_PX, FRAME_PX, MOST_PX = 38, 115, 560
 
@@ -42,28 +43,18 @@ def layout(shown: DueShown, view: View, question: DueQuestion) -> Component:
     )
 
 
-def _none(name: str, view: View) -> Component:
-    return dmc.Text(view.text(f"pages-due-none.{name}"), size="sm")
-
-
 def _choices(shown: DueShown, view: View, question: DueQuestion) -> Component:
-    def select(name: str, values: list[Any], value: object, *, needed: bool = False) -> Component:
-        return dmc.Select(
-            id=asks(name, value), label=view.text(f"pages-due-asked.{name}"), data=values,
-            value=None if value is None else str(value), searchable=True, clearable=not needed,
-            placeholder="" if needed else view.text("pages-due-all"), allowDeselect=False,
-        )  # fmt: skip
-
     horizons = [
         {"value": str(days), "label": view.text("pages-due-within", days=days)}
         for days in sorted({*HORIZONS, question.within})
     ]
-    clients = {each[0]: {"value": each[0], "label": _client(each, view)} for each in shown.clients}
+    named = {each[0]: {"value": each[0], "label": _client(each, view)} for each in shown.clients}
+    clients = list(named.values())
     controls = [
-        select("client", list(clients.values()), question.client),
-        select("model", list(shown.models), question.model),
-        select("within", horizons, question.within, needed=True),
-    ]
+        choice("client", "pages-due-asked.client", clients, question.client, view, EVERY),
+        choice("model", "pages-due-asked.model", shown.models, question.model, view, EVERY),
+        choice("within", "pages-due-asked.within", horizons, question.within, view),
+    ]  # fmt: skip
     return dmc.SimpleGrid(controls, cols={"base": 1, "sm": 3}, spacing="xs")
 
 
@@ -110,14 +101,20 @@ def _row(each: UnitDue, shown: DueShown, view: View) -> dict[str, Any]:
 
 
 def _clients(shown: DueShown, view: View, question: DueQuestion) -> Component:
-    if not shown.by_client:
-        return _none("clients", view)
     rows = [
         (_client(each.client, view), str(each.overdue), str(each.coming))
         for each in shown.by_client
     ]
     names = "client pages-due-overdue pages-due-within"
-    return table("pages-due-column", names, rows, view, 320, days=question.within)
+    return table(
+        "pages-due-column",
+        names,
+        rows,
+        view,
+        320,
+        days=question.within,
+        none="pages-due-none.clients",
+    )
 
 
 def _months(shown: DueShown, view: View) -> Figure:
@@ -133,10 +130,14 @@ def _months(shown: DueShown, view: View) -> Figure:
 
 
 def _messages(shown: DueShown, view: View) -> Component:
-    if not shown.messages:
-        return _none("messages", view)
     names = "at certificate occasion channel state tries fault"
-    return table("pages-due-message", names, [_message(e, view) for e in shown.messages], view)
+    return table(
+        "pages-due-message",
+        names,
+        [_message(e, view) for e in shown.messages],
+        view,
+        none="pages-due-none.messages",
+    )
 
 
 def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
@@ -153,10 +154,14 @@ def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
 
 
 def _equipment(shown: DueShown, view: View) -> Component:
-    if not shown.equipment:
-        return _none("equipment", view)
     rows = [_standard(each, shown, view) for each in shown.equipment]
-    return table("pages-due-standard", "name serial certificate until state", rows, view)
+    return table(
+        "pages-due-standard",
+        "name serial certificate until state",
+        rows,
+        view,
+        none="pages-due-none.equipment",
+    )
 
 
 def _standard(each: StandardDue, shown: DueShown, view: View) -> tuple[Any, ...]:

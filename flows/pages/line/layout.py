@@ -45,8 +45,6 @@ def _stations(line: LineNow, view: View) -> Component:
 
 
 def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
-    if not alarms:
-        return dmc.Text(view.text("pages-line-none.alarms"), size="sm")
     rows = [
         (
             hour_of(each.at) if each.at else None,
@@ -59,13 +57,11 @@ def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
         for each in alarms
     ]
     names = "at station about cause todo acknowledged"
-    return table("pages-line-alarm", names, rows, view, 760)
+    return table("pages-line-alarm", names, rows, view, 760, none="pages-line-none.alarms")
 
 
 def _orders(orders: Sequence[Queued], view: View) -> Component:
     """The queue of each station, what runs first."""
-    if not orders:
-        return dmc.Text(view.text("pages-line-none.orders"), size="sm")
     rows = [
         (
             each.station,
@@ -79,7 +75,7 @@ def _orders(orders: Sequence[Queued], view: View) -> Component:
         for each in sorted(orders, key=lambda each: (each.station, each.state))
     ]
     names = "station serial procedure state since client number"
-    return table("pages-line-order", names, rows, view, 760)
+    return table("pages-line-order", names, rows, view, 760, none="pages-line-none.orders")
 
 
 def _waits(order: Queued) -> StepState:
@@ -92,8 +88,6 @@ def _flows(flows: Flows, view: View) -> Component:
         return dmc.Text(view.text("pages-line-no-server"), size="sm")
     if flows.fault is not None:
         return dmc.Alert(view.say(cause_of(flows.fault)), color="red")
-    if not flows.runs:
-        return dmc.Text(view.text("pages-line-none.flows"), size="sm")
     rows = [
         (
             each.deployment,
@@ -103,7 +97,13 @@ def _flows(flows: Flows, view: View) -> Component:
         )
         for each in flows.runs
     ]
-    return table("pages-line-flow", "deployment subject state expected", rows, view)
+    return table(
+        "pages-line-flow",
+        "deployment subject state expected",
+        rows,
+        view,
+        none="pages-line-none.flows",
+    )
 
 
 def _today(today: Output, view: View) -> Component:

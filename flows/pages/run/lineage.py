@@ -16,8 +16,6 @@ from tasks.certificate.settings import setting
 
 def certificate_table(shown: Sequence[CertificateShown], view: View) -> Component:
     """Certificates, each with its PDF and the run that it stands on."""
-    if not shown:
-        return dmc.Text(view.text("pages-certificates-none"))
     names = "number state verdict result calibrated issued due why"
     rows = [
         (
@@ -34,13 +32,11 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
         )
         for each in shown
     ]
-    return table("pages-certificate-column", names, rows, view)
+    return table("pages-certificate-column", names, rows, view, none="pages-certificates-none")
 
 
 def log(shown: RunShown, view: View) -> Component:
     """Every change of the run's state, when and why."""
-    if not shown.log:
-        return dmc.Text(view.text("pages-run-no-log"))
     rows = [
         (
             second_of(entry.at),
@@ -50,7 +46,7 @@ def log(shown: RunShown, view: View) -> Component:
         )
         for entry in shown.log
     ]
-    return table("pages-log-column", "at t state cause", rows, view)
+    return table("pages-log-column", "at t state cause", rows, view, none="pages-run-no-log")
 
 
 def lineage(shown: RunShown, view: View) -> Component:

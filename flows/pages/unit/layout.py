@@ -10,7 +10,7 @@ from flows.pages.due.data import due_state
 from flows.pages.page import View
 from flows.pages.parts import facts, grid, heading, link, note, table
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
-from flows.pages.query_controls import asks
+from flows.pages.query_controls import choice
 from flows.pages.run.lineage import certificate_table
 from flows.pages.states import StepState, badge, decision_state
 from flows.pages.unit.models import (
@@ -109,11 +109,8 @@ def _advice(shown: UnitShown, view: View) -> Component:
 
 def _choice(shown: UnitShown, view: View) -> Component:
     titles = {each.item: view.say(each.title) for each in shown.elements}
-    return dmc.Select(
-        id=asks("item", shown.item), label=view.text("pages-unit-item"),
-        data=[{"value": item, "label": title} for item, title in titles.items()],
-        value=shown.item, allowDeselect=False, searchable=True, maw=480,
-    )  # fmt: skip
+    items = [{"value": item, "label": title} for item, title in titles.items()]
+    return dmc.Box(choice("item", "pages-unit-item", items, shown.item, view), maw=480)
 
 
 def _history(shown: UnitShown, view: View) -> list[Component]:
@@ -200,9 +197,13 @@ def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> C
         for element in of_item
         for each in element.adjustments
     ]
-    if not rows:
-        return dmc.Text(view.text("pages-unit-not-adjusted"), size="sm")
-    return table("pages-unit-adjustment", "day symbol found left run-found run-left", rows, view)
+    return table(
+        "pages-unit-adjustment",
+        "day symbol found left run-found run-left",
+        rows,
+        view,
+        none="pages-unit-not-adjusted",
+    )
 
 
 def history_figure(elements: Sequence[ElementHistory], view: View, scales: Scales) -> Figure:
