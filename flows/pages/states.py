@@ -14,7 +14,7 @@ from schemas.certificate import LIVE
 from schemas.decision import LimitDecision, Verdict
 from storage.catalogue.run_states import RunLine
 from tasks.conformity.limits import verdict_title
-from tasks.words import Sayable, message
+from tasks.words import Argument, Sayable, message
 
 Kind = Literal["good", "open", "bad", "none"]
 KINDS: dict[Verdict, Kind] = {"pass": "good", "fail": "bad", "inconclusive": "open"}
@@ -27,17 +27,22 @@ class StepState(NamedTuple):
     kind: Kind
 
 
+def stated(id_: str, kind: Kind, **arguments: Argument) -> StepState:
+    """A state whose words are a message by its identifier."""
+    return StepState(message(id_, **arguments), kind)
+
+
 def validity_state(verdict: str | None) -> StepState:
     """The verdict on a run."""
     kinds: dict[str | None, Kind] = {"valid": "good", "remarks": "open", "invalid": "bad"}
-    return StepState(message(f"pages-validity.{verdict or 'missing'}"), kinds.get(verdict, "none"))
+    return stated(f"pages-validity.{verdict or 'missing'}", kinds.get(verdict, "none"))
 
 
 def result_state(run: RunLine) -> StepState:
     """Whether a run has a result, and a whole one."""
     kinds: dict[str, Kind] = {"failed": "bad", "missing": "none", "partial": "open"}
     kind = kinds.get(run.result_state) or ("bad" if run.validity == "invalid" else "good")
-    return StepState(message(f"pages-result.{run.result_state}", count=run.missing or 0), kind)
+    return stated(f"pages-result.{run.result_state}", kind, count=run.missing or 0)
 
 
 def certificate_state(state: str | None) -> StepState:
@@ -45,14 +50,14 @@ def certificate_state(state: str | None) -> StepState:
     kinds: dict[str | None, Kind] = {
         "draft": "open", "checked": "open", "issued": "good", "amended": "none", "withdrawn": "bad",
     }  # fmt: skip
-    return StepState(message(f"pages-certificate.{state or 'missing'}"), kinds.get(state, "none"))
+    return stated(f"pages-certificate.{state or 'missing'}", kinds.get(state, "none"))
 
 
 def decision_state(verdict: Verdict | None) -> StepState:
     """The verdict of a certificate."""
     if verdict is None:
-        return StepState(message("pages-verdict-missing"), "none")
-    return StepState(message(f"conformity-verdict.{verdict}"), KINDS[verdict])
+        return stated("pages-verdict-missing", "none")
+    return stated(f"conformity-verdict.{verdict}", KINDS[verdict])
 
 
 def verdict_state(run: RunLine) -> StepState:

@@ -18,7 +18,7 @@ from flows.pages.do.orders import FIELDS, REQUIRED, Orders, roles_of, tolerance_
 from flows.pages.local_time import second_of
 from flows.pages.page import View, view_of_request
 from flows.pages.parts import asking, facts, heading, notice, table
-from flows.pages.states import Kind, StepState, badge, decision_state
+from flows.pages.states import Kind, badge, decision_state, stated
 from schemas.access import MAY, Action
 from schemas.base import Unusable
 from schemas.certificate import LIVE
@@ -228,7 +228,7 @@ def _production(shown: DoShown, view: View) -> Component:
 
 def _state(state: str, share: float | None, view: View) -> Component:
     """Of an order that runs with how far it is, or else that it moves."""
-    shown = badge(StepState(message(f"pages-order.{state}"), KINDS[state]), view)
+    shown = badge(stated(f"pages-order.{state}", KINDS[state]), view)
     bar = dmc.Progress(value=100 * (share or 1.0), animated=share is None)
     return dmc.Stack([shown, *([bar] if state == "running" else [])], gap=4)
 

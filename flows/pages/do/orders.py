@@ -169,8 +169,7 @@ class Orders:
             **({"procedure": fields["procedure"]} if "procedure" in fields else {}),
         )
         given = order_queue.give(request, person, self._home)
-        about = f"{given.order.serials} ({given.order.number})"
-        return f"{about}; {given.fault}" if given.fault else about
+        return f"{given.order.serials} ({given.order.number})"
 
     def queue_step(
         self, step: str, number: str, visitor: Visitor, reason: str | None = None

@@ -12,9 +12,9 @@ from flows.pages.page import View
 from flows.pages.parts import grid, heading, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
 from flows.pages.query_controls import choice
-from flows.pages.states import Kind, StepState, badge
+from flows.pages.states import Kind, badge, stated
 from schemas.text import text_in
-from tasks.words import cause_of, message
+from tasks.words import cause_of
 
 HORIZONS = (0, 30, 60, 90, 180, 365)  # days
 EVERY = "pages-due-all"
@@ -147,7 +147,7 @@ def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
         each.certificate,
         view.text(f"pages-due-occasion.{side}", days=abs(each.days)),
         each.channel,
-        badge(StepState(message(f"pages-due-sent.{each.state}"), MESSAGE_KINDS[each.state]), view),
+        badge(stated(f"pages-due-sent.{each.state}", MESSAGE_KINDS[each.state]), view),
         str(each.tries),
         each.fault and view.say(cause_of(each.fault)),
     )

@@ -11,8 +11,8 @@ from flows.pages.line.stop_button import acknowledgement
 from flows.pages.local_time import hour_of
 from flows.pages.page import View
 from flows.pages.parts import Cell, facts, heading, notice, table
-from flows.pages.states import Kind, StepState, badge
-from tasks.words import cause_of, message
+from flows.pages.states import Kind, StepState, badge, stated
+from tasks.words import cause_of
 
 COLUMNS = 3  # of cards on a wide screen; more would be too small to be read from three metres
 
@@ -80,7 +80,7 @@ def _orders(orders: Sequence[Queued], view: View) -> Component:
 
 def _waits(order: Queued) -> StepState:
     kind: Kind = "good" if order.state == "running" else "open"
-    return StepState(message(f"pages-line-waits.{order.state}"), kind)
+    return stated(f"pages-line-waits.{order.state}", kind)
 
 
 def _flows(flows: Flows, view: View) -> Component:

@@ -120,22 +120,14 @@ def _decided(runs: Runs) -> Runs:
 def _counted(runs: Runs) -> Counted:
     made = runs[~runs["golden"]]
     first = made[made["first"]]
-    undecided = first["verdict"].isna() & (first["validity"] != "invalid")
+    valid = first[first["validity"] != "invalid"]
+    passed, failed = int(first["passed"].sum()), int((valid["verdict"] == "fail").sum())
+    undecided = int(valid["verdict"].isna().sum())
     return Counted(
         runs=len(runs), golden=len(runs) - len(made), retests=len(made) - len(first),
-        first=len(first),
-        undecided=int(undecided.sum()), invalid=int((first["validity"] == "invalid").sum()),
-        **{name: int(kind.sum()) for name, kind in _kinds(first[first["valid"]]).items()},
+        first=len(first), undecided=undecided, invalid=len(first) - len(valid), passed=passed,
+        failed=failed, inconclusive=len(valid) - undecided - passed - failed,
     )  # fmt: skip
-
-
-def _kinds(valid: Runs) -> dict[str, "pd.Series[bool]"]:
-    """How each of the valid first runs ended."""
-    passes = valid["verdict"] == "pass"
-    return {
-        "passed": valid["passed"], "failed": valid["verdict"] == "fail",
-        "inconclusive": valid["verdict"] == "inconclusive", "incomplete": passes & ~valid["passed"],
-    }  # fmt: skip
 
 
 def _yields(runs: Runs, by: str) -> tuple[Yield, ...]:
@@ -187,7 +179,7 @@ def _monday(week: str) -> date:
 
 def _failing(decided: Runs, model: str | None, home: Home) -> tuple[Failing, ...]:
     """Limits that certificates of valid runs do not pass, what keeps the others from being decided
-    on, and the runs that are invalid or incomplete.
+    on, and the runs that are invalid.
     """
     if model is None:
         return ()
@@ -202,12 +194,9 @@ def _failing(decided: Runs, model: str | None, home: Home) -> tuple[Failing, ...
         if run in runs and not is_of_a_limit(reason):
             kind = reasons.setdefault(kind_of(reason), reason)
             inconclusive[None, kind.en] += 1
-    incomplete = int(_kinds(valid)["incomplete"].sum())
-    for name, count in (("invalid", len(decided) - len(valid)), ("incomplete", incomplete)):
-        title = statement(message(f"pages-quality-{name}"))
-        reasons[title.en] = title
-        failed[None, title.en] = count
-    titles = {title.en: title for title in reasons.values()}
+    invalid = statement(message("pages-quality-invalid"))
+    failed[None, invalid.en] = len(decided) - len(valid)
+    titles = {title.en: title for title in (invalid, *reasons.values())}
     both = failed + inconclusive  # without what never happens
     total, up_to, found = both.total(), 0, []
     for (item, element), count in both.most_common():

@@ -28,13 +28,12 @@ from flows.pages.quality.pictures import (
     periods_figure,
     stations_figure,
 )
-from flows.pages.states import StepState, badge
+from flows.pages.states import StepState, badge, stated
 from tasks.quality.capability import FEWEST as FEWEST_IN_INDEX
 from tasks.quality.capability import CapabilityIndex
 from tasks.quality.charts import RULES
 from tasks.quality.golden import FEWEST, HISTORY
 from tasks.quality.yields import FEWEST_IN_POINT
-from tasks.words import message
 from tasks.words.quantities import Scale, plain, quantities, unit_text
 from tasks.words.rounding import MINUS, USUAL_K
 
@@ -147,11 +146,11 @@ def _golden(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
 def _golden_state(of: GoldenShown) -> StepState:
     """By the last value: a station that was out of control and is no longer may be used."""
     if of.centre is None:
-        return StepState(message("pages-quality-golden-state.few", count=len(of.points)), "open")
+        return stated("pages-quality-golden-state.few", "open", count=len(of.points))
     if of.points[-1].broken:
         rules = tuple(of.points[-1].broken)
-        return StepState(message("pages-quality-golden-state.out", rules=rules), "bad")
-    return StepState(message("pages-quality-golden-state.within"), "good")
+        return stated("pages-quality-golden-state.out", "bad", rules=rules)
+    return stated("pages-quality-golden-state.within", "good")
 
 
 def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Component:
@@ -230,12 +229,12 @@ def _stations(stations: Sequence[StationShown], shown: QualityShown, view: View)
 
 def _station(one: StationShown, shown: QualityShown, view: View) -> tuple[Any, ...]:
     if one.difference is None or one.U is None:
-        state = StepState(message("pages-quality-state.open"), "open")
+        state = stated("pages-quality-state.open", "open")
         return one.station, None, None, str(one.runs), badge(state, view)
     made = quantities([one.difference], one.U, shown.unit, Scale(1.0, 0, shown.unit))
     unit = "" if made.unit == "1" else f" {unit_text(made.unit)}"
     is_off = abs(one.difference) > one.U
-    state = StepState(message(f"pages-quality-state.{'off' if is_off else 'within'}"),
-                      "bad" if is_off else "good")  # fmt: skip
+    words = f"pages-quality-state.{'off' if is_off else 'within'}"
+    state = stated(words, "bad" if is_off else "good")
     cells = (f"{made.values[0]}{unit}", f"{made.uncertainties[0]}{unit} (k = {USUAL_K:g})")
     return one.station, *cells, str(one.runs), badge(state, view)

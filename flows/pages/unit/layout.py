@@ -12,7 +12,7 @@ from flows.pages.parts import facts, grid, heading, link, note, table
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
 from flows.pages.query_controls import choice
 from flows.pages.run.lineage import certificate_table
-from flows.pages.states import StepState, badge, decision_state
+from flows.pages.states import StepState, badge, decision_state, stated
 from flows.pages.unit.models import (
     AsMeasured,
     ElementHistory,
@@ -174,10 +174,10 @@ def _limits(of: ElementHistory, scale: Scale) -> str | None:
 
 def _drift_state(found: DriftRate | None) -> StepState:
     if found is None:
-        return StepState(message("pages-unit-drifts.open"), "none")
+        return stated("pages-unit-drifts.open", "none")
     drifts = abs(found.per_year) > found.U
-    return StepState(message(f"pages-unit-drifts.{'yes' if drifts else 'no'}"),
-                     "open" if drifts else "good")  # fmt: skip
+    words = f"pages-unit-drifts.{'yes' if drifts else 'no'}"
+    return stated(words, "open" if drifts else "good")
 
 
 def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> Component:

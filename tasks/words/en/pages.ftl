@@ -297,7 +297,6 @@ pages-quality-failing = What fails
     .inconclusive = inconclusive
     .cumulative = cumulative share
 pages-quality-invalid = Run invalid
-pages-quality-incomplete = Elements missing
 pages-quality-golden = Golden units
 pages-quality-golden-state =
     .few = only { $count } values
@@ -305,7 +304,7 @@ pages-quality-golden-state =
     .within = in control
 pages-quality-chart = Control chart
 pages-quality-stations = Comparison of stations
-pages-quality-counted = { $runs } runs: { $first } first runs and { $retests } retests. Of the first runs, { $passed } passed, { $failed } failed, { $inconclusive } are inconclusive, { $incomplete } lack elements and { $invalid } are invalid; all but the first count as not passed. { $undecided } are valid but have no certificate or draft and are not counted. { $golden ->
+pages-quality-counted = { $runs } runs: { $first } first runs and { $retests } retests. Of the first runs, { $passed } passed, { $failed } failed, { $inconclusive } are inconclusive or lack elements and { $invalid } are invalid; all but those that passed count as not passed. { $undecided } are valid but have no certificate or draft and are not counted. { $golden ->
     [0] {""}
    *[other] Runs of golden units, which are no production: { $golden }.
 }
@@ -341,7 +340,7 @@ pages-quality-about =
     .limits-vary = Certificates in this selection print different limits; the latest ones are used here.
     .chart-value = { $count } valid runs including retests, in chronological order. Click a point to open its run.
     .chart-change = { $count } valid runs, each minus the previous run of the same unit, excluding steps across an adjustment: constant differences between units cancel. Click a point to open its run.
-    .failing = Limits that the first runs do not pass, reasons for which a certificate decides on nothing, and runs that are invalid or lack elements, the most frequent first ({ $shown } of { $count }). A run counts once for each of them.
+    .failing = Limits that the first runs do not pass, reasons for which a certificate decides on nothing, and invalid runs, the most frequent first ({ $shown } of { $count }). A run counts once for each of them.
     .golden = What each station reads of the golden units (quality.toml), against the mean and moving ranges of their own first { $most } values there; with fewer than { $fewest } there are no limits yet.
     .stations = Deviation of a station from the mean of the mutually consistent stations, estimated from units that moved between stations in this period, over all units of the model. U (k = 2) follows from the scatter between units.
 pages-quality-broken = violates a rule

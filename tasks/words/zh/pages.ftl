@@ -302,7 +302,6 @@ pages-quality-failing = 不合格原因
     .inconclusive = 无法判定
     .cumulative = 累计比例
 pages-quality-invalid = 测量无效
-pages-quality-incomplete = 缺元素
 pages-quality-golden = 核查标准件
 pages-quality-golden-state =
     .few = 仅有 { $count } 个数值
@@ -310,7 +309,7 @@ pages-quality-golden-state =
     .within = 受控
 pages-quality-chart = 控制图
 pages-quality-stations = 工位间比较
-pages-quality-counted = 共 { $runs } 次测量：首次 { $first } 次，复测 { $retests } 次。首次测量中合格 { $passed } 次，不合格 { $failed } 次，无法判定 { $inconclusive } 次，缺元素 { $incomplete } 次，无效 { $invalid } 次；除合格者外均按未通过计。另有 { $undecided } 次有效但没有证书或草稿，不计入。{ $golden ->
+pages-quality-counted = 共 { $runs } 次测量：首次 { $first } 次，复测 { $retests } 次。首次测量中合格 { $passed } 次，不合格 { $failed } 次，无法判定或缺元素 { $inconclusive } 次，无效 { $invalid } 次；除合格者外均按未通过计。另有 { $undecided } 次有效但没有证书或草稿，不计入。{ $golden ->
     [0] {""}
    *[other] 核查标准件（非产品）测量 { $golden } 次。
 }
@@ -337,7 +336,7 @@ pages-quality-fact =
     .margin-95 = U 占用的裕量，95 % 的数值
     .over = 距允许限不足 U 或超限
 pages-quality-about =
-    .failing = 首次测量未通过的允许限、证书无法判定的原因，以及无效或缺元素的测量，按次数从多到少排列（{ $count } 项中的 { $shown } 项）。每次测量对其中每一项各计一次。
+    .failing = 首次测量未通过的允许限、证书无法判定的原因，以及无效的测量，按次数从多到少排列（{ $count } 项中的 { $shown } 项）。每次测量对其中每一项各计一次。
     .golden = 各工位对核查标准件（quality.toml）的测量值，与其在该工位最初 { $most } 个值的平均值和移动极差相比；不足 { $fewest } 个值时尚无控制限。
     .capability = 取有效的首次测量，按时间排序。Cp、Cpk 由相邻数值的移动极差得出，Pp、Ppk 由全部数值的标准偏差得出。
     .margin = 裕量为数值到较近允许限的距离；100 % 表示允许限恰在 U 之外。

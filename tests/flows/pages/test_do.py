@@ -201,11 +201,11 @@ def test_a_card_has_a_title_and_what_the_chosen_certificate_says_beside_its_butt
     assert titles == [view.text(f"pages-action.{action}") for action in FIELDS]
     (waits,) = parts(chosen("check", None, view, home), "Button")
     assert waits.disabled
-    said = chosen("check", number, view, home)
+    shown = chosen("check", number, view, home)
     for part in ("Maker U 1", "Client", "Wang, 2026-11-21", "1 pass, 0 fail",
                  "no limits are defined", f"/certificate/{number}.pdf"):  # fmt: skip
-        assert part.lower() in str(said).lower()
-    assert "data-ask" not in str(said)
+        assert part.lower() in str(shown).lower()
+    assert "data-ask" not in str(shown)
     (withdraws,) = parts(chosen("withdraw", number, view, home), "Button")
     assert f"Withdraw certificate {number}?" in getattr(withdraws, "data-ask")
 

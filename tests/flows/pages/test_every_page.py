@@ -109,9 +109,9 @@ def test_what_is_refused_on_the_page_do_is_said_in_the_readers_language(home: Ho
         answer("certify", {"run": "none"}, drafter, home), chosen("check", "none", drafter, home),
     ]  # fmt: skip
     for each in refusals:
-        said = " ".join(texts(each))
-        assert not SENTENCE.search(said)
-        assert "日志" not in said  # the cause itself
+        words = " ".join(texts(each))
+        assert not SENTENCE.search(words)
+        assert "日志" not in words  # the cause itself
 
 
 def test_no_word_of_the_pages_is_a_command() -> None:
