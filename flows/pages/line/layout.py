@@ -6,7 +6,7 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.line.card import card
-from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued
+from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued, Waits
 from flows.pages.line.stop_button import acknowledgement
 from flows.pages.local_time import hour_of
 from flows.pages.page import View
@@ -14,6 +14,7 @@ from flows.pages.parts import Cell, facts, heading, notice, table
 from flows.pages.states import Kind, StepState, badge, stated
 from tasks.words import cause_of
 
+WAITS: dict[Waits, Kind] = {"running": "good", "waiting": "open"}
 COLUMNS = 3  # of cards on a wide screen; more would be too small to be read from three metres
 
 
@@ -67,7 +68,7 @@ def _orders(orders: Sequence[Queued], view: View) -> Component:
             each.station,
             ", ".join(each.serials),
             each.procedure,
-            badge(_waits(each), view),
+            badge(stated(f"pages-line-waits.{each.state}", WAITS[each.state]), view),
             hour_of(each.since),
             each.client or None,
             each.number,
@@ -76,11 +77,6 @@ def _orders(orders: Sequence[Queued], view: View) -> Component:
     ]
     names = "station serial procedure state since client number"
     return table("pages-line-order", names, rows, view, 760, none="pages-line-none.orders")
-
-
-def _waits(order: Queued) -> StepState:
-    kind: Kind = "good" if order.state == "running" else "open"
-    return stated(f"pages-line-waits.{order.state}", kind)
 
 
 def _flows(flows: Flows, view: View) -> Component:

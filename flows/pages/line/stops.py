@@ -35,9 +35,9 @@ class Stops:
         if lockout is None or (pressed and pressed.at > lockout.at):
             return pressed
         answer = answer_in(self._home.locks, lockout)
-        if answer is None or answer.at_rest is None:
-            return pressed
-        return StopShown(by=lockout.by, at=lockout.at, is_at_rest=answer.at_rest, fault="")
+        if answer and answer.at_rest is not None:
+            return StopShown(by=lockout.by, at=lockout.at, is_at_rest=answer.at_rest, fault="")
+        return pressed
 
     def press(self, station: str, visitor: Visitor) -> StopShown:
         """Stops the station; whatever fails is said in the answer, and never raised.
