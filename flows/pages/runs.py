@@ -143,13 +143,13 @@ def columns(view: View) -> list[dict[str, Any]]:
 
     # What an operator looks for stands within the width of a tablet held upright, 780 px.
     return [
-        column("id", 125, cellRenderer="RunLink", pinned="left"),
-        column("recorded_on", 125, "Date"),
-        column("station", 90),
-        column("serial", 105, cellRenderer="UnitLink"),
-        state("validity", 110),
-        state("verdict", 115),
-        state("state", 110),
+        column("id", 120, cellRenderer="RunLink", pinned="left"),
+        column("recorded_on", 150, "Date"),
+        column("station", 80),
+        column("serial", 100, cellRenderer="UnitLink"),
+        state("validity", 105),
+        state("verdict", 110),
+        state("state", 105),
         state("result_state", 120),
         column("model", 120),
         column("certificate", 170),
