@@ -4,6 +4,7 @@ import base64
 import json
 from pathlib import Path
 
+import httpx
 import pytest
 from flask.testing import FlaskClient
 from prometheus_client.parser import text_string_to_metric_families
@@ -13,6 +14,7 @@ from flows.pages.app import make_app
 from storage.catalogue import database, tables, users
 from storage.home import Home
 from storage.station_lock import write_status
+from tests.pages_server import served
 from tests.proof.line.draw import Line
 from tests.storage.test_run_status import status
 
@@ -118,3 +120,12 @@ def test_metrics_are_for_this_machine_and_for_those_with_a_name(
     assert client.get("/metrics", environ_base=ELSEWHERE, headers=login).status_code == 200
     wrong = {"Authorization": "Basic " + base64.b64encode(b"Wang Li:no").decode()}
     assert client.get("/metrics", environ_base=ELSEWHERE, headers=wrong).status_code == 401
+
+
+@pytest.mark.real_time
+@pytest.mark.parametrize("header", ["X-Forwarded-For", "Forwarded", "X-Forwarded-Host"])
+def test_metrics_as_served_see_who_comes_through_a_proxy(tmp_path: Path, header: str) -> None:
+    """Whatever the server of the pages takes out of a request, it is no request of this machine."""
+    with served(Home(tmp_path)) as url, httpx.Client(trust_env=False) as client:
+        assert client.get(f"{url}/metrics").status_code == 200
+        assert client.get(f"{url}/metrics", headers={header: "for=1.2.3.4"}).status_code == 401

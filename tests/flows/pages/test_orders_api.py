@@ -110,3 +110,28 @@ def test_openapi_describes_both_ways(client) -> None:
     for name in ("OrderRequest", "ProductionOrder", "ProductionOrders"):
         assert name in described["components"]["schemas"]
     assert [each["name"] for each in path["get"]["parameters"]] == ["station", "state"]
+
+
+@pytest.mark.parametrize("serial", ["<b>S1</b>", "../..", ". .", "S1'", "S&1"])
+def test_a_serial_number_is_neither_markup_nor_a_path(client, home, serial: str) -> None:
+    answer = give(client, ORDER | {"units": [{"serial": serial}]})
+    assert answer.status_code == 400
+    assert "serial" in answer.json["error"]
+    assert orders.listed(home) == []
+
+
+def test_a_manufacturing_system_has_an_order_carried_out_again_under_its_number(
+    client, home
+) -> None:
+    give(client, ORDER)
+    document: dict[str, Any] = {"number": "4711", "reason": "clamped anew"}
+
+    def retry(document: dict[str, Any]) -> TestResponse:
+        return client.post("/api/v1/retry", json=document, auth=("mes", PASSWORD))
+
+    assert retry(document).status_code == 400  # it waits
+    orders.claim("4711", home)
+    orders.finish("4711", "failed", home, "it was loose")
+    answer = retry(document)
+    assert (answer.status_code, answer.json["state"]) == (200, "waiting")
+    assert retry({"number": "1"}).status_code == 404
