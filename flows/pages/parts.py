@@ -50,7 +50,9 @@ def table(
 
 def _cell(cell: Cell) -> Component:
     """What is short, as a symbol or a link, stands on one line: the table scrolls instead."""
-    is_short = len(cell.encode()) <= ON_ONE_LINE if isinstance(cell, str) else isinstance(cell, dcc.Link)
+    is_short = (
+        len(cell.encode()) <= ON_ONE_LINE if isinstance(cell, str) else isinstance(cell, dcc.Link)
+    )
     shown = "–" if cell is None else cell
     return dmc.TableTd(shown, maw=480, className="whole" if is_short else None)
 
