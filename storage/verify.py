@@ -217,7 +217,7 @@ def _left_over(where: str, age_s: float) -> Iterator[Found]:
 
 def _abandoned(home: Home) -> Iterator[Found]:
     for path in sorted(home.acquiring.glob("*.mcap")):
-        if age_s(path) > SILENT_S:
+        if age_s(path) > SILENT_S and path.stat().st_size:  # the next run removes empty ones
             yield (
                 str(path),
                 "an acquisition that was broken off; `mimucal import --salvage` takes in what "

@@ -86,7 +86,8 @@ def facts(connection: psycopg.Connection, objects: Path, home: Path, mails: Path
             for row in _rows(connection, SENT)
         ),
         interrupted=tuple(
-            sorted(path.name for path in (home / "acquiring").rglob("*") if path.is_file())
+            sorted(path.name for path in (home / "acquiring").rglob("*")
+                if path.is_file() and path.stat().st_size)
         ),
     )  # fmt: skip
 

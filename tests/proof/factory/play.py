@@ -75,7 +75,7 @@ def play(
             operators[part].came_back()
 
     disturbances, held = Disturbances(works, parts, len(units), rng, came_back), Held()
-    stop = Stop(works, rng.choice(STATIONS))
+    stop = Stop(works)
     laboratory = Laboratory(works.pages_url)
     began_s = time.monotonic()
     works.command("order", "import", write_orders(units, works), "--by", "Li Na")

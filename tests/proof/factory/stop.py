@@ -1,6 +1,8 @@
 """The stop that an operator presses once while a table turns."""
 
 import json
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 from schemas.run_log import RunStatus
@@ -20,7 +22,7 @@ class Stop:
     """Pressed at the first run that is well under way. answer: what the command answered."""
 
     works: Works
-    station: str
+    station: str = ""
     order: str | None = None
     seconds: float | None = None
     is_at_rest: bool = False
@@ -34,22 +36,17 @@ class Stop:
         """after: orders that are to be done before."""
         done = sum(order.state == "done" for order in orders)
         running = [each for each in orders if each.state == "running" and not each.runs]
-        status = self._status()
-        if self.is_over or done < after or status is None or status.state != MEASURING:
-            return
-        mine = [each for each in running if each.serial in status.units]
-        if mine and (status.segment or 0) >= FROM_SEGMENT:
-            self._press(mine[0])
+        for status in self._statuses() if not self.is_over and done >= after else ():
+            mine = [each for each in running if each.serial in status.units]
+            if mine and status.state == MEASURING and (status.segment or 0) >= FROM_SEGMENT:
+                self.station = status.station
+                self._press(mine[0])
+                return
 
-    def _status(self) -> RunStatus | None:
+    def _statuses(self) -> Iterator[RunStatus]:
         for file in (self.works.home / "status").glob("*.json"):
-            try:
-                status = RunStatus.model_validate_json(file.read_bytes())
-            except (OSError, ValueError):
-                continue
-            if status.station == self.station:
-                return status
-        return None
+            with suppress(OSError, ValueError):
+                yield RunStatus.model_validate_json(file.read_bytes())
 
     def _press(self, order: Order) -> None:
         self.order = order.number

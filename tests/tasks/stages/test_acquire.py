@@ -1,5 +1,6 @@
 """A run on a virtual station: its name, and what is left when it breaks off."""
 
+import os
 import resource
 import time
 from pathlib import Path
@@ -49,6 +50,19 @@ def named(station: StationFile, serial: str) -> StationFile:
 
 def left_over(home: Home) -> list[Path]:
     return [path for path in home.acquiring.rglob("*") if path.is_file()]
+
+
+def test_an_empty_file_of_a_killed_run_is_removed_by_the_next_one_and_no_other_is(
+    station: StationFile, fresh: Home
+) -> None:
+    fresh.acquiring.mkdir(parents=True)
+    ages = {"killed": 2 * acquire.EMPTY_S, "begins": 1.0}
+    for name, age_s in ages.items():
+        file = fresh.acquiring / f"{name}.mcap"
+        file.touch()
+        os.utime(file, (time.time() - age_s,) * 2)
+    acquire_run(station, PROCEDURE, fresh, lambda _: None)
+    assert [path.stem for path in left_over(fresh)] == ["begins"]
 
 
 @pytest.mark.parametrize("serial", ["SN/1", "../../SN"])
