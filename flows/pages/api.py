@@ -7,7 +7,7 @@ from typing import Any
 from flask import Blueprint, Response, request
 from pydantic import ValidationError
 from pydantic.json_schema import models_json_schema
-from werkzeug.exceptions import SecurityError
+from werkzeug.exceptions import HTTPException
 
 from flows.pages import orders_api
 from flows.pages.json_answers import Unanswered, json_answer, refusal
@@ -70,9 +70,9 @@ def endpoints(home: Home) -> Blueprint:
 
 def unknown_address() -> Response | None:
     """A refusal of what would else be one of Dash's pages, before a request is answered."""
-    rule = request.url_rule
-    if isinstance(request.routing_exception, SecurityError):  # another host's name: refused as such
-        return None
+    rule, fault = request.url_rule, request.routing_exception
+    if isinstance(fault, HTTPException) and fault.code not in (404, 405):
+        return None  # as of another host's name
     if f"{request.path}/".startswith(f"{PREFIX}/") and not (rule and rule.rule.startswith(PREFIX)):
         return refusal(404, f"there is nothing here; {PREFIX}/openapi.json says what there is")
     return None

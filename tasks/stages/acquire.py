@@ -17,9 +17,9 @@ from schemas.text import Statement
 from storage.catalogue.run_index import Run
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
-from storage.station_lock import lock_place, statuses, write_status
+from storage.station_lock import lock_place, write_status
 from storage.whole_files import writing_in_home
-from tasks.stages.left_run import LeftRun, left_runs
+from tasks.stages.left_run import LeftRun, forget_empty, left_runs
 from tasks.stages.ready import ready_to_acquire
 from tasks.stages.stage import stage
 from tasks.stages.stoppable import stoppable
@@ -32,7 +32,6 @@ from tasks.station.stopping import OPERATOR, StopRequested, StopSwitch, stopped_
 from tasks.words import Sayable, cause_of, message
 
 WRITE_EVERY_S = 1.0
-EMPTY_S = 600.0  # by then every run has homed its table, and written its manifest
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def acquire_run(
     """
     stop, raw = stop or StopSwitch(), list[RawRecording]()
     ready_to_acquire(station.station.id, home)
-    _forget_empty(home)
+    forget_empty(home)
     store_waiting(home)
     held = stoppable(station, home, stop)
     with held, status_file(station, procedure, home, report, raw) as reporting:
@@ -224,18 +223,6 @@ def begun(
         sink = RawWriter(path)
     new = NewRecording(station, sink, recording_id, earlier, operator)
     return RawRecording(new, sink, path, left)
-
-
-def _forget_empty(home: Home) -> None:
-    """Remove files of runs that were killed before their first byte."""
-    written = {path for status, is_dead in statuses(home) if not is_dead
-               for path in status.recordings}  # fmt: skip
-    for path in home.acquiring.glob("*.mcap"):
-        with suppress(OSError):
-            left = path.stat()
-            is_old = time.time() - left.st_mtime > EMPTY_S
-            if is_old and not left.st_size and str(path) not in written:
-                path.unlink()
 
 
 def what_is_left(recordings: Iterable[RawRecording]) -> str:

@@ -1,5 +1,6 @@
 """Interrupted runs of a station, its units and a procedure."""
 
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -11,6 +12,9 @@ from schemas.recording import Manifest, Recording
 from schemas.station import StationFile
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
+from storage.station_lock import statuses
+
+EMPTY_S = 600.0  # by then every run has homed its table, and written its manifest
 
 
 @dataclass(frozen=True)
@@ -79,3 +83,15 @@ def _is_of(manifest: Manifest, station: StationFile, procedure: Procedure) -> bo
 
 def _began(manifest: Manifest) -> str:
     return str((manifest.model_extra or {})["recorded_at"])
+
+
+def forget_empty(home: Home) -> None:
+    """Remove files of runs that were killed before their first byte."""
+    written = {path for status, is_dead in statuses(home) if not is_dead
+               for path in status.recordings}  # fmt: skip
+    for path in home.acquiring.glob("*.mcap"):
+        with suppress(OSError):
+            left = path.stat()
+            is_old = time.time() - left.st_mtime > EMPTY_S
+            if is_old and not left.st_size and str(path) not in written:
+                path.unlink()

@@ -15,7 +15,7 @@ from storage.catalogue import runs
 from storage.formats.mcap import writer
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
-from tasks.stages import acquire
+from tasks.stages import acquire, left_run
 from tasks.stages.acquire import acquire_run
 from tasks.stages.ready import ready_to_acquire
 from tasks.station.stopping import StopSwitch
@@ -56,7 +56,7 @@ def test_an_empty_file_of_a_killed_run_is_removed_by_the_next_one_and_no_other_i
     station: StationFile, fresh: Home
 ) -> None:
     fresh.acquiring.mkdir(parents=True)
-    ages = {"killed": 2 * acquire.EMPTY_S, "begins": 1.0}
+    ages = {"killed": 2 * left_run.EMPTY_S, "begins": 1.0}
     for name, age_s in ages.items():
         file = fresh.acquiring / f"{name}.mcap"
         file.touch()
