@@ -10,11 +10,13 @@ from schemas.certificate import Certificate, Laboratory, Order, Party, Step
 from schemas.decision import Decision, LimitDecision
 from schemas.equipment import MeasurementStandard
 from schemas.recording import ACCEL, GYRO, Recording, Stream
+from schemas.text import texts_fields
 from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import results, runs
 from storage.home import Home
 from tasks.stages.draft import DRAFT, keep_draft
 from tasks.stages.published import Published
+from tasks.words import message, statement
 from tests.manifests import manifest_of
 
 MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
@@ -37,6 +39,10 @@ AIR = EnvironmentSeen(temperature_degc=(19.5, 20.5), humidity_percent=(40.0, 45.
 PASSED = LimitDecision(
     item="gyro_bias", element="x", unit="deg/s", applied_to="value", value=0.25, U=0.02,
     lower=-1.0, upper=1.0, verdict="pass",
+)  # fmt: skip
+UNDECIDED = Decision(
+    verdict="inconclusive", rule="simple", document="Data sheet", limits=(PASSED,),
+    **texts_fields("reasons", (statement(message("conformity-no-tolerance")),)),
 )  # fmt: skip
 DECIDED = Decision(verdict="pass", rule="simple", document="Data sheet", limits=(PASSED,))
 

@@ -7,14 +7,11 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
-import pytest
 from fluent.syntax import ast as fluent
 from fluent.syntax import parse
 
 PRODUCT = ("flows", "tasks", "schemas", "storage")
 CATALOGUES = Path("tasks/words")
-MAX_FILES = 40  # in a room
-MAX_LINES = 300  # of a file
 CHINESE = re.compile("[\u3000-\u303f\u4e00-\u9fff\uff00-\uffef]")
 # What the code once called things; the field has words of its own.
 METAPHORS = {
@@ -75,14 +72,6 @@ def metaphors(module: ast.Module) -> Iterator[str]:
 def test_no_class_name_stands_in_three_places() -> None:
     names = Counter(node.name for _, node in nodes() if isinstance(node, ast.ClassDef))
     assert [name for name, count in names.items() if count > 2] == []
-
-
-@pytest.mark.parametrize("room", sorted({path.parent for path in sources()}), ids=str)
-def test_a_room_has_few_files_and_each_is_short(room: Path) -> None:
-    files = list(room.glob("*.py"))
-    assert len(files) <= MAX_FILES
-    lengths = {file.name: len(file.read_text(encoding="utf-8").splitlines()) for file in files}
-    assert {name: n for name, n in lengths.items() if n > MAX_LINES} == {}
 
 
 @cache

@@ -11,7 +11,7 @@ from storage.catalogue import results
 from storage.home import Home
 from tasks.conformity.equipment import name_of
 from tasks.specifications.items import item_title, symbol
-from tasks.words import message, statement
+from tasks.words import statement
 from tasks.words.quantities import plain, power_of_ten, unit_text
 from tasks.words.rounding import column
 
@@ -39,11 +39,10 @@ def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
     """A line for each input, as the certificate prints them."""
     budget = shown.budget
     unit = unit_text(budget.unit)
-    names = ("input", "kind", "u", "sensitivity", "contribution", "share", "source")
     rows = [
         (
             f"{view.say(name_of(each))} ({each.symbol})",
-            f"{each.kind}, {view.say(message(f'pages-distribution.{each.distribution}'))}",
+            f"{each.kind}, {view.text(f'pages-distribution.{each.distribution}')}",
             f"{plain(each.u)} {unit_text(each.unit)}",
             plain(each.sensitivity),
             f"{plain(each.contribution)} {unit}",
@@ -54,17 +53,17 @@ def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
     ]
     printed = column([budget.value], [budget.U], budget.k)
     power = f"{power_of_ten(printed.exponent)} ".lstrip()
-    summary = message(
+    summary = view.text(
         "pages-budget-summary", item=shown.title, symbol=shown.symbol,
         value=f"{printed.values[0]} {power}{unit}",
         u=f"{plain(budget.u_c)} {unit}", k=f"{budget.k:.3g}",
         expanded=f"{printed.uncertainties[0]} {power}{unit}",
     )  # fmt: skip
-    headings = [message(f"pages-budget-column.{name}") for name in names]
+    names = "input kind u sensitivity contribution share source"
     return dmc.Stack(
         [
-            dmc.Text(view.say(summary)),
-            table(headings, rows, view),
+            dmc.Text(summary),
+            table("pages-budget-column", names, rows, view),
         ]
     )
 

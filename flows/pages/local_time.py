@@ -29,6 +29,15 @@ def minute_of(moment: datetime) -> str:
     return f"{moment.astimezone():%F %R}"
 
 
+def day_in(text: str) -> str:
+    """The day there of a moment in ISO 8601, its own day where it has no zone; any other text."""
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        return text
+    return str(day_of(moment) if moment.tzinfo else moment.date())
+
+
 def hour_of(moment: datetime) -> str:
     """“15:04” of the present day; of another one with its day."""
     there = moment.astimezone()

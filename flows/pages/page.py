@@ -13,7 +13,7 @@ from flows.pages.numbers import Numbers
 from schemas.access import Visitor
 from schemas.base import Frozen
 from storage.home import Home
-from tasks.words import LANGUAGES, MAIN, Sayable, message, say
+from tasks.words import LANGUAGES, MAIN, Argument, Sayable, message, say
 
 LANGUAGE, THEME = "mimucal_language", "mimucal_theme"
 Theme = Literal["light", "dark"]
@@ -35,6 +35,10 @@ class View:
     def say(self, sayable: Sayable) -> str:
         """A message in the language of the view."""
         return say(sayable, self.language)
+
+    def text(self, id_: str, /, **arguments: Argument) -> str:
+        """A message of the catalogues, by its identifier."""
+        return self.say(message(id_, **arguments))
 
     @property
     def figure_template(self) -> str:
@@ -67,11 +71,11 @@ class Page:
 
     def title(self, view: View) -> str:
         """What the navigation and the heading call it."""
-        return view.say(message(f"pages-{self.name}"))
+        return view.text(f"pages-{self.name}")
 
     def about(self, view: View) -> str:
         """One sentence of what it shows."""
-        return view.say(message(f"pages-{self.name}.about"))
+        return view.text(f"pages-{self.name}.about")
 
 
 def view_of_request() -> View:

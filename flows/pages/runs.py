@@ -98,13 +98,14 @@ def layout(shown: RunsShown, view: View, question: RunsQuestion) -> Component:
     grid = dag.AgGrid(
         id="runs",
         columnDefs=columns(view),
-        defaultColDef={"resizable": True, "sortable": True},
+        defaultColDef={"resizable": True, "sortable": True, "wrapHeaderText": True,
+                       "autoHeaderHeight": True},
         rowModelType="infinite",
         filterModel=filter_model(question, view),
         dashGridOptions=GRID_OPTIONS | {"localeText": locale(view), "cacheBlockSize": AT_ONCE},
         style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
-    )
-    count = view.say(message("pages-runs-count", count=shown.total))
+    )  # fmt: skip
+    count = view.text("pages-runs-count", count=shown.total)
     return dmc.Stack([dmc.Text(count, id="runs-count"), grid], gap="xs")
 
 
@@ -124,32 +125,33 @@ def callbacks(app: Dash, home: Home) -> None:
         start = int(request["startRow"])
         total, runs = run_list(conditions, order, start, AT_ONCE, home)
         found = {"rowData": [row(run, view) for run in runs], "rowCount": total}
-        return found, view.say(message("pages-runs-count", count=total))
+        return found, view.text("pages-runs-count", count=total)
 
 
 def columns(view: View) -> list[dict[str, Any]]:
     """The columns of the grid; `State` and the links are renderers in assets/grid.js."""
 
     def column(name: str, width: int, kind: str = "Text", **more: Any) -> dict[str, Any]:
-        heading = view.say(message(f"pages-column-{name.replace('_', '-')}"))
+        heading = view.text(f"pages-column-{name.replace('_', '-')}")
         return {
             "field": name, "headerName": heading, "width": width, "minWidth": 90,
             "filter": f"ag{kind}ColumnFilter", "floatingFilter": True, **more,
         }  # fmt: skip
 
-    def state(name: str, **more: Any) -> dict[str, Any]:
-        return column(name, 150, cellRenderer="State", **more)
+    def state(name: str, width: int) -> dict[str, Any]:
+        return column(name, width, cellRenderer="State")
 
+    # What an operator looks for stands within the width of a tablet held upright, 780 px.
     return [
-        column("id", 150, cellRenderer="RunLink", pinned="left"),
-        column("recorded_on", 210, "Date"),
-        column("station", 120),
+        column("id", 120, cellRenderer="RunLink", pinned="left"),
+        column("recorded_on", 150, "Date"),
+        column("station", 80),
+        column("serial", 100, cellRenderer="UnitLink"),
+        state("validity", 105),
+        state("verdict", 110),
+        state("state", 105),
+        state("result_state", 120),
         column("model", 120),
-        column("serial", 120, cellRenderer="UnitLink"),
-        state("validity"),
-        state("result_state"),
-        state("verdict"),
-        state("state"),
         column("certificate", 170),
         column("due", 210, "Date"),
         column("procedure", 120),

@@ -13,11 +13,12 @@ from flows.pages import pictures, query_controls
 from flows.pages.access import fault
 from flows.pages.local_time import zone
 from flows.pages.page import Page, View, parameters, view_of_request
+from flows.pages.parts import note, notice
 from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
 from storage.catalogue.connection import Busy
 from storage.home import Home
-from tasks.words import LANGUAGES, message
+from tasks.words import LANGUAGES
 
 RETRY_S = 5.0  # after which a page that the database did not answer is asked for again
 NEVER = 86_400_000  # ms
@@ -35,7 +36,7 @@ def frame() -> Component:
                 dmc.AppShellHeader(_header(view), px="md"),
                 dmc.AppShellMain([dmc.Box(id="fault"), dmc.Box(id="page", className="figures")]),
             ],
-            header={"height": 56},
+            header={"height": {"base": 108, "md": 60}},  # on a tablet in two rows
             padding="md",
         ),
         forceColorScheme=view.theme,
@@ -50,12 +51,10 @@ def _header(view: View) -> Component:
         for page in PAGES
         if page.in_navigation
     ]
-    languages = [
-        {"value": name, "label": View(name).say(message("language-name"))} for name in LANGUAGES
-    ]
+    languages = [{"value": name, "label": View(name).text("language-name")} for name in LANGUAGES]
     themes = [
-        {"value": "light", "label": view.say(message("pages-light"))},
-        {"value": "dark", "label": view.say(message("pages-dark"))},
+        {"value": "light", "label": view.text("pages-light")},
+        {"value": "dark", "label": view.text("pages-dark")},
     ]
     switches = [
         dmc.SegmentedControl(id="language", data=languages, value=view.language, size="xs"),
@@ -65,7 +64,7 @@ def _header(view: View) -> Component:
     return dmc.Group(
         [dmc.Group(links, gap=2, wrap="nowrap"), dmc.Group(switches, gap="xs", wrap="nowrap")],
         justify="space-between",
-        wrap="nowrap",
+        gap=0,
         h="100%",
     )
 
@@ -74,10 +73,10 @@ def _person(view: View) -> list[Component]:
     """Who is logged in, and the way out; nobody where the home has no users."""
     if not view.visitor.name:
         return []
-    role = view.say(message(f"pages-role.{view.visitor.role}"))
+    role = view.text(f"pages-role.{view.visitor.role}")
     leave = [
         dcc.Input(type="hidden", name="csrf_token", value=generate_csrf()),
-        html.Button(view.say(message("pages-login.leave")), type="submit", className="leave"),
+        html.Button(view.text("pages-login.leave"), type="submit", className="leave"),
     ]
     return [
         dmc.Text(f"{view.visitor.name} ({role})", size="xs", truncate="end", maw=140),
@@ -93,8 +92,8 @@ def say_fault(error: Exception) -> None:
     words = "pages-not-answered" if isinstance(error, Unusable) else "pages-failed"
     if not isinstance(error, Unusable):
         logging.getLogger("mimucal.pages").error("a callback failed", exc_info=error)
-    sentence = str(error) if isinstance(error, Unusable) else type(error).__name__
-    set_props("fault", {"children": notice(view, words, "red", sentence)})
+    fault = error if isinstance(error, Unusable) else type(error).__name__
+    set_props("fault", {"children": notice(view, words, "red", fault)})
 
 
 def add_callbacks(app: Dash, home: Home) -> None:
@@ -141,24 +140,19 @@ def page_at(path: str, search: str, home: Home, view: View) -> PageAndInterval:
     except ValidationError as error:
         return notice(view, "pages-not-answered", "yellow", first_fault(error)), NEVER, True
     except Busy as error:
-        return no_database(str(error), view)
+        return no_database(error, view)
     except Unusable as error:
-        return notice(view, "pages-not-answered", "yellow", str(error)), NEVER, True
+        return notice(view, "pages-not-answered", "yellow", error), NEVER, True
     interval = NEVER if page.refresh_s is None else int(page.refresh_s * 1000)
     return _titled(page, shown, view), interval, page.refresh_s is None
 
 
-def no_database(sentence: str, view: View) -> PageAndInterval:
+def no_database(fault: Exception | str, view: View) -> PageAndInterval:
     """What a page says while the database does not answer; then it asks again."""
-    return notice(view, "pages-no-database", "red", sentence), int(RETRY_S * 1000), False
+    return notice(view, "pages-no-database", "red", fault), int(RETRY_S * 1000), False
 
 
 def _titled(page: Page, shown: Component, view: View) -> Component:
     heading = dmc.Title(page.title(view), order=2)
     about = f"{page.about(view)} · {view.say(zone())}"
-    return dmc.Stack([dmc.Box([heading, dmc.Text(about, c="dimmed", size="sm")]), shown], gap="md")
-
-
-def notice(view: View, words: str, color: str, sentence: str = "") -> Component:
-    """What stands in the place of a page, with the sentence of the fault."""
-    return dmc.Alert(sentence, title=view.say(message(words)), color=color, id="notice")
+    return dmc.Stack([dmc.Box([heading, note(about)]), shown], gap="md")

@@ -51,7 +51,8 @@ def _stream(streams: dict[str, Stream], question: SignalsQuestion) -> Stream:
         known = ", ".join(f"{name} {each}" for name, s in streams.items() for each in s.columns)
         raise Unusable(
             f"the run has no channel {question.channel} in a stream {question.stream}; there are "
-            f"{known}"
+            f"{known}",
+            message("cause-none.choice", name=question.channel, known=known),
         )
     return stream
 
@@ -74,7 +75,7 @@ def section(run: str, view: View, question: SignalsQuestion | None = None) -> Co
             dcc.Store(id="signals-run", data=run),
             dmc.Select(
                 id="signals-channel",
-                label=view.say(message("pages-signals-channel")),
+                label=view.text("pages-signals-channel"),
                 value=f"{asked.stream} {asked.channel}",
                 data=[f"{asked.stream} {asked.channel}"],
                 searchable=True,
@@ -126,7 +127,7 @@ def _figure(shown: SignalsShown, view: View) -> dict[str, Any]:
     low = line | {"x": shown.t, "y": shown.low, "line": {"width": 1, "color": LOW}, "name": "min"}
     high = line | {"x": shown.t, "y": shown.high, "line": {"width": 1, "color": LOW}, "name": "max"}
     traces = [low, high | {"fill": "tonexty", "fillcolor": HIGH}] if shown.is_reduced else [low]
-    time = view.say(message("pages-signals-time"))
+    time = view.text("pages-signals-time")
     return figure(
         traces, view, HEIGHT_PX, margin={"t": 20, "r": 20},
         xaxis={"title": {"text": time}, "range": [shown.since, shown.until]},

@@ -11,12 +11,13 @@ from dash.development.base_component import Component
 
 from flows.pages.page import View
 from schemas.certificate import LIVE
-from schemas.decision import LimitDecision
+from schemas.decision import LimitDecision, Verdict
 from storage.catalogue.run_states import RunLine
 from tasks.conformity.limits import verdict_title
-from tasks.words import Sayable, message
+from tasks.words import Argument, Sayable, message
 
 Kind = Literal["good", "open", "bad", "none"]
+KINDS: dict[Verdict, Kind] = {"pass": "good", "fail": "bad", "inconclusive": "open"}
 
 
 class StepState(NamedTuple):
@@ -26,17 +27,22 @@ class StepState(NamedTuple):
     kind: Kind
 
 
+def stated(id_: str, kind: Kind, **arguments: Argument) -> StepState:
+    """A state whose words are a message by its identifier."""
+    return StepState(message(id_, **arguments), kind)
+
+
 def validity_state(verdict: str | None) -> StepState:
     """The verdict on a run."""
     kinds: dict[str | None, Kind] = {"valid": "good", "remarks": "open", "invalid": "bad"}
-    return StepState(message(f"pages-validity.{verdict or 'missing'}"), kinds.get(verdict, "none"))
+    return stated(f"pages-validity.{verdict or 'missing'}", kinds.get(verdict, "none"))
 
 
 def result_state(run: RunLine) -> StepState:
     """Whether a run has a result, and a whole one."""
     kinds: dict[str, Kind] = {"failed": "bad", "missing": "none", "partial": "open"}
     kind = kinds.get(run.result_state) or ("bad" if run.validity == "invalid" else "good")
-    return StepState(message(f"pages-result.{run.result_state}", count=run.missing or 0), kind)
+    return stated(f"pages-result.{run.result_state}", kind, count=run.missing or 0)
 
 
 def certificate_state(state: str | None) -> StepState:
@@ -44,26 +50,26 @@ def certificate_state(state: str | None) -> StepState:
     kinds: dict[str | None, Kind] = {
         "draft": "open", "checked": "open", "issued": "good", "amended": "none", "withdrawn": "bad",
     }  # fmt: skip
-    return StepState(message(f"pages-certificate.{state or 'missing'}"), kinds.get(state, "none"))
+    return stated(f"pages-certificate.{state or 'missing'}", kinds.get(state, "none"))
+
+
+def decision_state(verdict: Verdict | None) -> StepState:
+    """The verdict of a certificate."""
+    if verdict is None:
+        return stated("pages-verdict-missing", "none")
+    return stated(f"conformity-verdict.{verdict}", KINDS[verdict])
 
 
 def verdict_state(run: RunLine) -> StepState:
     """The verdict on the unit; a pass is good only on a run that bears it."""
-    if run.verdict is None:
-        return StepState(message("pages-verdict-missing"), "none")
-    words = message(f"conformity-verdict.{run.verdict}")
-    if run.verdict != "pass":
-        return StepState(words, "bad" if run.verdict == "fail" else "open")
-    stands = run.validity == "valid" and run.fault is None
-    if stands and run.state in LIVE:
-        return StepState(words, "good")
-    return StepState(words, "open")
+    state = decision_state(run.verdict)
+    stands = run.validity == "valid" and run.fault is None and run.state in LIVE
+    return StepState(state.words, "open") if state.kind == "good" and not stands else state
 
 
 def limit_state(decision: LimitDecision) -> StepState:
     """The verdict on one limit."""
-    kinds: dict[str, Kind] = {"pass": "good", "fail": "bad", "inconclusive": "open"}
-    return StepState(verdict_title(decision), kinds[decision.verdict])
+    return StepState(verdict_title(decision), KINDS[decision.verdict])
 
 
 def badge(state: StepState, view: View) -> Component:

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import INVALID_RUN, Certificate, Laboratory, Order, State
 from schemas.decision import Verdict
+from schemas.text import Message, Messages, Statement, texts_of
 from storage.catalogue import database, lineage, tables
 from storage.catalogue.run_index import Run
 from storage.home import Home
@@ -78,6 +79,24 @@ class Terms(BaseModel):
     issued_on: date
     order: Order | None
     laboratory: Laboratory | None
+
+
+class Reasons(BaseModel):
+    """Why a decision is inconclusive; the rest of it is ignored."""
+
+    model_config = ConfigDict(frozen=True)
+
+    reasons: tuple[str, ...] = ()
+    reasons_zh: tuple[str, ...] = ()
+    reasons_message: Messages = ()
+
+
+class Decided(BaseModel):
+    """The decision of a certificate's record; the rest of it is ignored."""
+
+    model_config = ConfigDict(frozen=True)
+
+    decision: Reasons
 
 
 class Due(Frozen):
@@ -161,7 +180,10 @@ def entry_of(number: str, home: Home) -> Entry:
     """The entry with a number, or a draft's key; raises Unusable if there is none."""
     entries = _register(home, tables.certificates.c.number == number)
     if not entries:
-        raise Unusable(f"There is no certificate {number!r} in {home.path}; see the register.")
+        raise Unusable(
+            f"There is no certificate {number!r} in {home.path}; see the register.",
+            Message("cause-none.certificate", (("name", number),)),
+        )
     return entries[0]
 
 
@@ -173,6 +195,14 @@ def record_of(entry: Entry, home: Home) -> Certificate:
 def terms_of(due: Due, home: Home) -> Terms:
     """The recalibration terms of an entry; raises Unusable if its record is damaged."""
     return _read(due.record, Terms, home)
+
+
+def reasons_in(record: str, home: Home) -> tuple[Statement, ...]:
+    """Why a record decides on nothing; none of one that cannot be read."""
+    try:
+        return texts_of(_read(record, Decided, home).decision, "reasons")
+    except Unusable:
+        return ()
 
 
 def _read(record: str, model: type[Model], home: Home) -> Model:

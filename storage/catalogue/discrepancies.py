@@ -10,11 +10,12 @@ from schemas.discrepancy import Discrepancy, FindingInBrief, Moved, ReportedFind
 from storage.blobs import blobs_of
 from storage.catalogue import database, tables
 from storage.catalogue.run_index import Run
+from storage.catalogue.run_states import LAST_RESULT
 from storage.home import Home
 
 FOLDER = "explained"
 RUN, UNIT = tables.runs.c, tables.units.c
-ANSWER, FOUND = tables.explained.c, tables.findings.c
+ANSWER, FOUND, MADE = tables.explained.c, tables.findings.c, tables.outcomes.c
 
 
 def name_of(digest: str) -> str:
@@ -57,13 +58,16 @@ def report_of(run: Run, home: Home) -> bytes | None:
 
 
 def explained_runs(home: Home) -> list[dict[str, Any]]:
-    """Each explained run, in order of time: run, station, model, serial, day, at, verdict, and its
-    findings (`effect`, `share`, `brief`), the largest share first.
+    """Each explained run, in order of time: run, station, model, serial, day, at, verdict, validity
+    (null: no result), and its findings (`effect`, `share`, `brief`), the largest share first.
     """
     answers = sql.select(
         RUN.id.label("run"), RUN.station, UNIT.model, UNIT.serial, RUN.recorded_on,
-        RUN.imported_at, ANSWER.at, ANSWER.verdict,
-    ).select_from(tables.explained.join(tables.runs).join(tables.units))  # fmt: skip
+        RUN.imported_at, ANSWER.at, ANSWER.verdict, MADE.verdict.label("validity"),
+    ).select_from(
+        tables.explained.join(tables.runs).join(tables.units)
+        .outerjoin(tables.outcomes, MADE.result == LAST_RESULT)
+    )  # fmt: skip
     rows = database.rows(home, answers.order_by(RUN.recorded_on, RUN.imported_at, RUN.id))
     runs = {row.run: dict(row._mapping) | {"findings": []} for row in rows}
     asked = sql.select(FOUND.run, FOUND.effect, FOUND.share, FOUND.document)

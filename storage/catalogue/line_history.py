@@ -9,7 +9,9 @@ from typing import Any
 
 import sqlalchemy as sql
 
+from schemas.text import Statement
 from storage.catalogue import database, tables
+from storage.catalogue.certificates import reasons_in
 from storage.catalogue.completion import complete_certificates, complete_results, complete_runs
 from storage.catalogue.run_states import LAST_CERTIFICATE, LAST_RESULT
 from storage.catalogue.unchanged import while_unchanged
@@ -92,6 +94,21 @@ def not_passed(model: str, home: Home) -> Rows:
         .order_by(PAPER.run, DECIDED.number)
     )
     return _plain(home, asked)
+
+
+@while_unchanged(8)
+def reasons(model: str, home: Home) -> list[tuple[str, Statement]]:
+    """run and reason, for each reason why a run's certificate decides on nothing.
+
+    They stand in the record alone, which is read of the certificates that do not decide.
+    """
+    asked = (
+        sql.select(PAPER.run, PAPER.record).select_from(_papers())
+        .where(UNIT.model == model, PAPER.verdict == "inconclusive")
+        .order_by(PAPER.kept_at)
+    )  # fmt: skip
+    return [(row.run, reason) for row in database.rows(home, asked)
+            for reason in reasons_in(row.record, home)]  # fmt: skip
 
 
 def limits(model: str, item: str, element: str, home: Home) -> Rows:

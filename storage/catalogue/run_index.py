@@ -9,6 +9,7 @@ from datetime import date, datetime
 import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
+from schemas.text import Message
 from storage.catalogue import database, tables
 from storage.home import Home
 
@@ -51,13 +52,15 @@ def find(reference: str, home: Home) -> Run:
         if len(matching) > 1:
             raise Unusable(
                 f"{reference!r} means {len(matching)} runs ({_listed(matching)}); give the id of "
-                "one, as `mimucal runs` lists them."
+                "one, as `mimucal runs` lists them.",
+                Message("cause-several-runs", (("name", reference), ("count", len(matching)))),
             )
         if matching:
             return matching[0]
     path = ", and no file or folder of that name" if os.sep in reference else ""
     raise Unusable(
-        f"There is no run {reference!r} in {home.path}{path}; `mimucal runs` lists them."
+        f"There is no run {reference!r} in {home.path}{path}; `mimucal runs` lists them.",
+        Message("cause-none.run", (("name", reference),)),
     )
 
 

@@ -7,6 +7,7 @@ import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
 from schemas.decision import Verdict
+from schemas.text import Message
 from storage.catalogue import certificates, database, tables
 from storage.catalogue.completion import complete_certificates, complete_results, complete_runs
 from storage.catalogue.run_states import LAST_CERTIFICATE, LAST_RESULT
@@ -44,7 +45,10 @@ def unit_line(unit: int, home: Home) -> UnitLine:
     """One unit by its number in the catalogue; raises Unusable where there is none."""
     _, found = _lines(UNIT.id == unit, 1, home)
     if not found:
-        raise Unusable(f"There is no unit {unit} in {home.path}; the list of units has them all.")
+        raise Unusable(
+            f"There is no unit {unit} in {home.path}; the list of units has them all.",
+            Message("cause-none.unit", (("name", str(unit)),)),
+        )
     return found[0]
 
 

@@ -6,6 +6,7 @@ from decimal import Decimal
 
 from schemas.calibration import Calibration
 from schemas.decision import Decision, LimitDecision
+from schemas.text import Statement
 from tasks.conformity.limits import (
     accepted_text,
     limits_text,
@@ -35,6 +36,14 @@ class Doubt:
 
 
 Doubts = Mapping[str, Doubt]  # by item
+OF_LIMITS = tuple(f"conformity-{name}" for name in (
+    "outside", "conditional-pass", "too-uncertain", "without-uncertainty", "missing",
+))  # fmt: skip
+
+
+def is_of_a_limit(reason: Statement) -> bool:
+    """Whether a reason of a decision is about one of its limits, and not about all of it."""
+    return reason.message is not None and reason.message.id.startswith(OF_LIMITS)
 
 
 def outside(limit: LimitDecision) -> Message:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import stats
 
 from schemas.base import Finite, Frozen
-from tasks.quality.capability import FEWEST, sigma_within
+from tasks.quality.capability import sigma_within
 
 K = 2.0
 SAME_DAY = 1e-4  # years
@@ -55,7 +55,7 @@ def individuals(values: np.ndarray, history: int | None = None) -> Chart | None:
     all, are the process. None where there are fewer than two of these.
     """
     process = values[:history]
-    if len(process) < FEWEST:
+    if len(process) < 2:
         return None
     ranges = np.concatenate([[np.nan], np.abs(np.diff(values))])
     centre, sigma = float(process.mean()), sigma_within(process)

@@ -156,7 +156,8 @@ def _words(
     evidence: PooledEvidence,
 ) -> Statement:
     best = found.best
-    own = _carrier(best.window.level, _name(found.pool, best.window))
+    name = _name(found.pool, best.window)
+    own = _carrier(best.window.level, name)
     effect = effect_name(best.effect.name)
     sizes = tuple(parameter_text(each) for each in parameters[:MOST_PARAMETERS])
     parts: list[Sayable] = [
@@ -167,7 +168,7 @@ def _words(
     ]  # fmt: skip
     parts += [_changed(".since", since)] if since else []
     parts += [_changed(".until", until)] if until else []
-    parts += [_deciding_run(best.window.level, own, other) for other in alternatives]
+    parts += [deciding_run(best.window.level, name, other) for other in alternatives]
     if found.others:
         names = tuple(effect_name(other.effect.name) for other in found.others)
         parts.append(message("review-other-names", names=names))
@@ -176,9 +177,9 @@ def _words(
     return statement(sentences([sentence(part) for part in parts]))
 
 
-def _deciding_run(level: Level, own: Message, other: Carrier) -> Message:
+def deciding_run(level: Level, carrier: str, other: Carrier) -> Message:
     """The run that would separate one carrier from another."""
-    as_well = _carrier(other.level, other.carrier)
+    own, as_well = _carrier(level, carrier), _carrier(other.level, other.carrier)
     pair = {level: own, other.level: as_well}
     if set(pair) == {"unit", "station"}:
         return message("review-deciding-run.unit", unit=pair["unit"], station=pair["station"])

@@ -11,6 +11,7 @@ from storage.catalogue.certificates import Entry, record_of
 from storage.home import Home
 from tasks.certificate.documents import faces_of
 from tasks.stages.published import Published, published
+from tasks.words import message
 
 DRAFT = "draft"  # the number of a draft that has no key yet
 UNNAMED_DRAFTER = "not named"  # who drafted, if not named
@@ -70,7 +71,8 @@ def _before(connection: sql.Connection, certificate: Certificate, home: Home) ->
         if entry.state == "issued":
             raise Unusable(
                 f"run {run} has certificate {entry.number}, issued on {entry.issued_on}; "
-                f"`mimucal amend {entry.number} --why REASON` makes another one in its place."
+                f"`mimucal amend {entry.number} --why REASON` makes another one in its place.",
+                message("cause-state.issued", number=entry.number),
             )
         other = entry.supersedes if not replaces or replaces.number != entry.supersedes else None
         if other and _is_issued(connection, other):

@@ -29,6 +29,7 @@ from tasks.stages.certify import due_date
 from tasks.stages.issuable import check_issuable
 from tasks.stages.published import Published, published
 from tasks.stages.stage import announce, stage
+from tasks.words import message
 
 if TYPE_CHECKING:
     from tasks.certificate.sign import Signing
@@ -143,7 +144,10 @@ def _at_state(
             f"Draft {number} is issued, as certificate {issued}."
             if issued
             else f"There is no certificate {number!r} in {home.path}; `mimucal table certificates` "
-            "lists them."
+            "lists them.",
+            message("cause-state.issued", number=number)
+            if issued
+            else message("cause-none.certificate", name=number),
         )
     _check_state(entry, state)
     return entry, _unchanged(entry, home)
@@ -157,7 +161,8 @@ def _check_state(entry: Entry, state: State) -> None:
     if entry.purpose is None and entry.state == "draft":
         raise Unusable(
             f"{number} was drafted by an earlier version; certify run {entry.run} again, and issue "
-            "that."
+            "that.",
+            message("cause-state.earlier", number=number),
         )
     next_step = {
         "draft": f"is a draft: `mimucal check {number}` comes first",
@@ -167,8 +172,9 @@ def _check_state(entry: Entry, state: State) -> None:
         "withdrawn": "is withdrawn: certify its run again",
     }
     if state == "issued" and entry.state == "checked":
-        raise Unusable(f"{number} is not issued yet: `mimucal issue {number}` comes first.")
-    raise Unusable(f"{number} {next_step[entry.state]}.")
+        next_step["checked"] = f"is not issued yet: `mimucal issue {number}` comes first"
+    cause = message(f"cause-state.{entry.state}", number=number)
+    raise Unusable(f"{number} {next_step[entry.state]}.", cause)
 
 
 def _unchanged(entry: Entry, home: Home) -> Certificate:
@@ -257,7 +263,8 @@ def check_person(certificate: Certificate, person: str, step: StepName, home: Ho
             raise Unusable(
                 f"{earlier.person} {DONE[earlier.step]} {number}, so another person must "
                 f"{step} it; separate_persons = false in laboratory.toml lets one person take "
-                "every step."
+                "every step.",
+                message(f"cause-person.{step}", person=earlier.person, number=number),
             )
 
 

@@ -1,7 +1,7 @@
 """Quantities in readable form: SI prefixes, powers of ten, value ± U, percentages."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from tasks.words.rounding import MINUS, USUAL_K, column
@@ -108,19 +108,32 @@ class Quantities:
         return body + self.unit if self.unit.startswith("×") else f"{body} {self.unit}".strip()
 
 
+def common_scales(sizes: Iterable[tuple[float | None, str]]) -> dict[str, Scale]:
+    """For each unit that is printed in a smaller or larger one, the scale of its largest size, so
+    that a page has one unit for all of its lengths, and one for all of its rates.
+    """
+    largest: dict[str, float] = {}
+    for size, unit in sizes:
+        if unit in PREFIXED or unit in IN_DEGREES:
+            largest[unit] = max(largest.get(unit, 0.0), abs(size or 0.0))
+    return {unit: readable_scale(size, unit) for unit, size in largest.items()}
+
+
 def quantities(
-    values: Sequence[float | None], U: float | Sequence[float | None] | None, unit: str
-) -> Quantities:
-    """Values with one expanded uncertainty, or with one each (0 or None: without), in a unit of
-    their size.
+    values: Sequence[float | None], U: float | Sequence[float | None] | None, unit: str,
+    scale: Scale | None = None,
+) -> Quantities:  # fmt: skip
+    """Values with one expanded uncertainty, or with one each (0 or None: without), in the unit of a
+    scale, else in one of their size.
     """
     each = U if isinstance(U, Sequence) else [U] * len(values)
     uncertainties = [one or 0.0 for one in each]
     sizes = (abs(value) for value in (*values, *uncertainties) if value is not None)
-    scale = readable_scale(max(sizes), unit)
-    if scale.unit != unit and unit in PREFIXED and max(uncertainties) * scale.factor >= WIDE:
-        larger = 3 - round(math.log10(scale.factor))  # the next larger unit
-        scale = Scale(10.0**-larger, 0, PREFIXES.get(larger, "") + unit)
+    if scale is None:
+        scale = readable_scale(max(sizes), unit)
+        if scale.unit != unit and unit in PREFIXED and max(uncertainties) * scale.factor >= WIDE:
+            larger = 3 - round(math.log10(scale.factor))  # the next larger unit
+            scale = Scale(10.0**-larger, 0, PREFIXES.get(larger, "") + unit)
     by = scale.factor / 10.0**scale.exponent
     scaled = [None if value is None else value * by for value in values]
     made = column(scaled, [one * by if one > 0 else None for one in uncertainties], USUAL_K)
@@ -129,9 +142,9 @@ def quantities(
     return Quantities(made.values, made.uncertainties, f"{power} {shown}".strip())
 
 
-def quantity(value: float, U: float | None, unit: str) -> str:
+def quantity(value: float, U: float | None, unit: str, scale: Scale | None = None) -> str:
     """A value with its U (0 or None: without) and unit."""
-    return quantities([value], U, unit).text(0)
+    return quantities([value], U, unit, scale).text(0)
 
 
 def unit_text(unit: str) -> str:

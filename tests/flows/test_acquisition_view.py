@@ -7,7 +7,7 @@ from flows import acquisition_view
 from schemas.run_log import Alarm
 from tasks.station.progress import Progress
 
-ALARM = Alarm(en="lost samples from the unit (2×)", zh="被校单元丢失采样（2 次）")
+ALARM = Alarm(en="lost samples from the unit (2×)", zh="被校对象丢失采样（2 次）")
 TURNING = Progress(
     "rate x +100 deg/s", 120.0, 3000.0, 48.0, "measuring", 13, 48,
     {"imu": 100.0, "table": 100.02}, {"gyro": 0.0123, "accel": 0.0021}, (ALARM,),

@@ -1,9 +1,9 @@
-// The press of a Stop or Release button. The page is renewed every other second, and a click is lost where its
+// The press of a Stop, Release or Acknowledge button. The page is renewed every other second, and a click is lost where its
 // button is put in anew between press and release: here the place counts, and not the element.
 (function () {
     let pressed = null;
 
-    const BUTTONS = '[data-stop], [data-release]';
+    const BUTTONS = '[data-stop], [data-release], [data-acknowledge]';
 
     function buttonAt(event) {
         const found = document.elementFromPoint(event.clientX, event.clientY);
@@ -11,8 +11,8 @@
     }
 
     function named(button) {
-        const {stop, release} = button.dataset;
-        return stop ? `stop ${stop}` : `release ${release}`;
+        const {stop, release, acknowledge} = button.dataset;
+        return [stop, release, acknowledge].join();
     }
 
     function cookie(name) {
@@ -29,14 +29,16 @@
     }
 
     async function press(button) {
-        const {stop, release, failed} = button.dataset;
-        const station = stop || release;
+        const {stop, release, acknowledge, failed, ask} = button.dataset;
+        const station = stop || release || '';
+        const action = stop ? 'stop' : release ? 'release' : 'acknowledge';
+        if (ask && !await window.asking(button.dataset)) return;
         button.classList.add('is-pressed');
         try {
-            const answer = await fetch(stop ? '/api/v1/stop' : '/api/v1/release', {
+            const answer = await fetch(`/api/v1/${action}`, {
                 method: 'POST',
                 headers: {'Content-Type': 'application/json', 'X-CSRFToken': cookie('_csrf_token')},
-                body: JSON.stringify({station}),
+                body: JSON.stringify(acknowledge ? {alarm: acknowledge} : {station}),
             });
             const became = await answer.json();
             if (!answer.ok) tell(`${failed} ${station}: ${became.error}`);

@@ -44,10 +44,11 @@ def data(question: DiscrepancyQuestion, home: Home) -> DiscrepancyShown:
     complete_runs(home)
     every = explained_runs(home)
     chosen = [run for run in every if _is_asked(run, question)]
+    valid = [run for run in chosen if run["validity"] != "invalid"]
     counted = database.rows(home, sql.select(sql.func.count()).select_from(tables.runs))
     return DiscrepancyShown(
         review=_review(home), runs=counted[0][0] if counted else 0, explained=len(chosen),
-        effects=tuple(_effects(chosen, question, home)),
+        invalid=len(chosen) - len(valid), effects=tuple(_effects(valid, question, home)),
         newest=tuple(_run(run) for run in reversed(chosen[-NEWEST:])),
         stations=_names(every, "station"), models=_names(every, "model"),
         serials=_names(every, "serial"),
@@ -184,30 +185,32 @@ def _effect(
     ids = {run["run"] for run in own}
     return EffectSeen(
         effect=effect, title=briefs[-1].title, runs=len(own), since=min(days, default=None),
-        until=max(days, default=None), by_station=_by("station", own, runs),
-        by_model=_by("model", own, runs), by_unit=_by("serial", own, runs),
+        until=max(days, default=None), by_station=_by(own, runs, "station"),
+        by_model=_by(own, runs, "model"), by_unit=_by(own, runs, "serial", "model"),
         moved=most.moved[:MOST_MOVED], papers=_papers([row for row in papers if row.run in ids]),
     )  # fmt: skip
 
 
-def _by(field: str, own: Sequence[Explained], runs: Sequence[Explained]) -> tuple[Shown, ...]:
-    """Those that show it, the largest share first."""
-    of, shown = (Counter(run[field] or "" for run in each) for each in (runs, own))
-    first: dict[str, date] = {}
+def _by(own: Sequence[Explained], runs: Sequence[Explained], *fields: str) -> tuple[Shown, ...]:
+    """Those that show it, the largest share first; by name, and a unit by its model as well."""
+    of, shown = (Counter(tuple(run[f] or "" for f in fields) for run in each)
+                 for each in (runs, own))  # fmt: skip
+    first: dict[tuple[str, ...], date] = {}
     for run in own:
         if run["recorded_on"]:
-            first.setdefault(run[field] or "", run["recorded_on"])
+            first.setdefault(tuple(run[f] or "" for f in fields), run["recorded_on"])
     found = [
-        Shown(name=name, shown=count, of=of[name], since=first.get(name))
-        for name, count in shown.items()
-    ]
+        Shown(name=key[0], model=next(iter(key[1:]), None), shown=count, of=of[key],
+              since=first.get(key))
+        for key, count in shown.items()
+    ]  # fmt: skip
     return tuple(sorted(found, key=lambda each: (-each.shown / each.of, -each.shown, each.name)))
 
 
 def _run(run: Explained) -> ExplainedRun:
     return ExplainedRun(
         run=run["run"], day=run["recorded_on"], station=run["station"] or "", model=run["model"],
-        serial=run["serial"], verdict=run["verdict"],
+        serial=run["serial"], validity=run["validity"], verdict=run["verdict"],
         findings=tuple(
             FoundShown(effect=f["effect"], title=f["brief"].title, share=f["share"],
                        parameters=f["brief"].parameters, others=f["brief"].others)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import dash_mantine_components as dmc
-from dash import html
+from dash import dcc, html
 from dash.development.base_component import Component
 
 from flows.pages.discrepancy.models import (
@@ -18,89 +18,83 @@ from flows.pages.discrepancy.models import (
     Shown,
     UncertainTime,
 )
-from flows.pages.local_time import second_of
+from flows.pages.local_time import day_in, second_of
 from flows.pages.page import View
-from flows.pages.parts import Cell, facts, link, table
-from flows.pages.query_controls import asks
-from flows.pages.states import StepState, badge
+from flows.pages.parts import Cell, facts, heading, link, note, table
+from flows.pages.query_controls import choice
+from flows.pages.states import StepState, badge, validity_state
 from schemas.discrepancy import FoundParameter, Moved, Verdict
-from schemas.review import Moment
-from storage.catalogue.lineage import stated_day
+from schemas.review import Moment, ReviewFinding
 from tasks.explain.report.names import parameter_text
+from tasks.model.effect import effect_name, next_step, separating_recording
+from tasks.review.report import deciding_run
 from tasks.specifications.items import symbol
-from tasks.words import message
-from tasks.words.quantities import multiple
+from tasks.words import Sayable, message
+from tasks.words.quantities import multiple, plain
 
-ASKED = ("effect", "station", "model", "serial")
+EVERY = "pages-mismatch-all"
 FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
 
 
 def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
     """The last review, then what the explained runs show one by one."""
-    none = message("pages-mismatch-no-review")
-    review = _review(shown.review, view) if shown.review else [dmc.Text(view.say(none))]
-    counted = message("pages-mismatch-explained", explained=shown.explained, runs=shown.runs)
+    none = view.text("pages-mismatch-no-review")
+    review = _review(shown.review, view) if shown.review else [dmc.Text(none)]
+    counted = view.text(
+        "pages-mismatch-explained", explained=shown.explained, runs=shown.runs,
+        invalid=shown.invalid,
+    )  # fmt: skip
     return dmc.Stack(
         [
-            _heading("review", view),
+            heading("pages-mismatch-review", view),
             *review,
-            _heading("own", view),
+            heading("pages-mismatch-own", view),
             _choices(shown, view, question),
-            dmc.Text(view.say(counted), size="sm", c="dimmed"),
+            note(counted),
             *(_effect(each, view) for each in shown.effects),
-            _heading("runs", view),
+            heading("pages-mismatch-runs", view),
             _runs(shown.newest, view),
         ],
         gap="sm",
     )
 
 
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-mismatch-{name}")), order=3, mt="sm")
-
-
 def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
     values = {"effect": shown.known, "station": shown.stations, "model": shown.models,
               "serial": shown.serials}  # fmt: skip
-    asked = question.model_dump()
     controls = [
-        dmc.Select(
-            id=asks(name, asked[name]), label=view.say(message(f"pages-mismatch-asked.{name}")),
-            data=list(values[name]), value=asked[name], searchable=True, clearable=True,
-            placeholder=view.say(message("pages-mismatch-all")),
-        )
-        for name in ASKED
-    ]  # fmt: skip
+        choice(name, f"pages-mismatch-asked.{name}", of, getattr(question, name), view, EVERY)
+        for name, of in values.items()
+    ]
     return dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
 
 
 def _review(review: ReviewShown, view: View) -> list[Component]:
     asked = ", ".join(_asked(name, value, view) for name, value in review.asked.items())
     days = f"{review.days[0]} … {review.days[1]}" if review.days else None
-    everything = view.say(message("pages-mismatch-all"))
     about = facts(
-        [
-            (message("pages-mismatch-fact.at"), second_of(review.at)),
-            (
-                message("pages-mismatch-fact.asked"),
-                asked or everything,
-            ),
-            (message("pages-mismatch-fact.runs"), f"{review.runs} (+ {review.skipped})"),
-            (message("pages-mismatch-fact.days"), days),
-        ],
+        {
+            "pages-mismatch-fact.at": second_of(review.at),
+            "pages-mismatch-fact.asked": asked or view.text(EVERY),
+            "pages-mismatch-fact.runs": f"{review.runs} (+ {review.skipped})",
+            "pages-mismatch-fact.days": days,
+        },
         view,
     )
     state = _state(review.verdict)
     summary = dmc.Group([badge(state, view), dmc.Text(view.say(review.statement))])
-    return [about, summary, *(_carried(each, view) for each in review.findings)]
+    carriers: dict[tuple[str, str], list[Carried]] = {}
+    for each in review.findings:
+        carriers.setdefault((each.finding.level, each.finding.carrier), []).append(each)
+    return [about, summary, *(_carrier(of, view) for of in carriers.values())]
 
 
 def _asked(name: str, value: str, view: View) -> str:
     """A part of what a review was asked of, in words."""
     if name == "paths":
-        return view.say(message("pages-mismatch-recordings", count=int(value)))
+        return view.text("pages-mismatch-recordings", count=int(value))
     kind = "fact" if name in ("since", "until") else "asked"
-    return f"{view.say(message(f'pages-mismatch-{kind}.{name}'))} {value}"
+    return f"{view.text(f'pages-mismatch-{kind}.{name}')} {value}"
 
 
 def _state(verdict: Verdict) -> StepState:
@@ -109,53 +103,76 @@ def _state(verdict: Verdict) -> StepState:
     return StepState(words, "good" if verdict == "no_mismatch" else "bad")
 
 
-def _carried(carried: Carried, view: View) -> Component:
+def _carrier(of: Sequence[Carried], view: View) -> Component:
+    """A station, unit, model, lot or site once, with everything that was found of it."""
+    finding = of[0].finding
+    name = view.text(f"pages-mismatch-level.{finding.level}") + f" {finding.carrier}"
+    parts = [part for each in of for part in _carried(each, view)]
+    head = dmc.Title(name, order=4)
+    return dmc.Card(dmc.Stack([head, *parts], gap="xs"), withBorder=True, className="carried")
+
+
+def _carried(carried: Carried, view: View) -> list[Component]:
+    """An effect: since when, in how many runs, how large and how clear; what to do about it, and
+    what it touches.
+    """
     finding = carried.finding
     evidence = finding.evidence
-    carrier = view.say(message(f"pages-mismatch-level.{finding.level}")) + f" {finding.carrier}"
     sizes = dmc.Stack([dmc.Text(_parameter(p, view)) for p in finding.parameters], gap=0)
     shown = facts(
-        [
-            (message("pages-mismatch-fact.since"), _moment(finding.since, view)),
-            (message("pages-mismatch-fact.until"), _moment(finding.until, view)),
-            (
-                message("pages-mismatch-fact.shown"),
-                f"{evidence.runs_that_show_it} / {evidence.runs}",
+        {
+            "pages-mismatch-fact.since": _moment(finding.since, view),
+            "pages-mismatch-fact.until": _moment(finding.until, view),
+            "pages-mismatch-fact.shown": f"{evidence.runs_that_show_it} / {evidence.runs}",
+            "pages-mismatch-fact.sizes": sizes,
+            "pages-mismatch-fact.clear": view.text(
+                "pages-mismatch-clear", z=plain(evidence.per_run_z_median, 2)
             ),
-            (message("pages-mismatch-fact.sizes"), sizes),
-        ],
+        },
         view,
     )
-    head = dmc.Group([
-        dmc.Title(carrier, order=4), dmc.Text(view.say(carried.title), fw="bold"),
-    ])  # fmt: skip
-    text = dmc.Text(view.say(finding.statement), size="sm", c="dimmed")
-    parts = [head, shown, text, *_touched(carried.papers, carried.query, view)]
+    parts = [dmc.Text(view.say(carried.title), fw="bold"), shown, _to_do(finding, view)]
+    parts += _touched(carried.papers, carried.query, view)
     parts += [_uncertain(each, view) for each in carried.uncertain]
-    parts += _moved(carried.moved, view)
-    return dmc.Card(dmc.Stack(parts, gap="xs"), withBorder=True, className="carried")
+    return parts + _moved(carried.moved, view)
+
+
+def _to_do(finding: ReviewFinding, view: View) -> Component:
+    """What separates it from other carriers and effects, else what removes it; and where."""
+    steps: list[Sayable] = [
+        deciding_run(finding.level, finding.carrier, each) for each in finding.alternatives
+    ]
+    if finding.indistinguishable_from:
+        names = tuple(map(effect_name, finding.indistinguishable_from))
+        separated = separating_recording(finding.effect)
+        steps.append(message("review-other-names", names=names))
+        steps += [message("review-separated-by", recording=separated)] if separated else []
+    step = next_step(finding.effect)
+    steps += [step] if step and not steps else []
+    texts = [dmc.Text(f"→ {view.say(each)}") for each in steps]
+    order = dcc.Link(view.text("pages-action.acquire"), href="/do", className="button")
+    return dmc.Stack([*texts, dmc.Group(order)], gap=4)
 
 
 def _moment(moment: Moment | None, view: View) -> str | None:
     """The day, and the days between which the change lies with 95 %."""
     if moment is None:
         return None
-    at, earliest, latest, without = (
-        str(stated_day(each) or each or "")
-        for each in (moment.at, moment.earliest, moment.latest, moment.without)
+    at, earliest, latest, without = map(
+        day_in, (moment.at, moment.earliest, moment.latest, moment.without)
     )
     if not without:
         return f"{at} (95 %: {earliest} … {latest})"
     low, high = (without, latest) if without < earliest else (earliest, without)
-    return view.say(message("pages-mismatch-between", at=at, low=low, high=high))
+    return view.text("pages-mismatch-between", at=at, low=low, high=high)
 
 
 def _uncertain(time: UncertainTime, view: View) -> Component:
-    counted = message(
+    counted = view.text(
         "pages-mismatch-uncertain", issued=time.papers.issued, since=time.query["since"],
         until=time.query["until"],
     )  # fmt: skip
-    return dmc.Group([dmc.Text(view.say(counted), size="sm"), _runs_link(time.query, view)])
+    return dmc.Group([dmc.Text(counted, size="sm"), _runs_link(time.query, view)])
 
 
 def _moved(papers: Sequence[PaperMoved], view: View) -> list[Component]:
@@ -164,15 +181,17 @@ def _moved(papers: Sequence[PaperMoved], view: View) -> list[Component]:
         return []
     rows = [
         (
-            html.Span(link(paper.number, "/runs", certificate=paper.number), className="whole"),
-            html.Span(link(paper.run, "/run", id=paper.run), className="whole"),
+            link(paper.number, "/runs", certificate=paper.number),
+            link(paper.run, "/run", id=paper.run),
             ", ".join(_in_U(each) for each in paper.moved),
         )
         for paper in papers[:MOST_PAPERS]
     ]
-    headings = [message(f"pages-mismatch-moved.{name}") for name in ("paper", "run", "elements")]
-    about = message("pages-mismatch-moved", count=len(papers), listed=len(rows))
-    return [dmc.Text(view.say(about), size="sm", fw="bold"), table(headings, rows, view)]
+    about = view.text("pages-mismatch-moved", count=len(papers), listed=len(rows))
+    return [
+        dmc.Text(about, size="sm", fw="bold"),
+        table("pages-mismatch-moved", "paper run elements", rows, view),
+    ]
 
 
 def _in_U(moved: Moved) -> str:
@@ -188,8 +207,8 @@ def _touched(papers: Papers | None, query: dict[str, str] | None, view: View) ->
     """The certificates that may be wrong, with the way to their runs."""
     if papers is None:
         return []
-    counted = message("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
-    parts: list[Component] = [dmc.Text(view.say(counted), size="sm", fw="bold")]
+    counted = view.text("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
+    parts: list[Component] = [dmc.Text(counted, size="sm", fw="bold")]
     parts += [_runs_link(query, view)] if query else []
     listed = [link(number, "/runs", certificate=number) for number in papers.numbers]
     listed += [dmc.Text("…")] if papers.issued > len(papers.numbers) else []
@@ -197,27 +216,24 @@ def _touched(papers: Papers | None, query: dict[str, str] | None, view: View) ->
 
 
 def _runs_link(query: dict[str, str], view: View) -> Component:
-    return link(view.say(message("pages-mismatch-their-runs")), "/runs", **query)
+    return link(view.text("pages-mismatch-their-runs"), "/runs", **query)
 
 
 def _effect(seen: EffectSeen, view: View) -> Component:
-    carriers = [
-        (
-            message(f"pages-mismatch-level.{level}"),
-            _shares(getattr(seen, f"by_{level}"), seen, field),
-        )
+    carriers = {
+        f"pages-mismatch-level.{level}": _shares(getattr(seen, f"by_{level}"), seen, field)
         for level, field in (("station", "station"), ("model", "model"), ("unit", "serial"))
-    ]
+    }
     days = f"{seen.since} … {seen.until}" if seen.since else None
     moved = ", ".join(map(_in_U, seen.moved))
-    counted = view.say(message("pages-mismatch-in-runs", count=seen.runs))
+    counted = view.text("pages-mismatch-in-runs", count=seen.runs)
     head = dmc.Group([
         dmc.Title(view.say(seen.title), order=4), dmc.Code(seen.effect),
         link(counted, "/mismatch", effect=seen.effect),
     ])  # fmt: skip
     shown = facts(
-        [(message("pages-mismatch-fact.days"), days), *carriers,
-         (message("pages-mismatch-fact.moved"), dmc.Text(moved, size="sm") if moved else None)],
+        {"pages-mismatch-fact.days": days, **carriers,
+         "pages-mismatch-fact.moved": dmc.Text(moved, size="sm") if moved else None},
         view,
     )  # fmt: skip
     touched = _touched(seen.papers, None, view)
@@ -228,7 +244,7 @@ def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
     """Each carrier leads to its runs with the effect."""
     lines = [
         link(f"{each.name}: {each.shown} / {each.of}", "/mismatch", effect=seen.effect,
-             **{field: each.name})
+             **{field: each.name}, **({"model": each.model} if each.model else {}))
         for each in shares[:FEW]
     ]  # fmt: skip
     lines += [dmc.Text("…")] if len(shares) > FEW else []
@@ -236,9 +252,8 @@ def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
 
 
 def _runs(runs: Sequence[ExplainedRun], view: View) -> Component:
-    names = ("run", "day", "station", "unit", "verdict", "findings", "report")
-    headings = [message(f"pages-mismatch-column.{name}") for name in names]
-    return table(headings, [_run(run, view) for run in runs], view)
+    names = "run day station unit validity verdict findings report"
+    return table("pages-mismatch-column", names, [_run(run, view) for run in runs], view)
 
 
 def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
@@ -248,15 +263,16 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
         for f in run.findings
     ]  # fmt: skip
     report = html.A(
-        view.say(message("pages-mismatch-report")), href=f"/explained/{run.run}.html",
+        view.text("pages-mismatch-report"), href=f"/explained/{run.run}.html",
         className="whole",
         target="_blank",
     )  # fmt: skip
     return (
-        html.Span(link(run.run, "/run", id=run.run), className="whole"),
+        link(run.run, "/run", id=run.run),
         str(run.day) if run.day else None,
-        html.Span(run.station, className="whole"),
+        run.station,
         f"{run.model} {run.serial}",
+        badge(validity_state(run.validity), view),
         badge(_state(run.verdict), view),
         dmc.Stack(found, gap=2) if found else None,
         report,

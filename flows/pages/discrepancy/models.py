@@ -7,7 +7,7 @@ from pydantic import AwareDatetime, Field
 from schemas.base import Finite, Frozen
 from schemas.discrepancy import FoundParameter, Moved, Verdict
 from schemas.review import ReviewFinding
-from schemas.text import Statement
+from schemas.text import RunVerdict, Statement
 
 
 class DiscrepancyQuestion(Frozen):
@@ -74,9 +74,13 @@ class ReviewShown(Frozen):
 
 
 class Shown(Frozen):
-    """In how many of its explained runs a station, unit or model shows an effect."""
+    """In how many of its explained runs a station, unit or model shows an effect.
+
+    model: of a unit.
+    """
 
     name: str
+    model: str | None = None
     shown: int
     of: int
     since: date | None
@@ -118,19 +122,21 @@ class ExplainedRun(Frozen):
     station: str
     model: str
     serial: str
+    validity: RunVerdict | None = None
     verdict: Verdict
     findings: tuple[FoundShown, ...]
 
 
 class DiscrepancyShown(Frozen):
     """review: null where none was made. runs: how many there are; explained: how many of these were
-    explained and are asked for; newest: of these the last ones. stations, models, serials, effects:
-    what may be asked for.
+    explained and are asked for; invalid: of these the runs that are invalid, whose findings count
+    for no effect; newest: the last ones. stations, models, serials, effects: what may be asked for.
     """
 
     review: ReviewShown | None
     runs: int
     explained: int
+    invalid: int = 0
     effects: tuple[EffectSeen, ...]
     newest: tuple[ExplainedRun, ...]
     stations: tuple[str, ...]

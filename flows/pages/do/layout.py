@@ -1,34 +1,42 @@
 """Lays the Do page out, and carries out what is pressed there."""
 
+from collections import Counter
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import dash_mantine_components as dmc
 import sqlalchemy as sql
-from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
+from dash import ALL, MATCH, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.development.base_component import Component
 
 from flows.access_log import LOGGER, plain
 from flows.orders import order_queue
+from flows.orders.outcomes import shown_cause
 from flows.pages.do.models import DoQuestion, DoShown, GivenOrder, WaitingCertificate
-from flows.pages.do.orders import FIELDS, Orders, tolerance_files
+from flows.pages.do.orders import FIELDS, REQUIRED, Orders, roles_of, tolerance_files
 from flows.pages.local_time import second_of
 from flows.pages.page import View, view_of_request
-from flows.pages.parts import table
-from flows.pages.states import Kind, StepState, badge
+from flows.pages.parts import asking, facts, heading, notice, table
+from flows.pages.states import Kind, badge, decision_state, stated
 from schemas.access import MAY, Action
 from schemas.base import Unusable
 from schemas.certificate import LIVE
 from schemas.production import OPEN, ProductionOrder, ProductionState
-from storage.catalogue import database, orders, tables
+from schemas.run_log import ENDED as RUN_ENDED
+from schemas.text import texts_of
+from storage.catalogue import certificates, database, orders, tables
 from storage.home import Home
+from storage.station_lock import statuses
 from storage.stations import station_ids
 from tasks.station import procedures
-from tasks.words import message
+from tasks.words import Message, cause_of, message
 
 REFRESH_MS = 3000
 SHOWN = 500  # certificates to choose from, the last ones
-STEP_OF = {"check": "draft", "issue": "checked", "amend": "issued", "withdraw": "issued"}
+STEP_OF: dict[Action, str] = {
+    "check": "draft", "issue": "checked", "amend": "issued", "withdraw": "issued",
+}  # fmt: skip
 ENDED: tuple[ProductionState, ...] = ("done", "failed", "cancelled")
 ENDED_SHOWN = 50  # production orders that ended, the last ones
 KINDS: dict[str, Kind] = {
@@ -54,7 +62,15 @@ def data(_: DoQuestion, home: Home) -> DoShown:
         procedures=procedures.names(),
         client_orders=order_queue.client_orders_of(home),
         tolerances=tolerance_files(home),
-        production=production(home),
+        production=(
+            *orders.listed(home, states=ENDED, last=ENDED_SHOWN),
+            *orders.listed(home, states=OPEN),
+        ),
+        progress={
+            status.station: status.station_s_done / status.station_s_total
+            for status, is_dead in statuses(home)
+            if not is_dead and status.state not in RUN_ENDED and status.station_s_total
+        },
         certificates=tuple(
             WaitingCertificate(
                 number=row.number,
@@ -67,38 +83,80 @@ def data(_: DoQuestion, home: Home) -> DoShown:
     )
 
 
-def production(home: Home) -> tuple[ProductionOrder, ...]:
-    """Orders of the stations: every one that is open, and the last ones that ended."""
-    ended = orders.listed(home, states=ENDED, last=ENDED_SHOWN)
-    return (*ended, *orders.listed(home, states=OPEN))
-
-
 def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
     """A form for each order that the role allows; the orders given here; who may give which."""
     allowed = [action for action in FIELDS if view.visitor.may(action)]
     forms = [_form(action, shown, question, view) for action in allowed]
     why = "pages-do-nothing" if view.visitor.name else "pages-do-nobody"
-    nothing = dmc.Alert(view.say(message(why)), color="gray")
+    nothing = dmc.Alert(view.text(why), color="gray")
+    busy: dict[str, Any] = {"data-busy": view.text("pages-do-busy")}
     return dmc.Stack(
         [
+            html.Div(html.Div(id="do-answer"), className="answer", **busy),
             dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
-            dmc.Box(id="do-answer"),
-            dmc.Title(view.say(message("pages-do-queue")), order=3),
-            dmc.Box(_production(shown.production, view), id="do-production"),
-            dmc.Title(view.say(message("pages-do-orders")), order=3),
+            heading("pages-do-queue", view),
+            dmc.Box(_production(shown, view), id="do-production"),
+            heading("pages-do-orders", view),
             dmc.Box(_orders(shown.orders, view), id="do-orders"),
             dcc.Interval(id="do-again", interval=REFRESH_MS),
-            dmc.Title(view.say(message("pages-do-roles")), order=3),
+            heading("pages-do-roles", view),
             _roles(view),
         ]
     )
 
 
 def _form(action: Action, shown: DoShown, question: DoQuestion, view: View) -> Component:
+    """A certificate's card ends with what is said of the chosen one, and the button with it."""
+    title = dmc.Title(view.text(f"pages-action.{action}"), order=4)
     fields = [_field(action, name, shown, question, view) for name in FIELDS[action]]
-    name = view.say(message(f"pages-action.{action}"))
-    button = dmc.Button(name, id={"do": action}, color="red" if action == "withdraw" else "blue")
-    return dmc.Card([dmc.Stack([*fields, button], gap="xs")], withBorder=True, padding="md")
+    of_paper = "certificate" in FIELDS[action]
+    end = dmc.Box(id={"of": action, "shows": "chosen"}) if of_paper else _button(action, view)
+    return dmc.Card([dmc.Stack([title, *fields, end], gap="xs")], withBorder=True, padding="md")
+
+
+def _button(action: Action, view: View, **more: Any) -> Component:
+    color = "red" if action == "withdraw" else "blue"
+    return dmc.Button(
+        view.text(f"pages-action.{action}"), id={"do": action}, color=color, fullWidth=True,
+        className="primary", **more,
+    )  # fmt: skip
+
+
+def chosen(action: Action, number: str | None, view: View, home: Home) -> Component:
+    """What a certificate says, with its PDF, beside the button of its next step; without one
+    nothing can be pressed. Withdrawing is asked first.
+    """
+    if not number:
+        return _button(action, view, disabled=True)
+    try:
+        paper = certificates.record_of(certificates.entry_of(number, home), home)
+    except Unusable as error:
+        return notice(view, "pages-not-answered", "red", error)
+    unit, decision = paper.manifest.unit, paper.decision
+    counted = Counter(limit.verdict for limit in decision.limits)
+    limits = view.text(
+        "pages-do-limits", passed=counted["pass"], failed=counted["fail"],
+        open=counted["inconclusive"],
+    )  # fmt: skip
+    about = {
+        "pages-order-column.unit": f"{unit.manufacturer} {unit.model} {unit.serial}",
+        "pages-line-order.client": paper.order.client.name if paper.order else None,
+        "pages-certificate-column.calibrated": str(paper.calibrated_on or "–"),
+        **{
+            f"pages-do-step.{step.step}": f"{step.person}, {second_of(step.at)}"
+            for step in paper.steps
+        },
+        "pages-column-verdict": badge(decision_state(decision.verdict), view),
+        "pages-items-column.limits": limits,
+    }
+    pdf = html.A(
+        view.text("pages-do-pdf"), href=f"/certificate/{number}.pdf", target="_blank",
+        className="button",
+    )  # fmt: skip
+    question = view.text("pages-do-withdraw", certificate=number)
+    asked = asking(question, view) if action == "withdraw" else {}
+    reasons = [dmc.Text(view.say(each), size="sm") for each in texts_of(decision, "reasons")]
+    return dmc.Stack([facts(about, view, 2), *reasons, pdf, _button(action, view, **asked)], gap=8)
 
 
 def _field(
@@ -106,61 +164,73 @@ def _field(
 ) -> Component:
     chosen: dict[str, list[str]] = {
         "procedure": list(shown.procedures),
-        "certificate": [c.number for c in shown.certificates if c.state == STEP_OF.get(action)],
+        "certificate": _certificates(action, shown),
         "client_order": list(shown.client_orders),
         "tolerance": list(shown.tolerances),
     }
     if action == "acquire":
         chosen["station"] = list(shown.stations)
     id_ = {"of": action, "field": name}
-    label = view.say(message(f"pages-do-field.{name.replace('_', '-')}"))
+    label = view.text(f"pages-do-field.{name.replace('_', '-')}")
+    given, needed = getattr(question, name, None), name in REQUIRED.get(action, ())
     if name not in chosen:
-        return dmc.TextInput(id=id_, label=label, value=getattr(question, name, None) or "")
-    given = getattr(question, name, None)
+        return dmc.TextInput(id=id_, label=label, value=given or "", withAsterisk=needed)
     first = given if given in chosen[name] else None
-    return dmc.Select(id=id_, label=label, data=chosen[name], value=first, searchable=True)
+    return dmc.Select(id=id_, label=label, data=chosen[name], value=first, searchable=True,
+                      withAsterisk=needed)  # fmt: skip
+
+
+def _certificates(action: Any, shown: DoShown) -> list[str]:
+    """Those whose next step it is."""
+    return [c.number for c in shown.certificates if c.state == STEP_OF.get(action)]
 
 
 def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
-    if not given:
-        return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
     rows = [
         (
             second_of(each.at),
             each.person,
-            view.say(message(f"pages-action.{each.action}")),
+            view.text(f"pages-action.{each.action}"),
             each.subject,
-            badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
-            each.fault,
+            _state(each.state, None, view),
+            each.fault and view.say(cause_of(each.fault)),
         )
         for each in given
-    ]
-    names = ("at", "person", "action", "subject", "state", "fault")
-    return table([message(f"pages-order-column.{name}") for name in names], rows, view)
+    ]  # fmt: skip
+    return table(
+        "pages-order-column",
+        "at person action subject state fault",
+        rows,
+        view,
+        none="pages-do-no-order",
+    )
 
 
-def _production(ordered: tuple[ProductionOrder, ...], view: View) -> Component:
+def _production(shown: DoShown, view: View) -> Component:
     """The queue by station, unit and procedure, with what can be done about each order."""
-    if not ordered:
-        return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
     rows = [
         (
             each.station,
             each.serials,
             each.procedure,
-            badge(StepState(message(f"pages-order.{each.state}"), KINDS[each.state]), view),
+            _state(each.state, shown.progress.get(each.station), view),
             each.person,
-            f"{each.ordered_at:%F %T}",
+            second_of(each.ordered_at),
             each.number,
-            each.fault or ", ".join(each.certificates),
+            view.say(shown_cause(each)) if each.fault else ", ".join(each.certificates),
             _step(each, view),
         )
-        for each in ordered
+        for each in shown.production
     ]
-    names = (
-        "station", "unit", "procedure", "state", "person", "at", "number", "outcome", "step",
-    )  # fmt: skip
-    return table([message(f"pages-order-column.{name}") for name in names], rows, view)
+    names = "station unit procedure state person at number outcome step"
+    return table("pages-order-column", names, rows, view, none="pages-do-no-order")
+
+
+def _state(state: str, share: float | None, view: View) -> Component:
+    """Of an order that runs with how far it is, or else that it moves."""
+    shown = badge(stated(f"pages-order.{state}", KINDS[state]), view)
+    bar = dmc.Progress(value=100 * (share or 1.0), animated=share is None)
+    return dmc.Stack([shown, *([bar] if state == "running" else [])], gap=4)
 
 
 def _step(order: ProductionOrder, view: View) -> Component | None:
@@ -168,23 +238,14 @@ def _step(order: ProductionOrder, view: View) -> Component | None:
     if step is None or not view.visitor.may("acquire"):
         return None
     id_ = {"step": step, "number": order.number}
-    return dmc.Button(view.say(message(f"pages-order-step.{step}")), id=id_, size="xs")
+    return dmc.Button(view.text(f"pages-order-step.{step}"), id=id_)
 
 
 def _roles(view: View) -> Component:
     """Which role may do what, as it stands."""
-    rows = [
-        (
-            view.say(message(f"pages-action.{action}")),
-            view.say(
-                message("pages-roles", roles=tuple(message(f"pages-role.{r}") for r in roles))
-            ),
-        )
-        for action, roles in MAY.items()
-    ]
-    return table(
-        [message(f"pages-roles-column.{name}") for name in ("action", "roles")], rows, view
-    )
+    rows = [(view.text(f"pages-action.{action}"), view.text("pages-roles", roles=roles_of(action)))
+            for action in MAY]  # fmt: skip
+    return table("pages-roles-column", "action roles", rows, view)
 
 
 def callbacks(app: Dash, home: Home) -> None:
@@ -193,11 +254,23 @@ def callbacks(app: Dash, home: Home) -> None:
     @app.callback(
         Output("do-production", "children"),
         Output("do-orders", "children"),
+        Output({"of": ALL, "field": "certificate"}, "data"),
         Input("do-again", "n_intervals"),
     )
-    def refresh(_: int | None) -> tuple[Component, Component]:
-        view = view_of_request()
-        return _production(production(home), view), _orders(orders_of(home).given(), view)
+    def refresh(_: int | None) -> tuple[Component, Component, list[list[str]]]:
+        view, shown = view_of_request(), data(DoQuestion(), home)
+        listed = [_certificates(each["id"].get("of"), shown) for each in ctx.outputs_list[2]]
+        return _production(shown, view), _orders(shown.orders, view), listed
+
+    @app.callback(
+        Output({"of": MATCH, "shows": "chosen"}, "children"),
+        Input({"of": MATCH, "field": "certificate"}, "value"),
+    )
+    def choose(number: str | None) -> Any:
+        action = next((each for each in STEP_OF if each == ctx.outputs_list["id"]["of"]), None)
+        if action is None or not isinstance(number, str | None):
+            return no_update
+        return chosen(action, number, view_of_request(), home)
 
     @app.callback(
         Output("do-answer", "children", allow_duplicate=True),
@@ -214,6 +287,7 @@ def callbacks(app: Dash, home: Home) -> None:
         Input({"do": ALL}, "n_clicks"),
         State({"of": ALL, "field": ALL}, "value"),
         State({"of": ALL, "field": ALL}, "id"),
+        running=[(Output("do-answer", "className"), "is-busy", "")],
         prevent_initial_call=True,
     )
     def give(clicks: list[int | None], values: list[str | None], ids: list[dict[str, str]]) -> Any:
@@ -233,24 +307,20 @@ def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Compo
     known = next((each for each in FIELDS if each == action), None)
     if known is None or not all(isinstance(value, str) for value in fields.values()):
         LOGGER.warning("order %s refused to %s: no such order", plain(action), view.visitor.name)
-        return dmc.Alert(view.say(message("pages-not-answered")), color="red")
-    try:
-        subject = orders_of(home).give(known, fields, view.visitor)
-    except Unusable as error:
-        title = view.say(message("pages-do-refused"))
-        return dmc.Alert(str(error), title=title, color="red")
-    done = message("pages-do-done", action=message(f"pages-action.{action}"), subject=subject)
-    return dmc.Alert(view.say(done), color="green")
+        return dmc.Alert(view.text("pages-not-answered"), color="red")
+    words = message(f"pages-action.{action}")
+    return _became(words, view, lambda: orders_of(home).give(known, fields, view.visitor))
 
 
 def step_answer(button: dict[str, str], view: View, home: Home) -> Component:
     """Cancels an order of a queue or repeats it; what became of it, as a sentence."""
+    step, number = button["step"], button["number"]
+    words = message(f"pages-order-step.{step}")
+    return _became(words, view, lambda: orders_of(home).queue_step(step, number, view.visitor))
+
+
+def _became(action: Message, view: View, give: Callable[[], str]) -> Component:
     try:
-        subject = orders_of(home).queue_step(button["step"], button["number"], view.visitor)
+        return dmc.Alert(view.text("pages-do-done", action=action, subject=give()), color="green")
     except Unusable as error:
-        title = view.say(message("pages-do-refused"))
-        return dmc.Alert(str(error), title=title, color="red")
-    step = message(f"pages-order-step.{button['step']}")
-    return dmc.Alert(
-        view.say(message("pages-do-done", action=step, subject=subject)), color="green"
-    )
+        return notice(view, "pages-do-refused", "red", error)

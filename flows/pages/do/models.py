@@ -1,11 +1,12 @@
 """What can be ordered from the pages, and what became of it."""
 
+from collections.abc import Mapping
 from typing import Literal
 
 from pydantic import AwareDatetime
 
 from schemas.access import Action
-from schemas.base import Frozen
+from schemas.base import Finite, Frozen
 from schemas.certificate import State
 from schemas.production import ProductionOrder
 
@@ -42,7 +43,8 @@ class DoShown(Frozen):
     """What there is to choose from, the queue of the stations, and the other orders given here.
 
     stations: ids. client_orders, tolerances: names of the home's files. production: the orders that
-    wait or run, and the last ones that ended, the oldest first.
+    wait or run, and the last ones that ended, the oldest first. progress: the share that is done of
+    the run that goes on at a station.
     """
 
     stations: tuple[str, ...]
@@ -50,5 +52,6 @@ class DoShown(Frozen):
     client_orders: tuple[str, ...]
     tolerances: tuple[str, ...]
     production: tuple[ProductionOrder, ...]
+    progress: Mapping[str, Finite] = {}
     certificates: tuple[WaitingCertificate, ...]
     orders: tuple[GivenOrder, ...]

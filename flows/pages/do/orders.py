@@ -29,6 +29,7 @@ from storage.catalogue.run_index import find
 from storage.home import Home
 from storage.whole_files import writing_in_home
 from tasks.station import procedures
+from tasks.words import Message, message
 
 LAST_LINE = 500  # characters of the log that a failed order shows
 FIELDS: Mapping[Action, tuple[str, ...]] = {  # of each order; whatever else is sent is left out
@@ -40,6 +41,11 @@ FIELDS: Mapping[Action, tuple[str, ...]] = {  # of each order; whatever else is 
     "withdraw": ("certificate", "reason"),
     "reprocess": ("since", "until", "model", "serial", "station"),
 }
+REQUIRED: Mapping[Action, tuple[str, ...]] = {
+    "acquire": ("station", "serial"), "certify": ("run",), "check": ("certificate",),
+    "issue": ("certificate",), "amend": ("certificate", "reason"),
+    "withdraw": ("certificate", "reason"),
+}  # fmt: skip
 Fields = Mapping[str, str]
 
 
@@ -88,6 +94,10 @@ class Orders:
         check_may(action, visitor, about, self._home)
         given = {name: fields.get(name, "").strip() for name in FIELDS[action]}
         kept = {name: value for name, value in given.items() if value}
+        for name in REQUIRED.get(action, ()):
+            if name not in kept:
+                label = message(f"pages-do-field.{name}")
+                raise Unusable(f"{name} is empty", message("cause-empty", field=label))
         steps: dict[Action, Callable[[Fields, str], str]] = {
             "acquire": self._acquire, "reprocess": self._reprocess, "certify": self._certify,
             "check": self._check, "issue": self._issue, "amend": self._amend,
@@ -129,7 +139,10 @@ class Orders:
         if name is None:
             return []
         if name not in tolerance_files(self._home):
-            raise Unusable(f"there are no limits {name!r} in {self._home.tolerances}")
+            raise Unusable(
+                f"there are no limits {name!r} in {self._home.tolerances}",
+                message("cause-none.file", name=name),
+            )
         return [f"--tolerance={self._home.tolerances / name}"]
 
     def _client_order(self, fields: Fields) -> str:
@@ -137,7 +150,10 @@ class Orders:
         name = fields.get("client_order", "")
         if name and name not in order_queue.client_orders_of(self._home):
             folder = order_queue.client_order_folder(self._home)
-            raise Unusable(f"there is no client's order {name!r} in {folder}")
+            raise Unusable(
+                f"there is no client's order {name!r} in {folder}",
+                message("cause-none.file", name=name),
+            )
         return name
 
     def _acquire(self, fields: Fields, person: str) -> str:
@@ -153,8 +169,7 @@ class Orders:
             **({"procedure": fields["procedure"]} if "procedure" in fields else {}),
         )
         given = order_queue.give(request, person, self._home)
-        about = f"{given.order.serials} ({given.order.number})"
-        return f"{about}; {given.fault}" if given.fault else about
+        return f"{given.order.serials} ({given.order.number})"
 
     def queue_step(
         self, step: str, number: str, visitor: Visitor, reason: str | None = None
@@ -195,8 +210,14 @@ def check_may(action: Action, visitor: Visitor, subject: str, home: Home) -> Non
         refused(home, action, subject, person=visitor.name or UNKNOWN, why=visitor.role)
         raise Unusable(
             f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not do this: "
-            f"{action} is for {' and '.join(MAY[action])}"
+            f"{action} is for {' and '.join(MAY[action])}",
+            message("cause-may", action=message(f"pages-action.{action}"), roles=roles_of(action)),
         )
+
+
+def roles_of(action: Action) -> tuple[Message, ...]:
+    """The roles that allow an action."""
+    return tuple(message(f"pages-role.{role}") for role in MAY[action])
 
 
 def tolerance_files(home: Home) -> tuple[str, ...]:

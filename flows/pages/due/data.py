@@ -17,14 +17,14 @@ from flows.pages.due.models import (
     UnitDue,
 )
 from flows.pages.local_time import today
-from flows.pages.states import StepState
+from flows.pages.states import StepState, stated
 from schemas.recall import DueUnit
 from storage.catalogue import equipment, reminders
 from storage.catalogue.reminders import Reminder
 from storage.home import Home
 from tasks.conformity.equipment import name_of
 from tasks.stages import remind
-from tasks.words import message, statement
+from tasks.words import statement
 
 SOON = timedelta(days=90)
 MONTHS = 12
@@ -113,10 +113,8 @@ def due_state(due: date | None, day: date | None = None) -> StepState:
     """Overdue is bad, and what falls due within 90 days is open. day: the present one."""
     now = day or today()
     if due is None:
-        return StepState(message("pages-due-state.none"), "none")
+        return stated("pages-due-state.none", "none")
     if due < now:
-        return StepState(message("pages-due-state.overdue", days=(now - due).days), "bad")
+        return stated("pages-due-state.overdue", "bad", days=(now - due).days)
     days = (due - now).days
-    return StepState(
-        message("pages-due-state.in", days=days), "open" if due <= now + SOON else "good"
-    )
+    return stated("pages-due-state.in", "open" if due <= now + SOON else "good", days=days)

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
@@ -10,14 +9,15 @@ from flows.pages.due.data import due_state
 from flows.pages.due.models import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue
 from flows.pages.local_time import minute_of
 from flows.pages.page import View
-from flows.pages.parts import GRID_OPTIONS, locale, table
+from flows.pages.parts import grid, heading, table
 from flows.pages.pictures import BLUE, Figure, figure, picture
-from flows.pages.query_controls import asks
-from flows.pages.states import Kind, StepState, badge
+from flows.pages.query_controls import choice
+from flows.pages.states import Kind, badge, stated
 from schemas.text import text_in
-from tasks.words import message
+from tasks.words import cause_of
 
 HORIZONS = (0, 30, 60, 90, 180, 365)  # days
+EVERY = "pages-due-all"
 MESSAGE_KINDS: dict[str, Kind] = {"sent": "good", "failed": "bad", "waiting": "open"}
 ROW_PX, FRAME_PX, MOST_PX = 38, 115, 560
 
@@ -27,48 +27,34 @@ def layout(shown: DueShown, view: View, question: DueQuestion) -> Component:
     return dmc.Stack(
         [
             _choices(shown, view, question),
-            _heading("units", view),
+            heading("pages-due-heading.units", view),
             *_units(shown, view, question),
-            _heading("clients", view),
+            heading("pages-due-heading.clients", view),
             dmc.SimpleGrid(
                 [_clients(shown, view, question), picture("due-months", _months(shown, view))],
                 cols={"base": 1, "md": 2},
             ),
-            _heading("messages", view),
+            heading("pages-due-heading.messages", view),
             _messages(shown, view),
-            _heading("equipment", view),
+            heading("pages-due-heading.equipment", view),
             _equipment(shown, view),
         ],
         gap="sm",
     )
 
 
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-due-heading.{name}")), order=3, mt="sm")
-
-
-def _none(name: str, view: View) -> Component:
-    return dmc.Text(view.say(message(f"pages-due-none.{name}")), size="sm")
-
-
 def _choices(shown: DueShown, view: View, question: DueQuestion) -> Component:
-    def select(name: str, values: list[Any], value: object, *, needed: bool = False) -> Component:
-        return dmc.Select(
-            id=asks(name, value), label=view.say(message(f"pages-due-asked.{name}")), data=values,
-            value=None if value is None else str(value), searchable=True, clearable=not needed,
-            placeholder="" if needed else view.say(message("pages-due-all")), allowDeselect=False,
-        )  # fmt: skip
-
     horizons = [
-        {"value": str(days), "label": view.say(message("pages-due-within", days=days))}
+        {"value": str(days), "label": view.text("pages-due-within", days=days)}
         for days in sorted({*HORIZONS, question.within})
     ]
-    clients = {each[0]: {"value": each[0], "label": _client(each, view)} for each in shown.clients}
+    named = {each[0]: {"value": each[0], "label": _client(each, view)} for each in shown.clients}
+    clients = list(named.values())
     controls = [
-        select("client", list(clients.values()), question.client),
-        select("model", list(shown.models), question.model),
-        select("within", horizons, question.within, needed=True),
-    ]
+        choice("client", "pages-due-asked.client", clients, question.client, view, EVERY),
+        choice("model", "pages-due-asked.model", shown.models, question.model, view, EVERY),
+        choice("within", "pages-due-asked.within", horizons, question.within, view),
+    ]  # fmt: skip
     return dmc.SimpleGrid(controls, cols={"base": 1, "sm": 3}, spacing="xs")
 
 
@@ -78,28 +64,22 @@ def _client(client: tuple[str, str], view: View) -> str:
 
 def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component]:
     overdue = sum(each.days < 0 for each in shown.units)
-    counts = message(
+    counts = view.text(
         "pages-due-counts", overdue=overdue, coming=len(shown.units) - overdue,
         days=question.within, today=str(shown.today),
     )  # fmt: skip
-    text = dmc.Text(view.say(counts), size="sm")
+    text = dmc.Text(counts, size="sm")
     if not shown.units:
         return [text]
-    grid = dag.AgGrid(
-        id="due-units",
-        columnDefs=[_column(name, view) for name in
-                    ("name", "client", "due", "state", "certificate", "messages")],
-        rowData=[_row(each, shown, view) for each in shown.units],
-        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 130,
-                       "filter": True, "floatingFilter": True},
-        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
-        style={"height": f"{min(FRAME_PX + ROW_PX * len(shown.units), MOST_PX)}px"},
-    )  # fmt: skip
-    return [text, grid]
+    names = ("name", "client", "due", "state", "certificate", "messages")
+    columns = [_column(name, view) for name in names]
+    rows = [_row(each, shown, view) for each in shown.units]
+    height = f"{min(FRAME_PX + ROW_PX * len(rows), MOST_PX)}px"
+    return [text, grid("due-units", columns, rows, view, height, 130)]
 
 
 def _column(name: str, view: View) -> dict[str, Any]:
-    heading = view.say(message(f"pages-due-column.{name}"))
+    heading = view.text(f"pages-due-column.{name}")
     of_column: dict[str, dict[str, Any]] = {
         "name": {"cellRenderer": "UnitLink", "flex": 2, "minWidth": 190},
         "client": {"minWidth": 150},
@@ -121,18 +101,20 @@ def _row(each: UnitDue, shown: DueShown, view: View) -> dict[str, Any]:
 
 
 def _clients(shown: DueShown, view: View, question: DueQuestion) -> Component:
-    if not shown.by_client:
-        return _none("clients", view)
     rows = [
         (_client(each.client, view), str(each.overdue), str(each.coming))
         for each in shown.by_client
     ]
-    headings = [
-        message("pages-due-column.client"),
-        message("pages-due-overdue"),
-        message("pages-due-within", days=question.within),
-    ]
-    return table(headings, rows, view, min_width=320)
+    names = "client pages-due-overdue pages-due-within"
+    return table(
+        "pages-due-column",
+        names,
+        rows,
+        view,
+        320,
+        days=question.within,
+        none="pages-due-none.clients",
+    )
 
 
 def _months(shown: DueShown, view: View) -> Figure:
@@ -141,18 +123,21 @@ def _months(shown: DueShown, view: View) -> Figure:
         "y": [each.units for each in shown.months], "marker": {"color": BLUE},
         "hovertemplate": "%{x}: %{y}<extra></extra>",
     }  # fmt: skip
-    title = view.say(message("pages-due-months"))
+    title = view.text("pages-due-months")
     return figure([bars], view, 260, xaxis={"type": "category", "tickangle": -40},
                   yaxis={"rangemode": "tozero", "title": {"text": title}},
                   margin={"t": 10, "r": 10, "l": 55, "b": 60})  # fmt: skip
 
 
 def _messages(shown: DueShown, view: View) -> Component:
-    if not shown.messages:
-        return _none("messages", view)
-    names = ("at", "certificate", "occasion", "channel", "state", "tries", "fault")
-    headings = [message(f"pages-due-message.{name}") for name in names]
-    return table(headings, [_message(each, view) for each in shown.messages], view)
+    names = "at certificate occasion channel state tries fault"
+    return table(
+        "pages-due-message",
+        names,
+        [_message(e, view) for e in shown.messages],
+        view,
+        none="pages-due-none.messages",
+    )
 
 
 def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
@@ -160,20 +145,23 @@ def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
     return (
         minute_of(each.at),
         each.certificate,
-        view.say(message(f"pages-due-occasion.{side}", days=abs(each.days))),
+        view.text(f"pages-due-occasion.{side}", days=abs(each.days)),
         each.channel,
-        badge(StepState(message(f"pages-due-sent.{each.state}"), MESSAGE_KINDS[each.state]), view),
+        badge(stated(f"pages-due-sent.{each.state}", MESSAGE_KINDS[each.state]), view),
         str(each.tries),
-        each.fault,
+        each.fault and view.say(cause_of(each.fault)),
     )
 
 
 def _equipment(shown: DueShown, view: View) -> Component:
-    if not shown.equipment:
-        return _none("equipment", view)
-    names = ("name", "serial", "certificate", "until", "state")
-    headings = [message(f"pages-due-standard.{name}") for name in names]
-    return table(headings, [_standard(each, shown, view) for each in shown.equipment], view)
+    rows = [_standard(each, shown, view) for each in shown.equipment]
+    return table(
+        "pages-due-standard",
+        "name serial certificate until state",
+        rows,
+        view,
+        none="pages-due-none.equipment",
+    )
 
 
 def _standard(each: StandardDue, shown: DueShown, view: View) -> tuple[Any, ...]:

@@ -8,7 +8,7 @@ from dash import html
 from dash.development.base_component import Component
 
 from flows.pages.line.models import AlarmShown, Queued, StationNow
-from flows.pages.line.stop_button import outcome_of_stop, release_button, stop_button
+from flows.pages.line.stop_button import lockout, stop_button
 from flows.pages.local_time import hour_of, second_of
 from flows.pages.page import View
 from flows.pages.states import Kind
@@ -28,7 +28,7 @@ RUNS = ("begun", "warming_up", "measuring", "repeating", "paused", "turning_over
 
 def card(now: StationNow, view: View) -> Component:
     """State and station, units, segment and remaining time, alarm, queue, and Stop."""
-    word = view.say(message(f"pages-line-state.{now.state.replace('_', '-')}"))
+    word = view.text(f"pages-line-state.{now.state.replace('_', '-')}")
     head = [
         html.Div(word, className="station-state"),
         html.Div(now.station, className="station-id"),
@@ -41,12 +41,12 @@ def card(now: StationNow, view: View) -> Component:
     if now.alarm is not None:
         body.append(_alarm(now.alarm, now, view))
     body += _queue(now.waiting, view)
-    foot = [*outcome_of_stop(now, view), *release_button(now, view), stop_button(now.station, view)]
     return html.Section(
         [
             html.Div(head, className=f"station-head station-{KINDS[now.state]}"),
+            *lockout(now, view),
             html.Div(body, className="station-body"),
-            html.Div(foot, className="station-foot"),
+            html.Div(stop_button(now.station, view), className="station-foot"),
         ],
         className="station",
     )
@@ -103,7 +103,7 @@ def _duration(seconds: float) -> Sayable:
 def _details(run: RunStatus, view: View) -> str:
     rates = [f"{name} {rate:.1f} Hz" for name, rate in run.rates_hz.items()]
     noise = [f"{name} {value:.2g} {UNITS.get(name, '')}" for name, value in run.noise.items()]
-    at = view.say(message("pages-line-at", at=second_of(run.at)))
+    at = view.text("pages-line-at", at=second_of(run.at))
     return " · ".join([at, *rates, *noise])
 
 

@@ -6,38 +6,39 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.line.card import card
-from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued
+from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued, Waits
+from flows.pages.line.stop_button import acknowledgement
 from flows.pages.local_time import hour_of
 from flows.pages.page import View
-from flows.pages.parts import facts, table
-from flows.pages.states import Kind, StepState, badge
-from tasks.words import message
+from flows.pages.parts import Cell, facts, heading, notice, table
+from flows.pages.states import Kind, StepState, badge, stated
+from tasks.words import cause_of
 
+WAITS: dict[Waits, Kind] = {"running": "good", "waiting": "open"}
 COLUMNS = 3  # of cards on a wide screen; more would be too small to be read from three metres
 
 
 def layout(line: LineNow, view: View, _: LineQuestion) -> Component:
     """A card for each station, then alarms, orders, flow runs and the day."""
-    parts = [_stations(line, view), _heading("alarms", view), _alarms(line.alarms, view)]
+    parts = [
+        _stations(line, view),
+        heading("pages-line-heading.alarms", view),
+        _alarms(line.alarms, view),
+    ]
     if line.catalogue is not None:
-        words = view.say(message("pages-no-database"))
-        parts.insert(0, dmc.Alert(line.catalogue, title=words, color="red"))
+        parts.insert(0, notice(view, "pages-no-database", "red"))
     if line.today is not None:
-        parts += [_heading("orders", view), _orders(line.orders, view)]
-    parts += [_heading("flows", view), _flows(line.flows, view)]
+        parts += [heading("pages-line-heading.orders", view), _orders(line.orders, view)]
+    parts += [heading("pages-line-heading.flows", view), _flows(line.flows, view)]
     if line.today is not None:
-        title = view.say(message("pages-line-today", day=str(line.today.day)))
+        title = view.text("pages-line-today", day=str(line.today.day))
         parts += [dmc.Title(title, order=3, mt="sm"), _today(line.today, view)]
     return dmc.Stack(parts, gap="sm")
 
 
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-line-heading.{name}")), order=3, mt="sm")
-
-
 def _stations(line: LineNow, view: View) -> Component:
     if not line.stations:
-        return dmc.Text(view.say(message("pages-line-no-station")))
+        return dmc.Text(view.text("pages-line-no-station"))
     widest = min(COLUMNS, len(line.stations))
     columns = {"base": 1, "sm": min(2, widest), "lg": widest}
     cards = [card(each, view) for each in line.stations]
@@ -45,8 +46,6 @@ def _stations(line: LineNow, view: View) -> Component:
 
 
 def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
-    if not alarms:
-        return dmc.Text(view.say(message("pages-line-none.alarms")), size="sm")
     rows = [
         (
             hour_of(each.at) if each.at else None,
@@ -54,45 +53,37 @@ def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
             each.about or None,
             view.say(each.cause),
             view.say(each.todo),
+            acknowledgement(each, view),
         )
         for each in alarms
     ]
-    names = ("at", "station", "about", "cause", "todo")
-    return table([message(f"pages-line-alarm.{name}") for name in names], rows, view, 760)
+    names = "at station about cause todo acknowledged"
+    return table("pages-line-alarm", names, rows, view, 760, none="pages-line-none.alarms")
 
 
 def _orders(orders: Sequence[Queued], view: View) -> Component:
     """The queue of each station, what runs first."""
-    if not orders:
-        return dmc.Text(view.say(message("pages-line-none.orders")), size="sm")
     rows = [
         (
             each.station,
             ", ".join(each.serials),
             each.procedure,
-            badge(_waits(each), view),
+            badge(stated(f"pages-line-waits.{each.state}", WAITS[each.state]), view),
             hour_of(each.since),
             each.client or None,
             each.number,
         )
         for each in sorted(orders, key=lambda each: (each.station, each.state))
     ]
-    names = ("station", "serial", "procedure", "state", "since", "client", "number")
-    return table([message(f"pages-line-order.{name}") for name in names], rows, view, 760)
-
-
-def _waits(order: Queued) -> StepState:
-    kind: Kind = "good" if order.state == "running" else "open"
-    return StepState(message(f"pages-line-waits.{order.state}"), kind)
+    names = "station serial procedure state since client number"
+    return table("pages-line-order", names, rows, view, 760, none="pages-line-none.orders")
 
 
 def _flows(flows: Flows, view: View) -> Component:
     if not flows.server:
-        return dmc.Text(view.say(message("pages-line-no-server")), size="sm")
+        return dmc.Text(view.text("pages-line-no-server"), size="sm")
     if flows.fault is not None:
-        return dmc.Alert(flows.fault, color="red")
-    if not flows.runs:
-        return dmc.Text(view.say(message("pages-line-none.flows")), size="sm")
+        return dmc.Alert(view.say(cause_of(flows.fault)), color="red")
     rows = [
         (
             each.deployment,
@@ -102,16 +93,19 @@ def _flows(flows: Flows, view: View) -> Component:
         )
         for each in flows.runs
     ]
-    names = ("deployment", "subject", "state", "expected")
-    return table([message(f"pages-line-flow.{name}") for name in names], rows, view)
+    return table(
+        "pages-line-flow",
+        "deployment subject state expected",
+        rows,
+        view,
+        none="pages-line-none.flows",
+    )
 
 
 def _today(today: Output, view: View) -> Component:
     stations = ", ".join(f"{name} {count}" for name, count in today.by_station.items())
-    counts = {
-        "runs": today.runs, "valid": today.valid, "remarks": today.remarks,
-        "invalid": today.invalid, "not-judged": today.not_judged, "passed": today.passed,
-        "failed": today.failed, "issued": today.issued,
-    }  # fmt: skip
-    shown = [(message(f"pages-line-output.{name}"), str(n)) for name, n in counts.items()]
-    return facts([*shown, (message("pages-line-output.by-station"), stations)], view)
+    counts = today.model_dump(exclude={"day", "by_station"})
+    shown: dict[str, Cell] = {
+        f"pages-line-output.{name.replace('_', '-')}": str(count) for name, count in counts.items()
+    }
+    return facts(shown | {"pages-line-output.by-station": stations}, view)

@@ -63,7 +63,7 @@ class Released(Frozen):
 
 
 class StopShown(Frozen):
-    """The last stop that was pressed here for a station, and what became of it.
+    """The last stop that was pressed for a station, and what became of it.
 
     is_at_rest: whether the table was read to stand still. fault: why that is not known.
     """

@@ -3,21 +3,22 @@
 from collections.abc import Callable
 from typing import Any
 
-import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
 from flask import Blueprint, Response, request
 from pydantic import ValidationError
 
+from flows.pages.do.orders import roles_of
 from flows.pages.json_answers import json_answer, refusal
-from flows.pages.line.models import AlarmPressed, StationNow, StopPressed, StopShown
+from flows.pages.line.models import AlarmPressed, AlarmShown, StationNow, StopPressed
 from flows.pages.line.stops import stops_of
-from flows.pages.local_time import second_of
+from flows.pages.local_time import hour_of, second_of
 from flows.pages.page import View, view_of_request
-from schemas.access import MAY, Visitor
+from flows.pages.parts import asking
+from schemas.access import Visitor
 from schemas.base import Frozen, NotThere, Unusable, first_fault
 from storage.home import Home
-from tasks.words import message
+from tasks.words import cause_of
 
 
 def stop_button(station: str, view: View) -> Component:
@@ -26,46 +27,63 @@ def stop_button(station: str, view: View) -> Component:
     `stop.js` sees the press.
     """
     if not view.visitor.may("stop"):
-        roles = tuple(message(f"pages-role.{role}") for role in MAY["stop"])
-        hint = message("pages-line-stop.elsewhere", roles=roles, station=station)
-        return html.Div(view.say(hint), className="station-details")
+        hint = view.text("pages-line-stop.elsewhere", roles=roles_of("stop"), station=station)
+        return html.Div(hint, className="station-details")
     asked: dict[str, Any] = {
         "data-stop": station,
-        "data-failed": view.say(message("pages-line-stop.failed")),
+        "data-failed": view.text("pages-line-stop.failed"),
     }
-    word = view.say(message("pages-line-stop"))
+    word = view.text("pages-line-stop")
     return html.Button([html.Span(className="stop-sign"), word], className="stop", **asked)
 
 
-def release_button(now: StationNow, view: View) -> list[Component]:
-    """Lets the orders of a station go on that was stopped; who stopped it, for whoever may not."""
+def lockout(now: StationNow, view: View) -> list[Component]:
+    """Who stopped the station so that its orders wait, and whether its table is at rest; for
+    whoever may, the button that lets it turn again, after a question. It stands far from Stop.
+    """
+    shown = _outcome_of_stop(now, view)
     if now.lockout is None:
-        return []
+        return [html.Div(shown, className="lockout")] if shown else []
     stopped = {"by": now.lockout.by, "at": second_of(now.lockout.at)}
-    stop = html.Div(view.say(message("pages-line-lockout", **stopped)), className="station-now")
+    shown.append(html.Div(view.text("pages-line-lockout", **stopped)))
+    if view.visitor.may("stop"):
+        asked: dict[str, Any] = {
+            "data-release": now.station,
+            "data-failed": view.text("pages-line-lockout.failed"),
+            **asking(view.text("pages-line-lockout.ask", station=now.station), view),
+        }
+        word = view.text("pages-line-lockout.release")
+        shown.append(html.Button(word, className="release", **asked))
+    return [html.Div(shown, className="lockout station-now")]
+
+
+def acknowledgement(alarm: AlarmShown, view: View) -> Component | None:
+    """Who saw to an alarm, else the button that says so, for whoever may."""
+    if alarm.acknowledged is not None:
+        by = {"by": alarm.acknowledged.by, "at": hour_of(alarm.acknowledged.at)}
+        return html.Span(view.text("pages-line-acknowledged", **by))
     if not view.visitor.may("stop"):
-        return [stop]
+        return None
     asked: dict[str, Any] = {
-        "data-release": now.station,
-        "data-failed": view.say(message("pages-line-lockout.failed")),
+        "data-acknowledge": alarm.key,
+        "data-failed": view.text("pages-line-acknowledge.failed"),
     }
-    word = view.say(message("pages-line-lockout.release"))
-    return [stop, html.Button(word, className="release", **asked)]
+    word = view.text("pages-line-acknowledge")
+    return html.Button(word, className="acknowledge", **asked)
 
 
-def outcome_of_stop(now: StationNow, view: View) -> list[Component]:
-    """The last press, for as long as no later run began."""
+def _outcome_of_stop(now: StationNow, view: View) -> list[Component]:
+    """The last stop, for as long as no later run began: a table that may still turn is said so in
+    red, and what to do at once.
+    """
     stop = now.stopped
-    is_old = stop is not None and now.run is not None and now.run.began_at > stop.at
-    return [] if stop is None or is_old else [_outcome(stop, view)]
-
-
-def _outcome(stop: StopShown, view: View) -> Component:
-    """A table that may still turn is said so in red, and what to do at once."""
+    if stop is None or (now.run is not None and now.run.began_at > stop.at):
+        return []
     rest = "at-rest" if stop.is_at_rest else "not-at-rest"
-    words = message(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))
-    color = "green" if stop.is_at_rest else "red"
-    return dmc.Alert(stop.fault, title=view.say(words), color=color, p="xs")
+    words = view.text(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))
+    fault = [html.Div(view.say(cause_of(stop.fault)))] if stop.fault else []
+    color = "good" if stop.is_at_rest else "bad"
+    return [html.Div(words, className=f"at-rest alarm-{color}"), *fault]
 
 
 def stop_presses(home: Home) -> Blueprint:

@@ -12,7 +12,7 @@ from flows.pages.line.models import Acknowledged, LineQuestion, Released, StopSh
 from schemas.access import Visitor
 from schemas.base import NotThere, Unusable
 from storage.home import Home
-from storage.station_stop import lockout_of, release
+from storage.station_stop import answer_in, lockout_of, release
 from storage.stations import file_of
 from tasks.stages.stop import stop_station
 
@@ -28,8 +28,16 @@ class Stops:
         self._one_at_a_time = Lock()
 
     def last(self, station: str) -> StopShown | None:
-        """The last one of a station since the pages are served."""
-        return self._last.get(station)
+        """The last one of a station: pressed here since the pages are served, or else the one
+        that keeps its orders waiting, if its run answered where the table was.
+        """
+        lockout, pressed = lockout_of(station, self._home), self._last.get(station)
+        if lockout is None or (pressed and pressed.at > lockout.at):
+            return pressed
+        answer = answer_in(self._home.locks, lockout)
+        if answer and answer.at_rest is not None:
+            return StopShown(by=lockout.by, at=lockout.at, is_at_rest=answer.at_rest, fault="")
+        return pressed
 
     def press(self, station: str, visitor: Visitor) -> StopShown:
         """Stops the station; whatever fails is said in the answer, and never raised.

@@ -4,16 +4,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import dash_mantine_components as dmc
-from dash import ClientsideFunction, Dash, Input, Output, State, dcc
+from dash import ClientsideFunction, Dash, Input, Output
 from dash.development.base_component import Component
 
 from flows.pages.page import View
 from flows.pages.quality.models import QualityQuestion, QualityShown
+from flows.pages.query_controls import asks, choice
 from storage.home import Home
 from tasks.specifications.items import symbol
-from tasks.words import message
 
-ASKED = ("model", "item", "element", "station", "serial", "since", "until", "plot")
+EVERY = "pages-quality-all"
 
 
 def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
@@ -28,44 +28,30 @@ def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Compo
         [{"value": e, "label": symbol(item.item, e)} for e in item.elements] if item else []
     )
     plots = [
-        {"value": each, "label": view.say(message(f"pages-quality-plot.{each}"))}
+        {"value": each, "label": view.text(f"pages-quality-plot.{each}")}
         for each in ("value", "change")
     ]
 
-    def select(name: str, values: Sequence[Any], *, needed: bool = False) -> Component:
-        return dmc.Select(
-            id=f"quality-{name}", label=view.say(message(f"pages-quality-asked.{name}")),
-            data=list(values), value=asked[name], searchable=True, clearable=not needed,
-            placeholder="" if needed else view.say(message("pages-quality-all")),
-            allowDeselect=False,
-        )  # fmt: skip
+    def select(name: str, values: Sequence[Any], every: str = "") -> Component:
+        return choice(name, f"pages-quality-asked.{name}", values, asked[name], view, every)
 
     def day(name: str) -> Component:
         return dmc.DateInput(
-            id=f"quality-{name}", label=view.say(message(f"pages-quality-asked.{name}")),
+            id=asks(name, asked[name]), label=view.text(f"pages-quality-asked.{name}"),
             value=asked[name], valueFormat="YYYY-MM-DD", clearable=True, placeholder="YYYY-MM-DD",
         )  # fmt: skip
 
     controls = [
-        select("model", known.models, needed=True), select("item", of_items, needed=True),
-        select("element", of_elements, needed=True), select("station", known.stations),
-        select("serial", known.serials), day("since"), day("until"),
-        select("plot", plots, needed=True),
+        select("model", known.models), select("item", of_items), select("element", of_elements),
+        select("station", known.stations, EVERY), select("serial", known.serials, EVERY),
+        day("since"), day("until"), select("plot", plots),
     ]  # fmt: skip
-    grid = dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
-    kept = dcc.Store(id="quality-asked", data=asked)
-    return dmc.DatesProvider([grid, kept], settings={"locale": view.language, "firstDayOfWeek": 1})
+    shown_all = dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
+    return dmc.DatesProvider(shown_all, settings={"locale": view.language, "firstDayOfWeek": 1})
 
 
 def callbacks(app: Dash, _: Home) -> None:
-    """Another choice is another address; a point of the chart is its run."""
-    app.clientside_callback(
-        ClientsideFunction("quality", "ask"),
-        Output("address", "search"),
-        *(Input(f"quality-{name}", "value") for name in ASKED),
-        State("quality-asked", "data"),
-        prevent_initial_call=True,
-    )
+    """A point of the chart is its run."""
     app.clientside_callback(
         ClientsideFunction("quality", "open"),
         Output("address", "href"),

@@ -1,7 +1,7 @@
 """Computes the quality of a selection of runs from the catalogue, by tasks/quality."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from datetime import date, datetime, timedelta
 from functools import partial
 
@@ -21,17 +21,19 @@ from flows.pages.quality.models import (
 )
 from flows.pages.specification_order import place
 from schemas.base import Unusable
+from schemas.text import Statement
 from storage import settings
 from storage.catalogue import line_history
 from storage.catalogue.certificates import AS_LEFT
 from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
+from tasks.conformity.reasons import is_of_a_limit
 from tasks.quality.yields import RETEST_DAYS, first_runs, pooled, shares, yields
 from tasks.specifications.items import item_title, symbol
-from tasks.words import message, statement
+from tasks.words import kind_of, message, statement
 
 Runs = pd.DataFrame
-Limit = tuple[str | None, str]  # item and element
+Limit = tuple[str | None, str]  # item and element; without an item, the reason
 COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "imported_at", "validity",
            "missing", "verdict", "purpose")  # fmt: skip
 
@@ -118,11 +120,13 @@ def _decided(runs: Runs) -> Runs:
 def _counted(runs: Runs) -> Counted:
     made = runs[~runs["golden"]]
     first = made[made["first"]]
-    undecided = first["verdict"].isna() & (first["validity"] != "invalid")
+    valid = first[first["validity"] != "invalid"]
+    passed, failed = int(first["passed"].sum()), int((valid["verdict"] == "fail").sum())
+    undecided = int(valid["verdict"].isna().sum())
     return Counted(
         runs=len(runs), golden=len(runs) - len(made), retests=len(made) - len(first),
-        first=len(first),
-        undecided=int(undecided.sum()), invalid=int((first["validity"] == "invalid").sum()),
+        first=len(first), undecided=undecided, invalid=len(first) - len(valid), passed=passed,
+        failed=failed, inconclusive=len(valid) - undecided - passed - failed,
     )  # fmt: skip
 
 
@@ -174,22 +178,32 @@ def _monday(week: str) -> date:
 
 
 def _failing(decided: Runs, model: str | None, home: Home) -> tuple[Failing, ...]:
-    """Limits that certificates of valid runs do not pass, and the runs that are invalid."""
+    """Limits that certificates of valid runs do not pass, what keeps the others from being decided
+    on, and the runs that are invalid.
+    """
     if model is None:
         return ()
-    valid = set(decided[decided["valid"]]["run"])
+    valid = decided[decided["valid"]]
+    runs = set(valid["run"])
     failed, inconclusive = Counter[Limit](), Counter[Limit]()
+    reasons: dict[Hashable, Statement] = {}
     for run, item, element, verdict in line_history.not_passed(model, home):
-        if run in valid:
+        if run in runs:
             (failed if verdict == "fail" else inconclusive)[item, element] += 1
-    failed[None, ""] = len(decided) - int(decided["valid"].sum())
+    for run, reason in line_history.reasons(model, home):
+        if run in runs and not is_of_a_limit(reason):
+            kind = reasons.setdefault(kind_of(reason), reason)
+            inconclusive[None, kind.en] += 1
+    invalid = statement(message("pages-quality-invalid"))
+    failed[None, invalid.en] = len(decided) - len(valid)
+    titles = {title.en: title for title in (invalid, *reasons.values())}
     both = failed + inconclusive  # without what never happens
     total, up_to, found = both.total(), 0, []
     for (item, element), count in both.most_common():
         up_to += count
-        title = message("pages-quality-invalid") if item is None else item_title(item)
         found.append(Failing(
-            item=item, element=element, title=statement(title),
+            item=item, element=element if item else "",
+            title=statement(item_title(item)) if item else titles[element],
             symbol=symbol(item, element) if item else "", failed=failed[item, element],
             inconclusive=inconclusive[item, element], cumulative=up_to / total,
         ))  # fmt: skip
@@ -238,5 +252,8 @@ def _element(choices: Choices, question: QualityQuestion) -> tuple[ItemChoice, s
 def _known(asked: str | None, known: Sequence[str], what: str) -> str | None:
     if asked is not None and asked not in known:
         listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
-        raise Unusable(f"there is no {what} {asked!r}; there are {listed or 'none'}")
+        raise Unusable(
+            f"there is no {what} {asked!r}; there are {listed or 'none'}",
+            message("cause-none.choice", name=asked, known=listed or "–"),
+        )
     return asked

@@ -8,7 +8,7 @@ from dash.development.base_component import Component
 
 from flows.pages.numbers import csv_link
 from flows.pages.page import View
-from flows.pages.parts import facts, table
+from flows.pages.parts import facts, heading, note, table
 from flows.pages.pictures import picture
 from flows.pages.quality.choices import choices
 from flows.pages.quality.models import (
@@ -28,13 +28,13 @@ from flows.pages.quality.pictures import (
     periods_figure,
     stations_figure,
 )
-from flows.pages.states import StepState, badge
+from flows.pages.states import StepState, badge, stated
+from tasks.quality.capability import FEWEST as FEWEST_IN_INDEX
 from tasks.quality.capability import CapabilityIndex
 from tasks.quality.charts import RULES
 from tasks.quality.golden import FEWEST, HISTORY
 from tasks.quality.yields import FEWEST_IN_POINT
-from tasks.words import message
-from tasks.words.quantities import plain, quantities, unit_text
+from tasks.words.quantities import Scale, plain, quantities, unit_text
 from tasks.words.rounding import MINUS, USUAL_K
 
 WithCsv = Callable[[str, Component], Component]  # a part by its name, with the link to its CSV
@@ -43,57 +43,47 @@ WithCsv = Callable[[str, Component], Component]  # a part by its name, with the 
 def layout(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
     """What is asked for, then yield, capability, chart and stations of it."""
     if shown.model is None:
-        return dmc.Text(view.say(message("pages-quality-no-run")))
+        return dmc.Text(view.text("pages-quality-no-run"))
     chosen = {name: getattr(shown, name) for name in ("model", "item", "element")}
     same = question.model_copy(update=chosen)  # the choices that were made for who asked
 
     def with_csv(part: str, place: Component) -> Component:
         return dmc.Box([csv_link("quality", part, same), place], className="with-csv")
 
+    of = f": {view.say(shown.title)} {shown.symbol}" if shown.title else ""
     parts = [
         choices(shown, view, question),
-        _heading("yield", view),
+        heading("pages-quality-yield", view),
         _counts(shown, view),
         _yields(shown, view, with_csv),
     ]
     if shown.failing:
-        parts += [_heading("failing", view), _failing(shown, view, with_csv)]
+        parts += [heading("pages-quality-failing", view), _failing(shown, view, with_csv)]
     if shown.capability is not None:
         found = _capability(shown.capability, shown, view)
-        parts += [_heading("capability", view, shown), with_csv("capability", found)]
+        parts += [heading("pages-quality-capability", view, of), with_csv("capability", found)]
     if shown.chart is not None:
-        parts += [_heading("chart", view, shown), *_chart(shown.chart, shown, view, with_csv)]
+        parts += [
+            heading("pages-quality-chart", view, of),
+            *_chart(shown.chart, shown, view, with_csv),
+        ]
     if shown.golden:
-        parts += [_heading("golden", view, shown), _golden(shown, view, with_csv)]
+        parts += [heading("pages-quality-golden", view, of), _golden(shown, view, with_csv)]
     if shown.stations:
         compared = _stations(shown.stations, shown, view)
-        parts += [_heading("stations", view, shown), with_csv("stations", compared)]
+        parts += [heading("pages-quality-stations", view, of), with_csv("stations", compared)]
     return dmc.Stack(parts, gap="sm")
 
 
-def _heading(name: str, view: View, shown: QualityShown | None = None) -> Component:
-    text = view.say(message(f"pages-quality-{name}"))
-    if shown and shown.title:
-        text = f"{text}: {view.say(shown.title)} {shown.symbol}"
-    return dmc.Title(text, order=3, mt="sm")
-
-
 def _counts(shown: QualityShown, view: View) -> Component:
-    counted = shown.counted
-    sentence = message(
-        "pages-quality-counted", runs=counted.runs, first=counted.first, retests=counted.retests,
-        undecided=counted.undecided, invalid=counted.invalid, golden=counted.golden,
-    )  # fmt: skip
-    rule = message("pages-quality-rule", days=shown.retest_days, fewest=FEWEST_IN_POINT)
-    return dmc.Box([
-        dmc.Text(view.say(sentence), size="sm"),
-        dmc.Text(view.say(rule), size="sm", c="dimmed"),
-    ])  # fmt: skip
+    counted = view.text("pages-quality-counted", **shown.counted.model_dump())
+    rule = view.text("pages-quality-rule", days=shown.retest_days, fewest=FEWEST_IN_POINT)
+    return dmc.Box([dmc.Text(counted, size="sm"), note(rule)])
 
 
 def _yields(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
     titles = {each.item: view.say(each.title) for each in shown.choices.items}
-    in_all = view.say(message("pages-quality-total"))
+    in_all = view.text("pages-quality-total")
     total = [_yield(shown.total, in_all)] if shown.total else []
     by_item = [_yield(each, titles.get(each.name, each.name)) for each in shown.by_item]
     others = [
@@ -114,10 +104,8 @@ def _yield(of: Yield, name: str | None = None) -> tuple[str, ...]:
 
 
 def _yield_table(by: str, rows: Sequence[tuple[str, ...]], view: View) -> Component:
-    names = ("passed", "share", "interval")
-    headings = [message(f"pages-quality-{by}")]
-    headings += [message(f"pages-quality-column.{name}") for name in names]
-    return table(headings, rows, view, min_width=320)
+    names = f"pages-quality-{by} passed share interval"
+    return table("pages-quality-column", names, rows, view, 320)
 
 
 def _failing(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
@@ -126,22 +114,21 @@ def _failing(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
          f"{100 * each.cumulative:.1f} %")
         for each in shown.failing[:BARS]
     ]  # fmt: skip
-    names = ("limit", "failed", "inconclusive", "cumulative")
-    headings = [message(f"pages-quality-failing.{name}") for name in names]
-    about = message("pages-quality-about.failing", count=len(shown.failing), shown=len(rows))
+    names = "limit failed inconclusive cumulative"
+    about = view.text("pages-quality-about.failing", count=len(shown.failing), shown=len(rows))
     parts = [
         picture("quality-failing", failing_figure(shown, view)),
-        table(headings, rows, view, min_width=320),
+        table("pages-quality-failing", names, rows, view, 320),
     ]
     return dmc.Stack([
-        dmc.Text(view.say(about), size="sm", c="dimmed"),
+        note(about),
         with_csv("failing", dmc.SimpleGrid(parts, cols={"base": 1, "lg": 2})),
     ])  # fmt: skip
 
 
 def _golden(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
     """A chart for each golden unit on each station, and how its last value stands."""
-    about = message("pages-quality-about.golden", most=HISTORY, fewest=FEWEST)
+    about = view.text("pages-quality-about.golden", most=HISTORY, fewest=FEWEST)
     charts = [
         dmc.Box([
             dmc.Group([dmc.Text(f"{of.station} · {of.serial}", fw="bold"),
@@ -151,7 +138,7 @@ def _golden(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
         for number, of in enumerate(shown.golden)
     ]  # fmt: skip
     return dmc.Stack([
-        dmc.Text(view.say(about), size="sm", c="dimmed"),
+        note(about),
         with_csv("golden", dmc.SimpleGrid(charts, cols={"base": 1, "sm": 2, "xl": 3})),
     ])  # fmt: skip
 
@@ -159,48 +146,43 @@ def _golden(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
 def _golden_state(of: GoldenShown) -> StepState:
     """By the last value: a station that was out of control and is no longer may be used."""
     if of.centre is None:
-        return StepState(message("pages-quality-golden-state.few", count=len(of.points)), "open")
+        return stated("pages-quality-golden-state.few", "open", count=len(of.points))
     if of.points[-1].broken:
         rules = tuple(of.points[-1].broken)
-        return StepState(message("pages-quality-golden-state.out", rules=rules), "bad")
-    return StepState(message("pages-quality-golden-state.within"), "good")
+        return stated("pages-quality-golden-state.out", "bad", rules=rules)
+    return stated("pages-quality-golden-state.within", "good")
 
 
 def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Component:
     unit = "" if shown.unit == "1" else f" {unit_text(shown.unit)}"
     limits = [None if each is None else plain(each, 5) for each in (found.lower, found.upper)]
     span = " … ".join(each or "–" for each in limits) + unit if any(limits) else None
-    indices = [(message(f"pages-quality-index.{name}"), _index(getattr(found, name)))
-               for name in ("cp", "cpk", "pp", "ppk")]  # fmt: skip
+    indices = {f"pages-quality-index.{name}": _index(getattr(found, name))
+               for name in ("cp", "cpk", "pp", "ppk")}  # fmt: skip
     spreads = {"mean": found.mean, "within": found.within, "overall": found.overall}
     shares = {"margin-median": found.margin_median, "margin-95": found.margin_95}
-    numbers = [
-        (message("pages-quality-fact.n"), str(found.n)),
-        (message("pages-quality-fact.limits"), span),
-        *(
-            (
-                message(f"pages-quality-fact.{name}"),
-                value if value is None else plain(value, 4) + unit,
-            )
-            for name, value in spreads.items()
-        ),
-        *(
-            (
-                message(f"pages-quality-fact.{name}"),
-                None if share is None else f"{100 * share:.1f} %",
-            )
-            for name, share in shares.items()
-        ),
-        (message("pages-quality-fact.over"), str(found.over)),
-    ]
+    numbers = {
+        "n": str(found.n), "limits": span,
+        **{name: None if value is None else plain(value, 4) + unit
+           for name, value in spreads.items()},
+        **{name: None if share is None else f"{100 * share:.1f} %"
+           for name, share in shares.items()},
+        "over": str(found.over),
+    }  # fmt: skip
+    stated = facts({f"pages-quality-fact.{name}": each for name, each in numbers.items()}, view)
     remarks = ["pages-quality-about.capability", "pages-quality-about.margin"]
     if found.lower is None and found.upper is None:
         remarks.append("pages-quality-about.no-limits")
     elif found.lower is None or found.upper is None:
         remarks.append("pages-quality-about.one-sided")
     remarks += ["pages-quality-about.limits-vary"] if found.limits_vary else []
-    texts = [dmc.Text(view.say(message(each)), size="sm", c="dimmed") for each in remarks]
-    return dmc.Stack([facts(indices, view), facts(numbers, view), dmc.Box(texts)], gap="sm")
+    first = facts(indices, view)
+    if found.n < FEWEST_IN_INDEX:
+        few = view.text("pages-quality-about.few", count=found.n, fewest=FEWEST_IN_INDEX)
+        first = dmc.Text(few)
+    return dmc.Stack(
+        [first, stated, dmc.Box([note(view.text(each)) for each in remarks])], gap="sm"
+    )
 
 
 def _index(index: CapabilityIndex) -> str | None:
@@ -218,28 +200,28 @@ def _chart(
 ) -> list[Component]:
     counts = [sum(rule in point.broken for point in chart.points) for rule in range(1, RULES + 1)]
     rules = [
-        (str(rule), view.say(message(f"pages-quality-nelson.rule-{rule}")), str(count))
+        (str(rule), view.text(f"pages-quality-nelson.rule-{rule}"), str(count))
         for rule, count in enumerate(counts, start=1)
     ]
-    headings = [message(f"pages-quality-nelson.{name}") for name in ("rule", "pattern", "count")]
-    about = message(f"pages-quality-about.chart-{chart.plotted}", count=len(chart.points))
+    about = view.text(f"pages-quality-about.chart-{chart.plotted}", count=len(chart.points))
     return [
-        dmc.Text(view.say(about), size="sm", c="dimmed"),
+        note(about),
         with_csv("chart", picture("quality-chart", chart_figure(chart, shown, view))),
-        with_csv("rules", table(headings, rules, view, min_width=320)),
+        with_csv("rules", table("pages-quality-nelson", "rule pattern count", rules, view, 320)),
     ]
 
 
 def _stations(stations: Sequence[StationShown], shown: QualityShown, view: View) -> Component:
-    names = ("station", "difference", "u", "runs", "state")
-    headings = [message(f"pages-quality-station.{name}") for name in names]
+    if all(each.difference is None for each in stations):
+        return dmc.Text(view.text("pages-quality-about.one-station"))
+    names = "station difference u runs state"
     rows = [_station(each, shown, view) for each in stations]
     figure = stations_figure(stations, shown, view)
     return dmc.Stack([
-        dmc.Text(view.say(message("pages-quality-about.stations")), size="sm", c="dimmed"),
+        note(view.text("pages-quality-about.stations")),
         dmc.SimpleGrid(
             [picture("quality-stations", figure),
-             table(headings, rows, view, min_width=320)],
+             table("pages-quality-station", names, rows, view, 320)],
             cols={"base": 1, "lg": 2},
         ),
     ])  # fmt: skip
@@ -247,12 +229,12 @@ def _stations(stations: Sequence[StationShown], shown: QualityShown, view: View)
 
 def _station(one: StationShown, shown: QualityShown, view: View) -> tuple[Any, ...]:
     if one.difference is None or one.U is None:
-        state = StepState(message("pages-quality-state.open"), "open")
+        state = stated("pages-quality-state.open", "open")
         return one.station, None, None, str(one.runs), badge(state, view)
-    made = quantities([one.difference], one.U, shown.unit)
+    made = quantities([one.difference], one.U, shown.unit, Scale(1.0, 0, shown.unit))
     unit = "" if made.unit == "1" else f" {unit_text(made.unit)}"
     is_off = abs(one.difference) > one.U
-    state = StepState(message(f"pages-quality-state.{'off' if is_off else 'within'}"),
-                      "bad" if is_off else "good")  # fmt: skip
+    words = f"pages-quality-state.{'off' if is_off else 'within'}"
+    state = stated(words, "bad" if is_off else "good")
     cells = (f"{made.values[0]}{unit}", f"{made.uncertainties[0]}{unit} (k = {USUAL_K:g})")
     return one.station, *cells, str(one.runs), badge(state, view)

@@ -67,7 +67,8 @@ class PeriodYield(Yield):
 
 
 class Failing(Frozen):
-    """How often the first runs of the selection fail a limit. item null: how many are invalid.
+    """How often the first runs of the selection fail a limit. item null: how many are not passed
+    for the reason in the title: invalid, or what keeps a certificate from deciding.
 
     failed, inconclusive: limits of the element, each on one run. cumulative: the share of all that
     did not pass, up to this one.
@@ -85,7 +86,8 @@ class Failing(Frozen):
 class Counted(Frozen):
     """The runs of the selection. golden: of golden units, which count no further. retests: not
     counted in any yield. first: the others; undecided: of these the valid ones without a
-    certificate or draft, which are not counted either.
+    certificate or draft, which are not counted either. passed, failed, inconclusive (or passed, but
+    for elements that are missing): the valid ones that are counted.
     """
 
     runs: int
@@ -94,6 +96,9 @@ class Counted(Frozen):
     first: int
     undecided: int
     invalid: int
+    passed: int = 0
+    failed: int = 0
+    inconclusive: int = 0
 
 
 class CapabilityShown(Frozen):

@@ -14,7 +14,6 @@ from flows.pages.quality.models import (
     QualityShown,
     StationShown,
 )
-from tasks.words import message
 from tasks.words.quantities import unit_text
 
 CAUSES = {"adjusted": "#ae3ec9", "station": "#0ca678", "equipment": ORANGE}
@@ -60,14 +59,14 @@ def failing_figure(shown: QualityShown, view: View) -> Figure:
     bars = [
         {
             "type": "bar", "x": names, "y": [getattr(each, kind) for each in first],
-            "marker": {"color": color}, "name": view.say(message(f"pages-quality-failing.{kind}")),
+            "marker": {"color": color}, "name": view.text(f"pages-quality-failing.{kind}"),
         }
         for kind, color in (("failed", RED), ("inconclusive", ORANGE))
     ]  # fmt: skip
     line = {
         "type": "scatter", "mode": "lines+markers", "x": names, "yaxis": "y2",
         "y": [100 * each.cumulative for each in first], "line": {"color": GREY},
-        "name": view.say(message("pages-quality-failing.cumulative")),
+        "name": view.text("pages-quality-failing.cumulative"),
         "hovertemplate": "%{x}: %{y:.1f} %<extra></extra>",
     }  # fmt: skip
     return figure(
@@ -127,17 +126,17 @@ def chart_figure(chart: ChartShown, shown: QualityShown, view: View) -> Figure:
     values = _points(points, [p.value for p in points], BLUE, 4) | {
         "mode": "lines+markers" if len(points) < MANY else "markers",
         "line": {"width": 0.5, "color": GREY},
-        "name": view.say(message(f"pages-quality-plot.{chart.plotted}")),
+        "name": view.text(f"pages-quality-plot.{chart.plotted}"),
     }  # fmt: skip
     wrong = _points(broken, [p.value for p in broken], RED, 7) | {
         "text": [", ".join(map(str, p.broken)) for p in broken],
-        "name": view.say(message("pages-quality-broken")),
+        "name": view.text("pages-quality-broken"),
         "hovertemplate": "%{x}: %{y:.6g}<br>%{meta}: %{text}<extra></extra>",
-        "meta": view.say(message("pages-quality-nelson.rule")),
+        "meta": view.text("pages-quality-nelson.rule"),
     }  # fmt: skip
     moving = [point for point in points if point.range is not None]
     ranges = _points(moving, [p.range for p in moving], BLUE, 3) | {
-        "yaxis": "y2", "name": view.say(message("pages-quality-range")), "showlegend": False,
+        "yaxis": "y2", "name": view.text("pages-quality-range"), "showlegend": False,
     }  # fmt: skip
     levels = [_level(chart.centre, GREY), _level(chart.lower, RED), _level(chart.upper, RED)]
     levels += [_level(chart.mean_range, GREY, "y2"), _level(chart.range_limit, RED, "y2")]
@@ -146,7 +145,7 @@ def chart_figure(chart: ChartShown, shown: QualityShown, view: View) -> Figure:
         xaxis={"anchor": "y2", "tickformat": "%Y-%m-%d", "nticks": 8},
         yaxis={"domain": [0.36, 1], "exponentformat": "power",
             "title": {"text": f"{shown.symbol}{_unit(shown)}"}},
-        yaxis2={"domain": [0, 0.28], "title": {"text": view.say(message("pages-quality-range"))},
+        yaxis2={"domain": [0, 0.28], "title": {"text": view.text("pages-quality-range")},
                 "rangemode": "tozero", "exponentformat": "power"},
         showlegend=True,
         legend=LEGEND,
@@ -185,7 +184,7 @@ def _causes(chart: ChartShown, view: View) -> list[Figure]:
             "type": "scatter", "mode": "markers", "x": [str(each.day) for each in of],
             "y": [chart.upper] * len(of), "text": [each.name for each in of],
             "marker": {"symbol": "triangle-down", "size": 10, "color": color},
-            "name": view.say(message(f"pages-quality-cause.{cause}")),
+            "name": view.text(f"pages-quality-cause.{cause}"),
             "hovertemplate": "%{x}: %{text}",
         }
         for cause, color in CAUSES.items()

@@ -44,15 +44,17 @@ def data(question: RunQuestion, home: Home) -> RunShown:
     made = newest.calibration if newest else None
     printing = next((e for e in reversed(entries) if newest and e.result == newest.id), None)
     validity = made.validity if made else None
+    decision = record_of(printing, home).decision if printing else None
     return RunShown(
         run=line,
         digest=run.digest,
         validity=validity.verdict if validity else None,
         reasons=texts_of(validity, "reasons") if validity else (),
         segments=tuple(_segments(manifest, made)),
-        elements=tuple(_elements(made, _limits(printing, home))) if made else (),
+        elements=tuple(_elements(made, decision.limits if decision else ())) if made else (),
         unavailable=_unavailable(made) if made else {},
         limits_of=printing.number if printing else None,
+        undecided=texts_of(decision, "reasons") if decision else (),
         certificates=tuple(map(certificate_shown, entries)),
         log=_log(manifest),
         settings=made.settings if made else {},
@@ -68,10 +70,6 @@ def data(question: RunQuestion, home: Home) -> RunShown:
 def certificate_shown(entry: Entry) -> CertificateShown:
     """A line of the register as pages show it."""
     return CertificateShown(**entry.model_dump(include=set(CertificateShown.model_fields)))
-
-
-def _limits(entry: Entry | None, home: Home) -> tuple[LimitDecision, ...]:
-    return record_of(entry, home).decision.limits if entry else ()
 
 
 def _segments(manifest: Manifest, made: Calibration | None) -> Iterator[SegmentShown]:

@@ -10,7 +10,7 @@ from dash.development.base_component import Component
 from flows.pages import budget, signals
 from flows.pages.local_time import day_of
 from flows.pages.page import View, parameters, view_of_request
-from flows.pages.parts import facts, link, table
+from flows.pages.parts import facts, link, note, table
 from flows.pages.run.lineage import certificate_table, lineage, log
 from flows.pages.run.models import (
     BudgetQuestion,
@@ -30,7 +30,7 @@ from flows.pages.states import (
 )
 from schemas.text import Remark, Statement
 from storage.home import Home
-from tasks.words import message
+from tasks.words import Sayable, message
 from tasks.words.quantities import power_of_ten, unit_text
 
 MAX_INLINE_SEGMENTS = 3  # segments; a remark that names more of them stands once, above the table
@@ -47,11 +47,12 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
         "log": log(shown, view),
         "lineage": lineage(shown, view),
     }
-    names = [dmc.TabsTab(view.say(message(f"pages-run-tab.{tab}")), value=tab) for tab in TABS]
+    names = [dmc.TabsTab(view.text(f"pages-run-tab.{tab}"), value=tab) for tab in TABS]
     return dmc.Stack(
         [
             _facts(shown, view),
             *_reasons(shown.reasons, view),
+            *_reasons(shown.undecided, view, message("pages-run-undecided")),
             dmc.Tabs(
                 [
                     dmc.TabsList(names),
@@ -64,33 +65,35 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
     )
 
 
-def _reasons(reasons: Sequence[Statement | Remark], view: View) -> list[Component]:
+def _reasons(
+    reasons: Sequence[Statement | Remark], view: View, title: Sayable = ""
+) -> list[Component]:
     """Sentences in one box; nothing where there are none."""
     texts = [dmc.Text(view.say(reason), size="sm") for reason in reasons]
-    return [dmc.Alert(dmc.Stack(texts, gap=6), color="yellow", p="sm")] if texts else []
+    box = dmc.Alert(dmc.Stack(texts, gap=6), title=view.say(title), color="yellow", p="sm")
+    return [box] if texts else []
 
 
 def _facts(shown: RunShown, view: View) -> Component:
     run = shown.run
     unit = f"{run.manufacturer} {run.model} {run.serial}"
     return facts(
-        [
-            (message("pages-column-id"), run.id),
-            (message("pages-line-unit"), link(unit, "/unit", id=str(run.unit))),
-            (message("pages-column-station"), run.station),
-            (message("pages-column-recorded-on"), str(run.recorded_on or day_of(run.imported_at))),
-            (message("pages-column-validity"), badge(validity_state(run.validity), view)),
-            (message("pages-column-result-state"), badge(result_state(run), view)),
-            (message("pages-column-verdict"), badge(verdict_state(run), view)),
-            (message("pages-column-state"), badge(certificate_state(run.state), view)),
-        ],
+        {
+            "pages-column-id": run.id,
+            "pages-line-unit": link(unit, "/unit", id=str(run.unit)),
+            "pages-column-station": run.station,
+            "pages-column-recorded-on": str(run.recorded_on or day_of(run.imported_at)),
+            "pages-column-validity": badge(validity_state(run.validity), view),
+            "pages-column-result-state": badge(result_state(run), view),
+            "pages-column-verdict": badge(verdict_state(run), view),
+            "pages-column-state": badge(certificate_state(run.state), view),
+        },
         view,
     )
 
 
 def _items(shown: RunShown, view: View) -> Component:
-    names = ("item", "symbol", "value", "u", "limits", "margin", "verdict")
-    headings = [message(f"pages-items-column.{name}") for name in names]
+    names = "item symbol value u limits margin verdict"
     rows = [row for element in shown.elements for row in _element(element, view)]
     budgets = [
         {"value": f"{each.item} {each.element}", "label": f"{view.say(each.title)} {each.symbol}"}
@@ -102,17 +105,17 @@ def _items(shown: RunShown, view: View) -> Component:
     without = message("pages-items-no-limits")
     return dmc.Stack(
         [
-            dmc.Text(view.say(limits if shown.limits_of else without), size="sm", c="dimmed"),
+            note(view.say(limits if shown.limits_of else without)),
             dmc.Select(
                 id="budget-of",
                 data=budgets,
-                label=view.say(message("pages-budget-of")),
+                label=view.text("pages-budget-of"),
                 searchable=True,
                 clearable=True,
                 maw=480,
             ),
             dmc.Box(id="budget"),
-            table(headings, rows, view),
+            table("pages-items-column", names, rows, view),
             *absent,
         ]
     )
@@ -139,19 +142,18 @@ def _limit(limit: LimitShown | None, unit: str, view: View) -> tuple[Any, ...]:
 
 
 def _segments(shown: RunShown, view: View) -> Component:
-    names = ("name", "kind", "since", "until", "rate", "rows", "checks")
-    headings = [message(f"pages-segments-column.{name}") for name in names]
+    names = "name kind since until rate rows checks"
     every = {remark.code: remark for each in shown.segments for remark in each.remarks}
     of_many = [each for each in every.values() if len(each.segments) > MAX_INLINE_SEGMENTS]
     rows = [_segment(each, view) for each in shown.segments]
-    return dmc.Stack([*_reasons(of_many, view), table(headings, rows, view)])
+    return dmc.Stack([*_reasons(of_many, view), table("pages-segments-column", names, rows, view)])
 
 
 def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
     rows = None if segment.rows is None else f"{segment.rows}"
     if segment.rows_left_out:
-        rows = view.say(
-            message("pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out)
+        rows = view.text(
+            "pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out
         )
     checks = [
         dmc.Text(view.say(remark), size="sm")
@@ -160,7 +162,7 @@ def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
     ]
     return (
         segment.name,
-        view.say(message(f"pages-segment-kind.{segment.kind}")),
+        view.text(f"pages-segment-kind.{segment.kind}"),
         f"{segment.t_start:.2f}",
         f"{segment.t_end:.2f}",
         None if segment.rate_deg_s is None else f"{segment.rate_deg_s:+g} °/s",

@@ -7,26 +7,23 @@ from dash.development.base_component import Component
 
 from flows.pages.local_time import minute_of, second_of
 from flows.pages.page import View
-from flows.pages.parts import facts, link, table
+from flows.pages.parts import facts, heading, link, table
 from flows.pages.run.models import CertificateShown, RunShown
-from flows.pages.states import badge, certificate_state
+from flows.pages.states import badge, certificate_state, decision_state
 from storage.catalogue.lineage import MANIFEST
 from tasks.certificate.settings import setting
-from tasks.words import message
 
 
 def certificate_table(shown: Sequence[CertificateShown], view: View) -> Component:
     """Certificates, each with its PDF and the run that it stands on."""
-    if not shown:
-        return dmc.Text(view.say(message("pages-certificates-none")))
-    names = ("number", "state", "verdict", "result", "calibrated", "issued", "due", "why")
+    names = "number state verdict result calibrated issued due why"
     rows = [
         (
             dmc.Anchor(
                 each.number, href=f"/certificate/{each.number}.pdf", refresh=True, inherit=True
             ),
             badge(certificate_state(each.state), view),
-            view.say(message(f"conformity-verdict.{each.verdict}")),
+            badge(decision_state(each.verdict), view),
             link(each.result, "/run", id=each.run),
             str(each.calibrated_on or "–"),
             str(each.issued_on),
@@ -35,24 +32,21 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
         )
         for each in shown
     ]
-    return table([message(f"pages-certificate-column.{name}") for name in names], rows, view)
+    return table("pages-certificate-column", names, rows, view, none="pages-certificates-none")
 
 
 def log(shown: RunShown, view: View) -> Component:
     """Every change of the run's state, when and why."""
-    if not shown.log:
-        return dmc.Text(view.say(message("pages-run-no-log")))
     rows = [
         (
             second_of(entry.at),
             f"{entry.t:.2f}",
-            view.say(message(f"pages-run-state.{entry.state.replace('_', '-')}")),
+            view.text(f"pages-run-state.{entry.state.replace('_', '-')}"),
             view.say(entry),
         )
         for entry in shown.log
     ]
-    names = ("at", "t", "state", "cause")
-    return table([message(f"pages-log-column.{name}") for name in names], rows, view)
+    return table("pages-log-column", "at t state cause", rows, view, none="pages-run-no-log")
 
 
 def lineage(shown: RunShown, view: View) -> Component:
@@ -69,45 +63,34 @@ def lineage(shown: RunShown, view: View) -> Component:
         )
         for each in shown.results
     ]
-    names = ("id", "method", "code", "made", "supersedes", "why", "certificates")
+    names = "id method code made supersedes why certificates"
     standards = [
         (each.name, each.serial, each.certificate, _named_by(each.document, view))
         for each in shown.standards
     ]
-    standard_names = ("name", "serial", "certificate", "document")
     made_with = [setting(*each) for each in shown.settings.items()]
     settings = [(view.say(each.name), view.say(each.value)) for each in made_with]
     return dmc.Stack(
         [
             facts(
-                [
-                    (message("pages-lineage-raw"), dmc.Code(shown.digest)),
-                    (message("pages-lineage-sources"), ", ".join(shown.sources)),
-                    (message("pages-column-recording-id"), shown.run.recording_id),
-                    (message("pages-column-procedure"), shown.run.procedure),
-                ],
+                {
+                    "pages-lineage-raw": dmc.Code(shown.digest),
+                    "pages-lineage-sources": ", ".join(shown.sources),
+                    "pages-column-recording-id": shown.run.recording_id,
+                    "pages-column-procedure": shown.run.procedure,
+                },
                 view,
             ),
-            _heading("results", view),
-            table([message(f"pages-results-column.{name}") for name in names], results, view),
-            _heading("standards", view),
-            table(
-                [message(f"pages-standards-column.{name}") for name in standard_names],
-                standards,
-                view,
-            ),
-            _heading("settings", view),
-            table(
-                [message(f"pages-settings-column.{n}") for n in ("name", "value")], settings, view
-            ),
+            heading("pages-lineage-heading.results", view),
+            table("pages-results-column", names, results, view),
+            heading("pages-lineage-heading.standards", view),
+            table("pages-standards-column", "name serial certificate document", standards, view),
+            heading("pages-lineage-heading.settings", view),
+            table("pages-settings-column", "name value", settings, view),
         ]
     )
 
 
 def _named_by(document: str, view: View) -> str:
     """The number of a certificate, or that the recording's manifest does."""
-    return view.say(message("pages-standards-manifest")) if document == MANIFEST else document
-
-
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-lineage-heading.{name}")), order=4)
+    return view.text("pages-standards-manifest") if document == MANIFEST else document

@@ -152,6 +152,7 @@ class StandardUsed(Frozen):
 
 class RunShown(Frozen):
     """A run. validity: by the newest result, null without one; unavailable: items not determined.
+    undecided: why the certificate of `limits_of` decides on nothing, whatever its limits say.
 
     limits_of: the certificate whose decision stands beside the items; null where none prints the
     newest result. settings, results, sources and standards: the lineage up; certificates: down.
@@ -165,6 +166,7 @@ class RunShown(Frozen):
     elements: tuple[ElementShown, ...]
     unavailable: dict[str, Statement]
     limits_of: str | None
+    undecided: tuple[Statement, ...] = ()
     certificates: tuple[CertificateShown, ...]
     log: tuple[LogEntry, ...]
     settings: dict[str, Finite | str | None]

@@ -28,7 +28,7 @@ from storage.home import Home
 from tasks.quality.charts import DriftRate, drift
 from tasks.specifications.items import ITEMS, item_title, symbol
 from tasks.stages.remind import NoAdvice, advice_by, sentence
-from tasks.words import statement
+from tasks.words import cause_of, message, statement
 
 YEAR_D = 365.25
 Element = tuple[str, str]  # item, element
@@ -55,7 +55,8 @@ def data(question: UnitQuestion, home: Home) -> UnitShown:
     items = list(dict.fromkeys(each.item for each in elements))
     if question.item is not None and question.item not in items:
         raise Unusable(
-            f"no run of this unit has an item {question.item!r}; there are {', '.join(items)}"
+            f"no run of this unit has an item {question.item!r}; there are {', '.join(items)}",
+            message("cause-none.choice", name=question.item, known=", ".join(items)),
         )
     return UnitShown(
         total=1, units=(line,), unit=line, item=question.item or next(iter(items), None),
@@ -71,7 +72,7 @@ def _advice(entries: list[Entry], line: UnitLine, home: Home) -> dict[str, Any]:
     except NoAdvice as error:
         return {"why_no_advice": statement(error.why)}
     except Unusable as error:
-        return {"why_no_advice": statement(str(error))}
+        return {"why_no_advice": cause_of(error)}
 
 
 def _limits(line: UnitLine, home: Home) -> _Limits:

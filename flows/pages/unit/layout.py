@@ -3,17 +3,16 @@
 from collections.abc import Sequence
 from typing import Any
 
-import dash_ag_grid as dag
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.due.data import due_state
 from flows.pages.page import View
-from flows.pages.parts import GRID_OPTIONS, facts, link, locale, table
+from flows.pages.parts import facts, grid, heading, link, note, table
 from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
-from flows.pages.query_controls import asks
+from flows.pages.query_controls import choice
 from flows.pages.run.lineage import certificate_table
-from flows.pages.states import StepState, badge
+from flows.pages.states import StepState, badge, decision_state, stated
 from flows.pages.unit.models import (
     AsMeasured,
     ElementHistory,
@@ -25,9 +24,10 @@ from storage.catalogue.units import UnitLine
 from tasks.conformity.limits import interval_text
 from tasks.quality.charts import DriftRate
 from tasks.words import message
-from tasks.words.quantities import quantity, unit_text
+from tasks.words.quantities import Scale, common_scales, quantity, unit_text
 from tasks.words.rounding import exact
 
+Scales = dict[str, Scale]  # by the unit of the values
 ACROSS, PANEL_PX, GAP = 3, 230, 0.08
 COLORS: dict[AsMeasured, str] = {"found": BLUE, "left": ORANGE, "invalid": GREY}
 SYMBOLS: dict[AsMeasured, str] = {"found": "circle", "left": "diamond", "invalid": "x"}
@@ -41,32 +41,29 @@ def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
     if shown.elements:
         parts += [_choice(shown, view), *_history(shown, view)]
     else:
-        parts.append(dmc.Text(view.say(message("pages-unit-no-result"))))
+        parts.append(dmc.Text(view.text("pages-unit-no-result")))
     return dmc.Stack(
-        [*parts, _heading("certificates", view), certificate_table(shown.certificates, view)]
+        [
+            *parts,
+            heading("pages-unit-heading.certificates", view),
+            certificate_table(shown.certificates, view),
+        ]
     )
 
 
 def _list(shown: UnitShown, view: View) -> Component:
     names = ("serial", "model", "manufacturer", "runs", "last-run", "certificate", "verdict", "due")
     columns = [_column(name, view) for name in names]
-    grid = dag.AgGrid(
-        id="units",
-        columnDefs=columns,
-        rowData=[_row(each, view) for each in shown.units],
-        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 120,
-                       "floatingFilter": True, "filter": True},
-        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
-        style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
-    )  # fmt: skip
-    count = message("pages-unit-count", count=shown.total)
-    return dmc.Stack([dmc.Text(view.say(count)), grid], gap="xs")
+    rows = [_row(each, view) for each in shown.units]
+    shown_units = grid("units", columns, rows, view, "calc(100vh - 190px)", 120)
+    count = view.text("pages-unit-count", count=shown.total)
+    return dmc.Stack([dmc.Text(count), shown_units], gap="xs")
 
 
 def _column(name: str, view: View) -> dict[str, Any]:
     kind = {"runs": "agNumberColumnFilter"}.get(name, "agTextColumnFilter")
     return {
-        "field": name, "headerName": view.say(message(f"pages-unit-column.{name}")), "filter": kind,
+        "field": name, "headerName": view.text(f"pages-unit-column.{name}"), "filter": kind,
         **({"cellRenderer": "UnitLink"} if name == "serial" else {}),
         **({"minWidth": 165} if name == "certificate" else {}),
         **({"cellRenderer": "State", "minWidth": 140} if name in ("verdict", "due") else {}),
@@ -74,7 +71,7 @@ def _column(name: str, view: View) -> dict[str, Any]:
 
 
 def _row(line: UnitLine, view: View) -> dict[str, Any]:
-    verdict, due = _verdict(line), due_state(line.due)
+    verdict, due = decision_state(line.verdict), due_state(line.due)
     return {
         "unit": line.id, "serial": line.serial, "model": line.model, "runs": line.runs,
         "manufacturer": line.manufacturer, "last-run": line.last_run and str(line.last_run),
@@ -83,52 +80,42 @@ def _row(line: UnitLine, view: View) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _verdict(line: UnitLine) -> StepState:
-    if line.verdict is None:
-        return StepState(message("pages-verdict-missing"), "none")
-    kinds: Any = {"pass": "good", "fail": "bad", "inconclusive": "open"}
-    return StepState(message(f"conformity-verdict.{line.verdict}"), kinds[line.verdict])
-
-
 def _facts(line: UnitLine, view: View) -> Component:
     due = due_state(line.due)
     runs = link(str(line.runs), "/runs", manufacturer=line.manufacturer, model=line.model,
                 serial=line.serial)  # fmt: skip
     return facts(
-        [
-            (message("pages-unit-column.manufacturer"), line.manufacturer),
-            (message("pages-unit-column.model"), line.model),
-            (message("pages-unit-column.serial"), line.serial),
-            (message("pages-unit-column.runs"), runs),
-            (message("pages-unit-column.last-run"), str(line.last_run or "–")),
-            (message("pages-unit-column.certificate"), line.certificate),
-            (message("pages-unit-column.verdict"), badge(_verdict(line), view)),
-            (
-                message("pages-unit-column.due"),
-                dmc.Group([dmc.Text(str(line.due or "–")), badge(due, view)], gap="xs"),
+        {
+            "pages-unit-column.manufacturer": line.manufacturer,
+            "pages-unit-column.model": line.model,
+            "pages-unit-column.serial": line.serial,
+            "pages-unit-column.runs": runs,
+            "pages-unit-column.last-run": str(line.last_run or "–"),
+            "pages-unit-column.certificate": line.certificate,
+            "pages-unit-column.verdict": badge(decision_state(line.verdict), view),
+            "pages-unit-column.due": dmc.Group(
+                [dmc.Text(str(line.due or "–")), badge(due, view)], gap="xs"
             ),
-        ],
+        },
         view,
     )
 
 
 def _advice(shown: UnitShown, view: View) -> Component:
     sentence = view.say(shown.advice or shown.why_no_advice or "")
-    name = dmc.Text(view.say(message("pages-unit-interval")), size="xs", c="dimmed")
+    name = dmc.Text(view.text("pages-unit-interval"), size="xs", c="dimmed")
     return dmc.Box([name, dmc.Text(sentence, size="sm")])
 
 
 def _choice(shown: UnitShown, view: View) -> Component:
     titles = {each.item: view.say(each.title) for each in shown.elements}
-    return dmc.Select(
-        id=asks("item", shown.item), label=view.say(message("pages-unit-item")),
-        data=[{"value": item, "label": title} for item, title in titles.items()],
-        value=shown.item, allowDeselect=False, searchable=True, maw=480,
-    )  # fmt: skip
+    items = [{"value": item, "label": title} for item, title in titles.items()]
+    return dmc.Box(choice("item", "pages-unit-item", items, shown.item, view), maw=480)
 
 
 def _history(shown: UnitShown, view: View) -> list[Component]:
     of_item = [each for each in shown.elements if each.item == shown.item]
+    scales = _scales(shown.elements)
     if shown.limits_of:
         limits = message("pages-unit-limits.certificate", certificate=shown.limits_of)
     elif shown.limits_by:
@@ -136,98 +123,113 @@ def _history(shown: UnitShown, view: View) -> list[Component]:
     else:
         limits = message("pages-unit-limits.none")
     return [
-        dmc.Text(view.say(limits), size="sm", c="dimmed"),
-        picture("unit-history", history_figure(of_item, view)),
-        _heading("drift", view),
-        dmc.Text(view.say(message("pages-unit-drift-about")), size="sm", c="dimmed"),
-        _drifts(shown, view),
-        _heading("adjustments", view),
-        _adjustments(of_item, view),
+        note(view.say(limits)),
+        picture("unit-history", history_figure(of_item, view, scales)),
+        heading("pages-unit-heading.drift", view),
+        note(view.text("pages-unit-drift-about")),
+        _drifts(shown, view, scales),
+        heading("pages-unit-heading.adjustments", view),
+        _adjustments(of_item, view, scales),
     ]
 
 
-def _heading(name: str, view: View) -> Component:
-    return dmc.Title(view.say(message(f"pages-unit-heading.{name}")), order=3, mt="sm")
+def _scales(elements: Sequence[ElementHistory]) -> Scales:
+    """One unit for all lengths of the page, and one for all rates."""
+    return common_scales(
+        (size, of.unit)
+        for of in elements
+        for size in (of.value, of.U, of.lower, of.upper, *(each.value for each in of.readings))
+    )
 
 
-def _drifts(shown: UnitShown, view: View) -> Component:
-    names = ("item", "symbol", "value", "limits", "drift", "readings", "state")
-    headings = [message(f"pages-unit-drift.{name}") for name in names]
-    return table(headings, [_element(each, view) for each in shown.elements], view)
+def _drifts(shown: UnitShown, view: View, scales: Scales) -> Component:
+    names = "item symbol value limits drift readings state"
+    rows = [_element(each, view, scales.get(each.unit)) for each in shown.elements]
+    return table("pages-unit-drift", names, rows, view)
 
 
-def _element(of: ElementHistory, view: View) -> tuple[Any, ...]:
+def _element(of: ElementHistory, view: View, scale: Scale | None) -> tuple[Any, ...]:
     found = of.drift
     return (
         view.say(of.title),
         of.symbol,
-        None if of.value is None else quantity(of.value, of.U, of.unit),
-        _limits(of),
-        found and quantity(found.per_year, found.U, of.unit),
+        None if of.value is None else quantity(of.value, of.U, of.unit, scale),
+        _limits(of, scale or Scale(1.0, 0, of.unit)),
+        found and quantity(found.per_year, found.U, of.unit, scale),
         found and str(found.readings),
         badge(_drift_state(found), view),
     )
 
 
-def _limits(of: ElementHistory) -> str | None:
+def _limits(of: ElementHistory, scale: Scale) -> str | None:
     if of.lower is None and of.upper is None:
         return None
     lower, upper = (
-        None if edge is None else exact(float(f"{edge:.9g}")) for edge in (of.lower, of.upper)
+        None if edge is None else exact(float(f"{edge * scale.factor:.9g}"))
+        for edge in (of.lower, of.upper)
     )
-    unit = "" if of.unit == "1" else f" {unit_text(of.unit)}"
+    unit = "" if scale.unit == "1" else f" {unit_text(scale.unit)}"
     return interval_text(lower, upper) + unit
 
 
 def _drift_state(found: DriftRate | None) -> StepState:
     if found is None:
-        return StepState(message("pages-unit-drifts.open"), "none")
+        return stated("pages-unit-drifts.open", "none")
     drifts = abs(found.per_year) > found.U
-    return StepState(message(f"pages-unit-drifts.{'yes' if drifts else 'no'}"),
-                     "open" if drifts else "good")  # fmt: skip
+    words = f"pages-unit-drifts.{'yes' if drifts else 'no'}"
+    return stated(words, "open" if drifts else "good")
 
 
-def _adjustments(of_item: list[ElementHistory], view: View) -> Component:
+def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> Component:
+    def text(of: ElementHistory, one: Reading) -> str | None:
+        scale = scales.get(of.unit)
+        return None if one.value is None else quantity(one.value, one.U, of.unit, scale)
+
     rows = [
         (
             str(each.left.day),
             element.symbol,
-            each.found.value is not None and quantity(each.found.value, each.found.U, element.unit),
-            each.left.value is not None and quantity(each.left.value, each.left.U, element.unit),
+            text(element, each.found),
+            text(element, each.left),
             link(each.found.run, "/run", id=each.found.run),
             link(each.left.run, "/run", id=each.left.run),
         )
         for element in of_item
         for each in element.adjustments
     ]
-    if not rows:
-        return dmc.Text(view.say(message("pages-unit-not-adjusted")), size="sm")
-    names = ("day", "symbol", "found", "left", "run-found", "run-left")
-    headings = [message(f"pages-unit-adjustment.{name}") for name in names]
-    return table(headings, [tuple(cell or None for cell in row) for row in rows], view)
+    return table(
+        "pages-unit-adjustment",
+        "day symbol found left run-found run-left",
+        rows,
+        view,
+        none="pages-unit-not-adjusted",
+    )
 
 
-def history_figure(elements: Sequence[ElementHistory], view: View) -> Figure:
+def history_figure(elements: Sequence[ElementHistory], view: View, scales: Scales) -> Figure:
     """Values with U over the years, limits dotted; as left and invalid in their own colours."""
     down = -(-len(elements) // ACROSS)
     axes: dict[str, Any] = {}
-    traces, shapes = [], []
+    traces, shapes, titles = [], [], []
     shown: set[AsMeasured] = set()
     for number, element in enumerate(elements):
         end = "" if number == 0 else str(number + 1)
         axes |= _axes(number, down, end, element)
-        shapes += [_limit(edge, end) for edge in (element.lower, element.upper) if edge is not None]
+        scale = scales.get(element.unit) or Scale(1.0, 0, element.unit)
+        titles.append(_title(number, down, element.symbol, scale.unit))
+        edges = [edge for edge in (element.lower, element.upper) if edge is not None]
+        shapes += [_limit(edge * scale.factor, end) for edge in edges]
         for state in COLORS:
             of = [
                 each for each in element.readings if each.state == state and each.value is not None
             ]
             if of:
-                traces.append(_points(of, state, end, state not in shown, view))
+                traces.append(_points(of, state, end, state not in shown, view, scale.factor))
                 shown.add(state)
     return figure(
         traces, view, 90 + PANEL_PX * down, shapes=shapes, showlegend=True,
         legend={"orientation": "h", "y": 1.0, "yref": "container", "yanchor": "top", "x": 0},
-        annotations=[_title(number, down, each) for number, each in enumerate(elements)],
+        annotations=titles,
         margin={"t": 60, "r": 15, "l": 65, "b": 35}, **axes,
     )  # fmt: skip
 
@@ -251,28 +253,30 @@ def _axes(number: int, down: int, end: str, element: ElementHistory) -> dict[str
     }  # fmt: skip
 
 
-def _title(number: int, down: int, element: ElementHistory) -> dict[str, Any]:
+def _title(number: int, down: int, name: str, unit: str) -> dict[str, Any]:
     x, y = _domains(number, down)
-    unit = "" if element.unit == "1" else f" ({unit_text(element.unit)})"
     return {
-        "text": f"{element.symbol}{unit}", "x": x[0], "y": y[1], "xref": "paper", "yref": "paper",
+        "text": name if unit == "1" else f"{name} ({unit_text(unit)})",
+        "x": x[0], "y": y[1], "xref": "paper", "yref": "paper",
         "xanchor": "left", "yanchor": "bottom", "showarrow": False,
     }  # fmt: skip
 
 
 def _points(
-    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, view: View
-) -> Figure:
+    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, view: View,
+    factor: float,
+) -> Figure:  # fmt: skip
     return {
         "type": "scatter", "mode": "markers", "xaxis": f"x{end}", "yaxis": f"y{end}",
-        "x": [str(each.day) for each in readings], "y": [each.value for each in readings],
-        "error_y": {"type": "data", "array": [each.U or 0.0 for each in readings], "width": 0,
-                    "thickness": 1},
+        "x": [str(each.day) for each in readings],
+        "y": [(each.value or 0.0) * factor for each in readings],
+        "error_y": {"type": "data", "array": [(each.U or 0.0) * factor for each in readings],
+                    "width": 0, "thickness": 1},
         "marker": {"color": COLORS[state], "symbol": SYMBOLS[state], "size": 5},
         "customdata": [each.run for each in readings],
         "text": [f"{each.run}, {each.station or '–'}" for each in readings],
         "hovertemplate": "%{x}: %{y:.6g}<br>%{text}<extra></extra>",
-        "name": view.say(message(f"pages-unit-state.{state}")), "legendgroup": state,
+        "name": view.text(f"pages-unit-state.{state}"), "legendgroup": state,
         "showlegend": in_legend,
     }  # fmt: skip
 

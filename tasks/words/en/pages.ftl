@@ -16,6 +16,9 @@ pages-role =
     .issuer = issuer
     .administrator = administrator
 pages-times = Times: { $zone } (UTC{ $offset })
+pages-asking =
+    .yes = Yes
+    .no = No
 pages-no-such-page = Page not found
 pages-not-answered = This request cannot be answered
 pages-failed = Internal error of the pages
@@ -84,6 +87,7 @@ pages-run-state =
     .finishing = finishing
     .done = done
     .stopped = stopped
+pages-run-undecided = Why the certificate is inconclusive
 pages-items-limits = Limits and verdicts are taken from certificate { $certificate }.
 pages-items-no-limits = No certificate prints this result yet, so no limits are shown.
 pages-items-column =
@@ -177,13 +181,21 @@ pages-distribution =
 pages-do = Do
     .about = Orders permitted for your role; each one is recorded in the audit trail
 pages-do-nothing = Your role may view the pages but give no orders; the table below shows which roles may.
-pages-do-nobody = No user has a password in this home yet, so the pages are read-only: run `mimucal user add NAME --role administrator` and log in to give orders here.
+pages-do-nobody = No user has a password in this home yet, so the pages are read-only. Ask whoever installed the program to add users.
 pages-do-no-order = No orders yet.
 pages-roles = { $roles }
 pages-do-roles = Permissions by order
 pages-do-queue = Queue of the stations
 pages-do-orders = Other orders given here since the server started
 pages-do-refused = Refused
+pages-do-busy = Being carried out …
+pages-do-limits = { $passed } pass, { $failed } fail, { $open } inconclusive
+pages-do-step =
+    .draft = Drafted
+    .check = Checked
+    .issue = Issued
+pages-do-pdf = Open the PDF
+pages-do-withdraw = Withdraw certificate { $certificate }? This cannot be undone, and its client has to be informed.
 pages-do-done = { $action }: { $subject }
 pages-do-field =
     .station = Station
@@ -292,7 +304,7 @@ pages-quality-golden-state =
     .within = in control
 pages-quality-chart = Control chart
 pages-quality-stations = Comparison of stations
-pages-quality-counted = { $runs } runs: { $first } first runs and { $retests } retests. Of the first runs, { $invalid } are invalid and count as not passed; { $undecided } are valid but have no certificate or draft and are not counted. { $golden ->
+pages-quality-counted = { $runs } runs: { $first } first runs and { $retests } retests. Of the first runs, { $passed } passed, { $failed } failed, { $inconclusive } are inconclusive or lack elements and { $invalid } are invalid; all but those that passed count as not passed. { $undecided } are valid but have no certificate or draft and are not counted. { $golden ->
     [0] {""}
    *[other] Runs of golden units, which are no production: { $golden }.
 }
@@ -321,12 +333,14 @@ pages-quality-fact =
 pages-quality-about =
     .capability = Valid first runs in chronological order. Cp and Cpk are based on moving ranges of successive values, Pp and Ppk on their overall standard deviation.
     .margin = The margin is the distance of a value from its nearer limit; at 100 % it equals U.
+    .few = No index of { $count } values: at least { $fewest } are needed for an interval that can be acted on.
+    .one-station = Not determined: no unit of this model was run on two stations in this period.
     .no-limits = No certificate defines limits for this value, so there are no indices.
     .one-sided = The limit is one-sided: Cpk and Ppk refer to it, and Cp and Pp are undefined.
     .limits-vary = Certificates in this selection print different limits; the latest ones are used here.
     .chart-value = { $count } valid runs including retests, in chronological order. Click a point to open its run.
     .chart-change = { $count } valid runs, each minus the previous run of the same unit, excluding steps across an adjustment: constant differences between units cancel. Click a point to open its run.
-    .failing = Limits that the first runs do not pass, and invalid runs, the most frequent first ({ $shown } of { $count }). A run counts once for each limit that it does not pass.
+    .failing = Limits that the first runs do not pass, reasons for which a certificate decides on nothing, and invalid runs, the most frequent first ({ $shown } of { $count }). A run counts once for each of them.
     .golden = What each station reads of the golden units (quality.toml), against the mean and moving ranges of their own first { $most } values there; with fewer than { $fewest } there are no limits yet.
     .stations = Deviation of a station from the mean of the mutually consistent stations, estimated from units that moved between stations in this period, over all units of the model. U (k = 2) follows from the scatter between units.
 pages-quality-broken = violates a rule
@@ -455,8 +469,8 @@ pages-due-heading =
     .equipment = Equipment of the laboratory
 pages-due-none =
     .clients = No client has a unit due.
-    .messages = No messages have been sent yet; `mimucal remind` sends them to the clients listed in recall.toml.
-    .equipment = The equipment register is empty; add standards with `mimucal equipment add`.
+    .messages = No messages have been sent yet; an administrator sets up which clients get them.
+    .equipment = The equipment register is empty; an administrator adds standards.
 pages-due-column =
     .name = Unit
     .client = Client
@@ -491,10 +505,15 @@ pages-due-standard =
 pages-mismatch = Mismatch
     .about = Physics missing from the model: on which station, unit and model, since when, and which certificates are affected
 pages-mismatch-review = Findings common to many runs
-pages-mismatch-no-review = No review has been made in this home yet; run `mimucal review` and it will appear here.
+pages-mismatch-no-review = No review over many runs has been made in this home yet. Ask an administrator for one; it will appear here.
 pages-mismatch-own = Findings of single runs
 pages-mismatch-runs = Explained runs, latest first
-pages-mismatch-explained = { $explained } of { $runs } runs explained; `mimucal explain RUN` adds one.
+pages-mismatch-explained = { $explained } of { $runs } runs explained. { $invalid ->
+    [0] {""}
+    [one] One of these is invalid; its findings are listed below and counted for no effect.
+   *[other] { $invalid } of these are invalid; their findings are listed below and counted for no effect.
+}
+pages-mismatch-clear = { $z } times its standard deviation (median)
 pages-mismatch-all = all
 pages-mismatch-asked =
     .effect = Effect
@@ -510,6 +529,7 @@ pages-mismatch-fact =
     .until = Until
     .shown = Runs that favour it
     .sizes = Size (k = 2)
+    .clear = In a single run
     .moved = Largest change, in U
 pages-mismatch-verdict =
     .no-mismatch = no mismatch
@@ -545,11 +565,35 @@ pages-mismatch-column =
     .day = Recorded
     .station = Station
     .unit = Unit
+    .validity = Run validity
     .verdict = Result
-    .findings = Findings
+    .findings = Findings (share of the run's mismatch)
     .report = Report
 pages-mismatch-recordings = { $count ->
     [one] { $count } named recording
    *[other] { $count } named recordings
 }
 pages-mismatch-report = open
+
+## Why something was not done, as the pages show it.
+
+cause-none =
+    .run = There is no run { $name }.
+    .unit = There is no unit { $name }.
+    .certificate = There is no certificate { $name }.
+    .file = There is no file { $name } for this.
+    .choice = There is no { $name }; there are: { $known }
+cause-several-runs = { $name } means { $count } runs: give the id of one.
+cause-empty = “{ $field }” is empty.
+cause-may = Your role does not allow “{ $action }”; these do: { $roles }
+cause-person =
+    .draft = { $person } took a step of { $number } already, so another person must draft it.
+    .check = { $person } took a step of { $number } already, so another person must check it.
+    .issue = { $person } took a step of { $number } already, so another person must issue it.
+cause-state =
+    .earlier = { $number } was drafted by an earlier version: draft a certificate of its run again.
+    .draft = { $number } is a draft: it has to be checked first.
+    .checked = { $number } is checked and not issued: issuing comes next.
+    .issued = { $number } is issued already: amend it instead.
+    .amended = { $number } is amended: take the certificate that replaced it.
+    .withdrawn = { $number } is withdrawn: draft a certificate of its run again.

@@ -15,7 +15,7 @@ reminder-advice =
     .shorten = { $unit }: within its limits after { $conforming } of { $intervals } intervals. 95 % reliability lasts { $days } days (between { $shortest } and { $longest } with 90 % probability), less than the agreed { $agreed } days: shorten them.
     .may-be-longer = { $unit }: within its limits after { $conforming } of { $intervals } intervals. 95 % reliability lasts { $days } days (between { $shortest } and { $longest } with 90 % probability), more than the agreed { $agreed } days: they may be longer, up to { $shortest }.
 reminder-no-advice =
-    .none = The interval of “{ $serial }” needs issued certificates of one unit with the day of calibration; there is none: see `mimucal table certificates`.
-    .several = The interval of “{ $serial }” needs issued certificates of one unit with the day of calibration; there are some of { $units }: see `mimucal table certificates`.
+    .none = The interval of “{ $serial }” needs issued certificates of one unit with the day of calibration; there is none.
+    .several = The interval of “{ $serial }” needs issued certificates of one unit with the day of calibration; there are some of { $units }.
     .not-agreed = Certificate { $certificate } has no recalibration date to start from: agree on one in the order (recalibration_agreed = true).
 alert-title = mimucal: something needs attention

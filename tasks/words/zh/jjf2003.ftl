@@ -14,9 +14,9 @@ jjf2003-positions-scatter = 各位置与模型的偏差超过噪声（{ $channel
 jjf2003-latitude-unknown = 扣除地球自转的值：未给出纬度
 jjf2003-horizontal-unknown = 扣除地球自转的非对角元：{ $ups } 仅在一个方位测量，水平分量未知
 jjf2003-earth-rotation-present = { $shown }。按式(7)，g 敏感系数对角元含地球自转 { $rate } (°/s)/g（纬度 { $latitude }°）；旁列扣除后的值。
-jjf2003-earth-rotation-not-visible = { $shown }。静止于地球上的器件，按式(7)对角元应含 { $rate } (°/s)/g（纬度 { $latitude }°）；旁列扣除后的值。
+jjf2003-earth-rotation-not-visible = { $shown }。静止于地球上的被校对象，按式(7)对角元应含 { $rate } (°/s)/g（纬度 { $latitude }°）；旁列扣除后的值。
 jjf2003-earth-rotation-not-shown = { $shown }。“扣除地球自转的值”仍从对角元扣除 { $rate } (°/s)/g（纬度 { $latitude }°），即按随地球转动的装置处理。对仿真或已补偿的数据不得使用，否则重复扣除；此时应使用式(7)的值。
-jjf2003-earth-rotation-odd = { $shown }。静止于地球上的器件，按式(7)对角元应含 { $rate } (°/s)/g（纬度 { $latitude }°）；旁列扣除后的值。
+jjf2003-earth-rotation-odd = { $shown }。静止于地球上的被校对象，按式(7)对角元应含 { $rate } (°/s)/g（纬度 { $latitude }°）；旁列扣除后的值。
 
 jjf2003-no-line = { $axes }：式(4)要求绕该轴至少两个恒定角速率
 jjf2003-line-scatter = 绕 { $axis } 轴转动时，各点对式(4)直线的离散超过噪声（{ $channels } 倍），不确定度已按此放大。

@@ -50,7 +50,7 @@ locate-rate-steady = 角速率恒定时
 locate-rate-changing = 角速率变化时
 
 locate-time = 时间
-locate-unit-temperature = 器件温度
+locate-unit-temperature = 被校对象温度
 locate-air-temperature = 环境温度
 locate-air-humidity = 湿度
 locate-air-supply_voltage = 电源电压

@@ -1,7 +1,7 @@
 ## 多次测量共同表明的内容。
 
 review-carrier =
-    .unit = 器件 { $name }
+    .unit = 被校对象 { $name }
     .lot = 批次 { $name }
     .station = 工位 { $name }
     .model = 型号 { $name }
@@ -11,7 +11,7 @@ review-carried = { $carrier } 的{ $runs ->
        *[other] 各次
     }测量中存在{ $effect }
 review-summary = 这些测量中发现 { $count } 项效应：{ $findings }
-review-nothing = { $stations } 个工位上 { $units } 台器件的 { $runs } 次测量，除偶然因素或器件之间的分散所能造成者外，未见共同之处（{ $p }，已按全部检验次数修正；100 个无异常的机群中会有 1 个误报）
+review-nothing = { $stations } 个工位上 { $units } 台被校对象的 { $runs } 次测量，除偶然因素或被校对象之间的分散所能造成者外，未见共同之处（{ $p }，已按全部检验次数修正；100 个无异常的机群中会有 1 个误报）
 review-evidence = { $runs ->
         [1] 1 次测量的 χ² = { $gain }；该效应为其自身标准偏差的 { $z } 倍，该次测量{ $shown ->
             [0] 不倾向于存在该效应
@@ -26,7 +26,7 @@ review-changed =
     .since-certain = 自测量 { $run }（{ $at }；概率 95 % 以上）起存在
     .until-certain = 至测量 { $run }（{ $at }；概率 95 % 以上）为止存在
 review-deciding-run =
-    .unit = 这些测量无法区分{ $unit }与{ $station }：将该器件置于另一工位，或将另一器件置于该工位测量一次，即可区分
+    .unit = 这些测量无法区分{ $unit }与{ $station }：将该被校对象置于另一工位，或将另一被校对象置于该工位测量一次，即可区分
     .other = 这些测量无法区分{ $carrier }与{ $other }：仅涉及其中之一的一次测量即可区分
 review-touches = 依据这些测量的 { $looked } 份证书中有 { $count } 份所载数值受其影响；影响最大的是 { $certificate }：{ $element }改变 { $times } U
 review-touches-none = 依据这些测量的证书（{ $looked } 份）所载数值改变均不超过 0.05 U

@@ -1,4 +1,4 @@
-## 记录各段的检查。$segment：段名；$channel：器件数据列。
+## 记录各段的检查。$segment：段名；$channel：被校对象数据列。
 
 validity-position-contradicted = { $segment }：标注 { $label } 朝天，但 accel_{ $axis } 读数为 { $reading } m/s²：{ $shown ->
         [none] 无任何轴在读数 10° 以内，未取用

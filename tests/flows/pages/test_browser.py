@@ -84,8 +84,8 @@ def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
     page.wait_for_selector(".ag-cell a")
     stopped.set()
     page.click("header a >> nth=0")
-    page.wait_for_selector("#notice:has-text('it was stopped')")
+    page.wait_for_selector(".notice:has-text('it was stopped')")
     stopped.clear()
-    page.wait_for_selector("#notice", state="detached")
+    page.wait_for_selector(".notice", state="detached")
     page.wait_for_selector("#page h3")
     assert faults == []

@@ -51,7 +51,7 @@ def page(kept: tuple[Home, str], faults: list[str]) -> Iterator[Any]:
 def test_quality_is_filtered_and_a_point_of_its_chart_opens_its_run(page, faults) -> None:
     page.click("header a:has-text('Quality')")
     for choice, chosen in (("model", "MX-120"), ("station", "ST-02")):
-        page.click(f"#quality-{choice}")
+        page.click(f"""[id*='"asks":"{choice}"']""")
         page.click(f"[role=option]:has-text('{chosen}') >> visible=true")
         page.wait_for_url(f"**{choice}={chosen}**")
         page.reload()  # the address keeps what was chosen; a page that changes closes its lists
@@ -78,7 +78,7 @@ def test_discrepancy_leads_from_the_station_to_its_runs_and_from_an_effect_to_it
     page.wait_for_selector(f"table a:has-text('{kept[1]}')")
     rows = page.locator("#page tbody tr").all_inner_texts()
     assert all("mismatch, explained" in row for row in rows)
-    page.click(".carried a:has-text('the runs') >> nth=0")
+    page.click(".carried a:has-text('show runs') >> nth=0")
     page.wait_for_url("**/runs?station=ST-01&since=2025-01-05")
     page.wait_for_selector(".ag-cell a")
     stations = page.locator(".ag-cell[col-id=station]").all_inner_texts()

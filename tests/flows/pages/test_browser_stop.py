@@ -10,13 +10,20 @@ import pytest
 
 from flows.pages import access
 from schemas.access import Visitor
+from schemas.stop import StopRequest
 from storage.home import Home
+from storage.station_stop import lock_out, lockout_of
 from tests.pages_server import served
 from tests.tasks.station.sample_stations import sample
 from tests.watched_page import watched_page
 
 pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 RENEWALS_S = 2.5  # within which the page is asked for again
+PRESSED, FAR_PX = (".release", ".stop"), 60
+SMALL = """() => [...document.querySelectorAll('button, .mantine-Input-input, .header-link')]
+    .filter((each) => each.offsetParent && !each.closest('.mantine-Input-section'))
+    .map((each) => [each.textContent, each.getBoundingClientRect().height])
+    .filter(([, height]) => height < 44)"""  # px
 
 
 @pytest.fixture(scope="module")
@@ -30,10 +37,12 @@ def faults() -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def page(
-    tmp_path_factory: pytest.TempPathFactory, pressed_at: list[Any], faults: list[str]
-) -> Iterator[Any]:
-    home = Home(tmp_path_factory.mktemp("stop"))
+def home(tmp_path_factory: pytest.TempPathFactory) -> Home:
+    return Home(tmp_path_factory.mktemp("stop"))
+
+
+@pytest.fixture(scope="module")
+def page(home: Home, pressed_at: list[Any], faults: list[str]) -> Iterator[Any]:
     (home.path / "stations").mkdir()
     for id_ in ("S1", "S.2 <b>"):
         fields = sample("mimucal")
@@ -60,6 +69,33 @@ def test_one_press_stops_that_station_and_says_what_became_of_it(page, pressed_a
     assert [each[:2] for each in pressed_at] == [("S.2 <b>", "Wang")]
     time.sleep(RENEWALS_S)
     assert page.locator("text=the table's cable is out").count() == 1  # and it stays
+    assert faults == []
+
+
+def test_release_is_asked_and_everything_is_large_enough_for_a_glove(page, home, faults) -> None:
+    request = StopRequest(key="k", station="S1", by="Li", at=datetime.now(UTC))
+    lock_out(request, home)
+    page.wait_for_selector(".release")
+    boxes = [page.locator(f".station:has-text('S1') {one}").bounding_box() for one in PRESSED]
+    release, stop = (box["y"] for box in boxes)
+    assert stop - release - boxes[0]["height"] > FAR_PX
+    page.click(".release")
+    page.click(".asking .no")
+    assert page.locator(".release").count() == 1
+    page.click(".release")
+    page.wait_for_selector(".asking >> text=Is nobody within reach of the table of S1?")
+    page.wait_for_timeout(1000 * RENEWALS_S)  # the question stays, and Stop can be pressed
+    assert page.locator(".stop >> nth=0").is_enabled()
+    page.click(".asking .yes")
+    page.wait_for_selector(".release", state="detached")
+    assert lockout_of("S1", home) is None
+    for path in ("line", "do"):
+        page.goto(f"{page.url.rsplit('/', 1)[0]}/{path}")
+        page.wait_for_selector("#page h2")
+        page.wait_for_timeout(500)
+        assert page.evaluate(SMALL) == []
+    page.goto(f"{page.url.rsplit('/', 1)[0]}/line")
+    page.wait_for_selector(".stop >> nth=1")
     assert faults == []
 
 

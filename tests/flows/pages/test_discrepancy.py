@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import time
 from datetime import UTC, date, datetime
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from schemas.discrepancy import (
     ReportedFinding,
 )
 from schemas.review import (
+    Carrier,
     KeptReview,
     Moment,
     PooledEvidence,
@@ -30,10 +32,11 @@ from schemas.review import (
     ReviewFinding,
     Touched,
 )
-from schemas.text import Statement
+from schemas.text import Remark, Statement
 from storage import dataframes, last_review
-from storage.catalogue import discrepancies, run_index
+from storage.catalogue import discrepancies, results, run_index, runs
 from storage.home import Home
+from tests.drafts import calibration_of, recording_of
 from tests.proof.line.draw import Line
 
 ANSWER = Statement(en="Said.", zh="说。")
@@ -195,6 +198,49 @@ def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: 
         found = data(EVERYTHING, place)
         json.loads(found.model_dump_json(), parse_constant=pytest.fail)
         assert PAGE.layout(found, View(language), EVERYTHING).to_plotly_json()
+
+
+def test_an_invalid_run_is_marked_and_its_findings_count_for_no_effect(tmp_path: Path) -> None:
+    home, invalid = Home(tmp_path), Remark(en="Said.", zh="说。", code="clock", run="invalid")
+    for serial, changes in (("1", {}), ("2", {"remarks": (invalid,)})):
+        run, _ = runs.add(recording_of(serial), home)
+        results.save(calibration_of(run, **changes), home)
+        at = datetime(2026, 11, 1, tzinfo=UTC)
+        discrepancies.keep(run, discrepancy("axis_tilt"), "<p>", at, home)
+    shown = data(EVERYTHING, home)
+    (tilt,) = shown.effects
+    assert [(unit.name, unit.model, unit.shown, unit.of) for unit in tilt.by_unit] == [
+        ("1", "U", 1, 1)
+    ]
+    assert {run.serial: run.validity for run in shown.newest} == {"1": "valid", "2": "invalid"}
+    text = str(PAGE.layout(shown, View(), EVERYTHING).to_plotly_json())
+    assert "One of these is invalid" in text
+    assert "state state-bad" in text
+
+
+def test_a_carrier_stands_once_with_all_its_effects_and_what_to_do(
+    home: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = review("unit", "MX-110 SN0001", "2025-01-05T20:00:00+00:00")
+    (finding,) = kept.review.findings
+    lever = finding.model_copy(update={
+        "effect": "lever_arm", "statement": Statement(en="χ² = 860778", zh="χ² = 860778"),
+        "alternatives": (Carrier(level="station", carrier="ST-01", delta_bic=1.0),),
+    })  # fmt: skip
+    both = kept.review.model_copy(update={"findings": (finding, lever)})
+    last_review.keep(kept.model_copy(update={"review": both}), home)
+    monkeypatch.setenv("TZ", "Asia/Shanghai")
+    time.tzset()
+    text = str(PAGE.layout(data(EVERYTHING, home), View(), EVERYTHING).to_plotly_json())
+    monkeypatch.undo()
+    time.tzset()
+    assert text.count("Unit MX-110 SN0001") == 1
+    assert "860778" not in text
+    assert "3 times its standard deviation" in text
+    assert "a run of the unit on another station would" in text
+    assert "put a level on the table base" in text
+    assert "'Since'" in text
+    assert "2025-01-06 (95 %" in text  # where the pages are served
 
 
 def test_the_report_of_a_run_is_given_as_it_was_kept(home: Home) -> None:

@@ -1,23 +1,28 @@
 """Orders given on the pages: by role, by the rules of the command line, and in the trail."""
 
 import subprocess
+import time
+from datetime import UTC, datetime
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from flows.pages.do.layout import answer, data, layout, step_answer
+from flows.pages.do.layout import answer, chosen, data, layout, step_answer
 from flows.pages.do.models import DoQuestion
 from flows.pages.do.orders import FIELDS, Orders
 from flows.pages.page import View
 from schemas.access import MAY, ROLES, Action, Role, Visitor
 from schemas.base import Unusable
-from storage.catalogue import trail
+from storage.catalogue import orders, trail
 from storage.home import Home
-from tests.drafts import draft
+from storage.station_lock import one_run_on, write_status
+from tests.drafts import UNDECIDED, draft
 from tests.flows.order_homes import CLIENT, add_station, no_workers
+from tests.flows.pages.test_line import ordered, status
 
+EVENING = datetime(2026, 11, 27, 17, 30, tzinfo=UTC)  # half past one of the next day in Shanghai
 STATED: dict[Role, set[Action]] = {
     "viewer": set(),
     "operator": {"acquire", "reprocess", "certify", "amend", "stop"},
@@ -53,7 +58,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> Started:
 
 
 def test_each_role_may_do_what_is_stated_and_is_refused_all_else(tmp_path: Path) -> None:
-    orders = Orders(Home(tmp_path))
+    given = Orders(Home(tmp_path))
     for role, action in product(ROLES, MAY):
         visitor = Visitor(name="Wang", role=role)
         assert visitor.may(action) == (action in STATED[role])
@@ -64,7 +69,7 @@ def test_each_role_may_do_what_is_stated_and_is_refused_all_else(tmp_path: Path)
         if action == "reprocess" and not asked:
             continue  # an empty selection is every run
         with pytest.raises(Unusable) as refused:
-            orders.give(action, {}, visitor)
+            given.give(action, {}, visitor)
         assert ("may not do this" in str(refused.value)) == bool(asked)
     assert set(FIELDS) == set(MAY) - {"stop"}
     assert {entry.action.split()[0] for entry in trail.entries(Home(tmp_path))} == {"refuse"}
@@ -73,14 +78,14 @@ def test_each_role_may_do_what_is_stated_and_is_refused_all_else(tmp_path: Path)
 def test_three_persons_take_a_draft_to_its_number_and_the_trail_names_them(tmp_path: Path) -> None:
     home = Home(tmp_path)
     key = draft(home, "1").certificate.number
-    orders, form = Orders(home), {"certificate": key, "reason": "read again"}
+    given, form = Orders(home), {"certificate": key, "reason": "read again"}
     with pytest.raises(Unusable, match="another person must check"):
-        orders.give("check", form, Visitor(name="Wang", role="administrator"))
-    orders.give("check", form | {"by": "Somebody else"}, Visitor(name="Zhao", role="verifier"))
-    number = orders.give("issue", form, Visitor(name="Chen", role="issuer"))
+        given.give("check", form, Visitor(name="Wang", role="administrator"))
+    given.give("check", form | {"by": "Somebody else"}, Visitor(name="Zhao", role="verifier"))
+    number = given.give("issue", form, Visitor(name="Chen", role="issuer"))
     assert number.startswith("LAB-")
     withdraw = {"certificate": number, "reason": "wrong table"}
-    orders.give("withdraw", withdraw, Visitor(name="Chen", role="issuer"))
+    given.give("withdraw", withdraw, Visitor(name="Chen", role="issuer"))
     steps = [(entry.person, entry.action) for entry in trail.entries(home)]
     assert [step for step in steps if step[1] in ("check", "issue", "withdraw")] == [
         ("Zhao", "check"), ("Chen", "issue"), ("Chen", "withdraw")
@@ -93,9 +98,9 @@ def test_long_work_is_a_process_of_the_command_line_with_an_entry_in_the_trail(
 ) -> None:
     home = Home(tmp_path)
     draft(home, "1")
-    orders, operator = Orders(home), Visitor(name="Li", role="operator")
-    run = orders.give("certify", {"run": "run of 1"}, operator)
-    orders.give("reprocess", {"station": "T1", "out": "/etc", "since": "2026-01-01"}, operator)
+    given, operator = Orders(home), Visitor(name="Li", role="operator")
+    run = given.give("certify", {"run": "run of 1"}, operator)
+    given.give("reprocess", {"station": "T1", "out": "/etc", "since": "2026-01-01"}, operator)
     (first, environment), (second, _) = started.commands
     assert first[-3:] == ["certify", "--json", run]
     assert second[-4:] == ["reprocess", "--json", "--since=2026-01-01", "--station=T1"]
@@ -103,9 +108,9 @@ def test_long_work_is_a_process_of_the_command_line_with_an_entry_in_the_trail(
     assert [entry.action for entry in trail.entries(home)][-2:] == [
         "order certify", "order reprocess",
     ]  # fmt: skip
-    assert {each.state for each in orders.given()} == {"running"}
+    assert {each.state for each in given.given()} == {"running"}
     started.code = 2
-    assert {each.fault for each in orders.given()} == {"the reason, as one sentence"}
+    assert {each.fault for each in given.given()} == {"the reason, as one sentence"}
 
 
 @pytest.mark.parametrize(
@@ -155,7 +160,7 @@ def test_a_form_for_each_order_that_the_role_allows(tmp_path: Path) -> None:
     shown = data(DoQuestion(), home)
     assert [each.state for each in shown.certificates] == ["draft"]
     refused = answer("issue", {}, View(visitor=Visitor(name="Li", role="operator")), home)
-    assert "issue is for issuer and administrator" in str(refused)
+    assert "“Issue a certificate”; these do: issuer, administrator" in str(refused)
 
 
 def test_a_run_is_ordered_with_its_unit_and_waits_in_the_queue_of_its_station(
@@ -178,11 +183,61 @@ def test_a_run_is_ordered_with_its_unit_and_waits_in_the_queue_of_its_station(
     viewer = View(visitor=Visitor(name="Wu", role="viewer"))
     assert "Cancel" not in str(layout(shown, viewer, DoQuestion()))
     button = {"step": "cancel", "number": order.number}
-    assert "may not do this" in str(step_answer(button, viewer, home))
+    assert "Your role does not allow" in str(step_answer(button, viewer, home))
     step_answer(button, operator, home)
     assert [each.state for each in data(DoQuestion(), home).production] == ["cancelled"]
     step_answer({"step": "retry", "number": order.number}, operator, home)
     assert [each.state for each in data(DoQuestion(), home).production] == ["waiting"]
+
+
+def test_a_card_has_a_title_and_what_the_chosen_certificate_says_beside_its_button(
+    tmp_path: Path,
+) -> None:
+    home = Home(tmp_path)
+    number = draft(home, "1", decision=UNDECIDED).certificate.number
+    view = View(visitor=Visitor(name="Chen", role="administrator"))
+    shown = layout(data(DoQuestion(), home), view, DoQuestion())
+    titles = [part.children for part in parts(shown, "Title") if part.order == 4]
+    assert titles == [view.text(f"pages-action.{action}") for action in FIELDS]
+    (waits,) = parts(chosen("check", None, view, home), "Button")
+    assert waits.disabled
+    shown = chosen("check", number, view, home)
+    for part in ("Maker U 1", "Client", "Wang, 2026-11-21", "1 pass, 0 fail",
+                 "no limits are defined", f"/certificate/{number}.pdf"):  # fmt: skip
+        assert part.lower() in str(shown).lower()
+    assert "data-ask" not in str(shown)
+    (withdraws,) = parts(chosen("withdraw", number, view, home), "Button")
+    assert f"Withdraw certificate {number}?" in getattr(withdraws, "data-ask")
+
+
+def test_the_queue_says_how_far_an_order_is_and_local_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home, operator = Home(tmp_path), View(visitor=Visitor(name="Li", role="operator"))
+    orders.add([ordered("A-1").model_copy(update={"ordered_at": EVENING})], home)
+    orders.claim("A-1", home)
+    write_status(status(), home)
+    monkeypatch.setenv("TZ", "Asia/Shanghai")
+    time.tzset()
+    try:
+        with one_run_on("T1", home):
+            found = data(DoQuestion(), home)
+        shown = layout(found, operator, DoQuestion())
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+    assert "2026-11-28 01:30:00" in str(shown)
+    assert [bar.value for bar in parts(shown, "Progress")] == [25.0]
+    assert "data-busy" in str(shown)
+
+
+def parts(shown: Any, kind: str) -> list[Any]:
+    """The components of a kind, in their order."""
+    inside = getattr(shown, "children", None)
+    of = inside if isinstance(inside, (list, tuple)) else [inside]
+    own = [shown] if type(shown).__name__ == kind else []
+    laid_out = [part for part in of if hasattr(part, "to_plotly_json")]
+    return own + [each for part in laid_out for each in parts(part, kind)]
 
 
 def test_an_issued_certificate_is_amended_by_limits_of_the_home(
@@ -192,12 +247,12 @@ def test_an_issued_certificate_is_amended_by_limits_of_the_home(
     number = draft(home, "1").certificate.number
     (tmp_path / "tolerances").mkdir(exist_ok=True)
     (tmp_path / "tolerances" / "new.toml").write_text("", encoding="utf-8")
-    orders, operator = Orders(home), Visitor(name="Li", role="operator")
+    given, operator = Orders(home), Visitor(name="Li", role="operator")
     form = {"certificate": number, "reason": "--by", "tolerance": "new.toml"}
-    orders.give("amend", form, operator)
+    given.give("amend", form, operator)
     (command, environment) = started.commands[-1]
     limits = f"--tolerance={tmp_path / 'tolerances' / 'new.toml'}"
     assert command[-5:] == ["amend", "--json", number, "--why=--by", limits]
     assert environment["MIMUCAL_USER"] == "Li"
     with pytest.raises(Unusable, match=r"there are no limits '\.\./own.toml'"):
-        orders.give("amend", form | {"tolerance": "../own.toml"}, operator)
+        given.give("amend", form | {"tolerance": "../own.toml"}, operator)

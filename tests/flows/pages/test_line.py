@@ -14,7 +14,8 @@ import pytest
 from flows.pages import access, local_time
 from flows.pages.app import make_app
 from flows.pages.line import PAGE, flow_runs
-from flows.pages.line.card import KINDS
+from flows.pages.line.alarms import acknowledge
+from flows.pages.line.card import KINDS, card
 from flows.pages.line.data import SILENT, output
 from flows.pages.line.models import LineNow, LineQuestion, StationNow
 from flows.pages.page import View
@@ -23,10 +24,12 @@ from schemas.base import Unusable
 from schemas.production import ProductionOrder
 from schemas.recording import Unit
 from schemas.run_log import Alarm, RunStatus
+from schemas.stop import StopAnswer, StopRequest
 from storage.catalogue import database, orders, reminders, runs
 from storage.catalogue.connection import Busy
 from storage.home import Home
 from storage.station_lock import one_run_on, write_status
+from storage.station_stop import answer_stop, lock_out
 from tasks.station import anomalies
 from tasks.words import identifiers, known
 from tests.drafts import draft
@@ -316,6 +319,32 @@ def test_a_table_that_may_still_turn_is_said_so_until_a_later_run_begins(
     assert "emergency stop (Wang" not in shown(home)
 
 
+def test_release_stands_far_from_stop_and_is_asked_first(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    write_status(status(state="stopped", cause="the table tripped"), home)
+    request = StopRequest(key="k", station="T1", by="Li", at=datetime.now(UTC))
+    lock_out(request, home)
+    _, released, _, foot = card(only(home), VIEW).children
+    assert "data-release" in str(released)
+    assert "Is nobody within reach of the table of T1?" in str(released)
+    assert "data-release" not in str(foot)
+    assert "data-stop" in str(foot)
+    assert "At rest" not in shown(home)
+    answer_stop(StopAnswer(key="k", process=1, at_rest=True), home.locks, "T1")
+    assert "At rest: stopped by Li" in shown(home)  # whoever stopped it, and wherever
+
+
+def test_an_alarm_is_acknowledged_on_the_page_by_whoever_may_stop(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    write_status(status(state="stopped", cause="the table tripped"), home)
+    (alarm,) = line_of(home).alarms
+    assert f'"data-acknowledge": "{alarm.key}"' in shown(home)
+    assert "data-acknowledge" not in shown(home, View(visitor=Visitor(name="Wu", role="viewer")))
+    acknowledge(alarm, "Zhao", home)
+    assert "data-acknowledge" not in shown(home)
+    assert "Zhao, " in shown(home)
+
+
 def test_a_path_is_no_station_for_who_presses_stop(tmp_path: Path, station_file: Path) -> None:
     for unknown in (str(station_file), "NOWHERE"):
         answer = press(Home(tmp_path), unknown)
@@ -399,4 +428,4 @@ def test_a_server_that_does_not_answer_is_said_so(
     assert line.flows.fault
     assert "did not answer" in line.flows.fault
     (alarm,) = line.alarms
-    assert "PREFECT_API_AUTH_STRING" in alarm.todo.en
+    assert "administrator" in alarm.todo.en

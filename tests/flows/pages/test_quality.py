@@ -25,7 +25,7 @@ from storage import dataframes
 from storage.catalogue import certificates, results, run_index, users
 from storage.home import Home
 from tasks.quality.golden import FEWEST
-from tests.drafts import draft
+from tests.drafts import DECIDED, UNDECIDED, draft
 from tests.proof.line.draw import Line
 
 ELEMENT = {"item": "accel_rate_sensitivity", "element": "yz"}
@@ -177,16 +177,36 @@ def test_what_fails_is_counted_by_limit_and_adds_up(home: Home, shown: QualitySh
     counted, _ = visits(home, "MX-110")
     expected: Counter[tuple[str | None, str]] = Counter()
     invalid = _invalid(home)
-    expected[None, ""] = sum(run in invalid for run in counted)
+    expected[None, "Run invalid"] = sum(run in invalid for run in counted)
     papers = {entry.run: entry for entry in certificates.register(home)}
     for run in set(counted) - invalid:
         for each in certificates.record_of(papers[run], home).decision.limits:
             expected[each.item, each.element] += each.verdict != "pass"
-    found = {(e.item, e.element): e.failed + e.inconclusive for e in shown.failing}
+    of_limits = [each for each in shown.failing if each.item or each.title.en == "Run invalid"]
+    found = {(e.item, e.element or e.title.en): e.failed + e.inconclusive for e in of_limits}
     assert found == +expected
     sizes = [each.failed + each.inconclusive for each in shown.failing]
     assert sizes == sorted(sizes, reverse=True)
     assert not shown.failing or shown.failing[-1].cumulative == pytest.approx(1.0)
+
+
+def test_units_on_which_nothing_is_decided_count_with_their_reasons(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    for serial, decision in (("1", UNDECIDED), ("2", UNDECIDED), ("3", DECIDED)):
+        draft(home, serial, bias=0.1 * int(serial), decision=decision)
+    found = data(QualityQuestion(), home)
+    assert found.total is not None
+    assert (found.total.passed, found.total.of) == (1, 3)
+    assert (found.counted.passed, found.counted.inconclusive) == (1, 2)
+    assert [(e.title.zh, e.failed, e.inconclusive) for e in found.failing] == [
+        ("未提供该型号的允许限", 0, 2)
+    ]
+    assert "2 are inconclusive" in laid_out(found)
+    assert found.capability is not None
+    assert (found.capability.n, found.capability.cp.value) == (3, None)
+    assert "at least 10 are needed" in laid_out(found)
+    assert "no unit of this model was run on two stations" in laid_out(found)
+    assert "'name': 'quality-stations'" not in laid_out(found)
 
 
 @pytest.fixture(scope="module")

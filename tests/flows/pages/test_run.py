@@ -19,7 +19,7 @@ from schemas.base import Unusable
 from storage.catalogue import results, runs
 from storage.catalogue.run_index import find
 from storage.home import Home
-from tests.drafts import calibration_of, draft, recording_of
+from tests.drafts import UNDECIDED, calibration_of, draft, recording_of
 
 HOSTILE = "<img src=x onerror=alert(1)>\"'`{}\U0001f600../../" + "x" * 10_000
 
@@ -107,7 +107,18 @@ def test_a_certificate_is_given_as_it_is_kept_and_no_other_file(
         assert client.get(f"/certificate/{bad}.pdf").mimetype != "application/pdf"
 
 
+def test_a_run_says_why_its_certificate_is_inconclusive_though_every_limit_passes(
+    tmp_path: Path,
+) -> None:
+    draft(Home(tmp_path), "1", decision=UNDECIDED)
+    shown = data(RunQuestion(id="run of 1"), Home(tmp_path))
+    assert [limit.decision.verdict for e in shown.elements for limit in e.limits] == ["pass"]
+    page, _, _ = page_at("/run", "?id=run of 1", Home(tmp_path), View("zh"))
+    assert "证书无法判定的原因" in str(page)
+    assert "未提供该型号的允许限" in str(page)
+
+
 def test_a_run_that_is_not_there_is_a_sentence_on_the_page(store: Home) -> None:
     page, _, stays = page_at("/run", "?id=nothing", store, View("zh"))
-    assert "There is no run 'nothing'" in str(page)
+    assert "没有测量记录 nothing" in str(page)
     assert stays

@@ -8,7 +8,15 @@ from typing import get_args
 import pytest
 
 from flows.pages.page import View
-from flows.pages.runs import RunsQuestion, conditions_from, conditions_of, data, filter_model, row
+from flows.pages.runs import (
+    RunsQuestion,
+    columns,
+    conditions_from,
+    conditions_of,
+    data,
+    filter_model,
+    row,
+)
 from flows.pages.states import result_state, validity_state, verdict_state
 from schemas.base import Unusable
 from schemas.certificate import State
@@ -40,6 +48,15 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Home:
 
 def serials(home: Home, *conditions: Condition) -> list[str]:
     return sorted(run.serial for run in run_list(conditions, [], 0, 100, home)[1])
+
+
+def test_what_an_operator_looks_for_stands_within_the_width_of_a_tablet() -> None:
+    shown, width = [], 0
+    for column in columns(View()):
+        width += column["width"]
+        if width <= 780:
+            shown.append(column["field"])
+    assert {"id", "serial", "station", "validity", "verdict", "state"} <= set(shown)
 
 
 def test_nothing_that_failed_is_missing_or_invalid_is_good() -> None:

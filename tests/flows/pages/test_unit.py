@@ -1,6 +1,7 @@
 """The page of a unit: its numbers are the catalogue's, and its drift that of its values."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +93,15 @@ def test_an_adjustment_has_the_runs_before_and_after_it(home: Home, shown: UnitS
 def test_the_advice_is_that_of_the_command(home: Home, shown: UnitShown) -> None:
     assert shown.advice is not None
     assert shown.advice.en == say(sentence(*interval_advice("SN0000", home)), "en")
+
+
+def test_a_page_has_one_unit_for_lengths_one_for_rates_and_one_for_accelerations(
+    shown: UnitShown,
+) -> None:
+    page = str(PAGE.layout(shown, View(), UnitQuestion(id=1)).to_plotly_json())
+    cells = re.findall(r"TableTd\(children='[^']* ([^' ]+)'", page)
+    used = {cell for cell in cells if re.fullmatch(r"[mµn]?m|°/[hs]|[mµ]?m/s²", cell)}
+    assert used == {"mm", "°/s", "mm/s²"}
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])

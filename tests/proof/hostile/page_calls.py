@@ -16,7 +16,7 @@ from schemas.access import MAY, ROLES
 from tests.proof.hostile.attacked import PASSWORD, Attacked
 from tests.proof.hostile.browser import FORM, JSON, Answer, Browser, pressed
 
-NOT_DONE = ("may not do this", "cannot be answered")
+NOT_DONE = ("does not allow", "cannot be answered")
 
 
 @dataclass(frozen=True)

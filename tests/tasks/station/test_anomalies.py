@@ -28,7 +28,7 @@ def test_air_out_of_limits_in_a_measured_segment_blocks_a_pass():
     assert remark.en == (
         "The air temperature was 26.0 to 27.0 °C; the procedure allows 15–25 °C (in rest_x)."
     )
-    assert remark.zh == "环境温度为 26.0～27.0 °C，超出规程允许的 15–25 °C（rest_x）。"
+    assert remark.zh == "环境温度为 26.0～27.0 °C，超出校准程序允许的 15–25 °C（rest_x）。"
     assert remark.segments == ("rest_x",)
     assert remark.blocks_pass
 
