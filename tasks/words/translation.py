@@ -196,6 +196,8 @@ def cause_of(fault: BaseException | str) -> Statement:
     clauses_ = CLAUSE.split(PLACE.sub("", sentence))
     plain = takewhile(lambda clause: not OF_TERMINALS.search(clause), clauses_)
     shown = " ".join(plain).rstrip(":; ")
+    if shown.count("(") > shown.count(")"):  # the rest of it was not for a page
+        shown = shown.rpartition("(")[0].rstrip()
     other = texts(Message("station-cause.other"))
     words: dict[str, Any] = {**other, MAIN: shown or other[MAIN]}
     return Statement(**words)

@@ -121,6 +121,8 @@ def test_a_cause_on_a_page_names_neither_a_command_nor_a_folder_and_is_no_englis
     assert cause_of(stopped).en == "a run is going on (process 3)"
     assert cause_of(stopped).zh == "原因见日志。"
     assert cause_of(Unusable("/a/b/line.toml: id is missing")).en == "line.toml: id is missing"
+    tripped = "the table tripped on axis 2 (see a.log; start again with `mimucal acquire`)"
+    assert cause_of(tripped).en == "the table tripped on axis 2"
     worded = Unusable("see `mimucal doctor`", message("station-cause.no-worker"))
     later = Unusable("the run stopped; recorded so far: /a/b.mcap")
     later.__cause__ = worded
