@@ -21,6 +21,8 @@ from tasks.readings.plausibility import on_sight
 from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
 from tasks.segments.find import segments_of, up_of
+from tasks.segments.summarise import summarise_all
+from tasks.segments.units import wrong_rate_unit
 from tasks.words import argument, say
 
 MIXED_UP = ("deg/s", "57.2958rad/s", "g")  # of columns in rad/s and m/s²: nothing is estimated
@@ -132,8 +134,13 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
 
 def _wrong_unit(recording: Recording) -> str | None:
     """A sentence where rates or forces are in another of the two units that are mixed up most."""
-    found = _on_sight(recording)[1] if recording.manifest.segments else ()
-    return next((say(one) for one in found if argument(one, "unit") in MIXED_UP), None)
+    labels = recording.manifest.segments or ()
+    right, found = _on_sight(recording) if labels else (recording, ())
+    mixed_up = next((say(one) for one in found if argument(one, "unit") in MIXED_UP), None)
+    if mixed_up is not None:
+        return mixed_up
+    rates = tuple(s for s in labels if s.kind == "rate")
+    return wrong_rate_unit(summarise_all(right, rates, "label"))
 
 
 def _on_sight(recording: Recording) -> tuple[Recording, tuple[Remark, ...]]:

@@ -49,17 +49,17 @@ def in_unit_axes(recording: Recording, motion: Motion) -> tuple[Stream | None, t
     return replace(pose, columns={**pose.columns, **columns}), remarks
 
 
-def _arrangement(told: np.ndarray, read: np.ndarray, known: np.ndarray) -> np.ndarray | None:
+def _arrangement(by_poses: np.ndarray, read: np.ndarray, known: np.ndarray) -> np.ndarray | None:
     """(3, 3) orthogonal, from a triad's axes to the body's: the nearest to the matrix that makes
     the triad's readings (n, 3) of what the poses tell (n, 3). None where they do not determine it.
 
     Of absolute deviations, by weights that are the inverse of each row's deviation.
     """
-    used = known & np.isfinite(told).all(axis=1) & np.isfinite(read).all(axis=1)
+    used = known & np.isfinite(by_poses).all(axis=1) & np.isfinite(read).all(axis=1)
     used &= ~_at_limits(read).any(axis=1)
     if not used.any():
         return None
-    columns, readings = np.column_stack([told, np.ones(len(told))])[used], read[used]
+    columns, readings = np.column_stack([by_poses, np.ones(len(by_poses))])[used], read[used]
     weight = np.ones((len(columns), 1))
     for _ in range(ROUNDS):
         fitted, _, rank, _ = np.linalg.lstsq(columns * weight, readings * weight, rcond=None)

@@ -10,6 +10,7 @@ from flows.pages import shell
 from flows.pages.app import make_app
 from storage.catalogue import connection, database, runs
 from storage.home import Home
+from tasks.words import message
 from tests.drafts import draft, recording_of
 from tests.watched_page import watched_page
 
@@ -49,7 +50,7 @@ def test_a_run_is_found_filtered_and_opened_in_both_languages(page, address, fau
     page.goto(f"{address}/runs")
     page.wait_for_selector(".ag-cell a")
     assert page.locator(".ag-center-cols-container [role=row]").count() == 2
-    page.fill("[aria-colindex='5'] input[type=text] >> visible=true", "v1")
+    page.fill("[aria-colindex='4'] input[type=text] >> visible=true", "v1")
     page.wait_for_selector("#runs-count:text-is('共 1 条测量记录')")
     page.click(".ag-cell a")
     page.wait_for_selector("#run-tabs")
@@ -75,7 +76,8 @@ def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
 
     def rows(*asked):
         if stopped.is_set():
-            raise connection.Busy("The catalogue cannot be used (it was stopped).")
+            cause = message("station-cause.catalogue")
+            raise connection.Busy("The catalogue cannot be used (it was stopped).", cause)
         return reading(*asked)
 
     monkeypatch.setattr(database, "rows", rows)
@@ -84,7 +86,7 @@ def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
     page.wait_for_selector(".ag-cell a")
     stopped.set()
     page.click("header a >> nth=0")
-    page.wait_for_selector(".notice:has-text('it was stopped')")
+    page.wait_for_selector(".notice:has-text('目录数据库暂时不能使用')")
     stopped.clear()
     page.wait_for_selector(".notice", state="detached")
     page.wait_for_selector("#page h3")

@@ -153,8 +153,8 @@ def test_a_unit_that_was_given_up_is_measured_to_the_end_later_and_alone(bench):
     assert (run.serial, acquired.given_up) == ("V00008", None)
     (sentence,) = made.given_up
     (left,) = bench.home.acquiring.glob("*.mcap")
-    assert "unit V00007 was given up: the unit on" in sentence
-    assert f"recorded so far: {left} (`mimucal acquire --resume`" in sentence
+    assert "unit V00007 was given up: the unit on" in str(sentence)
+    assert f"recorded so far: {left} (`mimucal acquire --resume`" in str(sentence)
     bench.use(config)
     again = acquire_run(bench.station.file, FOUR, bench.home, lambda _: None, resume=True)
     ((other, _),) = again.kept
