@@ -41,9 +41,9 @@ ASK_AGAIN: dict[str, Any] = {  # as Dash has it for what a callback sets beside 
 CSRF_COOKIE = "_csrf_token"  # where Dash looks for what it sends back as X-CSRFToken
 
 
-def fault() -> str | None:
+def fault() -> Busy | None:
     """Why it could not be found out: the database does not answer."""
-    found: str | None = g.get("fault")
+    found: Busy | None = g.get("fault")
     return found
 
 
@@ -100,7 +100,7 @@ def _let_in(gate: Gate, home: Home) -> AnyResponse | None:
     try:
         g.visitor = _identified(users(home), gate, home)
     except Busy as error:
-        return _without_database(str(error))
+        return _without_database(error)
     except Unusable as error:
         LOGGER.error("nobody is let in: %s", error)
         return refusal(503, "the pages cannot find out who you are; their log says why")
@@ -228,17 +228,17 @@ def _turned_away() -> AnyResponse:
     return refusal(401, "the session has ended; log in again")
 
 
-def _without_database(sentence: str) -> AnyResponse | None:
+def _without_database(error: Busy) -> AnyResponse | None:
     """The frame of the pages is there without it, to say so and to ask again; nothing else is.
 
     Whatever else a page asks for by itself has the frame ask for the whole page again.
     """
-    g.fault = sentence
+    g.fault = error
     if request.path == UPDATE:
         asked = (request.get_json(silent=True) or {}).get("output", "")
         return None if str(asked).startswith(OF_THE_FRAME) else jsonify(ASK_AGAIN)
     is_page = request.method == "GET" and "text/html" in request.headers.get("Accept", "")
-    return None if is_page or request.path in SHELL else refusal(503, sentence)
+    return None if is_page or request.path in SHELL else refusal(503, str(error))
 
 
 def _key(home: Home) -> str:

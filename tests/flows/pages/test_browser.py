@@ -89,5 +89,5 @@ def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
     page.wait_for_selector(".notice:has-text('目录数据库暂时不能使用')")
     stopped.clear()
     page.wait_for_selector(".notice", state="detached")
-    page.wait_for_selector("#page h3")
+    page.wait_for_selector("#page h2")
     assert faults == []
