@@ -10,7 +10,7 @@ from flows.pages import shell
 from flows.pages.app import make_app
 from storage.catalogue import connection, database, runs
 from storage.home import Home
-from tasks.words import message
+from tasks.words import LANGUAGES, message, say
 from tests.drafts import draft, recording_of
 from tests.watched_page import watched_page
 
@@ -86,7 +86,8 @@ def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
     page.wait_for_selector(".ag-cell a")
     stopped.set()
     page.click("header a >> nth=0")
-    page.wait_for_selector(".notice:has-text('目录数据库暂时不能使用')")
+    causes = (say(message("station-cause.catalogue"), language) for language in LANGUAGES)
+    page.wait_for_selector(", ".join(f".notice:has-text('{cause}')" for cause in causes))
     stopped.clear()
     page.wait_for_selector(".notice", state="detached")
     page.wait_for_selector("#page h2")
