@@ -28,7 +28,7 @@ from tasks.specifications.axes_of_table import stand_remarks
 from tasks.specifications.covariance import covariance_of
 from tasks.specifications.estimate import ClauseResult, ItemEstimate
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.items import item_title
+from tasks.specifications.items import ItemDefinition, item_title
 from tasks.specifications.specification import Specification
 from tasks.words import clauses, message, remark, say
 
@@ -79,7 +79,7 @@ def without_information(
     result = specification.estimate(evidence, evaluation.equipment)
     items = {
         item.key: evaluation.item(item, result.items[item.key]).model_copy(
-            update={"temperature_degc": _temperatures(result.items[item.key], evidence)}
+            update={"temperature_degc": _temperatures(item, result.items[item.key], evidence)}
         )
         for item in specification.items
     }
@@ -138,10 +138,13 @@ def _covariance(
     return Covariance(elements=tuple(found), rows=rows)
 
 
-def _temperatures(item: ItemEstimate, evidence: ClauseEvidence) -> Elements | None:
+def _temperatures(
+    definition: ItemDefinition, item: ItemEstimate, evidence: ClauseEvidence
+) -> Elements | None:
     """At which temperature of the unit each element holds: of the segments as they weigh in it.
 
-    A segment weighs by the operator that makes the value of the means.
+    A segment weighs by the operator that makes the value of the means; in a ratio to an input by
+    what its reading gives, for a rest with none has no part in it.
     """
     at = evidence.temperatures
     known = np.isfinite(at)
@@ -151,7 +154,8 @@ def _temperatures(item: ItemEstimate, evidence: ClauseEvidence) -> Elements | No
     for element, estimate in item.elements.items():
         if estimate.operator is None:
             continue
-        weights = np.abs(estimate.operator).sum(axis=0) * known
+        read = np.nan_to_num(evidence.means).T if definition.unit == "1" else 1.0
+        weights = np.abs(estimate.operator * read).sum(axis=0) * known
         if weights.any():
             found[element] = round(float(weights @ np.nan_to_num(at) / weights.sum()), 2)
     return found or None
