@@ -121,12 +121,12 @@ class ClauseEvidence:
         return north
 
     @cached_property
-    def course(self) -> dict[int, complex]:
+    def mean_turns(self) -> dict[int, complex]:
         """Mean of e^(iψ) over each segment that is no rest, by index; ψ: what the unit read of its
         turn about the axis so far. Zero where it is not known.
         """
         turning = (i for i, label in enumerate(self.labels) if label.kind != "static")
-        return {i: _mean_course(self.recording.imu, self.labels[i]) for i in turning}
+        return {i: _mean_turn(self.recording.imu, self.labels[i]) for i in turning}
 
     @property
     def mounted_once(self) -> bool:
@@ -247,7 +247,7 @@ class ClauseEvidence:
         return np.asarray((numbers[:, None] == numbers) | one_code)
 
 
-def _mean_course(imu: Stream, label: Segment) -> complex:
+def _mean_turn(imu: Stream, label: Segment) -> complex:
     rows, gyro = imu.rows(label.t_start, label.t_end), GYRO[AXES.index(label.axis or "x")]
     t, rate = imu.t[rows], imu.views((gyro,), rows)[0]
     if len(t) < 2 or not np.isfinite(rate).all():

@@ -33,7 +33,7 @@ def horizontal_earth(evidence: ClauseEvidence) -> Iterator[ErrorSource]:
     effects = np.zeros((2 * len(places), len(evidence.segments), len(CHANNELS)))
     for i, place in zip(turning, begun, strict=True):
         axis = AXES.index(evidence.labels[i].axis or "x")
-        left, north = evidence.course[i], places[place]
+        left, north = evidence.mean_turns[i], places[place]
         across = [(axis + 1) % 3, (axis + 2) % 3]
         effects[north, i, across] = left.real, -left.imag
         effects[north + 1, i, across] = left.imag, left.real
