@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from schemas.calibration import Calibration, Covariance, EnvironmentSeen, Item, 
 from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
 from tasks.calibrate.information import information
+from tasks.motion.table import squared
 from tasks.readings.codes import codes_put_right
 from tasks.readings.implausible import KINDS
 from tasks.run_validity.judge import run_remarks
@@ -41,10 +43,13 @@ def calibrate(
     """
     recording = codes_put_right(recording)
     specification.check(recording)
+    evaluation = evaluation or evaluation_for(recording)
+    if evaluation.settings.get("axes") == "fixture":
+        recording = replace(recording, manifest=squared(recording.manifest))
     evidence = specification.gather(recording)
     made = without_information(
-        specification, evidence, evaluation or evaluation_for(recording), run=run,
-        code_version=code_version, own_latitude_deg=own_latitude_deg,
+        specification, evidence, evaluation, run=run, code_version=code_version,
+        own_latitude_deg=own_latitude_deg,
     )  # fmt: skip
     more = information(evidence, made.items, specification.rate_sensor)
     return made.model_copy(update={"information": more})

@@ -16,6 +16,7 @@ from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.uncertainty import Budget
 from tasks.motion.polled import polled_within
+from tasks.motion.table import off_square
 from tasks.segments.commanded_rate import commanded_bound
 from tasks.specifications.estimate import Estimate, Estimates, ItemEstimate
 from tasks.specifications.items import ItemDefinition
@@ -140,14 +141,16 @@ def evaluation_for(
     own: a laboratory's limits, which go before them. Of a recording without specification
     the equipment is not known: then gravity and latitude alone are counted, and the result says so.
     axes: about which the results are: those of the mounting plane count its limit, and give no pass
-    without one; those of the fixture leave it out. None: those of the mounting plane where it has a
-    limit that counts.
+    without one; those of the unit and of the fixture leave it out. None: those of the mounting
+    plane where it has a limit that counts, else those of the unit where a mount states them.
     Raises Unusable where the unit's `effective_bits` are no number of bits, or `table_time` does
     not say within how many seconds the times of polled encoders are known.
     """
     counts = own is not None and "mounting" in own and kind != EXAMPLE
-    axes = axes or ("mounting plane" if counts else "fixture")
-    own = {n: limit for n, limit in (own or {}).items() if n != "mounting" or axes != "fixture"}
+    off = off_square(recording.manifest)
+    axes = axes or ("mounting plane" if counts else "unit" if off else "fixture")
+    plane = axes == "mounting plane"
+    own = {n: limit for n, limit in (own or {}).items() if n != "mounting" or plane}
     specification = BY_STANDARD.get(recording.manifest.standard)
     equipment, named = NO_SPECIFICATION
     if specification is not None:
@@ -157,7 +160,9 @@ def evaluation_for(
         equipment = with_polled_encoders(equipment, half_width_s, commanded_bound(recording))
     settings: dict[str, str | float] = {"uncertainty": kind, "axes": axes}
     remarks: tuple[Remark, ...] = ()
-    if axes == "mounting plane" and not counts:
+    if off:
+        settings["mount"] = float(f"{np.degrees(off):.4g}")
+    if plane and not counts:
         phrase = message("specifications-mounting-unknown")
         remarks = (remark("mounting_unknown", phrase, blocks_pass=True),)
     table, table_source, bits = TABLE, BY_APPENDIX, _bits(recording)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from schemas.recording import AXES, Recording
-from tasks.motion.table import mean_rate
+from tasks.motion.table import labelled_direction, mean_rate
 from tasks.motion.whole import (
     Motion,
     attitude_stream,
@@ -33,7 +33,7 @@ def mean_motion(evidence: ClauseEvidence) -> tuple[Motion, np.ndarray]:
     rate = np.where(_turned(evidence), rate, 0.0 * rate)
     vertical, stream = np.zeros(len(segments), bool), attitude_stream(recording)
     for i, segment in enumerate(segments):
-        shown = unit_vector(evidence.up[i])
+        shown = labelled_direction(recording.manifest, segment.segment, unit_vector(evidence.up[i]))
         agrees = not np.isfinite(shown).all() or up[i] @ shown >= SAME_VERTICAL
         if stream is None or not np.isfinite(up[i]).all() or not agrees:
             up[i], north[i] = shown, np.nan
@@ -66,6 +66,7 @@ def _rate(recording: Recording, evidence: ClauseEvidence, i: int) -> np.ndarray:
     if by_table is not None:
         return by_table
     about = np.eye(3)[AXES.index(label.axis or "x")]
+    about = labelled_direction(recording.manifest, label, about)
     if label.kind == "rate":
         return np.asarray(evidence.rate[i] * about)
     angle = np.radians(np.nan if label.angle_deg is None else label.angle_deg)

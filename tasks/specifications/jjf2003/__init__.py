@@ -66,12 +66,12 @@ def estimate(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """The eight items of Table 2 and the fit offset of eq. (4)."""
     motion, _ = mean_motion(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
-    turning = turning_items(evidence, ideal)
+    turning = turning_items(evidence, motion.rate, ideal)
     result = merged(
         (
             turning,
-            tumble_items(evidence, gyro_matrix(turning), ideal),
-            rate_sensitivity_item(evidence),
+            tumble_items(evidence, motion.up, gyro_matrix(turning), ideal),
+            rate_sensitivity_item(evidence, motion.rate),
         )
     )
     errors = errors_of_unit(evidence, motion, equipment, _as_terms(result.items))

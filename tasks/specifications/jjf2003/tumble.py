@@ -41,27 +41,32 @@ READINGS = ("jjf2003.positions", "jjf2003.input_matrix")
 
 
 def tumble_items(
-    evidence: ClauseEvidence, gyro_k: np.ndarray, errors: EquipmentErrors
+    evidence: ClauseEvidence, up: np.ndarray, gyro_k: np.ndarray, errors: EquipmentErrors
 ) -> ClauseResult:
     """All items of the twelve positions.
 
-    gyro_k: (3, 3) scales Earth's rotation, NaN where it is not known.
+    up: (n, 3) vertical of each segment in the unit's axes. gyro_k: (3, 3) scales Earth's rotation,
+    NaN where it is not known.
     """
     gyro, accel = usable_positions(evidence, "gyro"), usable_positions(evidence, "accel")
     return merged(
         (
             ClauseResult(remarks=tuple(position_remarks(evidence))),
-            _gyro_items(evidence, gyro, gyro_k, errors),
-            _accel_items(evidence, accel, errors),
+            _gyro_items(evidence, up, gyro, gyro_k, errors),
+            _accel_items(evidence, up, accel, errors),
         )
     )
 
 
 def _gyro_items(
-    evidence: ClauseEvidence, positions: Positions, gyro_k: np.ndarray, errors: EquipmentErrors
+    evidence: ClauseEvidence,
+    up: np.ndarray,
+    positions: Positions,
+    gyro_k: np.ndarray,
+    errors: EquipmentErrors,
 ) -> ClauseResult:
     """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8)."""
-    fit = fit_positions(evidence, positions, 0, errors)
+    fit = fit_positions(evidence, up, positions, 0, errors)
     matrix, bias = fit.by_element
     corrected, why_not = without_earth(evidence, positions, matrix, gyro_k)
     items = {
@@ -78,11 +83,11 @@ def _gyro_items(
 
 
 def _accel_items(
-    evidence: ClauseEvidence, positions: Positions, errors: EquipmentErrors
+    evidence: ClauseEvidence, up: np.ndarray, positions: Positions, errors: EquipmentErrors
 ) -> ClauseResult:
     """Scale factor and cross coupling (ratio to local gravity) and bias (m/s²), eq. (11)."""
     gravity = evidence.gravity
-    fit = fit_positions(evidence, positions, 3, errors)
+    fit = fit_positions(evidence, up, positions, 3, errors)
     by_gravity, bias = fit.by_element
     matrix = undetermined(MATRIX_ELEMENTS)
     if gravity is not None:  # A.1 and A.4 add nothing up for a ratio

@@ -91,7 +91,9 @@ def pink(random: np.random.Generator, n: int, longest_s: float) -> np.ndarray:
     return np.fft.irfft(spectrum, whole, axis=1)[:, :n]
 
 
-def record(bench: Bench, seed: int) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+def record(  # noqa: C901, PLR0915 - one recording, from the journey to the streams
+    bench: Bench, seed: int
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Manifest, streams {name: {column: values}}, and truth of a unit drawn by the seed.
 
     truth: item → element → value in printed units; 'mean' holds (6,) what drift and flicker add
@@ -103,11 +105,15 @@ def record(bench: Bench, seed: int) -> tuple[dict[str, Any], dict[str, Any], dic
     white = np.array([3e-5 * fine] * 3 + [3e-4 * fine] * 3)  # rad/s/√Hz, m/s²/√Hz
     deviation = white * np.sqrt(HZ)
     grade = np.array([2e-6] * 3 + [3e-5] * 3) * np.exp(uniform(-1.0, 1.0, 6)) * fine * bench.flicker
-    K = np.eye(3) + np.diag(uniform(-3e-3, 3e-3, 3)) + uniform(-3e-3, 3e-3, (3, 3)) * (
-        1 - np.eye(3)
+    K = (
+        np.eye(3)
+        + np.diag(uniform(-3e-3, 3e-3, 3))
+        + uniform(-3e-3, 3e-3, (3, 3)) * (1 - np.eye(3))
     )
-    Ka = np.eye(3) + np.diag(uniform(-3e-3, 3e-3, 3)) + uniform(-3e-3, 3e-3, (3, 3)) * (
-        1 - np.eye(3)
+    Ka = (
+        np.eye(3)
+        + np.diag(uniform(-3e-3, 3e-3, 3))
+        + uniform(-3e-3, 3e-3, (3, 3)) * (1 - np.eye(3))
     )
     bias_range = np.array([0.1 * DEG] * 3 + [0.03] * 3)
     B = bias_range * uniform(-1, 1, 6)
@@ -115,7 +121,7 @@ def record(bench: Bench, seed: int) -> tuple[dict[str, Any], dict[str, Any], dic
     p = uniform(-0.03, 0.03, (3, 3)) * (1 - np.eye(3))
 
     # Journey in the table's own angles.
-    times, goals, kinds, segments, now = [0.0], [np.zeros(3)], [], [], 0.0
+    segments: list[dict[str, Any]] = []
     errors_at: dict[tuple[int, float], float] = {}
     off, last = np.zeros(3), [None, None, None]
     pieces: list[np.ndarray] = []
@@ -285,8 +291,12 @@ def record(bench: Bench, seed: int) -> tuple[dict[str, Any], dict[str, Any], dic
     return manifest, streams, truth
 
 
-def items(K, Ka, B, felt, free, p) -> dict[str, Any]:  # noqa: ANN001
+def items(
+    gyro: np.ndarray, accel: np.ndarray, bias: np.ndarray, felt: np.ndarray, free: np.ndarray,
+    p: np.ndarray,
+) -> dict[str, Any]:  # fmt: skip
     """Item → element → value in printed units."""
+
     def vector(v: np.ndarray) -> Mapping[str, float]:
         return {a: float(x) for a, x in zip(AXES, v, strict=True)}
 
@@ -296,15 +306,15 @@ def items(K, Ka, B, felt, free, p) -> dict[str, Any]:  # noqa: ANN001
         }
 
     return {
-        "gyro_scale_factor": vector(np.diag(K)),
-        "gyro_cross_coupling": matrix(K, False),
-        "gyro_fit_offset": vector((B[:3] + np.diag(felt)) / DEG),
-        "gyro_bias": vector(B[:3] / DEG),
+        "gyro_scale_factor": vector(np.diag(gyro)),
+        "gyro_cross_coupling": matrix(gyro, False),
+        "gyro_fit_offset": vector((bias[:3] + np.diag(felt)) / DEG),
+        "gyro_bias": vector(bias[:3] / DEG),
         "gyro_g_sensitivity": matrix(felt / DEG, True),
         "gyro_g_sensitivity_without": matrix(free / DEG, True),
-        "accel_scale_factor": vector(np.diag(Ka)),
-        "accel_cross_coupling": matrix(Ka, False),
-        "accel_bias": vector(B[3:]),
+        "accel_scale_factor": vector(np.diag(accel)),
+        "accel_cross_coupling": matrix(accel, False),
+        "accel_bias": vector(bias[3:]),
         "accel_rate_sensitivity": matrix(-p, False),
     }
 

@@ -12,6 +12,7 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import SPECIFICATIONS
 from tests.proof.coverage.bench import SCENARIOS, record
 
+GOOD, R = 0.93, (0.8, 1.15)
 METHODS = ("jjf2003", "joint")
 
 
@@ -67,8 +68,9 @@ def main(units: int, seed: int, names: list[str]) -> None:
                     print(f"  {key:32s} no U ({len(rows)})")
                     continue
                 z = np.abs(with_u[:, 0]) / with_u[:, 1]
+                good = np.mean(z <= 1) >= GOOD and R[0] <= 2 * np.sqrt(np.mean(z**2)) <= R[1]
                 print(
-                    f"  {key:32s} {100 * np.mean(z <= 1):5.1f} % of {len(z):4d}  "
+                    f"{' ' if good else '!'} {key:32s} {100 * np.mean(z <= 1):5.1f} % of {len(z):4d}  "
                     f"r {2 * np.sqrt(np.mean(z**2)):6.2f}  max {z.max():7.2f}  "
                     f"U {np.median(with_u[:, 1]):.2g}",
                     flush=True,

@@ -8,6 +8,7 @@ import pytest
 
 from schemas.equipment import EquipmentLimit
 from tasks.motion.table import EARTH_RATE
+from tasks.motion.whole import unit_vector
 from tasks.specifications.jjf2003.positions import input_matrix
 from tasks.specifications.linear import solve
 from tasks.uncertainty.budget import Contribution, combine, resolution
@@ -71,7 +72,7 @@ def scatter(field: np.ndarray, each: float, face: float) -> np.ndarray:
             tilt = mounted + rng.normal(0.0, each, (trials, 3))
             turns.append(straight + np.cross(tilt, straight))
         means.append(np.mean(turns, axis=0))
-    operator = solve(input_matrix(ups)).operator
+    operator = solve(input_matrix(np.eye(6), np.array([unit_vector(up) for up in ups]))).operator
     return np.std(np.einsum("ju,uti->tij", operator, np.array(means)), axis=0)
 
 
@@ -270,7 +271,7 @@ def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_on
 
 def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias() -> None:
     ups = ("+x", "-x", "+y", "-y", "+z", "-z")
-    design = input_matrix(ups)
+    design = input_matrix(np.eye(6), np.array([unit_vector(up) for up in ups]))
     operator, fixture = solve(design).operator, np.array([1e-4, -2e-4, 3e-4])
     reads = np.cross(fixture, G * design[:, :3])
     found = operator @ reads / G
