@@ -1,5 +1,6 @@
 """What a recording offers to JJF 1536 in addition: attitudes, turns, angles."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -7,8 +8,9 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
+from tasks.motion.table import EARTH_RATE, labelled_direction, mean_rate
 from tasks.readings.stamps import with_instants
-from tasks.segments.attitude import attitude_vector, with_attitude
+from tasks.segments.attitude import COMPONENTS, attitude_vector, with_attitude
 from tasks.segments.find import find_segments, up_of
 from tasks.segments.rates import turning_points
 from tasks.segments.summarise import (
@@ -23,11 +25,13 @@ from tasks.segments.summarise import (
 from tasks.segments.units import wrong_rate_unit
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
+from tasks.specifications.linear import solve
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
 SCALE_ITEMS = ("scale_factor", "rate_sensitivity")  # rests with these labels are no positions
 
 OTHER_RATE = np.radians(2.0)  # rad/s: a zero offset is no other rate
+SQUARE = 1e-6  # rad, a fifth of an arc second: so crooked is no mount that anybody states
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +78,51 @@ class AhrsEvidence(ClauseEvidence):
             for i, label in enumerate(self.labels)
             if label.kind == "rotation" or (label.kind == "rate" and label.item == "misalignment")
         )
+
+    def weights_about(
+        self, axis: Axis, runs: Mapping[Axis, Sequence[int]], readings: Mapping[Axis, np.ndarray]
+    ) -> np.ndarray | None:
+        """Weights (n,) of what a gyro reads per rate about an axis of the unit.
+
+        runs, readings: which segments turned, and the weights (n,) of what it read per rate in
+        them, by the axis of the unit that was laid along the table's. Turned about a the unit reads
+        K·a: a row of K follows from all directions. None: the unit stood too crooked for those.
+        """
+        design = np.array([self.spin[list(runs[a])].mean(axis=0) for a in readings])
+        solution = solve(np.where(np.abs(design) < SQUARE, 0.0, design))
+        place = AXES.index(axis)
+        if not solution.estimable[place]:
+            return None
+        return np.asarray(solution.operator[place].round(12) @ np.array([*readings.values()]))
+
+    @cached_property
+    def earth_in_attitude(self) -> np.ndarray | None:
+        """Earth's rotation (15,) rad/s along an attitude vector; None where north is not known.
+
+        North is where the station's heading has it, or where labels alone say that the axes point.
+        """
+        station, held = self.recording.manifest.station, filter(is_zero_position, self.segments)
+        labelled = not self.has_table and all(
+            "points" in (s.segment.model_extra or {}) for s in held
+        )
+        if station.latitude_deg is None or (station.heading_deg is None and not labelled):
+            return None
+        phi, earth = np.radians(station.latitude_deg), np.zeros(COMPONENTS)
+        earth[1:3] = EARTH_RATE * np.array([np.cos(phi), np.sin(phi)])
+        return earth
+
+    @cached_property
+    def spin(self) -> np.ndarray:
+        """Direction (n, 3) in the unit's axes of what each run or turn is about, as labelled."""
+        spin = np.full((len(self.labels), 3), np.nan)
+        for i, label in enumerate(self.labels):
+            if label.axis is not None and label.kind != "static":
+                spin[i] = np.eye(3)[AXES.index(label.axis)]
+                spin[i] = labelled_direction(self.recording.manifest, label, spin[i])
+                rate = mean_rate(self.recording, label)
+                if rate is not None and rate.any():
+                    spin[i] = rate / np.copysign(np.linalg.norm(rate), rate @ spin[i])
+        return spin
 
     @property
     def accumulates(self) -> bool:

@@ -54,17 +54,25 @@ def misalignment_items(evidence: AhrsEvidence, offset: Estimates) -> ClauseResul
     offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.
     """
     zero = scaled(offset, 1.0 / DEG)
+    every = {axis: _turns(evidence, axis) for axis in AXES}
+    why = {axis: _not_determined(evidence, turns) for axis, turns in every.items()}
+    runs = {axis: turns.index for axis, turns in every.items() if why[axis] is None}
 
     def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
-        turns = _turns(evidence, axis)
-        why = _not_determined(evidence, turns)
-        if why is not None:
-            return why
-        elements = {
-            AXES[i] + axis: _ratio(evidence, i, turns, zero[AXES[i]]).scaled(DEG)
-            for i in range(3)
-            if i != j
-        }
+        turns, reason = every[axis], why[axis]
+        if reason is not None:
+            return reason
+        elements = {}
+        for i in range(3):
+            if i == j:
+                continue
+            ratios = {a: _ratio(evidence, i, every[a], zero[AXES[i]]) for a in runs}
+            weights = evidence.weights_about(axis, runs, ratios)
+            if weights is None:
+                return message("jjf1536-crooked", axis=axis)
+            ratio = linear_estimate(evidence, i, weights)
+            repeated = _repeated(evidence, i, turns)
+            elements[AXES[i] + axis] = replace(ratio, repeated=repeated).scaled(DEG)
         return elements, _remarks(evidence, turns)
 
     item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
@@ -90,26 +98,33 @@ def _not_determined(evidence: AhrsEvidence, turns: WholeTurns) -> Message | None
     return None
 
 
-def _ratio(evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estimate) -> Estimate:
-    """(N₊ − N₋)/(2·2π·n), rad.
+def _ratio(evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estimate) -> np.ndarray:
+    """Weights (n,) of (N₊ − N₋)/(2·2π·n), rad.
 
     N₊, N₋: angle gained by the axis that reads, the mean over the turns each way. 2·2π·n: the
     angle turned forward plus the angle turned back. Where one direction took longer, the zero
     offset does not cancel and is taken away.
     """
+    gain = _gain(evidence, turns)
+    longer = float(gain.sum())
+    return gain if zero.operator is None else gain - longer * zero.operator[channel]
+
+
+def _repeated(evidence: AhrsEvidence, channel: int, turns: WholeTurns) -> tuple[float, ...]:
+    """Standard uncertainties of N/(2π·n) of each direction, as if it alone gave the result."""
+    gain = _gain(evidence, turns)
+    forward, back = np.clip(gain, 0.0, None), np.clip(gain, None, 0.0)
+    u = 2.0 * u_of_means(evidence, channel, np.array([forward, back]))
+    return tuple(map(float, u))
+
+
+def _gain(evidence: AhrsEvidence, turns: WholeTurns) -> np.ndarray:
+    """Weights (n,) of (N₊ − N₋)/(2·2π·n) in the mean rates."""
     share = _shares(turns)
     gain = np.zeros(len(evidence.segments))
     for i, per_angle in zip(turns.index, share / (share @ turns.angle), strict=True):
         gain[i] += evidence.segments[i].seconds * per_angle
-    longer = float(gain.sum())
-    weights = gain
-    if zero.operator is not None:
-        weights = gain - longer * zero.operator[channel]
-    forward, back = np.clip(gain, 0.0, None), np.clip(gain, None, 0.0)
-    # N/(2π·n) of each direction, as if it alone gave the result
-    repeated = 2.0 * u_of_means(evidence, channel, np.array([forward, back]))
-    ratio = linear_estimate(evidence, channel, weights)
-    return replace(ratio, repeated=tuple(map(float, repeated)))
+    return gain
 
 
 def _shares(turns: WholeTurns) -> np.ndarray:
@@ -161,7 +176,8 @@ def _turned_angle(recording: Recording, segment: Segment) -> float:
         whole = segment.model_copy(update={"t_end": segment.t_end + 0.5 * interval})
         rate, rows = mean_rate(recording, whole), recording.table.rows(whole.t_start, whole.t_end)
         if rate is not None:
-            return float(rate[AXES.index(segment.axis)] * (t[rows.stop - 1] - t[rows.start]))
+            turned = np.copysign(np.linalg.norm(rate), rate[AXES.index(segment.axis)])
+            return float(turned * (t[rows.stop - 1] - t[rows.start]))
     return _label_angle(segment)
 
 

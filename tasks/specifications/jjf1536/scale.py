@@ -12,7 +12,9 @@ from tasks.specifications.estimate import (
     ClauseResult,
     Estimates,
     ItemEstimate,
+    MeansFit,
     item_by_axis,
+    linear_estimate,
     undetermined,
 )
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
@@ -31,14 +33,24 @@ def scale_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult
     readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
     readings += ("jjf1536.table_rate",) if evidence.has_table else ()
 
+    turned = [a for a in AXES if len(distinct_rates(evidence.rate[list(evidence.points[a])])) > 1]
+
     def of_axis(channel: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
         points = list(evidence.points[axis])
         count = len(distinct_rates(evidence.rate[points]))
         if count < 2:
             return message("specifications-rates-needed", axis=axis, count=count)
         rests = _rests(evidence, points, axis)
-        line = fit_line(evidence, channel, points, errors, [i for side in rests for i in side])
-        return {axis: line.estimates[0]}, (
+        line = _line(evidence, channel, axis, errors)
+        lines = {a: line if a == axis else _line(evidence, channel, a, errors) for a in turned}
+        slopes = {a: each.estimates[0].operator for a, each in lines.items()}
+        weights = evidence.weights_about(
+            axis, evidence.points, {a: o[channel] for a, o in slopes.items() if o is not None}
+        )
+        if weights is None:
+            return message("jjf1536-crooked", axis=axis)
+        estimate = linear_estimate(evidence, channel, weights, line.excess)
+        return {axis: estimate}, (
             *rate_remarks(axis, evidence.rate[points], "7.1.1 c)"),
             *_rest_remarks(axis, rests),
             *scatter_remark("jjf1536-line-scatter", axis, line.excess.factor),
@@ -47,6 +59,13 @@ def scale_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult
     item = ItemEstimate(undetermined(AXES), CLAUSE, readings)
     scale = item_by_axis(SCALE_FACTOR, item, of_axis)
     return replace(scale, remarks=(*scale.remarks, *_other_rate_remarks(evidence)))
+
+
+def _line(evidence: AhrsEvidence, channel: int, axis: Axis, errors: EquipmentErrors) -> MeansFit:
+    """What a channel reads per rate about the table's axis, with an axis of the unit along it."""
+    points = list(evidence.points[axis])
+    rests = [i for side in _rests(evidence, points, axis) for i in side]
+    return fit_line(evidence, channel, points, errors, rests)
 
 
 def _rests(evidence: AhrsEvidence, points: list[int], axis: Axis) -> Rests:

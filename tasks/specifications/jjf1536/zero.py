@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
+from tasks.motion.table import EARTH_RATE
 from tasks.segments.attitude import COMPONENTS, VERTICAL, attitude_contradicted
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import (
@@ -29,6 +30,9 @@ ZERO_OFFSET = "ahrs_zero_offset"
 CLAUSE = "JJF 1536-2015, 7.2.3 eq. (16)"
 READINGS = ("jjf1536.zero_time", "jjf1536.earth_cancels")
 CANCELS = 0.005  # of Earth's rotation that positions at equal angles may leave, 0.3° of placing
+TAKEN_OFF = 0.1  # of it, that may be taken off where the mounts state by how much they stood aslant
+ALONG = 0.1  # of a direction: what a crooked mount lays along it says nothing of what is there
+COUPLING = 0.01  # rad: what a gyro may feel of Earth's rotation about the other axes
 SAME_ATTITUDE = 0.02  # rad: attitudes closer than this are one position held twice
 FEWEST = 4  # positions that may be taken by their label alone
 DWELL_S = {4: 1800.0, 12: 1200.0}  # s for each position of the two methods, 7.2.1 and 7.2.2
@@ -40,12 +44,14 @@ class Positions:
 
     groups: indices of the rests, those of one position together.
     direction: (positions, 15) where the axis points; None where neither label nor table gives it.
+    others: (2, positions, 15) where the other axes point.
     up: (positions, 3) how much of each axis points up.
     """
 
     axis: Axis
     groups: tuple[tuple[int, ...], ...]
     direction: np.ndarray | None
+    others: np.ndarray
     up: np.ndarray
 
     @property
@@ -58,7 +64,7 @@ def zero_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
 
     def of_axis(channel: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
         positions = _positions(evidence, channel)
-        why = _not_determined(positions)
+        why = _not_determined(evidence, positions)
         if why is not None:
             return message("specifications-of-axis", axis=axis, reason=why)
         mean, factor = _mean(evidence, channel, positions, errors)
@@ -79,7 +85,8 @@ def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
     for i in held:
         vector = evidence.attitude[i]
         if vector is None:
-            return Positions(axis, tuple((i,) for i in held), None, np.zeros((len(held), 3)))
+            nowhere = np.zeros((len(held), 3))
+            return Positions(axis, tuple((i,) for i in held), None, nowhere[None], nowhere)
         same = [g for g, p in enumerate(first) if np.abs(p - vector).max() < SAME_ATTITUDE]
         if same:
             groups[same[0]].append(i)
@@ -88,20 +95,24 @@ def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
             first.append(vector)
     exact = np.array(first).reshape(-1, 3, COMPONENTS).round(9)  # the cosine of 90° is nothing
     direction, up = exact[:, channel], exact[:, :, VERTICAL]
-    return Positions(axis, tuple(tuple(group) for group in groups), direction, up)
+    others = np.delete(exact, channel, axis=1).swapaxes(0, 1)
+    return Positions(axis, tuple(tuple(group) for group in groups), direction, others, up)
 
 
-def _not_determined(positions: Positions) -> Message | None:
+def _not_determined(evidence: AhrsEvidence, positions: Positions) -> Message | None:
     """Why eq. (16) cannot be taken of these positions, None where it can."""
     count = len(positions.groups)
     if not count:
         return message("jjf1536-no-position")
     if positions.direction is None:
         return None if count >= FEWEST else message("jjf1536-few-positions", count=count)
-    left = float(np.linalg.norm(positions.direction.mean(axis=0)))
-    if left <= CANCELS:
+    left, stays = positions.direction.mean(axis=0), 0.0
+    if evidence.earth_in_attitude is not None:
+        left, stays = left[3:], float(np.linalg.norm(left[:3]))
+    if np.linalg.norm(left) <= CANCELS and stays <= TAKEN_OFF:
         return None
-    return message("jjf1536-earth-remains", count=count, percent=f"{100 * left:.0f}")
+    remains = max(float(np.linalg.norm(left)), stays)
+    return message("jjf1536-earth-remains", count=count, percent=f"{100 * remains:.0f}")
 
 
 def _mean(
@@ -110,23 +121,34 @@ def _mean(
     """B (rad/s), and how much more than noise and equipment explain the positions differ.
 
     Every position counts once, so that Earth's rotation cancels; with one time T for all this is
-    ΣN/(n·T).
+    ΣN/(n·T). What crooked mounts leave of it is taken off where they are stated.
     """
     rests = positions.rests
     groups = np.array([[i in group for i in rests] for group in positions.groups], float)
     average = np.zeros((len(groups), len(evidence.segments)))
     average[:, rests] = groups / groups.sum(axis=1, keepdims=True)
-    excess = BirgeRatio()
+    excess, left = BirgeRatio(), 0.0
     if positions.direction is not None:
         readings = average[:, rests] @ evidence.means[rests, channel]
+        earth = evidence.earth_in_attitude
+        if earth is not None:
+            felt = positions.direction @ earth
+            readings, left = readings - felt, float(felt.mean())
         expected = evidence.covariance(channel) + errors.covariance(channel)
         covariance = average @ expected @ average.T
+        for other in positions.others:
+            covariance += (COUPLING * EARTH_RATE) ** 2 * other @ other.T
         # What gravity does to a gyro follows the attitude, too, and cancels as Earth's rotation.
-        design = np.column_stack([np.ones(len(readings)), positions.direction, positions.up])
+        columns = np.column_stack([positions.direction, positions.up])
+        columns = columns[:, np.abs(columns).max(axis=0) > ALONG]
+        design = np.column_stack([np.ones(len(readings)), columns])
         excess = birge_ratio(solve(design), design, readings, covariance)
     mean = linear_estimate(evidence, channel, average.mean(axis=0), excess)
     repeated = tuple(map(float, excess.factor * u_of_means(evidence, channel, average)))
-    return replace(mean, repeated=repeated), excess.factor
+    off = abs(left) > 0.0
+    return replace(
+        mean, value=mean.value - left, repeated=repeated, without_earth=off
+    ), excess.factor
 
 
 def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:

@@ -32,6 +32,7 @@ jjf1536-number-of-positions = { $axis } axis: { $count ->
 jjf1536-short-position = { $axis } axis: positions held for { $minutes } min; 7.2 specifies { $asked } min, or a time adapted to the unit's operating time.
 jjf1536-positions-scatter = { $axis } axis: the positions differ { $factor } times more than Earth's rotation and the noise explain; the uncertainty was increased accordingly.
 
+jjf1536-crooked = { $axis } axis: by its mount the unit was turned about its other axes too; what those read is only known where each of them was turned
 jjf1536-no-turns = no turns about { $axis }
 jjf1536-no-back = no backward turns about { $axis }; eq. (17) takes the difference of both directions
 jjf1536-no-forward = no forward turns about { $axis }; eq. (17) takes the difference of both directions

@@ -17,6 +17,7 @@ jjf1536-number-of-positions = { $axis } 轴：{ $count } 个位置；7.2.1 要�
 jjf1536-short-position = { $axis } 轴：各位置最短 { $minutes } min；7.2 为 { $asked } min，校准时间可根据被校航姿仪工作时间确定。
 jjf1536-positions-scatter = { $axis } 轴：各位置之差为地球自转与噪声所能解释的 { $factor } 倍，不确定度已按此放大。
 
+jjf1536-crooked = { $axis } 轴：按安装姿态，转动时其他轴也有输入，须分别绕各轴转动才能确定
 jjf1536-no-turns = 没有绕 { $axis } 轴的整周转动
 jjf1536-no-back = 缺少绕 { $axis } 轴反转数据；式(17)取正、反转之差
 jjf1536-no-forward = 缺少绕 { $axis } 轴正转数据；式(17)取正、反转之差

@@ -13,11 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import mimucal
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-
-import mimucal
 
 DEG, G = np.pi / 180.0, 9.8015
 EARTH, LATITUDE = 7.292115e-5, 39.9 * DEG  # rad/s
@@ -182,7 +181,8 @@ def journey(s: Scenario, random: np.random.Generator, off: float) -> Run:
             run.turn(0.0, AROUND_S)
             end, run.t = run.t, run.t - edge
             run.label(start + edge, name=f"turns_{axis}_{sign:+.0f}", kind="rotation",
-                      item="misalignment", axis=axis, up=f"+{axis}", angle_deg=sign * 3600.0)  # fmt: skip
+                      item="misalignment", axis=axis, up=f"+{axis}",
+                      angle_deg=sign * 3600.0)  # fmt: skip
             run.t = end
         run.turn(0.0, 2.0)
     return run
@@ -212,6 +212,35 @@ def relaxed(drive: np.ndarray, keep: float) -> np.ndarray:
     return out
 
 
+def felt_by(run: Run, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Angle of the table at t (n,), and the unit's rate and vertical (n - 1, 3) between."""
+    at, angle = np.array(run.knots).T
+    table = np.interp(t, at, angle)
+    middle = 0.5 * (table[1:] + table[:-1]) - run.scenario.heading
+    starts = np.array([held for held, _ in run.held])
+    which = np.searchsorted(starts, 0.5 * (t[1:] + t[:-1]), side="right") - 1
+    attitude = np.array([matrix for _, matrix in run.held])[which]
+    north = np.column_stack([np.sin(middle), np.cos(middle), np.zeros(len(middle))])
+    rate = EARTH * (np.cos(LATITUDE) * north + np.sin(LATITUDE) * np.array([0.0, 0.0, 1.0]))
+    rate[:, 2] += np.diff(table) / np.diff(t)
+    return table, np.einsum("nji,nj->ni", attitude, rate), attitude[:, 2, :]
+
+
+def put_out(s: Scenario, t: np.ndarray, read: np.ndarray, felt: np.ndarray) -> dict:
+    """The unit's stream: accumulated angles, or rates and specific force (n, 3)."""
+    if s.angles:
+        total = np.vstack([np.zeros(3), np.cumsum(read * np.diff(t)[:, None], axis=0)])
+        return {"t": t + s.delay_s} | named("angle", total, s.step)
+    middle = 0.5 * (t[1:] + t[:-1]) + s.delay_s
+    return {"t": middle} | named("gyro", read, s.step) | named("accel", felt, 0.0)
+
+
+def named(name: str, values: np.ndarray, step: float) -> dict:
+    """Columns of (n, 3), in steps."""
+    coded = np.round(values / step) * step if step else values
+    return {f"{name}_{axis}": column for axis, column in zip(AXES, coded.T, strict=True)}
+
+
 def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
     """Write a recording of a scenario; the truth by item and element, in printed units."""
     s, random = SCENARIOS[name], np.random.default_rng((seed, 1536))
@@ -226,19 +255,7 @@ def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
     run = journey(s, random, off)
     dt = 1.0 / s.hz
     t = np.arange(0.0, run.t + 2.0, dt)
-    at, angle = np.array(run.knots).T
-    table = np.interp(t, at, angle)
-    moved = table[1:] - table[:-1]
-    middle = 0.5 * (table[1:] + table[:-1])
-    starts = np.array([held for held, _ in run.held])
-    matrices = np.array([matrix for _, matrix in run.held])
-    which = np.searchsorted(starts, t[:-1] + 0.5 * dt, side="right") - 1
-    level = np.column_stack([np.sin(middle - s.heading), np.cos(middle - s.heading)])
-    earth = EARTH * np.column_stack([np.cos(LATITUDE) * level, np.full(len(middle), 0.0)])
-    earth[:, 2] = EARTH * np.sin(LATITUDE)
-    earth[:, 2] += moved / dt
-    body = np.einsum("nji,nj->ni", matrices[which], earth)
-    up = matrices[which][:, 2, :]
+    table, body, up = felt_by(run, t)
     n = len(body)
     slow = np.column_stack([slow_noise(random, n, dt, LONGEST[s.ends]) for _ in AXES]) * flicker
     warm = s.warms_k * (t[:-1] / t[-1] - 0.5)
@@ -248,17 +265,7 @@ def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
     read += random.normal(0.0, 1.0, (n, 3)) * noise / np.sqrt(dt)
     if s.estimator_s:
         read -= estimated(read, dt, s.estimator_s)
-    columns = {"t": t + s.delay_s}
-    if s.angles:
-        total = np.vstack([np.zeros(3), np.cumsum(read * dt, axis=0)])
-        total = np.round(total / s.step) * s.step if s.step else total
-        columns |= dict(zip(("angle_x", "angle_y", "angle_z"), total.T, strict=True))
-    else:
-        read = np.round(read / s.step) * s.step if s.step else read
-        columns = {"t": t[:-1] + 0.5 * dt + s.delay_s}
-        columns |= dict(zip(("gyro_x", "gyro_y", "gyro_z"), read.T, strict=True))
-        felt = G * up + random.normal(0.0, 3e-3, (n, 3))
-        columns |= dict(zip(("accel_x", "accel_y", "accel_z"), felt.T, strict=True))
+    columns = put_out(s, t, read, G * up + random.normal(0.0, 3e-3, (n, 3)))
     if s.warms_k:
         columns["temperature"] = 20.0 + np.interp(columns["t"], t[:-1], warm)
     pq.write_table(pa.table(columns), folder / "imu.parquet")
