@@ -51,6 +51,8 @@ def site_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     if evidence.latitude_deg is None:
         yield run_remark("latitude_not_given")
         return
+    if evidence.loses_steady_rates:
+        return
     shown = earth_rate(evidence)
     if shown is not None:
         yield from _level(shown, evidence.latitude_deg)

@@ -125,6 +125,11 @@ class ClauseEvidence:
         return False
 
     @property
+    def loses_steady_rates(self) -> bool:
+        """Whether the unit itself takes a steady rate for its zero and off its readings."""
+        return False
+
+    @property
     def mountings(self) -> list[str]:
         """What tells the unit's mountings in its fixture apart, of each segment."""
         if self.mounted_once:

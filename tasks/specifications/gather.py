@@ -87,6 +87,13 @@ def earth_rotation_gain(evidence: ClauseEvidence) -> EarthRotationGain | None:
     north = evidence.north[rests]
     level = bool(np.isfinite(north).all())
     earth = np.cos(phi) * north if level else np.sin(phi) * up
+    return gain_over(evidence, rests, up, earth, level)
+
+
+def gain_over(
+    evidence: ClauseEvidence, rests: list[int], up: np.ndarray, earth: np.ndarray, level: bool
+) -> EarthRotationGain | None:
+    """λ over some rests; up, earth: (rests, 3) the vertical, and the part of Earth's rotation."""
     by_gyro = [_of_gyro(evidence, rests, up, EARTH_RATE * earth, c, level) for c in range(3)]
     gains = np.array([gain for gain in by_gyro if gain is not None])
     if not len(gains):

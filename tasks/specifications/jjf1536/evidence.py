@@ -1,5 +1,6 @@
 """What a recording offers to JJF 1536 in addition: attitudes, turns, angles."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -23,7 +24,9 @@ from tasks.segments.summarise import (
     summarise_all,
 )
 from tasks.segments.units import wrong_rate_unit
+from tasks.specifications.earth_gain import REFUTED, EarthRotationGain
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.specifications.gather import gain_over
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
 from tasks.specifications.linear import solve
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
@@ -31,6 +34,7 @@ from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 SCALE_ITEMS = ("scale_factor", "rate_sensitivity")  # rests with these labels are no positions
 
 OTHER_RATE = np.radians(2.0)  # rad/s: a zero offset is no other rate
+KEPT = 0.8  # of Earth's rotation: an AHRS in order shows 0.9 and more
 SQUARE = 1e-6  # rad, a fifth of an arc second: so crooked is no mount that anybody states
 
 
@@ -110,6 +114,31 @@ class AhrsEvidence(ClauseEvidence):
         phi, earth = np.radians(station.latitude_deg), np.zeros(COMPONENTS)
         earth[1:3] = EARTH_RATE * np.array([np.cos(phi), np.sin(phi)])
         return earth
+
+    @cached_property
+    def steady_gain(self) -> tuple[EarthRotationGain, EarthRotationGain] | None:
+        """How much of Earth's level rotation the positions show along north, and along east.
+
+        None where attitudes or north are not known, or do not determine it.
+        """
+        earth, every = self.earth_in_attitude, zip(self.segments, self.attitude, strict=True)
+        held = [is_zero_position(s) and vector is not None for s, vector in every]
+        rests = np.flatnonzero(held).tolist()
+        if earth is None or not rests:
+            return None
+        attitude = np.array([self.attitude[i] for i in rests])
+        east, north, up = np.moveaxis(attitude[:, :, :3], 2, 0)
+        full = earth[1] / EARTH_RATE
+        along, across = (gain_over(self, rests, up, full * level, True) for level in (north, east))
+        return None if along is None or across is None else (along, across)
+
+    @cached_property
+    def loses_steady_rates(self) -> bool:
+        """Whether far less of Earth's rotation is in the readings than turns, whichever way."""
+        if self.steady_gain is None:
+            return False
+        north, east = self.steady_gain
+        return math.hypot(north.gain, east.gain) + REFUTED * north.u < KEPT
 
     @cached_property
     def spin(self) -> np.ndarray:

@@ -1,5 +1,6 @@
 """7.2: zero offset by four positions or by positions at equal angles, eq. (16)."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -24,6 +25,7 @@ from tasks.specifications.estimate import (
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.specifications.jjf1536.scale import scatter_remark
 from tasks.specifications.linear import BirgeRatio, birge_ratio, solve
+from tasks.uncertainty.budget import observed
 from tasks.words import Message, message, remark
 
 ZERO_OFFSET = "ahrs_zero_offset"
@@ -68,10 +70,23 @@ def zero_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
         if why is not None:
             return message("specifications-of-axis", axis=axis, reason=why)
         mean, factor = _mean(evidence, channel, positions, errors)
+        if evidence.loses_steady_rates:  # and by how much of its own zero nobody knows
+            mean = replace(mean, lines=(observed(math.nan, ""),))
         scatter = scatter_remark("jjf1536-positions-scatter", axis, factor)
         return {axis: mean.scaled(DEG)}, (*_remarks(evidence, positions), *scatter)
 
-    return item_by_axis(ZERO_OFFSET, ItemEstimate(undetermined(AXES), CLAUSE, READINGS), of_axis)
+    result = item_by_axis(ZERO_OFFSET, ItemEstimate(undetermined(AXES), CLAUSE, READINGS), of_axis)
+    return replace(result, remarks=(*_steady_remarks(evidence), *result.remarks))
+
+
+def _steady_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
+    """A unit that takes off what it reads for long: Earth's rotation, and its own zero with it."""
+    if evidence.loses_steady_rates and evidence.steady_gain is not None:
+        north, _ = evidence.steady_gain
+        text = message(
+            "jjf1536-steady-rate-lost", gain=f"{north.gain:.2f}", u=f"{2.0 * north.u:.2f}"
+        )
+        yield remark("steady_rate_lost", text, blocks_pass=True)
 
 
 def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
