@@ -46,12 +46,14 @@ def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
 def _coarse_where_it_moves(evidence: ClauseEvidence) -> np.ndarray:
     """Channels (6,) whose step is larger than their noise in most segments in which they move.
 
-    One that moves in none is coarse where it stands at different values.
+    One that moves in none is coarse where it stands at different values. In a turn by an angle the
+    rate itself moves it.
     """
-    if not evidence.segments:
+    held = [s for s in evidence.segments if s.segment.kind != "rotation"]
+    if not held:
         return np.zeros(6, bool)
-    moves = np.array([s.deviation > ROUNDING * s.step for s in evidence.segments])
-    hidden = np.array([coarsely_quantised(s) for s in evidence.segments]) & moves
+    moves = np.array([s.deviation > ROUNDING * s.step for s in held])
+    hidden = np.array([coarsely_quantised(s) for s in held]) & moves
     stands = [len(set(means)) > 1 for means in evidence.means.T.tolist()]
     return np.where(moves.any(axis=0), hidden.sum(axis=0) > 0.5 * moves.sum(axis=0), stands)
 

@@ -150,14 +150,14 @@ class ClauseEvidence:
         """Covariance (n, n) of one channel's means by the output's step where it hides its noise.
 
         What a place reads is then wrong by the same part of a step each time it is held: q²/12,
-        shared by the segments of one place and one rate. Zero where the noise shows.
+        shared by the segments of one place and one rate or turn. Zero where the noise shows.
         """
         shared = np.zeros((len(self.segments),) * 2)
         if not self.coarse_channels[channel]:
             return shared
         step = max(segment.step[channel] for segment in self.segments)
         known = zip(self.up, self.labels, strict=True)
-        place = [(up, label.kind, label.axis, label.rate_deg_s) for up, label in known]
+        place = [(up, s.kind, s.axis, s.rate_deg_s, s.angle_deg) for up, s in known]
         for same in set(place):
             held = [i for i, other in enumerate(place) if other == same]
             shared[np.ix_(held, held)] = step**2 / 12.0

@@ -17,6 +17,7 @@ from tasks.segments.rates import turning_points
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,
+    GYRO_COLUMNS,
     MIN_ROWS,
     Origin,
     SegmentMean,
@@ -119,12 +120,12 @@ class AhrsEvidence(ClauseEvidence):
     def steady_gain(self) -> tuple[EarthRotationGain, EarthRotationGain] | None:
         """How much of Earth's level rotation the positions show along north, and along east.
 
-        None where attitudes or north are not known, or do not determine it.
+        None where attitudes or north are not known, or a step may hide it.
         """
         earth, every = self.earth_in_attitude, zip(self.segments, self.attitude, strict=True)
         held = [is_zero_position(s) and vector is not None for s, vector in every]
         rests = np.flatnonzero(held).tolist()
-        if earth is None or not rests:
+        if earth is None or not rests or self.coarse_channels[GYRO_COLUMNS].any():
             return None
         attitude = np.array([self.attitude[i] for i in rests])
         east, north, up = np.moveaxis(attitude[:, :, :3], 2, 0)
