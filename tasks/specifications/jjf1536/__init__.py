@@ -78,7 +78,7 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     ideal = errors_of_unit(evidence, motion, equipment)
     scale, zero = scale_items(evidence, ideal), zero_items(evidence, ideal)
     offset = zero.items[ZERO_OFFSET].elements
-    misalignment = misalignment_items(evidence, offset)
+    misalignment = misalignment_items(evidence, scale.items[SCALE_FACTOR].elements, offset)
     result = merged(
         (scale, zero, misalignment, ClauseResult(remarks=tuple(_sampling_remarks(evidence))))
     )

@@ -3,6 +3,7 @@
 The angle of a turn and how fast it was: by the table's encoders, else by the label.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -25,6 +26,7 @@ from tasks.specifications.estimate import (
 )
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
+from tasks.uncertainty.budget import observed
 from tasks.words import Message, message, remark
 
 MISALIGNMENT = "ahrs_misalignment"
@@ -32,6 +34,8 @@ CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
 TURN = 2 * np.pi
 WHOLE = np.radians(1.0)  # rad: what may be missing of a whole number of turns
 LABELLED = np.radians(1.0)  # rad: an encoder that shows more or less contradicts the label
+TURNED = 1e-3  # of the angle, within which unit and label agree; of a misalignment less than U
+COVERED = 3.0  # standard uncertainties
 TURNS_ASKED, RATE_ASKED = 10, 100.0  # 7.3.1 b), where no agreement says otherwise
 READINGS = ("jjf1536.turns_divisor", "jjf1536.l_yz", "jjf1536.index_order", "jjf1536.turned_angle")
 
@@ -48,9 +52,10 @@ class WholeTurns:
     angle: np.ndarray
 
 
-def misalignment_items(evidence: AhrsEvidence, offset: Estimates) -> ClauseResult:
+def misalignment_items(evidence: AhrsEvidence, scale: Estimates, offset: Estimates) -> ClauseResult:
     """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
 
+    scale: K of 7.1 by axis, by which the turned axis itself shows whether the angle is right.
     offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.
     """
     zero = scaled(offset, 1.0 / DEG)
@@ -62,21 +67,37 @@ def misalignment_items(evidence: AhrsEvidence, offset: Estimates) -> ClauseResul
         turns, reason = every[axis], why[axis]
         if reason is not None:
             return reason
-        elements = {}
+        ratios = list[Estimate]()
         for i in range(3):
-            if i == j:
-                continue
-            ratios = {a: _ratio(evidence, i, every[a], zero[AXES[i]]) for a in runs}
-            weights = evidence.weights_about(axis, runs, ratios)
+            readings = {a: _ratio(evidence, i, every[a], zero[AXES[i]]) for a in runs}
+            weights = evidence.weights_about(axis, runs, readings)
             if weights is None:
                 return message("jjf1536-crooked", axis=axis)
             ratio = linear_estimate(evidence, i, weights)
-            repeated = _repeated(evidence, i, turns)
-            elements[AXES[i] + axis] = replace(ratio, repeated=repeated).scaled(DEG)
-        return elements, _remarks(evidence, turns)
+            ratios.append(replace(ratio, repeated=_repeated(evidence, i, turns)).scaled(DEG))
+        wrong = tuple(_wrong_angle(axis, scale[axis], ratios[j].scaled(1.0 / DEG)))
+        if wrong:  # by how much each turn nobody knows
+            ratios = [replace(ratio, lines=(observed(math.nan, ""),)) for ratio in ratios]
+        elements = {AXES[i] + axis: ratios[i] for i in range(3) if i != j}
+        return elements, (*wrong, *_remarks(evidence, turns))
 
     item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
     return item_by_axis(MISALIGNMENT, item, of_axis)
+
+
+def _wrong_angle(axis: Axis, scale: Estimate, turned: Estimate) -> Iterator[Remark]:
+    """Turns of which the turned axis reads another angle than its scale factor makes of it.
+
+    scale, turned: what the axis reads per rate by 7.1, per angle in the turns. Their ratio is one
+    whatever the unit, but for a part that is missing from the label or from the turn.
+    """
+    if not scale.determined:
+        return
+    u = [one.quantity.u * one.sensitivity for one in (*scale.lines, *turned.lines)]
+    off = turned.value / scale.value - 1.0
+    if abs(off) > TURNED + COVERED * float(np.linalg.norm(u)):
+        text = message("jjf1536-turned-angle-wrong", axis=axis, percent=f"{100.0 * off:+.2f}")
+        yield remark("turned_angle_wrong", text, blocks_pass=True)
 
 
 def _turns(evidence: AhrsEvidence, axis: Axis) -> WholeTurns:

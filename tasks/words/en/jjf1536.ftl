@@ -44,6 +44,7 @@ jjf1536-turns-as-agreed = { $axis } axis: { $count ->
     } at { $rate } deg/s; 7.3.1 specifies { $turns_asked } turns at a high rate, for example { $rate_asked } deg/s, unless agreed otherwise.
 jjf1536-turn-times-differ = { $axis } axis: the durations of forward and backward rotation differ by { $seconds } s; what the zero offset and gravity add in that time does not cancel (a known zero offset is taken off).
 jjf1536-turned-angle-contradicted = { $segment }: labelled { $label } deg about { $axis }, but the table shows { $table } deg: the table's angle was used.
+jjf1536-turned-angle-wrong = { $axis } axis: in the turns it reads { $percent } % more than its scale factor makes of their angle: a part of the turns lies outside of what is labelled, or the angle is another. The misalignment about { $axis } has no U.
 jjf1536-not-whole-turns = { $segment }: rotated by { $angle } deg, not by whole turns as 7.3.1 requires; Earth's rotation does not cancel.
 
 ## Sections of the certificate's results.

@@ -26,6 +26,7 @@ jjf1536-turn-not-read = 绕 { $axis } 轴转动时该轴读数与转角不符，
 jjf1536-turns-as-agreed = { $axis } 轴：{ $count } 周，{ $rate } °/s；技术协议未另行规定时，7.3.1 为 { $turns_asked } 周、高角速率（如 { $rate_asked } °/s）。
 jjf1536-turn-times-differ = { $axis } 轴：正、反转时间相差 { $seconds } s；其间零偏和重力引起的转角未抵消（零偏已知时已扣除）。
 jjf1536-turned-angle-contradicted = { $segment }：标注绕 { $axis } 轴 { $label }°，但转台显示 { $table }°：已按转台角度取用。
+jjf1536-turned-angle-wrong = { $axis } 轴：转动时其读数比按标度因数由转角得到的多 { $percent } %：部分转动不在所标注的时段内，或转角有误。绕 { $axis } 轴的失准角不给出 U。
 jjf1536-not-whole-turns = { $segment }：转过 { $angle }°，非 7.3.1 要求的整周，地球自转未抵消。
 
 ## 证书结果的各节。
