@@ -47,6 +47,10 @@ class Item(Frozen):
         default=(),
         description="readings of the specification taken (tasks.specifications.readings)",
     )
+    repeatability: Elements | None = Field(
+        default=None,
+        description="u_A alone, of the elements without U, whose largest error nobody states",
+    )
     value_without_earth_rotation: Elements | None = None
     u_without_earth_rotation: Elements | None = None
     U_without_earth_rotation: Elements | None = None

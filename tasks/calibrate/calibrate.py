@@ -1,13 +1,14 @@
 """The calibration of a recording by a specification."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from schemas.calibration import Calibration, Covariance, EnvironmentSeen, Item, SegmentUsed
 from schemas.recording import Recording, Stream
+from schemas.text import Remark
 from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.motion.table import squared
@@ -20,8 +21,9 @@ from tasks.specifications.axes_of_table import stand_remarks
 from tasks.specifications.covariance import covariance_of
 from tasks.specifications.estimate import ClauseResult
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.specifications.items import item_title
 from tasks.specifications.specification import Specification
-from tasks.words import say
+from tasks.words import clauses, message, remark, say
 
 
 def calibrate(
@@ -75,6 +77,7 @@ def without_information(
         *run_remarks(evidence, specification.conditions, items),
         *(stand_remarks(evidence) if evaluation.equipment.axes else ()),
         *laboratory_remarks(evidence.recording, own_latitude_deg),
+        *_unstated(items),
     )
     wrong = tuple(one for one in checked if one.code in KINDS)
     checked = tuple(one for one in checked if one.code not in KINDS)
@@ -122,6 +125,20 @@ def _covariance(
     matrix = covariance_of(tuple(found.values()), evidence, result.errors)
     rows = tuple(tuple(map(float, row[: p + 1])) for p, row in enumerate(matrix))
     return Covariance(elements=tuple(found), rows=rows)
+
+
+def _unstated(items: Mapping[str, Item]) -> Iterator[Remark]:
+    """That elements have no U, because nobody states the largest error of what they hang on."""
+    lacking = [
+        message(
+            "specifications-unstated.item", item=item_title(key),
+            elements=", ".join(item.repeatability), u=f"{max(filter(None, item.repeatability.values()), default=0.0):.1e}", unit=item.unit,
+        )
+        for key, item in items.items() if item.repeatability
+    ]  # fmt: skip
+    if lacking:
+        phrase = message("specifications-unstated", items=clauses(lacking))
+        yield remark("reference_unstated", phrase, blocks_pass=True)
 
 
 def _used(evidence: ClauseEvidence, i: int) -> SegmentUsed:

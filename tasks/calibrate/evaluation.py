@@ -27,6 +27,7 @@ from tasks.uncertainty.equipment import (
     Equipment,
     with_limits,
     with_polled_encoders,
+    with_rates_by_label,
 )
 from tasks.uncertainty.examples import BITS, TABLE, combine_as_example
 from tasks.uncertainty.examples import EXAMPLE as BY_APPENDIX
@@ -94,6 +95,7 @@ class Evaluation:
             uncertainty_kind=self.kind,
             budgets=budgets,
             readings=estimate.readings,
+            repeatability=self._repeatability(estimate.elements) or None,
         )
         return item.model_copy(update=self._second_value(definition, estimate, item))
 
@@ -101,8 +103,15 @@ class Evaluation:
         return {
             e: self.budget(definition, e, estimate)
             for e, estimate in estimates.items()
-            if estimate.has_uncertainty and (self.kind != EXAMPLE or estimate.has_repeatability)
+            if estimate.has_uncertainty
+            and (estimate.has_repeatability if self.kind == EXAMPLE else not estimate.unstated)
         }
+
+    def _repeatability(self, estimates: Estimates) -> Elements:
+        """u_A of the elements that have no U because nobody states what they hang on."""
+        if self.kind == EXAMPLE:
+            return {}
+        return {e: one.u_of_data for e, one in estimates.items() if one.unstated}
 
     def _second_value(
         self, definition: ItemDefinition, estimate: ItemEstimate, item: Item
@@ -158,6 +167,8 @@ def evaluation_for(
     equipment = with_limits(equipment, own)
     if half_width_s := polled_within(recording):
         equipment = with_polled_encoders(equipment, half_width_s, commanded_bound(recording))
+    elif recording.table is None and "rate" not in own:
+        equipment = with_rates_by_label(equipment, commanded_bound(recording))
     settings: dict[str, str | float] = {"uncertainty": kind, "axes": axes}
     remarks: tuple[Remark, ...] = ()
     if off:
@@ -170,8 +181,7 @@ def evaluation_for(
         settings["limits"] = named
         for name, limit in own.items():
             settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
-        known = equipment.rates and equipment.angles
-        if not known:
+        if specification is None and not equipment.known:
             phrase = message("specifications-equipment-unknown")
             remarks = (remark("equipment_unknown", phrase, blocks_pass=True), *remarks)
         return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)

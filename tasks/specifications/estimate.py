@@ -20,12 +20,14 @@ from tasks.specifications.linear import (
     solve,
 )
 from tasks.uncertainty.budget import Contribution, observed, resolution
+from tasks.uncertainty.equipment import NOBODY
 from tasks.uncertainty.type_a import type_a_dof
 from tasks.words import Message, Sayable, clauses, message, remark
 
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))
 NO_EXCESS = BirgeRatio()
+OF_DATA = ("u_A", "q")  # symbols of the lines of repeatability and resolution
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,21 @@ class Estimate:
         """Whether there is a value, and every line of its budget is known."""
         sizes = (line.quantity.u * line.sensitivity for line in self.lines)
         return self.determined and all(map(math.isfinite, sizes))
+
+    @property
+    def unstated(self) -> tuple[Contribution, ...]:
+        """The lines that nobody states, where one of them is the largest: there is no U then."""
+        sizes = [abs(line.quantity.u * line.sensitivity) for line in self.lines]
+        largest = self.lines[int(np.argmax(sizes))] if sizes else None
+        if largest is None or largest.quantity.source != NOBODY:
+            return ()
+        return tuple(line for line in self.lines if line.quantity.source == NOBODY)
+
+    @property
+    def u_of_data(self) -> float:
+        """Standard uncertainty by the data: noise, scatter and the unit's resolution."""
+        lines = [line for line in self.lines if line.quantity.symbol in OF_DATA]
+        return float(np.linalg.norm([line.quantity.u * line.sensitivity for line in lines]))
 
     @property
     def has_repeatability(self) -> bool:

@@ -153,6 +153,7 @@ def read_log(
             "source": path.name, "source_sha256": source, **changes.as_fields(), **mapping,
             SI_PER_UNIT: {n: scales[c].factor for n, c in _one_of_each(scales).items()},
         },
+        **changes.of_table(),
         **({"acquired_at": _moment(timing.origin)} if timing.times.kind == "epoch" else {}),
     })  # fmt: skip
     check_controls(manifest.model_dump(mode="json"), str(path))

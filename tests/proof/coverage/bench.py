@@ -110,14 +110,14 @@ def record(  # noqa: C901, PLR0915 - one recording, from the journey to the stre
         + np.diag(uniform(-3e-3, 3e-3, 3))
         + uniform(-3e-3, 3e-3, (3, 3)) * (1 - np.eye(3))
     )
-    Ka = (
+    force = (
         np.eye(3)
         + np.diag(uniform(-3e-3, 3e-3, 3))
         + uniform(-3e-3, 3e-3, (3, 3)) * (1 - np.eye(3))
     )
     bias_range = np.array([0.1 * DEG] * 3 + [0.03] * 3)
     B = bias_range * uniform(-1, 1, 6)
-    Gs = uniform(-1, 1, (3, 3)) * 0.01 * DEG / G
+    lean = uniform(-1, 1, (3, 3)) * 0.01 * DEG / G
     p = uniform(-0.03, 0.03, (3, 3)) * (1 - np.eye(3))
 
     # Journey in the table's own angles.
@@ -238,8 +238,8 @@ def record(  # noqa: C901, PLR0915 - one recording, from the journey to the stre
     mean_warm = float(np.mean(warm))
     gain = 1.0 + np.outer(warm - mean_warm, tc)
     true = np.hstack([
-        ((omega + earth) @ K.T) * gain[:, :3] + gravity * up @ Gs.T,
-        (gravity * up @ Ka.T) * gain[:, 3:] + omega**2 @ p.T,
+        ((omega + earth) @ K.T) * gain[:, :3] + gravity * up @ lean.T,
+        (gravity * up @ force.T) * gain[:, 3:] + omega**2 @ p.T,
     ])  # fmt: skip
     slow = grade[:, None] * pink(r, n, bench.longest_s)
     slow = slow + bench.warm_up * np.outer(sign * bias_range, 1.0 - np.exp(-t / 600.0))
@@ -281,8 +281,8 @@ def record(  # noqa: C901, PLR0915 - one recording, from the journey to the stre
     air = np.arange(0.0, t[-1] + 10.0, 10.0)
     streams["environment"] = (air, {"temperature": 20.0 + 0 * air, "humidity": 45.0 + 0 * air})
     over_run = slow.mean(axis=1)
-    felt = Gs * gravity + K * EARTH * np.sin(latitude)
-    truth = items(K, Ka, B, felt, Gs * gravity, p)
+    felt = lean * gravity + K * EARTH * np.sin(latitude)
+    truth = items(K, force, B, felt, lean * gravity, p)
     truth["mean over the run"] = {
         "gyro_bias": {a: float(over_run[i] / DEG) for i, a in enumerate(AXES)},
         "accel_bias": {a: float(over_run[3 + i]) for i, a in enumerate(AXES)},

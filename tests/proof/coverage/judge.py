@@ -70,7 +70,8 @@ def main(units: int, seed: int, names: list[str]) -> None:
                 z = np.abs(with_u[:, 0]) / with_u[:, 1]
                 good = np.mean(z <= 1) >= GOOD and R[0] <= 2 * np.sqrt(np.mean(z**2)) <= R[1]
                 print(
-                    f"{' ' if good else '!'} {key:32s} {100 * np.mean(z <= 1):5.1f} % of {len(z):4d}  "
+                    f"{' ' if good else '!'} {key:32s} {100 * np.mean(z <= 1):5.1f} % "
+                    f"of {len(z):4d}  "
                     f"r {2 * np.sqrt(np.mean(z**2)):6.2f}  max {z.max():7.2f}  "
                     f"U {np.median(with_u[:, 1]):.2g}",
                     flush=True,

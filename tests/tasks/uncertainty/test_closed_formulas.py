@@ -17,7 +17,6 @@ from tasks.uncertainty.equipment import (
     JJF1536,
     JJF2003,
     RATE,
-    UNKNOWN,
     Equipment,
     ErrorLimit,
     with_limits,
@@ -31,6 +30,9 @@ TENTH = math.radians(0.1)
 MEAN = Weights(np.full(12, 1 / 12), np.full(6, 1 / 6), np.full(6, 1 / 6))
 LYING = Weights(np.full(8, 1 / 12), np.full(4, 1 / 6), np.full(4, 1 / 6))
 UP_DOWN = Weights(np.array([1, 1, -1, -1]) / 4, np.array([1, -1]) / 2, np.array([1, -1]) / 2)
+
+
+NONE = Equipment()
 
 
 def alone(limit: str, u: float = 1.0) -> Equipment:
@@ -234,10 +236,10 @@ def test_a_laboratory_s_own_limits_go_before_table_1() -> None:
 def test_a_table_that_nobody_knows_has_no_line() -> None:
     rates = np.radians([-100.0, 100.0])
     seconds = np.full(2, 30.0)
-    assert closed_formulas.turning_rate(UNKNOWN, 1.0, rates / (rates @ rates), rates, seconds) == ()
-    assert closed_formulas.attitude_errors(UNKNOWN, EARTH_RATE, MEAN) == ()
-    assert closed_formulas.turning_axis(UNKNOWN, 1.0) == ()
-    (gravity,) = closed_formulas.gravity_error(UNKNOWN, 1.0, G)
+    assert closed_formulas.turning_rate(NONE, 1.0, rates / (rates @ rates), rates, seconds) == ()
+    assert closed_formulas.attitude_errors(NONE, EARTH_RATE, MEAN) == ()
+    assert closed_formulas.turning_axis(NONE, 1.0) == ()
+    (gravity,) = closed_formulas.gravity_error(NONE, 1.0, G)
     assert gravity.quantity.symbol == "g"
 
 
@@ -293,7 +295,7 @@ def test_a_rate_just_below_the_edge_of_a_class_belongs_to_it(deg_s: float) -> No
 
 def test_times_of_polled_encoders_reach_a_line_through_its_mean_rates():
     """Beginning and end of every point are off by times of their own, as drawn here."""
-    polled, rng = with_polled_encoders(UNKNOWN, 5e-3), np.random.default_rng(1)
+    polled, rng = with_polled_encoders(NONE, 5e-3), np.random.default_rng(1)
     rates, seconds = np.radians([-100.0, -10.0, 10.0, 100.0]), np.array([10.0, 36.0, 36.0, 10.0])
     operator = rates / (rates @ rates)  # of U = slope·X through zero
     (line,) = closed_formulas.turning_rate(polled, 1.0, operator, rates, seconds)
