@@ -281,6 +281,9 @@ def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
                     "table_axes": [{"name": "table", "direction": [0, 0, 1]}]},
         "mount": {"quaternion_wxyz": [1, 0, 0, 0]}, "streams": streams, "segments": run.labels,
     }  # fmt: skip
+    if s.rate_stated and not s.encoders:
+        bound = {"half_width": 2e-4, "distribution": "normal"}  # Table 1
+        manifest["table_time"] = {"commanded_rate": bound}
     (folder / "manifest.json").write_text(json.dumps(manifest))
     true_zero = zero.mean(axis=0) if s.of_run else bias
     return {
