@@ -27,7 +27,7 @@ from tasks.words import Message, Sayable, clauses, message, remark
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))
 NO_EXCESS = BirgeRatio()
-OF_DATA = ("u_A", "q")  # symbols of the lines of repeatability and resolution
+OF_DATA = ("u_A", "q", "d")  # symbols of the lines of repeatability, resolution and drift
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ from tasks.specifications.estimate import (
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.specifications.jjf1536.scale import scatter_remark
 from tasks.specifications.linear import BirgeRatio, birge_ratio, solve
-from tasks.uncertainty.budget import observed
+from tasks.uncertainty.budget import Contribution, InputQuantity, observed
+from tasks.uncertainty.drift import WALK
 from tasks.words import Message, message, remark
 
 ZERO_OFFSET = "ahrs_zero_offset"
@@ -69,11 +70,14 @@ def zero_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
         why = _not_determined(evidence, positions)
         if why is not None:
             return message("specifications-of-axis", axis=axis, reason=why)
-        mean, factor = _mean(evidence, channel, positions, errors)
+        drift = _drift(evidence, channel, errors)
+        mean, factor = _mean(evidence, channel, positions, None if drift else errors)
+        mean = mean.with_lines(*_drift_line(evidence, channel, mean, drift))
         if evidence.loses_steady_rates:  # and by how much of its own zero nobody knows
             mean = replace(mean, lines=(observed(math.nan, ""),))
         scatter = scatter_remark("jjf1536-positions-scatter", axis, factor)
-        return {axis: mean.scaled(DEG)}, (*_remarks(evidence, positions), *scatter)
+        drifts = _drift_remark(axis, drift)
+        return {axis: mean.scaled(DEG)}, (*_remarks(evidence, positions), *scatter, *drifts)
 
     result = item_by_axis(ZERO_OFFSET, ItemEstimate(undetermined(AXES), CLAUSE, READINGS), of_axis)
     return replace(result, remarks=(*_steady_remarks(evidence), *result.remarks))
@@ -131,12 +135,13 @@ def _not_determined(evidence: AhrsEvidence, positions: Positions) -> Message | N
 
 
 def _mean(
-    evidence: AhrsEvidence, channel: int, positions: Positions, errors: EquipmentErrors
+    evidence: AhrsEvidence, channel: int, positions: Positions, errors: EquipmentErrors | None
 ) -> tuple[Estimate, float]:
     """B (rad/s), and how much more than noise and equipment explain the positions differ.
 
     Every position counts once, so that Earth's rotation cancels; with one time T for all this is
-    ΣN/(n·T). What crooked mounts leave of it is taken off where they are stated.
+    ΣN/(n·T). What crooked mounts leave of it is taken off where they are stated. errors: None
+    where a drift already is what the positions differ by.
     """
     rests = positions.rests
     groups = np.array([[i in group for i in rests] for group in positions.groups], float)
@@ -149,21 +154,68 @@ def _mean(
         if earth is not None:
             felt = positions.direction @ earth
             readings, left = readings - felt, float(felt.mean())
-        expected = evidence.covariance(channel) + errors.covariance(channel)
-        covariance = average @ expected @ average.T
-        for other in positions.others:
-            covariance += (COUPLING * EARTH_RATE) ** 2 * other @ other.T
         # What gravity does to a gyro follows the attitude, too, and cancels as Earth's rotation.
         columns = np.column_stack([positions.direction, positions.up])
         columns = columns[:, np.abs(columns).max(axis=0) > ALONG]
         design = np.column_stack([np.ones(len(readings)), columns])
-        excess = birge_ratio(solve(design), design, readings, covariance)
+        if errors is not None:
+            expected = evidence.covariance(channel) + errors.covariance(channel)
+            covariance = average @ expected @ average.T
+            for other in positions.others:
+                covariance += (COUPLING * EARTH_RATE) ** 2 * other @ other.T
+            excess = birge_ratio(solve(design), design, readings, covariance)
     mean = linear_estimate(evidence, channel, average.mean(axis=0), excess)
     repeated = tuple(map(float, excess.factor * u_of_means(evidence, channel, average)))
     off = abs(left) > 0.0
     return replace(
         mean, value=mean.value - left, repeated=repeated, without_earth=off
     ), excess.factor
+
+
+def _drift(evidence: AhrsEvidence, channel: int, errors: EquipmentErrors) -> float:
+    """Half of what the zero wanders by over the positions of all axes, rad/s.
+
+    0 where white noise, flicker and equipment explain that. What an axis reads in its own
+    positions alone says nothing of it where those lie close together within the run.
+    """
+    earth, every = evidence.earth_in_attitude, evidence.attitude
+    held = [
+        is_zero_position(s) and a is not None for s, a in zip(evidence.segments, every, strict=True)
+    ]
+    rests = np.flatnonzero(held)
+    if earth is None or not len(rests):
+        return 0.0
+    attitude = np.array([every[i] for i in rests])
+    slow = np.tensordot(evidence.noise.drift[WALK:, channel], evidence.noise.shapes[WALK:], axes=1)
+    known = evidence.covariance(channel) + errors.covariance(channel) - slow
+    covariance = known[np.ix_(rests, rests)]
+    for other in np.delete(attitude, channel, axis=1).swapaxes(0, 1):
+        covariance += (COUPLING * EARTH_RATE) ** 2 * other @ other.T
+    design = np.column_stack([np.ones(len(rests)), attitude[:, :, VERTICAL]])
+    readings = evidence.means[rests, channel] - attitude[:, channel] @ earth
+    solution = solve(design)
+    if birge_ratio(solution, design, readings, covariance).factor == 1.0:
+        return 0.0
+    return 0.5 * float(np.ptp(readings - design @ solution.of(readings)))
+
+
+def _drift_line(
+    evidence: AhrsEvidence, channel: int, mean: Estimate, drift: float
+) -> Iterator[Contribution]:
+    """The line of a drift, as far as walk and trend in the noise do not hold it already."""
+    if mean.operator is None or not drift:
+        return
+    o = mean.operator[channel]
+    slow = np.tensordot(evidence.noise.drift[WALK:, channel], evidence.noise.shapes[WALK:], axes=1)
+    u = math.sqrt(max(drift**2 / 3.0 - float(o @ slow @ o), 0.0))
+    name = message("uncertainty-drift-in-run")
+    yield Contribution(InputQuantity("d", name, "", u, "B", "rectangular"), 1.0)
+
+
+def _drift_remark(axis: Axis, drift: float) -> Iterator[Remark]:
+    if drift:
+        text = message("jjf1536-drift-in-run", axis=axis, drift=f"{DEG * drift:.2g}")
+        yield remark("drift_in_run", text)
 
 
 def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:

@@ -74,7 +74,7 @@ SCENARIOS: dict[str, Scenario] = {
     "rates in steps, labels": Scenario(angles=False, step=0.1 * DEG),
     "rates, in order": Scenario(angles=False, encoders=True),
     "unit warms by 5 K": Scenario(warms_k=5.0, encoders=True, of_run=True),
-    "warm-up over two hours": Scenario(warm_up=0.02, encoders=True, of_run=True),
+    "warm-up over two hours": Scenario(warm_up=0.005, encoders=True, of_run=True),
     "turns cut by 1 s, labels": Scenario(cut_s=1.0),
     "turns cut by 1 s, encoders": Scenario(cut_s=1.0, encoders=True),
     "true 1/f, mean over all time": Scenario(encoders=True, ends="true", flicker=(3e-4, 3e-4)),
