@@ -76,9 +76,11 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     """
     motion, _ = mean_motion(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
-    scale, zero = scale_items(evidence, ideal), zero_items(evidence, ideal)
+    scale, zero = scale_items(evidence, motion.rate, ideal), zero_items(evidence, ideal)
     offset = zero.items[ZERO_OFFSET].elements
-    misalignment = misalignment_items(evidence, scale.items[SCALE_FACTOR].elements, offset)
+    misalignment = misalignment_items(
+        evidence, motion.rate, scale.items[SCALE_FACTOR].elements, offset
+    )
     result = merged(
         (scale, zero, misalignment, ClauseResult(remarks=tuple(_sampling_remarks(evidence))))
     )

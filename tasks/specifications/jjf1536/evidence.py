@@ -1,7 +1,6 @@
 """What a recording offers to JJF 1536 in addition: attitudes, turns, angles."""
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,7 +8,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
-from tasks.motion.table import EARTH_RATE, labelled_direction, mean_rate
+from tasks.motion.table import EARTH_RATE
 from tasks.readings.stamps import with_instants
 from tasks.segments.attitude import COMPONENTS, attitude_vector, with_attitude
 from tasks.segments.find import find_segments, up_of
@@ -29,14 +28,12 @@ from tasks.specifications.earth_gain import REFUTED, EarthRotationGain
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.gather import gain_over
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
-from tasks.specifications.linear import solve
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
 SCALE_ITEMS = ("scale_factor", "rate_sensitivity")  # rests with these labels are no positions
 
 OTHER_RATE = np.radians(2.0)  # rad/s: a zero offset is no other rate
 KEPT = 0.8  # of Earth's rotation: an AHRS in order shows 0.9 and more
-SQUARE = 1e-6  # rad, a fifth of an arc second: so crooked is no mount that anybody states
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,21 +81,11 @@ class AhrsEvidence(ClauseEvidence):
             if label.kind == "rotation" or (label.kind == "rate" and label.item == "misalignment")
         )
 
-    def weights_about(
-        self, axis: Axis, runs: Mapping[Axis, Sequence[int]], readings: Mapping[Axis, np.ndarray]
-    ) -> np.ndarray | None:
-        """Weights (n,) of what a gyro reads per rate about an axis of the unit.
-
-        runs, readings: which segments turned, and the weights (n,) of what it read per rate in
-        them, by the axis of the unit that was laid along the table's. Turned about a the unit reads
-        K·a: a row of K follows from all directions. None: the unit stood too crooked for those.
-        """
-        design = np.array([self.spin[list(runs[a])].mean(axis=0) for a in readings])
-        solution = solve(np.where(np.abs(design) < SQUARE, 0.0, design))
-        place = AXES.index(axis)
-        if not solution.estimable[place]:
-            return None
-        return np.asarray(solution.operator[place].round(12) @ np.array([*readings.values()]))
+    def attitudes_of(self, rests: list[int]) -> np.ndarray | None:
+        """Attitude vectors (rests, 3, 15), None where one is not known."""
+        known = [vector for i in rests if (vector := self.attitude[i]) is not None]
+        exact = np.array(known).reshape(-1, 3, COMPONENTS).round(9)  # the cosine of 90° is nothing
+        return exact if len(known) == len(rests) else None
 
     @cached_property
     def earth_in_attitude(self) -> np.ndarray | None:
@@ -122,12 +109,10 @@ class AhrsEvidence(ClauseEvidence):
 
         None where attitudes or north are not known, or a step may hide it.
         """
-        earth, every = self.earth_in_attitude, zip(self.segments, self.attitude, strict=True)
-        held = [is_zero_position(s) and vector is not None for s, vector in every]
-        rests = np.flatnonzero(held).tolist()
-        if earth is None or not rests or self.coarse_channels[GYRO_COLUMNS].any():
+        rests = [i for i, segment in enumerate(self.segments) if is_zero_position(segment)]
+        earth, attitude = self.earth_in_attitude, self.attitudes_of(rests)
+        if earth is None or attitude is None or self.coarse_channels[GYRO_COLUMNS].any():
             return None
-        attitude = np.array([self.attitude[i] for i in rests])
         east, north, up = np.moveaxis(attitude[:, :, :3], 2, 0)
         full = earth[1] / EARTH_RATE
         along, across = (gain_over(self, rests, up, full * level, True) for level in (north, east))
@@ -140,19 +125,6 @@ class AhrsEvidence(ClauseEvidence):
             return False
         north, east = self.steady_gain
         return math.hypot(north.gain, east.gain) + REFUTED * north.u < KEPT
-
-    @cached_property
-    def spin(self) -> np.ndarray:
-        """Direction (n, 3) in the unit's axes of what each run or turn is about, as labelled."""
-        spin = np.full((len(self.labels), 3), np.nan)
-        for i, label in enumerate(self.labels):
-            if label.axis is not None and label.kind != "static":
-                spin[i] = np.eye(3)[AXES.index(label.axis)]
-                spin[i] = labelled_direction(self.recording.manifest, label, spin[i])
-                rate = mean_rate(self.recording, label)
-                if rate is not None and rate.any():
-                    spin[i] = rate / np.copysign(np.linalg.norm(rate), rate @ spin[i])
-        return spin
 
     @property
     def accumulates(self) -> bool:

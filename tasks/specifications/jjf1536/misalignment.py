@@ -26,6 +26,7 @@ from tasks.specifications.estimate import (
 )
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
+from tasks.specifications.rates import weights_about
 from tasks.uncertainty.budget import observed
 from tasks.words import Message, message, remark
 
@@ -52,9 +53,12 @@ class WholeTurns:
     angle: np.ndarray
 
 
-def misalignment_items(evidence: AhrsEvidence, scale: Estimates, offset: Estimates) -> ClauseResult:
+def misalignment_items(
+    evidence: AhrsEvidence, rate: np.ndarray, scale: Estimates, offset: Estimates
+) -> ClauseResult:
     """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
 
+    rate: (n, 3) rad/s of each segment in the unit's axes.
     scale: K of 7.1 by axis, by which the turned axis itself shows whether the angle is right.
     offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.
     """
@@ -70,7 +74,7 @@ def misalignment_items(evidence: AhrsEvidence, scale: Estimates, offset: Estimat
         ratios = list[Estimate]()
         for i in range(3):
             readings = {a: _ratio(evidence, i, every[a], zero[AXES[i]]) for a in runs}
-            weights = evidence.weights_about(axis, runs, readings)
+            weights = weights_about(axis, rate, runs, readings)
             if weights is None:
                 return message("jjf1536-crooked", axis=axis)
             ratio = linear_estimate(evidence, i, weights)

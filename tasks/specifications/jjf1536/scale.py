@@ -19,7 +19,7 @@ from tasks.specifications.estimate import (
 )
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
 from tasks.specifications.linear import BLOCKING_EXCESS
-from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
+from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks, weights_about
 from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.1.2 eq. (10)-(15)"
@@ -28,7 +28,7 @@ SCALE_FACTOR = "ahrs_scale_factor"
 Rests = tuple[tuple[int, ...], tuple[int, ...]]  # before and after the rate points
 
 
-def scale_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
+def scale_items(evidence: AhrsEvidence, rate: np.ndarray, errors: EquipmentErrors) -> ClauseResult:
     """K (3,) of eq. (14): the output of each point less the mean of the rests, eq. (11) to (13)."""
     readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
     readings += ("jjf1536.table_rate",) if evidence.has_table else ()
@@ -44,8 +44,8 @@ def scale_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult
         line = _line(evidence, channel, axis, errors)
         lines = {a: line if a == axis else _line(evidence, channel, a, errors) for a in turned}
         slopes = {a: each.estimates[0].operator for a, each in lines.items()}
-        weights = evidence.weights_about(
-            axis, evidence.points, {a: o[channel] for a, o in slopes.items() if o is not None}
+        weights = weights_about(
+            axis, rate, evidence.points, {a: o[channel] for a, o in slopes.items() if o is not None}
         )
         if weights is None:
             return message("jjf1536-crooked", axis=axis)
