@@ -132,7 +132,8 @@ def _unstated(items: Mapping[str, Item]) -> Iterator[Remark]:
     lacking = [
         message(
             "specifications-unstated.item", item=item_title(key),
-            elements=", ".join(item.repeatability), u=f"{max(filter(None, item.repeatability.values()), default=0.0):.1e}", unit=item.unit,
+            elements=", ".join(item.repeatability),
+            u=f"{max(filter(None, item.repeatability.values()), default=0.0):.1e}", unit=item.unit,
         )
         for key, item in items.items() if item.repeatability
     ]  # fmt: skip

@@ -1,10 +1,11 @@
 """Estimates before their budgets: of one element, of an item, and a clause's contributions."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
@@ -19,7 +20,7 @@ from tasks.specifications.linear import (
     birge_ratio,
     solve,
 )
-from tasks.uncertainty.budget import Contribution, observed, resolution
+from tasks.uncertainty.budget import Contribution, drift_in_run, observed, resolution
 from tasks.uncertainty.equipment import NOBODY
 from tasks.uncertainty.type_a import type_a_dof
 from tasks.words import Message, Sayable, clauses, message, remark
@@ -27,7 +28,10 @@ from tasks.words import Message, Sayable, clauses, message, remark
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))
 NO_EXCESS = BirgeRatio()
+NEGLIGIBLE = 1e-6  # of a variance: no line of its own
 OF_DATA = ("u_A", "q", "d")  # symbols of the lines of repeatability, resolution and drift
+COURSE, COURSE_LEVEL = 3, 1e-3  # degree of a zero's course in time, and how often noise makes one
+TINY = 1e-9  # of a variance: keeps a covariance invertible
 
 
 @dataclass(frozen=True)
@@ -173,6 +177,58 @@ def _with_errors(estimate: Estimate, errors: EquipmentErrors) -> Estimate:
     return estimate.with_lines(*errors.lines(estimate.operator, estimate.without_earth))
 
 
+def with_course(
+    evidence: ClauseEvidence, up: np.ndarray, errors: EquipmentErrors
+) -> ClauseEvidence:
+    """The evidence with the course of each zero over the run, where its rests show one.
+
+    Judged against white noise, flicker, rounding and the equipment, before anything is enlarged by
+    what the points scatter. up: (n, 3) verticals; beside them north and east where they are known.
+    """
+    from scipy.special import chdtrc  # late: a tenth of a start
+
+    t = np.array([0.5 * (s.t_start + s.t_end) for s in evidence.segments])
+    rests = [i for i in evidence.of_kind("static") if np.isfinite(up[i]).all()]
+    course = np.zeros((len(CHANNELS), len(t)))
+    if not rests:
+        return evidence
+    first = min(s.t_start for s in evidence.segments)
+    last = max(s.t_end for s in evidence.segments)
+    shapes = legendre.legvander(2.0 * (t - first) / (last - first) - 1.0, COURSE)[:, 1:]
+    north = evidence.north[rests]
+    level = [north, np.cross(north, up[rests])] if np.isfinite(north).all() else []
+    for c in range(len(CHANNELS)):
+        faces = [np.ones(len(rests)), *up[rests].T]
+        faces += [each[:, c] for each in level if c < len(AXES)]
+        design = np.column_stack([*faces, shapes[rests]])
+        means, block = evidence.means[rests, c], np.ix_(rests, rests)
+        covariance = (evidence.fast_covariance(c) + errors.covariance(c))[block]
+        if len(rests) <= design.shape[1] or not np.isfinite(means).all() or not covariance.any():
+            continue
+        sizes, ways = np.linalg.eigh(covariance)
+        white = ways / np.sqrt(np.maximum(sizes, TINY * sizes[-1]))
+        solution = solve(white.T @ design)
+        if not solution.estimable[-COURSE:].all():
+            continue
+        follows = solution.operator[-COURSE:]
+        found = follows @ (white.T @ means)
+        chi2 = float(found @ np.linalg.solve(follows @ follows.T, found))
+        if chdtrc(COURSE, chi2) < COURSE_LEVEL:
+            course[c] = shapes @ found
+    return replace(evidence, course=course) if course.any() else evidence
+
+
+def course_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """That zeros drifted in the run, and by how much from end to end."""
+    sizes = np.zeros(len(CHANNELS)) if evidence.course is None else np.ptp(evidence.course, axis=1)
+    for first, unit, per in ((0, "deg/s", DEG), (len(AXES), "m/s2", 1.0)):
+        drifted = [c for c in range(first, first + len(AXES)) if sizes[c]]
+        if drifted:
+            channels = ", ".join(f"{CHANNELS[c]} {per * sizes[c]:.2g}" for c in drifted)
+            phrase = message("specifications-drift-in-run", channels=channels, unit=unit)
+            yield remark("drift_in_run", phrase)
+
+
 def linear_estimate(
     evidence: ClauseEvidence, channel: int, weights: np.ndarray, excess: BirgeRatio = NO_EXCESS
 ) -> Estimate:
@@ -188,18 +244,21 @@ def linear_estimate(
     if not math.isfinite(value):
         return UNDETERMINED
     noise = float(o @ evidence.noise_covariances[channel][block] @ o)
-    rounding = 0.0
-    if evidence.coarse_channels[channel]:
-        rounding = float(o @ evidence.rounding_covariance(channel)[block] @ o)
+    rounding, draws = evidence.rounding(channel, weights)
+    drifts: tuple[Contribution, ...] = ()
+    if evidence.course is not None and evidence.course[channel].any():
+        drifts = (drift_in_run(abs(float(weights @ evidence.course[channel]))),)
     operator = np.zeros((len(CHANNELS), len(weights)))
     operator[channel] = weights
     if excess.factor > 1.0:
         u = excess.factor * np.sqrt(max(noise + rounding, 0.0))
-        return Estimate(value, (observed(float(u), "", excess.dof),), operator=operator)
+        scattered = observed(float(u), "", excess.dof)
+        return Estimate(value, (scattered, *drifts), operator=operator)
     dof = type_a_dof(weights, evidence.noise, channel, noise)
-    lines: tuple[Contribution, ...] = (observed(float(np.sqrt(max(noise, 0.0))), "", dof),)
-    if rounding > 0.0:
-        lines = (*lines, resolution(float(np.sqrt(3.0 * rounding)), "", 1.0))
+    lines = (observed(float(np.sqrt(max(noise, 0.0))), "", dof), *drifts)
+    if rounding > NEGLIGIBLE * noise:
+        line = resolution(float(np.sqrt(3.0 * rounding)), "", 1.0)
+        lines = (*lines, replace(line, draws=draws))
     return Estimate(value, lines, operator=operator)
 
 

@@ -11,8 +11,10 @@ from tasks.specifications.estimate import (
     ClauseResult,
     Estimates,
     ItemEstimate,
+    course_remarks,
     merged,
     scaled,
+    with_course,
     with_equipment,
 )
 from tasks.specifications.evidence import ClauseEvidence
@@ -66,12 +68,14 @@ def estimate(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """The eight items of Table 2 and the fit offset of eq. (4)."""
     motion, _ = mean_motion(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
+    evidence = with_course(evidence, motion.up, ideal)
     turning = turning_items(evidence, motion.rate, ideal)
     result = merged(
         (
             turning,
             tumble_items(evidence, motion.up, gyro_matrix(turning), ideal),
             rate_sensitivity_item(evidence, motion.rate),
+            ClauseResult(remarks=tuple(course_remarks(evidence))),
         )
     )
     errors = errors_of_unit(evidence, motion, equipment, _as_terms(result.items))
