@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -25,6 +26,7 @@ from tasks.uncertainty.equipment import NOBODY
 from tasks.uncertainty.type_a import type_a_dof
 from tasks.words import Message, Sayable, clauses, message, remark
 
+Evidence = TypeVar("Evidence", bound=ClauseEvidence)
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))
 NO_EXCESS = BirgeRatio()
@@ -177,9 +179,7 @@ def _with_errors(estimate: Estimate, errors: EquipmentErrors) -> Estimate:
     return estimate.with_lines(*errors.lines(estimate.operator, estimate.without_earth))
 
 
-def with_course(
-    evidence: ClauseEvidence, up: np.ndarray, errors: EquipmentErrors
-) -> ClauseEvidence:
+def with_course(evidence: Evidence, up: np.ndarray, errors: EquipmentErrors) -> Evidence:
     """The evidence with the course of each zero over the run, where its rests show one.
 
     Judged against white noise, flicker, rounding and the equipment, before anything is enlarged by

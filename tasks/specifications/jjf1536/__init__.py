@@ -8,7 +8,15 @@ from schemas.base import Unusable
 from schemas.recording import ANGLE, GYRO, Recording
 from schemas.text import Remark
 from tasks.segments.conditions import Conditions
-from tasks.specifications.estimate import DEG, ClauseResult, merged, scaled, with_equipment
+from tasks.specifications.estimate import (
+    DEG,
+    ClauseResult,
+    course_remarks,
+    merged,
+    scaled,
+    with_course,
+    with_equipment,
+)
 from tasks.specifications.items import AHRS_ITEMS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_position
 from tasks.specifications.jjf1536.misalignment import MISALIGNMENT, misalignment_items
@@ -76,13 +84,20 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     """
     motion, _ = mean_motion(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
+    held = np.where(np.isfinite(evidence.north), motion.up, np.nan)
+    evidence = with_course(evidence, held, ideal)
     scale, zero = scale_items(evidence, motion.rate, ideal), zero_items(evidence, ideal)
     offset = zero.items[ZERO_OFFSET].elements
     misalignment = misalignment_items(
         evidence, motion.rate, scale.items[SCALE_FACTOR].elements, offset
     )
     result = merged(
-        (scale, zero, misalignment, ClauseResult(remarks=tuple(_sampling_remarks(evidence))))
+        (
+            scale,
+            zero,
+            misalignment,
+            ClauseResult(remarks=(*course_remarks(evidence), *_sampling_remarks(evidence))),
+        )
     )
     found = {
         "gyro_matrix": doubled(scale.items[SCALE_FACTOR].elements)

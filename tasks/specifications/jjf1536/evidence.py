@@ -20,6 +20,7 @@ from tasks.segments.summarise import (
     MIN_ROWS,
     Origin,
     SegmentMean,
+    coarsely_quantised,
     rows_of,
     summarise_all,
 )
@@ -104,14 +105,25 @@ class AhrsEvidence(ClauseEvidence):
         return earth
 
     @cached_property
+    def north(self) -> np.ndarray:
+        """As encoders show it in each rest, else as the labels of the positions have it."""
+        north = super().north
+        if self.earth_in_attitude is not None:
+            for i, vector in enumerate(self.attitude):
+                if vector is not None and np.isnan(north[i]).any():
+                    north[i] = vector[:, 1]
+        return north
+
+    @cached_property
     def steady_gain(self) -> tuple[EarthRotationGain, EarthRotationGain] | None:
         """How much of Earth's level rotation the positions show along north, and along east.
 
         None where attitudes or north are not known, or a step may hide it.
         """
         rests = [i for i, segment in enumerate(self.segments) if is_zero_position(segment)]
+        hidden = any(coarsely_quantised(self.segments[i])[GYRO_COLUMNS].any() for i in rests)
         earth, attitude = self.earth_in_attitude, self.attitudes_of(rests)
-        if earth is None or attitude is None or self.coarse_channels[GYRO_COLUMNS].any():
+        if earth is None or attitude is None or hidden:
             return None
         east, north, up = np.moveaxis(attitude[:, :, :3], 2, 0)
         full = earth[1] / EARTH_RATE

@@ -13,7 +13,6 @@ from tasks.segments.attitude import COMPONENTS, VERTICAL, attitude_contradicted
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import (
     DEG,
-    NO_EXCESS,
     ClauseResult,
     Estimate,
     Estimates,
@@ -26,8 +25,7 @@ from tasks.specifications.estimate import (
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.specifications.jjf1536.scale import scatter_remark
 from tasks.specifications.linear import BirgeRatio, birge_ratio, solve
-from tasks.uncertainty.budget import Contribution, InputQuantity, observed
-from tasks.uncertainty.drift import WALK
+from tasks.uncertainty.budget import observed
 from tasks.words import Message, message, remark
 
 ZERO_OFFSET = "ahrs_zero_offset"
@@ -61,32 +59,17 @@ class Positions:
 
 def zero_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
     """B (3,) of eq. (16), deg/s: the mean over the positions of the angle gained per second."""
-    held = [i for i, segment in enumerate(evidence.segments) if is_zero_position(segment)]
-    every = Positions("x", tuple((i,) for i in held), evidence.attitudes_of(held))
 
     def of_axis(channel: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
-        positions = _positions(evidence, axis, held)
+        positions = _positions(evidence, axis)
         why = _not_determined(evidence, channel, positions)
         if why is not None:
             return message("specifications-of-axis", axis=axis, reason=why)
-        # In its own positions an axis hardly drifts: all of them show by how much it does.
-        wanders, left = _scatter(evidence, channel, every, errors, lasting=True)
-        excess, _ = _scatter(evidence, channel, positions, errors)
-        drift = 0.5 * float(np.ptp(left)) if wanders.factor > 1.0 else 0.0
-        mean = _mean(evidence, channel, positions, NO_EXCESS if drift else excess)
-        remarks = [*_remarks(evidence, positions)]
-        if drift:
-            text = message("jjf1536-drift-in-run", axis=axis, drift=f"{DEG * drift:.2g}")
-            remarks.append(remark("drift_in_run", text))
-            u = math.sqrt(max(drift**2 / 3.0 - mean.u_of_data**2, 0.0))
-            name = message("uncertainty-drift-in-run")
-            line = InputQuantity("d", name, "", u, "B", "rectangular")
-            mean = mean.with_lines(Contribution(line, 1.0))
-        else:
-            remarks += scatter_remark("jjf1536-positions-scatter", axis, excess.factor)
+        mean, factor = _mean(evidence, channel, positions, errors)
         if evidence.loses_steady_rates:  # and by how much of its own zero nobody knows
             mean = replace(mean, lines=(observed(math.nan, ""),))
-        return {axis: mean.scaled(DEG)}, remarks
+        scatter = scatter_remark("jjf1536-positions-scatter", axis, factor)
+        return {axis: mean.scaled(DEG)}, (*_remarks(evidence, positions), *scatter)
 
     result = item_by_axis(ZERO_OFFSET, ItemEstimate(undetermined(AXES), CLAUSE, READINGS), of_axis)
     return replace(result, remarks=(*_steady_remarks(evidence), *result.remarks))
@@ -100,8 +83,9 @@ def _steady_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
         yield remark("steady_rate_lost", text, blocks_pass=True)
 
 
-def _positions(evidence: AhrsEvidence, axis: Axis, held: list[int]) -> Positions:
+def _positions(evidence: AhrsEvidence, axis: Axis) -> Positions:
     """The rests of 7.2 whose label names the axis; where no label names one, all of them."""
+    held = [i for i, segment in enumerate(evidence.segments) if is_zero_position(segment)]
     if any(evidence.labels[i].axis for i in held):
         held = [i for i in held if evidence.labels[i].axis == axis]
     attitude = evidence.attitudes_of(held)
@@ -131,63 +115,36 @@ def _not_determined(evidence: AhrsEvidence, channel: int, positions: Positions) 
     return message("jjf1536-earth-remains", count=count, percent=percent)
 
 
-def _average(evidence: AhrsEvidence, positions: Positions) -> np.ndarray:
-    """Weights (positions, n) of the mean reading in each."""
-    average = np.zeros((len(positions.groups), len(evidence.segments)))
-    for row, group in zip(average, positions.groups, strict=True):
-        row[list(group)] = 1.0 / len(group)
-    return average
-
-
-def _scatter(
-    evidence: AhrsEvidence,
-    channel: int,
-    positions: Positions,
-    errors: EquipmentErrors,
-    lasting: bool = False,
-) -> tuple[BirgeRatio, np.ndarray]:
-    """How much more than noise and equipment explain the positions differ, and by what, rad/s.
-
-    lasting: by noise that neither walks nor has a trend, so that what does is no noise.
-    """
-    average, attitude = _average(evidence, positions), positions.attitude
-    if attitude is None or not len(average):
-        return NO_EXCESS, np.zeros(0)
-    readings = average[:, positions.rests] @ evidence.means[positions.rests, channel]
-    if evidence.earth_in_attitude is not None:
-        readings -= attitude[:, channel] @ evidence.earth_in_attitude
-    known = evidence.covariance(channel) + errors.covariance(channel)
-    if lasting:
-        drift, shapes = evidence.noise.drift[WALK:, channel], evidence.noise.shapes[WALK:]
-        known = known - np.tensordot(drift, shapes, axes=1)
-    covariance = average @ known @ average.T
-    for other in np.delete(attitude, channel, axis=1).swapaxes(0, 1):
-        covariance += (COUPLING * EARTH_RATE) ** 2 * other @ other.T
-    # What gravity does to a gyro follows the attitude, too, and cancels as Earth's rotation.
-    columns = np.hstack([attitude[:, channel], attitude[:, :, VERTICAL]])
-    columns = columns[:, np.abs(columns).max(axis=0) > ALONG]
-    design = np.column_stack([np.ones(len(readings)), columns])
-    solution = solve(design)
-    excess = birge_ratio(solution, design, readings, covariance)
-    return excess, readings - design @ (solution.operator @ readings)
-
-
 def _mean(
-    evidence: AhrsEvidence, channel: int, positions: Positions, excess: BirgeRatio
-) -> Estimate:
-    """B (rad/s).
+    evidence: AhrsEvidence, channel: int, positions: Positions, errors: EquipmentErrors
+) -> tuple[Estimate, float]:
+    """B (rad/s), and how much more than noise and equipment explain the positions differ.
 
     Every position counts once, so that Earth's rotation cancels; with one time T for all this is
     ΣN/(n·T). What crooked mounts leave of it is taken off where they are stated.
     """
-    average = _average(evidence, positions)
+    average = np.zeros((len(positions.groups), len(evidence.segments)))
+    for row, group in zip(average, positions.groups, strict=True):
+        row[list(group)] = 1.0 / len(group)
+    excess, left, attitude = BirgeRatio(), 0.0, positions.attitude
+    if attitude is not None:
+        readings = average[:, positions.rests] @ evidence.means[positions.rests, channel]
+        if evidence.earth_in_attitude is not None:
+            felt = attitude[:, channel] @ evidence.earth_in_attitude
+            readings, left = readings - felt, float(felt.mean())
+        known = evidence.covariance(channel) + errors.covariance(channel)
+        covariance = average @ known @ average.T
+        for other in np.delete(attitude, channel, axis=1).swapaxes(0, 1):
+            covariance += (COUPLING * EARTH_RATE) ** 2 * other @ other.T
+        # What gravity does to a gyro follows the attitude, too, and cancels as Earth's rotation.
+        columns = np.hstack([attitude[:, channel], attitude[:, :, VERTICAL]])
+        columns = columns[:, np.abs(columns).max(axis=0) > ALONG]
+        design = np.column_stack([np.ones(len(readings)), columns])
+        excess = birge_ratio(solve(design), design, readings, covariance)
     mean = linear_estimate(evidence, channel, average.mean(axis=0), excess)
     repeated = tuple(map(float, excess.factor * u_of_means(evidence, channel, average)))
-    mean = replace(mean, repeated=repeated)
-    if positions.attitude is None or evidence.earth_in_attitude is None:
-        return mean
-    left = float(positions.attitude[:, channel].mean(axis=0) @ evidence.earth_in_attitude)
-    return replace(mean, value=mean.value - left, without_earth=left != 0.0)
+    mean = replace(mean, value=mean.value - left, repeated=repeated, without_earth=left != 0.0)
+    return mean, excess.factor
 
 
 def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:

@@ -21,7 +21,6 @@ jjf1536-earth-remains = { $count ->
        *[other] { $count } positions leave
     } up to { $percent } % of Earth's rotation; eq. (16) needs positions at equal angles, each axis as often one way as the other
 jjf1536-steady-rate-lost = The positions show { $gain } ± { $u } (k = 2) of Earth's rotation, which gyros read in full: the unit takes a steady rate off by itself, as an estimator of its own zero does (or was not turned between the positions). The zero offset is what is left of it, not that of the gyros, and has no U; have the estimator switched off.
-jjf1536-drift-in-run = { $axis } axis: over the positions of all axes the zero drifts by ± { $drift } deg/s, more than noise and equipment explain: the zero offset is the mean over its own positions, and a line of its uncertainty holds the drift.
 jjf1536-attitude-contradicted = { $axis } axis: the labels of { $segments } contradict the attitude given by table and mount: table and mount were used.
 jjf1536-attitude-not-recorded = { $axis } axis: neither encoders nor labels show its direction; it was not checked whether its { $count ->
         [one] one position cancels

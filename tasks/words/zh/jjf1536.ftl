@@ -12,7 +12,6 @@ jjf1536-no-position = 没有用于零偏的静止数据
 jjf1536-few-positions = 仅 { $count } 个位置（需四个），且未记录该轴指向
 jjf1536-earth-remains = { $count } 个位置不能抵消地球自转（最多残留 { $percent } %）；式(16)要求等角度间隔的位置
 jjf1536-steady-rate-lost = 各位置的读数仅含地球自转的 { $gain } ± { $u }（k = 2），而陀螺应完全敏感：被校航姿仪自行扣除了恒定角速率（如零偏估计），或各位置间未翻转。零偏为扣除后的残余，而非陀螺的零偏，不给出 U；请关闭其零偏估计后再校准。
-jjf1536-drift-in-run = { $axis } 轴：在全部位置的测量期间零位漂移 ± { $drift } °/s，超出噪声和设备所能解释的范围：零偏为该轴各位置的均值，不确定度中另计漂移分量。
 jjf1536-attitude-contradicted = { $axis } 轴：{ $segments } 标注的指向与转台及安装不符：已按转台及安装取用。
 jjf1536-attitude-not-recorded = { $axis } 轴：未记录其指向；{ $count } 个位置是否抵消地球自转未经核实。
 jjf1536-number-of-positions = { $axis } 轴：{ $count } 个位置；7.2.1 要求四个，7.2.2 推荐十二个。
