@@ -104,6 +104,23 @@ def gain_over(
     return EarthRotationGain(mean, float(np.sqrt(max(square, 1.0) / weights.sum())), level)
 
 
+def steady_gain(
+    evidence: ClauseEvidence, rests: list[int], attitude: np.ndarray, level: float
+) -> EarthRotationGain | None:
+    """How much of Earth's level rotation (rad/s) rests show, along whatever level direction.
+
+    attitude: (rests, 3, 3) axes of the unit along east, north and up. A wrong heading shows all of
+    it along another one.
+    """
+    east, north, up = np.moveaxis(attitude, 2, 0)
+    parts = [
+        gain_over(evidence, rests, up, level / EARTH_RATE * part, True) for part in (north, east)
+    ]
+    if parts[0] is None or parts[1] is None:
+        return None
+    return EarthRotationGain(float(np.hypot(parts[0].gain, parts[1].gain)), parts[0].u, True)
+
+
 def _of_gyro(
     evidence: ClauseEvidence,
     rests: list[int],

@@ -1,6 +1,5 @@
 """What a recording offers to JJF 1536 in addition: attitudes, turns, angles."""
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -27,7 +26,7 @@ from tasks.segments.summarise import (
 from tasks.segments.units import wrong_rate_unit
 from tasks.specifications.earth_gain import REFUTED, EarthRotationGain
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.gather import gain_over
+from tasks.specifications.gather import steady_gain
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
@@ -115,28 +114,10 @@ class AhrsEvidence(ClauseEvidence):
         return north
 
     @cached_property
-    def steady_gain(self) -> tuple[EarthRotationGain, EarthRotationGain] | None:
-        """How much of Earth's level rotation the positions show along north, and along east.
-
-        None where attitudes or north are not known, or a step may hide it.
-        """
-        rests = [i for i, segment in enumerate(self.segments) if is_zero_position(segment)]
-        hidden = any(coarsely_quantised(self.segments[i])[GYRO_COLUMNS].any() for i in rests)
-        earth, attitude = self.earth_in_attitude, self.attitudes_of(rests)
-        if earth is None or attitude is None or hidden:
-            return None
-        east, north, up = np.moveaxis(attitude[:, :, :3], 2, 0)
-        full = earth[1] / EARTH_RATE
-        along, across = (gain_over(self, rests, up, full * level, True) for level in (north, east))
-        return None if along is None or across is None else (along, across)
-
-    @cached_property
     def loses_steady_rates(self) -> bool:
-        """Whether far less of Earth's rotation is in the readings than turns, whichever way."""
-        if self.steady_gain is None:
-            return False
-        north, east = self.steady_gain
-        return math.hypot(north.gain, east.gain) + REFUTED * north.u < KEPT
+        """Whether far less of Earth's rotation is in the readings than the positions turn it by."""
+        shown = self.earth
+        return shown is not None and shown.gain + REFUTED * shown.u < KEPT
 
     @property
     def accumulates(self) -> bool:
@@ -231,7 +212,7 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
         _for_noise(s, vector, points[i].rate if i in points else None)
         for i, (s, vector) in enumerate(zip(segments, attitudes, strict=True))
     )
-    return AhrsEvidence(
+    evidence = AhrsEvidence(
         recording=rates,
         segments=segments,
         means=np.array([segment.mean for segment in segments]).reshape(-1, len(CHANNELS)),
@@ -245,6 +226,17 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
         channel_names=(*(ANGLE if by_angle else GYRO), *ACCEL),
         may_stand_still=coarse,
     )
+    return replace(evidence, earth=_steady_gain(evidence))
+
+
+def _steady_gain(evidence: AhrsEvidence) -> EarthRotationGain | None:
+    """Of Earth's rotation in the positions; None where they are not known, or steps hide it."""
+    rests = [i for i, segment in enumerate(evidence.segments) if is_zero_position(segment)]
+    hidden = any(coarsely_quantised(evidence.segments[i])[GYRO_COLUMNS].any() for i in rests)
+    earth, attitude = evidence.earth_in_attitude, evidence.attitudes_of(rests)
+    if hidden or earth is None or attitude is None:
+        return None
+    return steady_gain(evidence, rests, attitude[:, :, :3], float(earth[1]))
 
 
 def _for_noise(segment: SegmentMean, vector: np.ndarray | None, rate: float | None) -> SegmentMean:

@@ -78,7 +78,12 @@ def misalignment_items(
             if weights is None:
                 return message("jjf1536-crooked", axis=axis)
             ratio = linear_estimate(evidence, i, weights)
-            ratios.append(replace(ratio, repeated=_repeated(evidence, i, turns)).scaled(DEG))
+            # N/(2π·n) of each direction, as if it alone gave the result
+            each = np.zeros((2, len(weights)))
+            own = readings[axis][list(turns.index)]
+            each[:, turns.index] = np.clip(own, 0.0, None), np.clip(own, None, 0.0)
+            repeated = tuple(map(float, 2.0 * u_of_means(evidence, i, each)))
+            ratios.append(replace(ratio, repeated=repeated).scaled(DEG))
         wrong = tuple(_wrong_angle(axis, scale[axis], ratios[j].scaled(1.0 / DEG)))
         if wrong:  # by how much each turn nobody knows
             ratios = [replace(ratio, lines=(observed(math.nan, ""),)) for ratio in ratios]
@@ -130,26 +135,12 @@ def _ratio(evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estima
     angle turned forward plus the angle turned back. Where one direction took longer, the zero
     offset does not cancel and is taken away.
     """
-    gain = _gain(evidence, turns)
-    longer = float(gain.sum())
-    return gain if zero.operator is None else gain - longer * zero.operator[channel]
-
-
-def _repeated(evidence: AhrsEvidence, channel: int, turns: WholeTurns) -> tuple[float, ...]:
-    """Standard uncertainties of N/(2π·n) of each direction, as if it alone gave the result."""
-    gain = _gain(evidence, turns)
-    forward, back = np.clip(gain, 0.0, None), np.clip(gain, None, 0.0)
-    u = 2.0 * u_of_means(evidence, channel, np.array([forward, back]))
-    return tuple(map(float, u))
-
-
-def _gain(evidence: AhrsEvidence, turns: WholeTurns) -> np.ndarray:
-    """Weights (n,) of (N₊ − N₋)/(2·2π·n) in the mean rates."""
     share = _shares(turns)
     gain = np.zeros(len(evidence.segments))
     for i, per_angle in zip(turns.index, share / (share @ turns.angle), strict=True):
         gain[i] += evidence.segments[i].seconds * per_angle
-    return gain
+    longer = float(gain.sum())
+    return gain if zero.operator is None else gain - longer * zero.operator[channel]
 
 
 def _shares(turns: WholeTurns) -> np.ndarray:

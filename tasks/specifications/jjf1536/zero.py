@@ -77,8 +77,8 @@ def zero_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
 
 def _steady_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
     """A unit that takes off what it reads for long: Earth's rotation, and its own zero with it."""
-    if evidence.loses_steady_rates and evidence.steady_gain is not None:
-        gain, u = f"{evidence.steady_gain[0].gain:.2f}", f"{2.0 * evidence.steady_gain[0].u:.2f}"
+    if evidence.loses_steady_rates and evidence.earth is not None:
+        gain, u = f"{evidence.earth.gain:.2f}", f"{2.0 * evidence.earth.u:.2f}"
         text = message("jjf1536-steady-rate-lost", gain=gain, u=u)
         yield remark("steady_rate_lost", text, blocks_pass=True)
 
