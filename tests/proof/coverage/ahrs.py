@@ -73,7 +73,7 @@ SCENARIOS: dict[str, Scenario] = {
     "rates in steps, encoders": Scenario(angles=False, step=0.1 * DEG, encoders=True),
     "rates in steps, labels": Scenario(angles=False, step=0.1 * DEG),
     "rates, in order": Scenario(angles=False, encoders=True),
-    "unit warms by 5 K": Scenario(warms_k=5.0, encoders=True, of_run=True),
+    "unit warms by 5 K, K at its own temperature": Scenario(warms_k=5.0, encoders=True, of_run=True),
     "warm-up over two hours": Scenario(warm_up=0.005, encoders=True, of_run=True),
     "turns cut by 1 s, labels": Scenario(cut_s=1.0),
     "turns cut by 1 s, encoders": Scenario(cut_s=1.0, encoders=True),
@@ -86,7 +86,7 @@ SCENARIOS: dict[str, Scenario] = {
     "angles in steps of 0.01°": Scenario(encoders=True, step=0.01 * DEG),
     "angles in steps of 0.1°": Scenario(encoders=True, step=0.1 * DEG),
     "heading 0.5° off": Scenario(encoders=True, heading=0.5 * DEG),
-    "turns that end elsewhere": Scenario(encoders=True, past=20.0 * DEG),
+    "turns that end elsewhere": Scenario(encoders=True, past=0.5 * DEG),
     "delay of 20 ms": Scenario(encoders=True, delay_s=0.02),
 }  # fmt: skip
 
@@ -286,8 +286,14 @@ def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
         manifest["table_time"] = {"commanded_rate": bound}
     (folder / "manifest.json").write_text(json.dumps(manifest))
     true_zero = zero.mean(axis=0) if s.of_run else bias
+    own = [
+        np.mean([np.interp(label["t_start"] + 10.0, t[:-1], warm) for label in run.labels
+                 if label["kind"] == "rate" and label["axis"] == axis])
+        for axis in AXES
+    ]  # fmt: skip
+    scale = np.diag(K) * (1.0 + scale_k * np.array(own))
     return {
-        "ahrs_scale_factor": dict(zip(AXES, np.diag(K), strict=True)),
+        "ahrs_scale_factor": dict(zip(AXES, scale, strict=True)),
         "ahrs_zero_offset": dict(zip(AXES, true_zero / DEG, strict=True)),
         "ahrs_misalignment": {
             AXES[i] + AXES[j]: K[i, j] / DEG for i in range(3) for j in range(3) if i != j
