@@ -73,7 +73,9 @@ SCENARIOS: dict[str, Scenario] = {
     "rates in steps, encoders": Scenario(angles=False, step=0.1 * DEG, encoders=True),
     "rates in steps, labels": Scenario(angles=False, step=0.1 * DEG),
     "rates, in order": Scenario(angles=False, encoders=True),
-    "unit warms by 5 K, K at its own temperature": Scenario(warms_k=5.0, encoders=True, of_run=True),
+    "unit warms by 5 K, K at its own temperature": Scenario(
+        warms_k=5.0, encoders=True, of_run=True
+    ),
     "warm-up over two hours": Scenario(warm_up=0.005, encoders=True, of_run=True),
     "turns cut by 1 s, labels": Scenario(cut_s=1.0),
     "turns cut by 1 s, encoders": Scenario(cut_s=1.0, encoders=True),
