@@ -129,9 +129,9 @@ class ClauseEvidence:
         return False
 
     @property
-    def loses_steady_rates(self) -> bool:
-        """Whether the unit itself takes a steady rate for its zero and off its readings."""
-        return False
+    def tells_of_site(self) -> bool:
+        """Whether Earth's rotation in the rests can be held against latitude and heading."""
+        return True
 
     @property
     def mountings(self) -> list[str]:

@@ -22,7 +22,7 @@ from tasks.specifications.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_
 from tasks.specifications.jjf1536.misalignment import MISALIGNMENT, misalignment_items
 from tasks.specifications.jjf1536.scale import SCALE_FACTOR, scale_items
 from tasks.specifications.jjf1536.zero import ZERO_OFFSET, zero_items
-from tasks.specifications.mean_motion import mean_motion
+from tasks.specifications.mean_motion import mean_motion, mean_rates
 from tasks.specifications.specification import Section, Specification
 from tasks.specifications.unit_model import doubled, errors_of_unit
 from tasks.uncertainty.equipment import JJF1536 as EQUIPMENT
@@ -83,14 +83,13 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     Of the accumulated angles angle_* where they were recorded, else of the rates gyro_*.
     """
     motion, _ = mean_motion(evidence)
+    rate = mean_rates(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
     held = np.where(np.isfinite(evidence.north), motion.up, np.nan)
     evidence = with_course(evidence, held, ideal)
-    scale, zero = scale_items(evidence, motion.rate, ideal), zero_items(evidence, ideal)
+    scale, zero = scale_items(evidence, rate, ideal), zero_items(evidence, ideal)
     offset = zero.items[ZERO_OFFSET].elements
-    misalignment = misalignment_items(
-        evidence, motion.rate, scale.items[SCALE_FACTOR].elements, offset
-    )
+    misalignment = misalignment_items(evidence, rate, scale.items[SCALE_FACTOR].elements, offset)
     result = merged(
         (
             scale,

@@ -120,6 +120,10 @@ class AhrsEvidence(ClauseEvidence):
         return shown is not None and shown.gain + REFUTED * shown.u < KEPT
 
     @property
+    def tells_of_site(self) -> bool:
+        return self.has_table and not self.loses_steady_rates
+
+    @property
     def accumulates(self) -> bool:
         return self.by_angle
 
