@@ -53,7 +53,7 @@ class Scenario:
     heading: float = 0.0  # rad, not stated
     delay_s: float = 0.0  # of the unit behind the table
     past: float = 0.0  # rad by which a turn ends elsewhere
-    position_s: float = 1800.0
+    position_s: float = 600.0
     rest_s: float = 20.0
     hz: float = 2.0
     of_run: bool = False  # the true zero offset is the mean over the run, else over all time
