@@ -208,9 +208,8 @@ class ClauseEvidence:
         return np.array([self.rounding_covariance(c) for c in range(len(CHANNELS))])
 
     def _noise_over(self, q: float, channel: int) -> np.ndarray:
-        """Noise (n,) of a channel's rows in steps, of the rests pooled: one code shows none of it.
-
-        What rounding leaves of a deviation s is s² + q²/12 less what it does to a mean.
+        """Noise (n,) of a channel's rows in steps, of the rests pooled: one code shows none of it,
+        and what varies in a turn by an angle is the turn itself. What rounding leaves of a deviation s is s² + q²/12 less what it does to a mean.
         """
         if not q > 0.0:
             return np.full(len(self.segments), np.inf)
@@ -218,7 +217,7 @@ class ClauseEvidence:
         rests = self.of_kind("static")
         pooled = float(np.mean(square[rests])) if rests else 0.0
         seen = np.where(np.isfinite(square), np.maximum(square, pooled), np.inf)
-        seen[rests] = pooled
+        seen[[*rests, *self.of_kind("rotation")]] = pooled
         return np.where(seen < SEEN[-1], np.interp(seen, SEEN, NOISES), np.sqrt(seen))
 
     def _same_place(self, noise: np.ndarray, apart: np.ndarray) -> np.ndarray:

@@ -345,8 +345,8 @@ def row(name: str, units: int, found: dict) -> str:
         cells.append(f"{inside:4d}/{len(stated):<4d}of {len(every):<4d} r {r:5.2f}")
     usual = {"environment_not_recorded", "unit_temperature_not_recorded", "supply_not_recorded",
              "slow_sampling"}  # fmt: skip
-    told = ", ".join(f"{c} {n}" for c, n in sorted(found["codes"].items()) if c not in usual)
-    return " | ".join([*cells, f"invalid {found['invalid']:3d} of {units}", told])
+    listed = ", ".join(f"{c} {n}" for c, n in sorted(found["codes"].items()) if c not in usual)
+    return " | ".join([*cells, f"invalid {found['invalid']:3d} of {units}", listed])
 
 
 def main(units: int, first: int, names: list[str]) -> None:
