@@ -6,7 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.calibration import Calibration, Covariance, EnvironmentSeen, Item, SegmentUsed
+from schemas.calibration import (
+    Calibration,
+    Covariance,
+    Elements,
+    EnvironmentSeen,
+    Item,
+    SegmentUsed,
+)
 from schemas.recording import Recording, Stream
 from schemas.text import Remark
 from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
@@ -19,7 +26,7 @@ from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.axes_of_table import stand_remarks
 from tasks.specifications.covariance import covariance_of
-from tasks.specifications.estimate import ClauseResult
+from tasks.specifications.estimate import ClauseResult, ItemEstimate
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import item_title
 from tasks.specifications.specification import Specification
@@ -71,13 +78,17 @@ def without_information(
     """
     result = specification.estimate(evidence, evaluation.equipment)
     items = {
-        item.key: evaluation.item(item, result.items[item.key]) for item in specification.items
+        item.key: evaluation.item(item, result.items[item.key]).model_copy(
+            update={"temperature_degc": _temperatures(result.items[item.key], evidence)}
+        )
+        for item in specification.items
     }
     checked = (
         *run_remarks(evidence, specification.conditions, items),
         *(stand_remarks(evidence) if evaluation.equipment.axes else ()),
         *laboratory_remarks(evidence.recording, own_latitude_deg),
         *_unstated(items),
+        *_at_temperatures(items),
     )
     wrong = tuple(one for one in checked if one.code in KINDS)
     checked = tuple(one for one in checked if one.code not in KINDS)
@@ -125,6 +136,39 @@ def _covariance(
     matrix = covariance_of(tuple(found.values()), evidence, result.errors)
     rows = tuple(tuple(map(float, row[: p + 1])) for p, row in enumerate(matrix))
     return Covariance(elements=tuple(found), rows=rows)
+
+
+def _temperatures(item: ItemEstimate, evidence: ClauseEvidence) -> Elements | None:
+    """At which temperature of the unit each element holds: of the segments as they weigh in it.
+
+    A segment weighs by the operator that makes the value of the means.
+    """
+    at = evidence.temperatures
+    known = np.isfinite(at)
+    if not known.any():
+        return None
+    found: Elements = {}
+    for element, estimate in item.elements.items():
+        if estimate.operator is None:
+            continue
+        weights = np.abs(estimate.operator).sum(axis=0) * known
+        if weights.any():
+            found[element] = round(float(weights @ np.nan_to_num(at) / weights.sum()), 2)
+    return found or None
+
+
+def _at_temperatures(items: Mapping[str, Item]) -> Iterator[Remark]:
+    """At which temperatures of the unit the elements hold, where it was recorded."""
+    held = [
+        message(
+            "specifications-temperatures.item", item=item_title(key),
+            at=", ".join(f"{e} {t:.2f}" for e, t in item.temperature_degc.items() if t is not None),
+        )
+        for key, item in items.items()
+        if item.temperature_degc
+    ]  # fmt: skip
+    if held:
+        yield remark("temperatures", message("specifications-temperatures", items=clauses(held)))
 
 
 def _unstated(items: Mapping[str, Item]) -> Iterator[Remark]:

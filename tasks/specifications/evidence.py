@@ -147,6 +147,18 @@ class ClauseEvidence:
             return total
         return np.asarray(total + np.outer(self.course[channel], self.course[channel]))
 
+    @cached_property
+    def temperatures(self) -> np.ndarray:
+        """Mean temperature (n,) °C of the unit in each segment; NaN where it was not recorded."""
+        imu, means = self.recording.imu, np.full(len(self.segments), np.nan)
+        if "temperature" in imu.columns:
+            for i, segment in enumerate(self.segments):
+                values = imu.columns["temperature"][segment.place]
+                means[i] = (
+                    values[np.isfinite(values)].mean() if np.isfinite(values).any() else np.nan
+                )
+        return means
+
     def fast_covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means without walk and trend: noise and rounding."""
         walk = np.tensordot(self.noise.drift[WALK:, channel], self.noise.shapes[WALK:], axes=1)

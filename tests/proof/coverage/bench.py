@@ -283,6 +283,11 @@ def record(  # noqa: C901, PLR0915 - one recording, from the journey to the stre
     over_run = slow.mean(axis=1)
     felt = lean * gravity + K * EARTH * np.sin(latitude)
     truth = items(K, force, B, felt, lean * gravity, p)
+    truth["per K"] = {
+        "gyro_scale_factor": dict(zip(AXES, tc[:3] * np.diag(K), strict=True)),
+        "accel_scale_factor": dict(zip(AXES, tc[3:] * np.diag(force), strict=True)),
+        "at": 25.0 + mean_warm,
+    }
     truth["mean over the run"] = {
         "gyro_bias": {a: float(over_run[i] / DEG) for i, a in enumerate(AXES)},
         "accel_bias": {a: float(over_run[3 + i]) for i, a in enumerate(AXES)},

@@ -34,6 +34,10 @@ def errors(made: Calibration, truth: dict) -> dict[str, list[tuple[float, float 
             if value is None:
                 continue
             found[key].append((value - true[e], item.U[e]))
+            if item.temperature_degc and key in truth["per K"]:
+                warmer = item.temperature_degc[e] - truth["per K"]["at"]
+                there = true[e] + truth["per K"][key][e] * warmer
+                found[f"{key} (its °C)"].append((value - there, item.U[e]))
             if e in truth["mean over the run"].get(key, {}):
                 extra = truth["mean over the run"][key][e]
                 found[f"{key} (run)"].append((value - true[e] - extra, item.U[e]))
