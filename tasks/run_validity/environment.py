@@ -146,7 +146,7 @@ def _followed(evidence: ClauseEvidence) -> Iterator[Remark]:
     from scipy.special import chdtrc  # late: a tenth of a start
 
     at = evidence.temperatures
-    if not np.isfinite(at).all() or np.ptp(at) == 0.0:
+    if not len(at) or not np.isfinite(at).all() or np.ptp(at) == 0.0:
         return
     for c, name in enumerate(CHANNELS):
         used, given, reference = _inputs(evidence, c)

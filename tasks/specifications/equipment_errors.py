@@ -132,7 +132,7 @@ def _of_rates(
     left = held / np.maximum(turned, MIN_RIPPLE_ANGLE)  # of a ripple, over the angle turned
     arcs = _arcs(evidence, held & (turned < 2.0 * math.pi))
     alone = of_points(np.where(np.isfinite(arcs).all(axis=(0, 1)), 0.0, left))
-    shared = np.nan_to_num(arcs).reshape(-1, len(speed), 1) * response.rate
+    shared = np.nan_to_num(arcs).reshape(2 * len(arcs), len(speed), 1) * response.rate
     yield from _source(equipment.ripple, "angle", np.concatenate([alone, shared]))
     commanded = np.array(
         [rate_by_command(evidence.recording, label) is not None for label in evidence.labels], bool

@@ -14,6 +14,7 @@ import numpy as np
 
 from schemas.recording import AXES, GYRO, Segment
 from tasks.motion.table import EARTH_RATE
+from tasks.segments.attitude import VERTICAL, attitude_vector
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.error_sources import ErrorSource
 from tasks.specifications.evidence import ClauseEvidence
@@ -50,7 +51,9 @@ def _of_rests(evidence: ClauseEvidence) -> np.ndarray:
     blind = [
         i
         for i in evidence.of_kind("static")
-        if evidence.up[i] is not None and not np.isfinite(evidence.north[i]).all()
+        if evidence.up[i] is not None
+        and not np.isfinite(evidence.north[i]).all()
+        and not _pointed(attitude_vector(evidence.recording, evidence.labels[i]))
     ]
     labels = evidence.labels
     places = [
@@ -65,6 +68,11 @@ def _of_rests(evidence: ClauseEvidence) -> np.ndarray:
         effects[k, i, across] = math.cos(turn), -way * math.sin(turn)
         effects[k + 1, i, across] = way * math.sin(turn), math.cos(turn)
     return effects
+
+
+def _pointed(attitude: np.ndarray | None) -> bool:
+    """Whether an attitude vector says how the unit lies to the station, whose heading is one."""
+    return attitude is not None and bool(attitude[:, :VERTICAL].any())
 
 
 def _beginning(label: Segment) -> str:
