@@ -1,12 +1,10 @@
 """Estimates before their budgets: of one element, of an item, and a clause's contributions."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
@@ -26,14 +24,11 @@ from tasks.uncertainty.equipment import NOBODY
 from tasks.uncertainty.type_a import type_a_dof
 from tasks.words import Message, Sayable, clauses, message, remark
 
-Evidence = TypeVar("Evidence", bound=ClauseEvidence)
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))
 NO_EXCESS = BirgeRatio()
 NEGLIGIBLE = 1e-6  # of a variance: no line of its own
 OF_DATA = ("u_A", "q", "d")  # symbols of the lines of repeatability, resolution and drift
-COURSE, COURSE_LEVEL = 3, 1e-3  # degree of a zero's course in time, and how often noise makes one
-TINY = 1e-9  # of a variance: keeps a covariance invertible
 
 
 @dataclass(frozen=True)
@@ -69,11 +64,9 @@ class Estimate:
     @property
     def unstated(self) -> tuple[Contribution, ...]:
         """The lines that nobody states, where one of them is the largest: there is no U then."""
-        sizes = [abs(line.quantity.u * line.sensitivity) for line in self.lines]
-        largest = self.lines[int(np.argmax(sizes))] if sizes else None
-        if largest is None or largest.quantity.source != NOBODY:
-            return ()
-        return tuple(line for line in self.lines if line.quantity.source == NOBODY)
+        by_size = sorted(self.lines, key=lambda line: abs(line.quantity.u * line.sensitivity))
+        nobody = tuple(line for line in self.lines if line.quantity.source == NOBODY)
+        return nobody if nobody and by_size[-1] in nobody else ()
 
     @property
     def u_of_data(self) -> float:
@@ -177,56 +170,6 @@ def _with_errors(estimate: Estimate, errors: EquipmentErrors) -> Estimate:
     if estimate.operator is None:
         return estimate
     return estimate.with_lines(*errors.lines(estimate.operator, estimate.without_earth))
-
-
-def with_course(evidence: Evidence, up: np.ndarray, errors: EquipmentErrors) -> Evidence:
-    """The evidence with the course of each zero over the run, where its rests show one.
-
-    Judged against white noise, flicker, rounding and the equipment, before anything is enlarged by
-    what the points scatter. up: (n, 3) verticals; beside them north and east where they are known.
-    """
-    from scipy.special import chdtrc  # late: a tenth of a start
-
-    t = np.array([0.5 * (s.t_start + s.t_end) for s in evidence.segments])
-    rests = [i for i in evidence.of_kind("static") if np.isfinite(up[i]).all()]
-    course = np.zeros((len(CHANNELS), len(t)))
-    if not rests:
-        return evidence
-    first = min(s.t_start for s in evidence.segments)
-    last = max(s.t_end for s in evidence.segments)
-    shapes = legendre.legvander(2.0 * (t - first) / (last - first) - 1.0, COURSE)[:, 1:]
-    north = evidence.north[rests]
-    level = [north, np.cross(north, up[rests])] if np.isfinite(north).all() else []
-    for c in range(len(CHANNELS)):
-        faces = [np.ones(len(rests)), *up[rests].T]
-        faces += [each[:, c] for each in level if c < len(AXES)]
-        design = np.column_stack([*faces, shapes[rests]])
-        means, block = evidence.means[rests, c], np.ix_(rests, rests)
-        covariance = (evidence.fast_covariance(c) + errors.covariance(c))[block]
-        if len(rests) <= design.shape[1] or not np.isfinite(means).all() or not covariance.any():
-            continue
-        sizes, ways = np.linalg.eigh(covariance)
-        white = ways / np.sqrt(np.maximum(sizes, TINY * sizes[-1]))
-        solution = solve(white.T @ design)
-        if not solution.estimable[-COURSE:].all():
-            continue
-        follows = solution.operator[-COURSE:]
-        found = follows @ (white.T @ means)
-        chi2 = float(found @ np.linalg.solve(follows @ follows.T, found))
-        if chdtrc(COURSE, chi2) < COURSE_LEVEL:
-            course[c] = shapes @ found
-    return replace(evidence, course=course) if course.any() else evidence
-
-
-def course_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
-    """That zeros drifted in the run, and by how much from end to end."""
-    sizes = np.zeros(len(CHANNELS)) if evidence.course is None else np.ptp(evidence.course, axis=1)
-    for first, unit, per in ((0, "deg/s", DEG), (len(AXES), "m/s2", 1.0)):
-        drifted = [c for c in range(first, first + len(AXES)) if sizes[c]]
-        if drifted:
-            channels = ", ".join(f"{CHANNELS[c]} {per * sizes[c]:.2g}" for c in drifted)
-            phrase = message("specifications-drift-in-run", channels=channels, unit=unit)
-            yield remark("drift_in_run", phrase)
 
 
 def linear_estimate(

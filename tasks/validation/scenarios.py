@@ -112,9 +112,9 @@ def by_labels(recording: Recording, truth: Truth, random: np.random.Generator) -
         for label in recording.manifest.segments or ()
     ]
     bound = {"half_width": RATE_OFF, "distribution": "rectangular"}
-    told = _stated(recording, table_time={"commanded_rate": bound})
+    held = _stated(recording, table_time={"commanded_rate": bound})
     segments = [label.model_dump(exclude_none=True) for label in labels]
-    return replace(_stated(told, segments=segments), table=None), truth
+    return replace(_stated(held, segments=segments), table=None), truth
 
 
 def mounted_askew(recording: Recording, truth: Truth, random: np.random.Generator) -> Made:
@@ -152,8 +152,8 @@ def by_polls(recording: Recording, truth: Truth, random: np.random.Generator) ->
         name: np.interp(read, recording.table.t, values)
         for name, values in recording.table.columns.items()
     }
-    told = _stated(recording, table_time={"half_width_s": POLLED_S})
-    return replace(told, table=Stream(t, angles)), truth
+    held = _stated(recording, table_time={"half_width_s": POLLED_S})
+    return replace(held, table=Stream(t, angles)), truth
 
 
 def at_one_heading(recording: Recording, truth: Truth, _: np.random.Generator) -> Made:

@@ -6,15 +6,14 @@ from functools import partial
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.segments.conditions import Conditions
+from tasks.specifications.course import course_remarks, with_course
 from tasks.specifications.estimate import (
     DEG,
     ClauseResult,
     Estimates,
     ItemEstimate,
-    course_remarks,
     merged,
     scaled,
-    with_course,
     with_equipment,
 )
 from tasks.specifications.evidence import ClauseEvidence

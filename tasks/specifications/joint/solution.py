@@ -17,6 +17,7 @@ from tasks.model.terms.standard import (
     GYRO_MATRIX,
     STANDARD_TERMS,
 )
+from tasks.specifications.course import course_remarks, with_course
 from tasks.specifications.earth_gain import EarthRotationGain
 from tasks.specifications.equipment_errors import equipment_errors
 from tasks.specifications.error_sources import EquipmentErrors
@@ -24,9 +25,7 @@ from tasks.specifications.estimate import (
     UNDETERMINED,
     Estimate,
     Estimates,
-    course_remarks,
     linear_estimate,
-    with_course,
 )
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.joint.mean_operator import Operator, operator_of

@@ -246,6 +246,7 @@ certificate-axes-setting =
     .fixture = those of the fixture
     .unit = those of the unit, by the stated mount
     .mounting-plane = those of the mounting plane
+certificate-switch-on = A zero (bias, fit offset, zero offset) is its mean over this switch-on. U has the noise and what is slower up to relaxations of 5000 s; it does not have what a zero changes from one switch-on to the next, which a mean over all time would add.
 certificate-flatness =
     .jjf-2003-2022 = The flatness of table and fixture (Table 1, 6.2: 0.02 mm) is not included: the tilt of the base that it causes depends on the length of the base, which the specification does not give; over 100 mm it would be about 41″, more than the limit of the fixture's squareness.
     .jjf-1536-2015 = The flatness of the fixture (6.2.2 b): 0.01 mm) is not included: the tilt of the base that it causes depends on the length of the base, which the specification does not give; over 100 mm it would be about 21″, more than the limit of the fixture's squareness.
