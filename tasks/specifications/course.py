@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -15,13 +16,12 @@ from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.linear import solve
 from tasks.words import message, remark
 
+Evidence = TypeVar("Evidence", bound=ClauseEvidence)
 COURSE, COURSE_LEVEL = 3, 1e-3  # degree of a zero's course in time, and how often noise makes one
 TINY = 1e-9  # of a variance: keeps a covariance invertible
 
 
-def with_course(
-    evidence: ClauseEvidence, up: np.ndarray, errors: EquipmentErrors
-) -> ClauseEvidence:
+def with_course(evidence: Evidence, up: np.ndarray, errors: EquipmentErrors) -> Evidence:
     """The evidence with the course of each zero over the run, where its rests show one.
 
     Judged against white noise, flicker, rounding and the equipment, before anything is enlarged by

@@ -220,8 +220,10 @@ class ClauseEvidence:
         return np.array([self.rounding_covariance(c) for c in range(len(CHANNELS))])
 
     def _noise_over(self, q: float, channel: int) -> np.ndarray:
-        """Noise (n,) of a channel's rows in steps, of the rests pooled: one code shows none of it,
-        and what varies in a turn by an angle is the turn itself. What rounding leaves of a deviation s is s² + q²/12 less what it does to a mean.
+        """Noise (n,) of a channel's rows in steps, of the rests pooled: one code shows none of it.
+
+        What varies in a turn by an angle is the turn itself. What rounding leaves of a deviation s
+        is s² + q²/12 less what it does to a mean.
         """
         if not q > 0.0:
             return np.full(len(self.segments), np.inf)

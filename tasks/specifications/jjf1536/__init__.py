@@ -8,13 +8,12 @@ from schemas.base import Unusable
 from schemas.recording import ANGLE, GYRO, Recording
 from schemas.text import Remark
 from tasks.segments.conditions import Conditions
+from tasks.specifications.course import course_remarks, with_course
 from tasks.specifications.estimate import (
     DEG,
     ClauseResult,
-    course_remarks,
     merged,
     scaled,
-    with_course,
     with_equipment,
 )
 from tasks.specifications.items import AHRS_ITEMS
@@ -85,8 +84,9 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     motion, _ = mean_motion(evidence)
     rate = mean_rates(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
-    held = np.where(np.isfinite(evidence.north), motion.up, np.nan)
-    evidence = with_course(evidence, held, ideal)
+    if not evidence.hidden_by_steps:
+        held = np.where(np.isfinite(evidence.north), motion.up, np.nan)
+        evidence = with_course(evidence, held, ideal)
     scale, zero = scale_items(evidence, rate, ideal), zero_items(evidence, ideal)
     offset = zero.items[ZERO_OFFSET].elements
     misalignment = misalignment_items(evidence, rate, scale.items[SCALE_FACTOR].elements, offset)

@@ -113,6 +113,12 @@ class AhrsEvidence(ClauseEvidence):
                     north[i] = vector[:, 1]
         return north
 
+    @property
+    def hidden_by_steps(self) -> bool:
+        """Whether in a rest the steps of the output hide what is less than a step."""
+        rests = self.of_kind("static")
+        return any(coarsely_quantised(self.segments[i])[GYRO_COLUMNS].any() for i in rests)
+
     @cached_property
     def loses_steady_rates(self) -> bool:
         """Whether far less of Earth's rotation is in the readings than the positions turn it by."""
@@ -236,9 +242,8 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
 def _steady_gain(evidence: AhrsEvidence) -> EarthRotationGain | None:
     """Of Earth's rotation in the positions; None where they are not known, or steps hide it."""
     rests = [i for i, segment in enumerate(evidence.segments) if is_zero_position(segment)]
-    hidden = any(coarsely_quantised(evidence.segments[i])[GYRO_COLUMNS].any() for i in rests)
     earth, attitude = evidence.earth_in_attitude, evidence.attitudes_of(rests)
-    if hidden or earth is None or attitude is None:
+    if evidence.hidden_by_steps or earth is None or attitude is None:
         return None
     return steady_gain(evidence, rests, attitude[:, :, :3], float(earth[1]))
 
