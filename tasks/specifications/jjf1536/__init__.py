@@ -84,7 +84,7 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     motion, _ = mean_motion(evidence)
     rate = mean_rates(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
-    if not evidence.hidden_by_steps:
+    if not (evidence.hidden_by_steps or evidence.loses_steady_rates):
         held = np.where(np.isfinite(evidence.north), motion.up, np.nan)
         evidence = with_course(evidence, held, ideal)
     scale, zero = scale_items(evidence, rate, ideal), zero_items(evidence, ideal)

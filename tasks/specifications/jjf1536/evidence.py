@@ -127,7 +127,7 @@ class AhrsEvidence(ClauseEvidence):
 
     @property
     def tells_of_site(self) -> bool:
-        return self.has_table and not self.loses_steady_rates
+        return self.has_table and not (self.hidden_by_steps or self.loses_steady_rates)
 
     @property
     def accumulates(self) -> bool:
