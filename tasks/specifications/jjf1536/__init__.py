@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.recording import ANGLE, GYRO, Recording
+from schemas.recording import ANGLE, AXES, GYRO, Recording
 from schemas.text import Remark
 from tasks.segments.conditions import Conditions
 from tasks.specifications.course import course_remarks, with_course
@@ -86,7 +86,7 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     ideal = errors_of_unit(evidence, motion, equipment)
     if not (evidence.hidden_by_steps or evidence.loses_steady_rates):
         held = np.where(np.isfinite(evidence.north), motion.up, np.nan)
-        evidence = with_course(evidence, held, ideal)
+        evidence = with_course(evidence, held, ideal, len(AXES))
     scale, zero = scale_items(evidence, rate, ideal), zero_items(evidence, ideal)
     offset = zero.items[ZERO_OFFSET].elements
     misalignment = misalignment_items(evidence, rate, scale.items[SCALE_FACTOR].elements, offset)
