@@ -53,6 +53,8 @@ def site_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     if evidence.latitude_deg is None:
         yield run_remark("latitude_not_given")
         return
+    if not evidence.tells_of_site:
+        return
     shown = earth_rate(evidence)
     if shown is not None:
         yield from _level(shown, evidence.latitude_deg)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -15,17 +16,22 @@ from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.linear import solve
 from tasks.words import message, remark
 
+Evidence = TypeVar("Evidence", bound=ClauseEvidence)
 COURSE, COURSE_LEVEL = 3, 1e-3  # degree of a zero's course in time, and how often noise makes one
 TINY = 1e-9  # of a variance: keeps a covariance invertible
 
 
 def with_course(
-    evidence: ClauseEvidence, up: np.ndarray, errors: EquipmentErrors
-) -> ClauseEvidence:
+    evidence: Evidence,
+    up: np.ndarray,
+    errors: EquipmentErrors,
+    channels: int = len(CHANNELS),
+) -> Evidence:
     """The evidence with the course of each zero over the run, where its rests show one.
 
     Judged against white noise, flicker, rounding and the equipment, before anything is enlarged by
     what the points scatter. up: (n, 3) verticals; beside them north and east where they are known.
+    channels: how many of the first, those that are calibrated.
     """
     from scipy.special import chdtrc  # late: a tenth of a start
 
@@ -39,7 +45,7 @@ def with_course(
     shapes = legendre.legvander(2.0 * (t - first) / (last - first) - 1.0, COURSE)[:, 1:]
     north = evidence.north[rests]
     level = [north, np.cross(north, up[rests])] if np.isfinite(north).all() else []
-    for c in range(len(CHANNELS)):
+    for c in range(channels):
         faces = [np.ones(len(rests)), *up[rests].T]
         faces += [each[:, c] for each in level if c < len(AXES)]
         design = np.column_stack([*faces, shapes[rests]])

@@ -139,6 +139,11 @@ class ClauseEvidence:
         return False
 
     @property
+    def tells_of_site(self) -> bool:
+        """Whether Earth's rotation in the rests can be held against latitude and heading."""
+        return True
+
+    @property
     def mountings(self) -> list[str]:
         """What tells the unit's mountings in its fixture apart, of each segment."""
         if self.mounted_once:
@@ -227,7 +232,8 @@ class ClauseEvidence:
     def _noise_over(self, q: float, channel: int) -> np.ndarray:
         """Noise (n,) of a channel's rows in steps, of the rests pooled: one code shows none of it.
 
-        What rounding leaves of a deviation s is s² + q²/12 less what it does to a mean.
+        What varies in a turn by an angle is the turn itself. What rounding leaves of a deviation s
+        is s² + q²/12 less what it does to a mean.
         """
         if not q > 0.0:
             return np.full(len(self.segments), np.inf)
@@ -235,13 +241,13 @@ class ClauseEvidence:
         rests = self.of_kind("static")
         pooled = float(np.mean(square[rests])) if rests else 0.0
         seen = np.where(np.isfinite(square), np.maximum(square, pooled), np.inf)
-        seen[rests] = pooled
+        seen[[*rests, *self.of_kind("rotation")]] = pooled
         return np.where(seen < SEEN[-1], np.interp(seen, SEEN, NOISES), np.sqrt(seen))
 
     def _same_place(self, noise: np.ndarray, apart: np.ndarray) -> np.ndarray:
         """Which pairs (n, n) are of one place and rate, or read one and the same code."""
         known = zip(self.up, self.labels, strict=True)
-        place = [(up, label.kind, label.axis, label.rate_deg_s) for up, label in known]
+        place = [(up, s.kind, s.axis, s.rate_deg_s, s.angle_deg) for up, s in known]
         numbers = np.array([place.index(each) for each in place])
         one_code = (np.abs(apart) < ONE_CODE) & (noise[:, None] < SILENT) & (noise < SILENT)
         return np.asarray((numbers[:, None] == numbers) | one_code)

@@ -29,7 +29,7 @@ def mean_motion(evidence: ClauseEvidence) -> tuple[Motion, np.ndarray]:
     whole = whole_motion(recording, np.concatenate([np.zeros(0), *looked]))
     shape = (len(segments), SAMPLES, 3)
     up, north = whole.up.reshape(shape).mean(axis=1), whole.north.reshape(shape).mean(axis=1)
-    rate = np.array([_rate(recording, evidence, i) for i in range(len(segments))]).reshape(-1, 3)
+    rate = mean_rates(evidence)
     rate = np.where(_turned(evidence), rate, 0.0 * rate)
     vertical, stream = np.zeros(len(segments), bool), attitude_stream(recording)
     for i, segment in enumerate(segments):
@@ -44,6 +44,12 @@ def mean_motion(evidence: ClauseEvidence) -> tuple[Motion, np.ndarray]:
                 up[i] = segment.mean[3:] / gravity_of(recording)
     t = np.array([0.5 * (segment.t_start + segment.t_end) for segment in segments])
     return Motion(t, up, north, rate, np.zeros_like(rate), gravity_of(recording)), vertical
+
+
+def mean_rates(evidence: ClauseEvidence) -> np.ndarray:
+    """Mean rate (n, 3) rad/s of each segment about the unit's axes; NaN where nobody knows it."""
+    rates = [_rate(evidence.recording, evidence, i) for i in range(len(evidence.segments))]
+    return np.array(rates).reshape(-1, 3)
 
 
 def _turned(evidence: ClauseEvidence) -> np.ndarray:
