@@ -47,6 +47,14 @@ class Item(Frozen):
         default=(),
         description="readings of the specification taken (tasks.specifications.readings)",
     )
+    repeatability: Elements | None = Field(
+        default=None,
+        description="u_A alone, of the elements without U, whose largest error nobody states",
+    )
+    temperature_degc: Elements | None = Field(
+        default=None,
+        description="of the unit, at which each element holds: of the segments as they weigh in it",
+    )
     value_without_earth_rotation: Elements | None = None
     u_without_earth_rotation: Elements | None = None
     U_without_earth_rotation: Elements | None = None

@@ -131,9 +131,10 @@ class Order(Frozen):
     asked for; without one, no verdict is given. waived_conditions: conditions that need not be met
     or checked for a pass. configuration: of the unit, in addition to the recording's manifest.
     place: of calibration, if not the laboratory's own. language: of the certificate, if not the
-    laboratory's. axes: about which the results are: those of the unit's mounting plane (its base)
-    or those of the fixture; where nothing is said, those of the mounting plane if the laboratory
-    states the limit `mounting`, else those of the fixture.
+    laboratory's. axes: about which the results are: those of the unit's mounting plane (its base),
+    those of the fixture, or those of the unit as the recording's mount states them in the fixture;
+    where nothing is said, those of the mounting plane if the laboratory states the limit
+    `mounting`, else those of the unit, which are the fixture's where the mount is square.
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"

@@ -27,7 +27,7 @@ LimitName = Literal[
     "latitude",
     "heading",
 ]
-ResultAxes = Literal["mounting plane", "fixture"]  # which axes of the unit results are about
+ResultAxes = Literal["mounting plane", "fixture", "unit"]  # which axes results are about
 
 
 class ErrorBound(Frozen):

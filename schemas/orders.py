@@ -33,7 +33,8 @@ class Estimation(OrderModel):
     method: null is that of the specification for which the recording was made. terms: physics
     that `explain` found, by catalogue name, taken off the readings first; as a text, the names
     stand with commas between. axes: about which the results are, if the client's order does not
-    say; null: those of the mounting plane where its limit is stated, else those of the fixture.
+    say; null: those of the mounting plane where its limit is stated, else those of the unit by
+    the mount that the recording states, which are the fixture's where it states none.
     """
 
     method: Method | None = None

@@ -73,6 +73,18 @@ class MethodValidation(Frozen):
     items: dict[str, ItemValidation]
 
 
+class ScenarioValidation(Frozen):
+    """Coverage under conditions other than those of a run in which everything is in order.
+
+    conditions: by their names; invalid: how many of its sound runs were called invalid.
+    """
+
+    conditions: tuple[str, ...]
+    units: int = Field(ge=1)
+    invalid: int = Field(ge=0)
+    items: dict[Method, dict[str, Coverage]]
+
+
 class ValidationRecord(Frozen):
     """Format `mimu-validation/1`: made by `mimucal validate`."""
 
@@ -82,3 +94,4 @@ class ValidationRecord(Frozen):
     seed: int
     seconds: Finite
     methods: dict[Method, MethodValidation]
+    scenarios: dict[str, ScenarioValidation] = Field(default_factory=dict)

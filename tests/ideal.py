@@ -79,6 +79,7 @@ def ideal_run(
         "ideal",
         {"latitude_deg": 0.0, "gravity_m_s2": gravity},
         standard="JJF 2003-2022",
+        table_time={"commanded_rate": {"half_width": 1e-5, "distribution": "rectangular"}},
         segments=segments,
     )
     columns = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))

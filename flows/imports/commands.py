@@ -29,6 +29,7 @@ def import_(
     axes: import_options.Axes = None,
     shift: import_options.Shift = 0.0,
     gravity: import_options.Gravity = None,
+    commanded_rate: import_options.CommandedRate = None,
     like: import_options.Like = None,
     yes: import_options.Yes = False,
     stamps: import_options.Stamps = "header",
@@ -54,6 +55,7 @@ def import_(
         axes=convert.axis_map(axes) if axes else None,
         shift=shift,
         gravity=gravity,
+        commanded_rate=commanded_rate or None,
     )
     entries: list[dict[str, Any]] = []
     try:

@@ -53,6 +53,16 @@ Gravity = Annotated[
         "latitude, else the standard 9.80665.",
     ),
 ]
+CommandedRate = Annotated[
+    float | None,
+    typer.Option(
+        metavar="SHARE",
+        min=0.0,
+        max=0.1,
+        help="How well the table holds a commanded rate, as ± a share of it (2e-4), where no "
+        "encoders were recorded; without it scale factors get no U.",
+    ),
+]
 Like = Annotated[
     str | None,
     typer.Option(metavar="RUN", help="Take columns, units, axes, unit and station from that run."),

@@ -90,16 +90,26 @@ def pairs(option: str, text: str | None, names: tuple[str, ...]) -> dict[str, st
 @dataclass(frozen=True)
 class Changes:
     """What an import changes. units: by gyro, accel, t, temperature, angle, table. gravity: m/s²
-    that one g is, and local gravity; None: not given.
+    that one g is, and local gravity; commanded_rate: half-width, relative, of how well the table
+    holds the rates of the labels; None: not given.
     """
 
     units: Mapping[str, str] = field(default_factory=dict)
     axes: AxisMap | None = None
     shift: float = 0.0
     gravity: float | None = None
+    commanded_rate: float | None = None
 
     def __bool__(self) -> bool:
-        return bool(self.units or self.axes or self.shift or self.gravity)
+        given = self.units or self.axes or self.shift or self.gravity or self.commanded_rate
+        return bool(given)
+
+    def of_table(self) -> dict[str, object]:
+        """What the manifest says of the table's rates."""
+        if self.commanded_rate is None:
+            return {}
+        bound = {"half_width": self.commanded_rate, "distribution": "rectangular"}
+        return {"table_time": {"commanded_rate": bound}}
 
     def as_fields(self) -> dict[str, object]:
         """As it stands in the manifest."""
@@ -153,7 +163,11 @@ def changed(recording: Recording, changes: Changes, *, is_timed: bool = False) -
     station = recording.manifest.station
     if changes.gravity:
         station = station.model_copy(update={"gravity_m_s2": changes.gravity})
-    extra = {"imported": {**changes.as_fields(), "source_digest": recording.digest}}
+    stated = changes.of_table().get("table_time")
+    if isinstance(stated, dict):
+        stated = {**((recording.manifest.model_extra or {}).get("table_time") or {}), **stated}
+    extra: dict[str, Any] = {"imported": {**changes.as_fields(), "source_digest": recording.digest}}
+    extra |= {"table_time": stated} if stated else {}
     manifest = recording.manifest.model_copy(
         update={"segments": moved, "station": station, **extra}
     )

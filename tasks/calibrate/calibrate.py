@@ -1,14 +1,24 @@
 """The calibration of a recording by a specification."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from schemas.calibration import Calibration, Covariance, EnvironmentSeen, Item, SegmentUsed
+from schemas.calibration import (
+    Calibration,
+    Covariance,
+    Elements,
+    EnvironmentSeen,
+    Item,
+    SegmentUsed,
+)
 from schemas.recording import Recording, Stream
+from schemas.text import Remark
 from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
 from tasks.calibrate.information import information
+from tasks.motion.table import squared
 from tasks.readings.codes import codes_put_right
 from tasks.readings.implausible import KINDS
 from tasks.readings.offset_binary import offset_taken_off
@@ -17,10 +27,11 @@ from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.axes_of_table import stand_remarks
 from tasks.specifications.covariance import covariance_of
-from tasks.specifications.estimate import ClauseResult
+from tasks.specifications.estimate import ClauseResult, ItemEstimate
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.specifications.items import ItemDefinition, item_title
 from tasks.specifications.specification import Specification
-from tasks.words import say
+from tasks.words import clauses, message, remark, say
 
 
 def calibrate(
@@ -42,10 +53,13 @@ def calibrate(
     """
     recording = codes_put_right(offset_taken_off(recording))
     specification.check(recording)
+    evaluation = evaluation or evaluation_for(recording)
+    if evaluation.settings.get("axes") == "fixture":
+        recording = replace(recording, manifest=squared(recording.manifest))
     evidence = specification.gather(recording)
     made = without_information(
-        specification, evidence, evaluation or evaluation_for(recording), run=run,
-        code_version=code_version, own_latitude_deg=own_latitude_deg,
+        specification, evidence, evaluation, run=run, code_version=code_version,
+        own_latitude_deg=own_latitude_deg,
     )  # fmt: skip
     more = information(evidence, made.items, specification.rate_sensor)
     return made.model_copy(update={"information": more})
@@ -65,12 +79,17 @@ def without_information(
     """
     result = specification.estimate(evidence, evaluation.equipment)
     items = {
-        item.key: evaluation.item(item, result.items[item.key]) for item in specification.items
+        item.key: evaluation.item(item, result.items[item.key]).model_copy(
+            update={"temperature_degc": _temperatures(item, result.items[item.key], evidence)}
+        )
+        for item in specification.items
     }
     checked = (
         *run_remarks(evidence, specification.conditions, items),
         *(stand_remarks(evidence) if evaluation.equipment.axes else ()),
         *laboratory_remarks(evidence.recording, own_latitude_deg),
+        *_unstated(items),
+        *_at_temperatures(items),
     )
     wrong = tuple(one for one in checked if one.code in KINDS)
     checked = tuple(one for one in checked if one.code not in KINDS)
@@ -118,6 +137,58 @@ def _covariance(
     matrix = covariance_of(tuple(found.values()), evidence, result.errors)
     rows = tuple(tuple(map(float, row[: p + 1])) for p, row in enumerate(matrix))
     return Covariance(elements=tuple(found), rows=rows)
+
+
+def _temperatures(
+    definition: ItemDefinition, item: ItemEstimate, evidence: ClauseEvidence
+) -> Elements | None:
+    """At which temperature of the unit each element holds: of the segments as they weigh in it.
+
+    A segment weighs by the operator that makes the value of the means; in a ratio to an input by
+    what its reading gives, for a rest with none has no part in it.
+    """
+    at = evidence.temperatures
+    known = np.isfinite(at)
+    if not known.any():
+        return None
+    found: Elements = {}
+    for element, estimate in item.elements.items():
+        if estimate.operator is None:
+            continue
+        read = np.nan_to_num(evidence.means).T if definition.unit == "1" else 1.0
+        weights = np.abs(estimate.operator * read).sum(axis=0) * known
+        if weights.any():
+            found[element] = round(float(weights @ np.nan_to_num(at) / weights.sum()), 2)
+    return found or None
+
+
+def _at_temperatures(items: Mapping[str, Item]) -> Iterator[Remark]:
+    """At which temperatures of the unit the elements hold, where it was recorded."""
+    held = [
+        message(
+            "specifications-temperatures.item", item=item_title(key),
+            at=", ".join(f"{e} {t:.2f}" for e, t in item.temperature_degc.items() if t is not None),
+        )
+        for key, item in items.items()
+        if item.temperature_degc
+    ]  # fmt: skip
+    if held:
+        yield remark("temperatures", message("specifications-temperatures", items=clauses(held)))
+
+
+def _unstated(items: Mapping[str, Item]) -> Iterator[Remark]:
+    """That elements have no U, because nobody states the largest error of what they hang on."""
+    lacking = [
+        message(
+            "specifications-unstated.item", item=item_title(key),
+            elements=", ".join(item.repeatability),
+            u=f"{max(filter(None, item.repeatability.values()), default=0.0):.1e}", unit=item.unit,
+        )
+        for key, item in items.items() if item.repeatability
+    ]  # fmt: skip
+    if lacking:
+        phrase = message("specifications-unstated", items=clauses(lacking))
+        yield remark("reference_unstated", phrase, blocks_pass=True)
 
 
 def _used(evidence: ClauseEvidence, i: int) -> SegmentUsed:

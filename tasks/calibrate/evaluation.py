@@ -16,6 +16,7 @@ from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.uncertainty import Budget
 from tasks.motion.polled import polled_within
+from tasks.motion.table import off_square
 from tasks.segments.commanded_rate import commanded_bound
 from tasks.specifications.estimate import Estimate, Estimates, ItemEstimate
 from tasks.specifications.items import ItemDefinition
@@ -26,6 +27,7 @@ from tasks.uncertainty.equipment import (
     Equipment,
     with_limits,
     with_polled_encoders,
+    with_rates_by_label,
 )
 from tasks.uncertainty.examples import BITS, TABLE, combine_as_example
 from tasks.uncertainty.examples import EXAMPLE as BY_APPENDIX
@@ -93,6 +95,7 @@ class Evaluation:
             uncertainty_kind=self.kind,
             budgets=budgets,
             readings=estimate.readings,
+            repeatability=self._repeatability(estimate.elements) or None,
         )
         return item.model_copy(update=self._second_value(definition, estimate, item))
 
@@ -100,8 +103,15 @@ class Evaluation:
         return {
             e: self.budget(definition, e, estimate)
             for e, estimate in estimates.items()
-            if estimate.has_uncertainty and (self.kind != EXAMPLE or estimate.has_repeatability)
+            if estimate.has_uncertainty
+            and (estimate.has_repeatability if self.kind == EXAMPLE else not estimate.unstated)
         }
+
+    def _repeatability(self, estimates: Estimates) -> Elements:
+        """u_A of the elements that have no U because nobody states what they hang on."""
+        if self.kind == EXAMPLE:
+            return {}
+        return {e: one.u_of_data for e, one in estimates.items() if one.unstated}
 
     def _second_value(
         self, definition: ItemDefinition, estimate: ItemEstimate, item: Item
@@ -140,14 +150,16 @@ def evaluation_for(
     own: a laboratory's limits, which go before them. Of a recording without specification
     the equipment is not known: then gravity and latitude alone are counted, and the result says so.
     axes: about which the results are: those of the mounting plane count its limit, and give no pass
-    without one; those of the fixture leave it out. None: those of the mounting plane where it has a
-    limit that counts.
+    without one; those of the unit and of the fixture leave it out. None: those of the mounting
+    plane where it has a limit that counts, else those of the unit where a mount states them.
     Raises Unusable where the unit's `effective_bits` are no number of bits, or `table_time` does
     not say within how many seconds the times of polled encoders are known.
     """
     counts = own is not None and "mounting" in own and kind != EXAMPLE
-    axes = axes or ("mounting plane" if counts else "fixture")
-    own = {n: limit for n, limit in (own or {}).items() if n != "mounting" or axes != "fixture"}
+    off = off_square(recording.manifest)
+    axes = axes or ("mounting plane" if counts else "unit" if off else "fixture")
+    plane = axes == "mounting plane"
+    own = {n: limit for n, limit in (own or {}).items() if n != "mounting" or plane}
     specification = BY_STANDARD.get(recording.manifest.standard)
     equipment, named = NO_SPECIFICATION
     if specification is not None:
@@ -155,9 +167,13 @@ def evaluation_for(
     equipment = with_limits(equipment, own)
     if half_width_s := polled_within(recording):
         equipment = with_polled_encoders(equipment, half_width_s, commanded_bound(recording))
+    elif recording.table is None and "rate" not in own:
+        equipment = with_rates_by_label(equipment, commanded_bound(recording))
     settings: dict[str, str | float] = {"uncertainty": kind, "axes": axes}
     remarks: tuple[Remark, ...] = ()
-    if axes == "mounting plane" and not counts:
+    if off:
+        settings["mount"] = float(f"{np.degrees(off):.4g}")
+    if plane and not counts:
         phrase = message("specifications-mounting-unknown")
         remarks = (remark("mounting_unknown", phrase, blocks_pass=True),)
     table, table_source, bits = TABLE, BY_APPENDIX, _bits(recording)
@@ -165,8 +181,7 @@ def evaluation_for(
         settings["limits"] = named
         for name, limit in own.items():
             settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
-        known = equipment.rates and equipment.angles
-        if not known:
+        if specification is None and not equipment.known:
             phrase = message("specifications-equipment-unknown")
             remarks = (remark("equipment_unknown", phrase, blocks_pass=True), *remarks)
         return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)

@@ -27,9 +27,8 @@ from schemas.recording import Recording
 from schemas.tolerance import Quantity
 from tasks.calibrate.evaluation import ENOUGH_DOF, Evaluation
 from tasks.segments.summarise import ACCEL_COLUMNS, CHANNELS
-from tasks.specifications.covariance import OF_DATA
 from tasks.specifications.error_sources import EquipmentErrors, ErrorSource
-from tasks.specifications.estimate import ClauseResult, Estimate, Estimates, ItemEstimate
+from tasks.specifications.estimate import OF_DATA, ClauseResult, Estimate, Estimates, ItemEstimate
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.specification import Specification
 from tasks.uncertainty.budget import Contribution

@@ -161,7 +161,7 @@ def flatness(calibration: Calibration, specification: Specification) -> Iterator
 
 
 def _axes(calibration: Calibration) -> str:
-    """The axes of the results: "fixture", "mounting-plane", "mounting-unknown".
+    """The axes of the results: "fixture", "unit", "mounting-plane", "mounting-unknown".
 
     Results of earlier versions do not say it: they are about the axes of the fixture unless a
     budget has the limit of the mounting.
@@ -170,7 +170,7 @@ def _axes(calibration: Calibration) -> str:
     axes = calibration.settings.get("axes") or ("mounting plane" if counted else "fixture")
     if axes == "mounting plane" and counted:
         return "mounting-plane"
-    return "fixture" if axes == "fixture" else "mounting-unknown"
+    return "mounting-unknown" if axes == "mounting plane" else str(axes)
 
 
 def _assumed(name: Sayable, known: str) -> Message:

@@ -12,7 +12,7 @@ from tasks.words.quantities import quantity_text
 from tasks.words.rounding import as_given
 from tasks.words.typography import clause
 
-UNITS = {"gravity_m_s2": "m/s2", "latitude_deg": "deg"}
+UNITS = {"gravity_m_s2": "m/s2", "latitude_deg": "deg", "mount": "deg"}
 LIMIT = "limit of "
 RECOMMENDED_BY = "limits"  # the document that recommends those of the others
 LIMIT_UNITS = {"rate": "1", "ripple": "1", "gravity": "m/s2"}  # of the others: rad

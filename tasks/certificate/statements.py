@@ -106,6 +106,9 @@ def uncertainty(calibration: Calibration) -> tuple[Message, ...]:
     return (*incomplete, axes_of_results(calibration))
 
 
+ZEROS = {"gyro_bias", "gyro_fit_offset", "accel_bias", "ahrs_zero_offset"}
+
+
 def evaluation(
     calibration: Calibration, decision: Decision, specification: Specification
 ) -> Iterator[Message]:
@@ -119,6 +122,8 @@ def evaluation(
         yield message("certificate-coverage-by-t")
     yield from whose_limits(calibration)
     yield from flatness(calibration, specification)
+    if ZEROS & calibration.items.keys():
+        yield message("certificate-switch-on")
     if any(limit.probability_of_conformity is not None for limit in decision.limits):
         yield message("certificate-risk-how")
 

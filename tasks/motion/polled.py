@@ -30,7 +30,8 @@ def polled_within(recording: Recording) -> float:
     stated = (recording.manifest.model_extra or {}).get("table_time")
     if stated is None or recording.table is None:
         return 0.0
-    half_width_s = stated.get("half_width_s") if isinstance(stated, dict) else stated
+    captured = 0.0 if isinstance(stated, dict) and "commanded_rate" in stated else None
+    half_width_s = stated.get("half_width_s", captured) if isinstance(stated, dict) else stated
     if not isinstance(half_width_s, int | float) or not 0.0 <= half_width_s < MOST_HALF_WIDTH_S:
         raise Unusable(
             f"the manifest's table_time.half_width_s is {half_width_s!r}: give the half-width in s "

@@ -10,9 +10,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from schemas.recording import Manifest, Recording, Segment, Station
+from schemas.recording import Manifest, Mount, Recording, Segment, Station
 from tasks.motion.samples import continuous
 
+ALONG = np.cos(np.radians(10.0))  # a mount turned farther from square is meant to be aslant
+SAME = 1.0 - 1e-12  # cosine of no angle at all
 EARTH_RATE = 7.292115e-5  # rad/s, sidereal; WGS 84
 
 
@@ -58,6 +60,50 @@ def _matrix_of(quaternion_wxyz: tuple[float, ...]) -> np.ndarray:
     matrix = np.asarray(Rotation.from_quat(quaternion_wxyz, scalar_first=True).as_matrix())
     matrix.setflags(write=False)
     return matrix
+
+
+def labelled_direction(manifest: Manifest, segment: Segment | None, axis: np.ndarray) -> np.ndarray:
+    """Direction (3,) in the body of what a label calls by the unit's axis, a unit vector (3,).
+
+    It is the axis of the payload that the mount lays nearest to it: a fixture stands square on the
+    table, and the unit in it by what the mount states. One mounted aslant is labelled by its own.
+    """
+    mount = mount_of(manifest, segment)
+    along = mount @ axis
+    nearest = int(np.abs(along).argmax())
+    if not ALONG < abs(along[nearest]) < SAME:
+        return axis
+    return np.asarray(np.sign(along[nearest]) * mount[nearest])
+
+
+def off_square(manifest: Manifest) -> float:
+    """Largest angle (rad) between an axis of the unit and the payload's nearest; 0: square."""
+    mounts = [label.mount for label in manifest.segments or () if label.mount]
+    turned = {mount.quaternion_wxyz for mount in (*mounts, manifest.mount)}
+    along = min(np.abs(_matrix_of(mount)).max(axis=1).min() for mount in turned)
+    return float(np.arccos(along)) if along < SAME else 0.0
+
+
+def squared(manifest: Manifest) -> Manifest:
+    """The manifest with the unit square in its fixture: what is found is about the fixture's axes.
+
+    Mounts that are nearly square alone; a unit that lies aslant has no other axes than its own.
+    """
+    from scipy.spatial.transform import Rotation  # late: see above
+
+    def square(mount: Mount) -> Mount:
+        matrix = _matrix_of(mount.quaternion_wxyz)
+        near = np.where(np.abs(matrix) > ALONG, np.sign(matrix), 0.0)
+        if np.abs(near).sum() != len(near):
+            return mount
+        turned = Rotation.from_matrix(near).as_quat(scalar_first=True)
+        return Mount(quaternion_wxyz=turned.tolist())
+
+    segments = manifest.segments and tuple(
+        label.model_copy(update={"mount": label.mount and square(label.mount)})
+        for label in manifest.segments
+    )
+    return manifest.model_copy(update={"mount": square(manifest.mount), "segments": segments})
 
 
 def axis_directions(station: Station) -> list[np.ndarray]:

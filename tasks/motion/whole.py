@@ -19,7 +19,7 @@ from tasks.motion.pose_frames import POSE
 from tasks.motion.reported_rate import reported_rate
 from tasks.motion.samples import sample_interval
 from tasks.motion.smooth import smooth_course
-from tasks.motion.table import TableAxes, mount_of, table_vectors
+from tasks.motion.table import TableAxes, labelled_direction, mount_of, table_vectors
 
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
 UNEVEN = 0.02  # of the interval by which a step between stamps differs
@@ -278,6 +278,7 @@ def _by_labels(recording: Recording, at: np.ndarray) -> Motion:
         else:
             acceleration[rows] = 0.0
         axis = np.eye(3)[AXES.index(segment.axis)] if segment.axis else np.zeros(3)
-        up[rows] = unit_vector(segment.up)
-        rate[rows] = turned * axis
+        manifest = recording.manifest
+        up[rows] = labelled_direction(manifest, segment, unit_vector(segment.up))
+        rate[rows] = turned * labelled_direction(manifest, segment, axis)
     return Motion(at, up, north, rate, acceleration, gravity_of(recording))

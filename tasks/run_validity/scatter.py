@@ -87,8 +87,10 @@ def _drift(
     means = evidence.means[rests, channel]
     if len(rests) <= faces.shape[1] or not np.isfinite(means).all():
         return None
-    white = evidence.noise.white[rests, channel]
-    noise = 2.0 * np.sqrt(white / evidence.noise.seconds[rests])
+    variance = evidence.noise.white[rests, channel] / evidence.noise.seconds[rests]
+    if evidence.accumulates:  # the two readings of an angle that make a short rest's mean rate
+        variance = evidence.fast_covariance(channel).diagonal()[rests]
+    noise = 2.0 * np.sqrt(variance)
     if channel < len(AXES):
         north = evidence.north[rests]
         known = bool(np.isfinite(north).all())

@@ -23,21 +23,23 @@ ANOMALY = 0.003  # m/s²: what the ground does to it, 300 mGal, but for a few pl
 INHABITED = (-430.0, 5500.0)  # m, where a laboratory may stand
 BY_PRESSURE = 500.0  # m that the weather shifts a height read off the air's pressure
 CONTRADICTED = 16.0  # χ² of two degrees of freedom: once in 3,000 good runs
-SIGN = 3.0  # standard deviations of what the unit's own g-sensitivities have in common
+SIGN = 0.00135  # one-sided, as three standard deviations: that good runs differ by so much
+BEYOND_DOUBT = 10.0  # standard deviations from which it is no remark, but an invalid run
 
 
 @dataclass(frozen=True)
 class EarthRate:
     """level: (2,) along north and east, with its covariance (2, 2); NaN where not determined.
 
-    vertical: along up, and how far the unit's own sensitivity to gravity may shift it; NaN where
-    not determined.
+    vertical: along up, and how far the unit's own sensitivity to gravity may shift it, by so many
+    degrees of freedom; NaN where not determined.
     """
 
     level: np.ndarray
     covariance: np.ndarray
     vertical: float
     u_vertical: float
+    degrees: int
 
     def chi2(self, expected: np.ndarray) -> float:
         """How far the level part (2,) is from one that is expected."""
@@ -50,6 +52,8 @@ def site_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     yield from _gravity(evidence)
     if evidence.latitude_deg is None:
         yield run_remark("latitude_not_given")
+        return
+    if not evidence.tells_of_site:
         return
     shown = earth_rate(evidence)
     if shown is not None:
@@ -100,9 +104,10 @@ def _level(shown: EarthRate, latitude_deg: float) -> Iterator[Remark]:
         return
     north, east = shown.level
     absent = shown.chi2(np.zeros(2)) < CONTRADICTED
+    sure = not absent and shown.chi2(expected) > BEYOND_DOUBT**2
     yield run_remark(
         "earth_not_shown" if absent else "earth_contradicted",
-        run="remarks" if absent else "invalid",
+        run="invalid" if sure else "remarks",
         north=f"{north:.2f}", east=f"{east:.2f}", expected=f"{expected[0]:.2f}",
         u=f"{np.sqrt(np.diag(shown.covariance)).max():.2f}", latitude=f"{latitude_deg:g}",
     )  # fmt: skip
@@ -114,11 +119,15 @@ def _vertical(shown: EarthRate, latitude_deg: float) -> Iterator[Remark]:
     A sensitivity to gravity common to all three gyros cannot be separated from it: their common
     part is expected to be no larger than their differences.
     """
+    from scipy.special import stdtrit  # late: a tenth of a start
+
     expected = float(np.sin(np.radians(latitude_deg)))
     as_given, otherwise = abs(shown.vertical - expected), abs(shown.vertical + expected)
-    if as_given > SIGN * shown.u_vertical and otherwise < as_given:
+    reach = shown.u_vertical * float(stdtrit(max(shown.degrees, 1), 1.0 - SIGN))
+    if as_given > reach and otherwise < as_given:
+        sure = as_given > max(BEYOND_DOUBT * shown.u_vertical, reach)
         yield run_remark(
-            "latitude_sign", run="invalid", latitude=f"{latitude_deg:g}",
+            "latitude_sign", run="invalid" if sure else "remarks", latitude=f"{latitude_deg:g}",
             shown=f"{shown.vertical:+.2f}", expected=f"{expected:+.2f}",
             u=f"{shown.u_vertical:.2f}",
         )  # fmt: skip
@@ -154,6 +163,7 @@ def earth_rate(evidence: ClauseEvidence) -> EarthRate | None:
     up = np.array([unit_vector(evidence.up[i]) for i in rests])
     east = np.cross(north, up)
     weight, weighted, sensitivity = np.zeros((2, 2)), np.zeros(2), np.full((3, 3), np.nan)
+    spread_of = np.full((3, 3), np.nan)
     for c in range(3):
         design = np.column_stack([north[:, c], east[:, c], np.ones(len(rests)), up])
         solution = solve(design)
@@ -161,8 +171,9 @@ def earth_rate(evidence: ClauseEvidence) -> EarthRate | None:
         covariance = evidence.covariance(c)[np.ix_(rests, rests)] / EARTH_RATE**2
         excess = birge_ratio(solution, design, readings, covariance).factor
         values, used = solution.of(readings), np.flatnonzero(solution.estimable[LEVEL_PART])
-        known = solution.uncertainty(covariance)[GRAVITY] < KNOWN
-        sensitivity[c] = np.where(known, values[GRAVITY], np.nan)
+        u = excess * solution.uncertainty(covariance)[GRAVITY]
+        sensitivity[c] = np.where(u < KNOWN, values[GRAVITY], np.nan)
+        spread_of[c] = u
         operator = solution.operator[used]
         spread = excess**2 * operator @ covariance @ operator.T
         if len(used) and np.linalg.det(spread) > 0.0:
@@ -173,15 +184,17 @@ def earth_rate(evidence: ClauseEvidence) -> EarthRate | None:
     if np.linalg.det(weight) > 0.0:
         by_all = np.linalg.inv(weight)
         level = by_all @ weighted
-    return EarthRate(level, by_all, *_common_part(sensitivity))
+    return EarthRate(level, by_all, *_common_part(sensitivity, np.diag(spread_of)))
 
 
-def _common_part(sensitivity: np.ndarray) -> tuple[float, float]:
-    """What the diagonal has in common, and the standard deviation that the rest gives it."""
+def _common_part(sensitivity: np.ndarray, u: np.ndarray) -> tuple[float, float, int]:
+    """What the diagonal has in common, the standard deviation that the rest and its own uncertainty
+    u (3,) give it, and by how many degrees of freedom."""
     diagonal = np.diag(sensitivity)
     apart = np.concatenate(
         [sensitivity[~np.eye(3, dtype=bool)], np.sqrt(1.5) * (diagonal - diagonal.mean())]
     )
     apart = apart[np.isfinite(apart)]
     spread = float(np.sqrt(np.mean(apart**2) / 3.0)) if len(apart) else float("nan")
-    return float(diagonal.mean()), spread
+    total = float(np.sqrt(spread**2 + np.mean(u**2)))  # rounding is one to all three
+    return float(diagonal.mean()), total, max(len(apart) - 1, 1)

@@ -8,7 +8,7 @@ counted is not recorded, so the level directions of each axis up are a plane of 
 import numpy as np
 
 from schemas.recording import AXES, UPS, Recording, Segment, Up
-from tasks.motion.table import mount_of, payload_attitude, table_angles
+from tasks.motion.table import labelled_direction, mount_of, payload_attitude, table_angles
 
 VERTICAL = 2
 COMPONENTS = 3 + 2 * len(UPS)
@@ -23,14 +23,24 @@ def attitude_vector(recording: Recording, segment: Segment) -> np.ndarray | None
     """Attitude vector (3, 15) of a rest; None where neither table nor label gives it.
 
     By the table's encoders and the mount; where the station has no table, by the segment's own
-    mount; else by the label: `points`, or `up` with `turn_deg`. An unknown heading of the station
-    is taken as zero, which turns every attitude of the run about the vertical alike.
+    mount; else by the label, `points` or `up` with `turn_deg`, and by how crooked the mount is to
+    it. An unknown heading of the station is taken as zero, which turns every attitude of the run
+    about the vertical alike.
     """
     known = _mounted(recording, segment)
-    known = _pointed(segment) if known is None else known
-    if known is None:
-        return _turned(segment)
-    return np.hstack([known.T, np.zeros((3, COMPONENTS - 3))])
+    if known is not None:
+        return _by_axes(known)
+    pointed = _pointed(segment)
+    labelled = _turned(segment) if pointed is None else _by_axes(pointed)
+    if labelled is None:
+        return None
+    lie = [labelled_direction(recording.manifest, segment, axis) for axis in np.eye(3)]
+    return np.array(lie).T @ labelled
+
+
+def _by_axes(attitude: np.ndarray) -> np.ndarray:
+    """The attitude vector of R_n_body (3, 3)."""
+    return np.hstack([attitude.T, np.zeros((3, COMPONENTS - 3))])
 
 
 def _mounted(recording: Recording, segment: Segment) -> np.ndarray | None:

@@ -27,7 +27,7 @@ READOUT = np.radians(0.01)  # rad/s: what an encoder's step makes of a rate
 
 @dataclass(frozen=True)
 class TurningPoint:
-    """The input rate of one turning segment about its labelled axis.
+    """The whole input rate of one turning segment, with its sign about the labelled axis.
 
     rate: rad/s, NaN where the label is contradicted and there are no encoders.
     label: rad/s. shown: rad/s, what the witness shows; None without one.
@@ -62,7 +62,8 @@ def turning_points(
         label = float(np.radians(segment.segment.rate_deg_s or 0.0)) / (1.0 + error)
         body = held_rate(recording, segment.segment)
         if body is not None:
-            points[i] = _by_encoders(recording, segment, label, float(body[axis]))
+            shown = float(np.copysign(np.linalg.norm(body), body[axis]))
+            points[i] = _by_encoders(recording, segment, label, shown)
         else:
             points[i] = _by_gyro_and_label(segment, label, axis, lines[axis])
     return points

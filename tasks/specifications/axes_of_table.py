@@ -8,7 +8,13 @@ from itertools import product
 import numpy as np
 
 from schemas.text import Remark
-from tasks.motion.table import axis_directions, mount_of, rotation, table_angles
+from tasks.motion.table import (
+    axis_directions,
+    labelled_direction,
+    mount_of,
+    rotation,
+    table_angles,
+)
 from tasks.motion.whole import unit_vector
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message, remark
@@ -103,7 +109,8 @@ def _by_labels(evidence: ClauseEvidence) -> AxesOfTable | None:
     for up, label in zip(evidence.up, evidence.labels, strict=True):
         if up is None or (label.axis or up[1]) != up[1]:
             return None
-        shown = mount_of(evidence.recording.manifest, label) @ unit_vector(up)
+        manifest = evidence.recording.manifest
+        shown = mount_of(manifest, label) @ labelled_direction(manifest, label, unit_vector(up))
         bring = [d for d in product(*inside) if shown @ _vertical(directions, d) > PARALLEL]
         if not bring:
             return None

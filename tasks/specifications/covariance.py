@@ -12,8 +12,6 @@ from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import Estimate
 from tasks.specifications.evidence import ClauseEvidence
 
-OF_DATA = ("u_A", "q")  # symbols of the lines of repeatability and resolution
-
 
 def covariance_of(
     estimates: Sequence[Estimate], evidence: ClauseEvidence, errors: EquipmentErrors
@@ -30,7 +28,7 @@ def covariance_of(
         of_means = evidence.covariance(channel)[np.ix_(used, used)]
         part = weights[:, channel][:, used]
         noise += part @ of_means @ part.T
-    stated = np.array([_of_data(estimate) for estimate in estimates])
+    stated = np.array([estimate.u_of_data for estimate in estimates])
     shown = np.sqrt(np.maximum(np.diag(noise), 0.0))
     scale = np.divide(stated, shown, out=np.zeros_like(stated), where=shown > 0.0)
     total = noise * np.outer(scale, scale)
@@ -41,9 +39,3 @@ def covariance_of(
             felt = felt * free[:, None]
         total += source.quantity.u**2 * felt @ felt.T
     return np.asarray(0.5 * (total + total.T))
-
-
-def _of_data(estimate: Estimate) -> float:
-    """Standard uncertainty by the data: noise, scatter and the unit's resolution."""
-    lines = [line for line in estimate.lines if line.quantity.symbol in OF_DATA]
-    return float(np.linalg.norm([line.quantity.u * line.sensitivity for line in lines]))

@@ -19,6 +19,7 @@ import numpy as np
 from schemas.recording import AXES
 from tasks.model.simulate import predict
 from tasks.model.term import Term
+from tasks.motion.table import table_angles
 from tasks.motion.whole import Motion
 from tasks.segments.attitude import VERTICAL, attitude_vector
 from tasks.segments.commanded_rate import rate_by_command
@@ -129,7 +130,10 @@ def _of_rates(
         effects = -(share[:, None] * response.rate)[None]
         yield from _source(limit, "run", effects, followed=True)
     left = held / np.maximum(turned, MIN_RIPPLE_ANGLE)  # of a ripple, over the angle turned
-    yield from _source(equipment.ripple, "point", of_points(left))
+    arcs = _arcs(evidence, held & (turned < 2.0 * math.pi))
+    alone = of_points(np.where(np.isfinite(arcs).all(axis=(0, 1)), 0.0, left))
+    shared = np.nan_to_num(arcs).reshape(2 * len(arcs), len(speed), 1) * response.rate
+    yield from _source(equipment.ripple, "angle", np.concatenate([alone, shared]))
     commanded = np.array(
         [rate_by_command(evidence.recording, label) is not None for label in evidence.labels], bool
     )
@@ -148,6 +152,26 @@ def _of_rates(
             rests = np.array([label.kind == "static" for label in evidence.labels], bool)
             own = np.eye(len(speed))[:, :, None] * (rests / seconds)[:, None]
             yield from _source(crept, "point", np.concatenate([own * d for d in response.drift]))
+
+
+def _arcs(evidence: ClauseEvidence, short: np.ndarray) -> np.ndarray:
+    """What a ripple of once a turn does to mean rates over less than one, relative, by cosine and
+    sine of its phase: (axes of the table, 2, n), which all that passes the same angles shares. NaN
+    where no angle was recorded, or a turn was made, over which shorter waves count as independent.
+    """
+    count = len(evidence.recording.manifest.station.table_axes or ())
+    arcs = np.full((count, 2, len(short)), np.nan)
+    for i in np.flatnonzero(short).tolist():
+        angles = table_angles(evidence.recording, evidence.labels[i])
+        if not len(angles):
+            continue
+        moved = angles[-1] - angles[0]
+        axis = int(np.abs(moved).argmax())
+        first, last = angles[0, axis], angles[-1, axis]
+        ends = math.sin(last) - math.sin(first), math.cos(last) - math.cos(first)
+        arcs[:, :, i] = 0.0
+        arcs[axis, :, i] = np.array(ends) / moved[axis] / math.sqrt(2.0)
+    return arcs
 
 
 def _of_time(

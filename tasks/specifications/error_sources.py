@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from tasks.uncertainty.budget import Contribution, InputQuantity
+from tasks.uncertainty.equipment import NOBODY
 
 LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of its own
 
@@ -65,7 +66,7 @@ class EquipmentErrors:
         """Covariance (n, n) of one channel's means by what no parameter of the unit follows."""
         total = np.zeros((self.segments, self.segments))
         for each in self.sources:
-            if not each.followed:
+            if not each.followed and each.quantity.source != NOBODY:
                 effects = each.effects[:, :, channel]
                 total += each.quantity.u**2 * (effects.T @ effects)
         return total

@@ -19,13 +19,16 @@ from tasks.specifications.linear import (
     birge_ratio,
     solve,
 )
-from tasks.uncertainty.budget import Contribution, observed, resolution
+from tasks.uncertainty.budget import Contribution, drift_in_run, observed, resolution
+from tasks.uncertainty.equipment import NOBODY
 from tasks.uncertainty.type_a import type_a_dof
 from tasks.words import Message, Sayable, clauses, message, remark
 
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))
 NO_EXCESS = BirgeRatio()
+NEGLIGIBLE = 1e-6  # of a variance: no line of its own
+OF_DATA = ("u_A", "q", "d")  # symbols of the lines of repeatability, resolution and drift
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,19 @@ class Estimate:
         """Whether there is a value, and every line of its budget is known."""
         sizes = (line.quantity.u * line.sensitivity for line in self.lines)
         return self.determined and all(map(math.isfinite, sizes))
+
+    @property
+    def unstated(self) -> tuple[Contribution, ...]:
+        """The lines that nobody states, where one of them is the largest: there is no U then."""
+        by_size = sorted(self.lines, key=lambda line: abs(line.quantity.u * line.sensitivity))
+        nobody = tuple(line for line in self.lines if line.quantity.source == NOBODY)
+        return nobody if nobody and by_size[-1] in nobody else ()
+
+    @property
+    def u_of_data(self) -> float:
+        """Standard uncertainty by the data: noise, scatter and the unit's resolution."""
+        lines = [line for line in self.lines if line.quantity.symbol in OF_DATA]
+        return float(np.linalg.norm([line.quantity.u * line.sensitivity for line in lines]))
 
     @property
     def has_repeatability(self) -> bool:
@@ -171,18 +187,21 @@ def linear_estimate(
     if not math.isfinite(value):
         return UNDETERMINED
     noise = float(o @ evidence.noise_covariances[channel][block] @ o)
-    rounding = 0.0
-    if evidence.coarse_channels[channel]:
-        rounding = float(o @ evidence.rounding_covariance(channel)[block] @ o)
+    rounding, draws = evidence.rounding(channel, weights)
+    drifts: tuple[Contribution, ...] = ()
+    if evidence.course is not None and evidence.course[channel].any():
+        drifts = (drift_in_run(abs(float(weights @ evidence.course[channel]))),)
     operator = np.zeros((len(CHANNELS), len(weights)))
     operator[channel] = weights
     if excess.factor > 1.0:
         u = excess.factor * np.sqrt(max(noise + rounding, 0.0))
-        return Estimate(value, (observed(float(u), "", excess.dof),), operator=operator)
+        scattered = observed(float(u), "", excess.dof)
+        return Estimate(value, (scattered, *drifts), operator=operator)
     dof = type_a_dof(weights, evidence.noise, channel, noise)
-    lines: tuple[Contribution, ...] = (observed(float(np.sqrt(max(noise, 0.0))), "", dof),)
-    if rounding > 0.0:
-        lines = (*lines, resolution(float(np.sqrt(3.0 * rounding)), "", 1.0))
+    lines = (observed(float(np.sqrt(max(noise, 0.0))), "", dof), *drifts)
+    if rounding > NEGLIGIBLE * noise:
+        line = resolution(float(np.sqrt(3.0 * rounding)), "", 1.0)
+        lines = (*lines, replace(line, draws=draws))
     return Estimate(value, lines, operator=operator)
 
 

@@ -10,12 +10,20 @@ from schemas.recording import AXES, GYRO, UPS, Axis, Kind, Recording, Segment, S
 from tasks.motion.whole import north_at_rest
 from tasks.segments.one_pass import cosine_and_sine
 from tasks.segments.rates import TurningPoint
-from tasks.segments.summarise import CHANNELS, SegmentMean, coarsely_quantised
+from tasks.segments.summarise import CHANNELS, SegmentMean
 from tasks.specifications.earth_gain import EarthRotationGain
+from tasks.uncertainty.drift import WALK
 from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means
 
 SAMPLES = 20  # times within a rest at which north is looked up
 COURSE = 4000  # samples of a turn, at most twice as many: a hundred a turn and more
+TERMS = range(1, 41)  # of the series of rounding: the rest of it is a per cent of q²/12
+DITHERED = 0.8  # noise in steps beyond which nothing of the steps is left in a mean
+SILENT, ONE_CODE = 0.1, 1e-3  # steps: noise that hardly leaves a code, means that are one
+NOISES = np.linspace(0.0, 1.0, 201)  # in steps, and the variance that rows rounded from it have
+SEEN = NOISES**2 + 1.0 / 12.0 - sum(
+    np.exp(-4.0 * (np.pi * k * NOISES) ** 2) / k**2 for k in range(1, 2001)
+) / (2.0 * np.pi**2)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +37,8 @@ class ClauseEvidence:
     earth: the gain of Earth's rotation in the rests; None where it was not looked for, or where
     neither latitude nor rests are known.
     channel_names: (6,) columns as they were recorded. may_stand_still: whether their resolution
-    hides their noise at rest.
+    hides their noise at rest. course: (6, n) the course of each channel's zero about its mean over
+    the run, where the rests show one beside noise and equipment.
     """
 
     recording: Recording
@@ -42,6 +51,7 @@ class ClauseEvidence:
     earth: EarthRotationGain | None = None
     channel_names: tuple[str, ...] = CHANNELS
     may_stand_still: bool = False
+    course: np.ndarray | None = None
 
     @property
     def gravity(self) -> float | None:
@@ -99,12 +109,6 @@ class ClauseEvidence:
         return self.by_axis(self.of_kind("rotation"))
 
     @cached_property
-    def coarse_channels(self) -> np.ndarray:
-        """Which channels (6,) have a step that hides their noise in some segment."""
-        coarse = [coarsely_quantised(segment) for segment in self.segments]
-        return np.any(coarse, axis=0) if coarse else np.zeros(6, bool)
-
-    @cached_property
     def north(self) -> np.ndarray:
         """Mean direction (segments, 3) of north in the body in each rest; NaN where not known."""
         rests = self.of_kind("static")
@@ -117,12 +121,12 @@ class ClauseEvidence:
         return north
 
     @cached_property
-    def course(self) -> dict[int, complex]:
+    def mean_turns(self) -> dict[int, complex]:
         """Mean of e^(iψ) over each segment that is no rest, by index; ψ: what the unit read of its
         turn about the axis so far. Zero where it is not known.
         """
         turning = (i for i, label in enumerate(self.labels) if label.kind != "static")
-        return {i: _mean_course(self.recording.imu, self.labels[i]) for i in turning}
+        return {i: _mean_turn(self.recording.imu, self.labels[i]) for i in turning}
 
     @property
     def mounted_once(self) -> bool:
@@ -135,6 +139,11 @@ class ClauseEvidence:
         return False
 
     @property
+    def tells_of_site(self) -> bool:
+        """Whether Earth's rotation in the rests can be held against latitude and heading."""
+        return True
+
+    @property
     def mountings(self) -> list[str]:
         """What tells the unit's mountings in its fixture apart, of each segment."""
         if self.mounted_once:
@@ -143,7 +152,27 @@ class ClauseEvidence:
 
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
-        return self.noise_covariances[channel] + self.rounding_covariance(channel)
+        total = np.asarray(self.noise_covariances[channel] + self._rounding[channel])
+        if self.course is None:
+            return total
+        return np.asarray(total + np.outer(self.course[channel], self.course[channel]))
+
+    @cached_property
+    def temperatures(self) -> np.ndarray:
+        """Mean temperature (n,) °C of the unit in each segment; NaN where it was not recorded."""
+        imu, means = self.recording.imu, np.full(len(self.segments), np.nan)
+        if "temperature" in imu.columns:
+            for i, segment in enumerate(self.segments):
+                values = imu.columns["temperature"][segment.place]
+                means[i] = (
+                    values[np.isfinite(values)].mean() if np.isfinite(values).any() else np.nan
+                )
+        return means
+
+    def fast_covariance(self, channel: int) -> np.ndarray:
+        """Covariance (n, n) of one channel's means without walk and trend: noise and rounding."""
+        walk = np.tensordot(self.noise.drift[WALK:, channel], self.noise.shapes[WALK:], axes=1)
+        return np.asarray(self.noise_covariances[channel] - walk + self._rounding[channel])
 
     @cached_property
     def noise_covariances(self) -> np.ndarray:
@@ -152,24 +181,79 @@ class ClauseEvidence:
         return np.array([covariance_of_means(self.noise, c) for c in channels])
 
     def rounding_covariance(self, channel: int) -> np.ndarray:
-        """Covariance (n, n) of one channel's means by the output's step where it hides its noise.
+        """Covariance (n, n) of one channel's means by the steps q of the output: a place reads
+        wrong by the same part of a step each time it is held.
 
-        What a place reads is then wrong by the same part of a step each time it is held: q²/12,
-        shared by the segments of one place and one rate. Zero where the noise shows.
+        Noise of s dithers it: q²/(2π²)·Σ exp(−2π²k²(sᵢ² + sⱼ²)/q²)·cos(2πkΔ/q)/k² for means that
+        differ by Δ, over an unknown offset (q²/12 without noise). Between places Δ is known as well
+        as the means are; where both read one code throughout, or are one place, it is as read.
         """
-        shared = np.zeros((len(self.segments),) * 2)
-        if not self.coarse_channels[channel]:
-            return shared
-        step = max(segment.step[channel] for segment in self.segments)
+        q = max((segment.step[channel] for segment in self.segments), default=0.0)
+        noise = self._noise_over(q, channel)
+        if not (noise < DITHERED).any():
+            return np.zeros((len(noise),) * 2)
+        square = noise[:, None] ** 2 + noise**2
+        apart = np.nan_to_num(self.means[:, channel, None] - self.means[:, channel]) / q
+        own = sum((np.exp(-4.0 * (np.pi * k * noise) ** 2) / k**2 for k in TERMS), 0.0 * noise)
+        own = own / (2.0 * np.pi**2)
+        unsure = np.where(self._same_place(noise, apart), 0.0, own[:, None] + own)
+        terms = (
+            np.exp(-2.0 * (np.pi * k) ** 2 * (square + unsure))
+            * np.cos(2 * np.pi * k * apart)
+            / k**2
+            for k in TERMS
+        )
+        shared = sum(terms, start=np.zeros_like(apart)) / (2.0 * np.pi**2)
+        np.fill_diagonal(shared, own)
+        sizes, ways = np.linalg.eigh(
+            shared
+        )  # what is known of some pairs alone is no covariance yet
+        return np.asarray(q**2 * (ways * sizes.clip(min=0.0)) @ ways.T)
+
+    def rounding(self, channel: int, weights: np.ndarray) -> tuple[float, float]:
+        """Variance of o·U by the output's steps, and of how many independent draws it is.
+
+        weights: o (n,). Where places read one code nothing tells whether their errors are one,
+        which a difference is free of, or independent, which a mean divides: the larger counts.
+        """
+        covariance = self._rounding[channel]
+        alone = weights**2 * np.diag(covariance)
+        together, apart = float(weights @ covariance @ weights), float(alone.sum())
+        if apart == 0.0:
+            return 0.0, 1.0
+        draws = apart**2 / float((alone**2).sum())
+        return max(together, apart), draws * min(1.0, apart / max(together, apart))
+
+    @cached_property
+    def _rounding(self) -> np.ndarray:
+        """Rounding covariances (6, n, n)."""
+        return np.array([self.rounding_covariance(c) for c in range(len(CHANNELS))])
+
+    def _noise_over(self, q: float, channel: int) -> np.ndarray:
+        """Noise (n,) of a channel's rows in steps, of the rests pooled: one code shows none of it.
+
+        What varies in a turn by an angle is the turn itself. What rounding leaves of a deviation s
+        is s² + q²/12 less what it does to a mean.
+        """
+        if not q > 0.0:
+            return np.full(len(self.segments), np.inf)
+        square = (np.array([each.deviation[channel] for each in self.segments]) / q) ** 2
+        rests = self.of_kind("static")
+        pooled = float(np.mean(square[rests])) if rests else 0.0
+        seen = np.where(np.isfinite(square), np.maximum(square, pooled), np.inf)
+        seen[[*rests, *self.of_kind("rotation")]] = pooled
+        return np.where(seen < SEEN[-1], np.interp(seen, SEEN, NOISES), np.sqrt(seen))
+
+    def _same_place(self, noise: np.ndarray, apart: np.ndarray) -> np.ndarray:
+        """Which pairs (n, n) are of one place and rate, or read one and the same code."""
         known = zip(self.up, self.labels, strict=True)
-        place = [(up, label.kind, label.axis, label.rate_deg_s) for up, label in known]
-        for same in set(place):
-            held = [i for i, other in enumerate(place) if other == same]
-            shared[np.ix_(held, held)] = step**2 / 12.0
-        return shared
+        place = [(up, s.kind, s.axis, s.rate_deg_s, s.angle_deg) for up, s in known]
+        numbers = np.array([place.index(each) for each in place])
+        one_code = (np.abs(apart) < ONE_CODE) & (noise[:, None] < SILENT) & (noise < SILENT)
+        return np.asarray((numbers[:, None] == numbers) | one_code)
 
 
-def _mean_course(imu: Stream, label: Segment) -> complex:
+def _mean_turn(imu: Stream, label: Segment) -> complex:
     rows, gyro = imu.rows(label.t_start, label.t_end), GYRO[AXES.index(label.axis or "x")]
     t, rate = imu.t[rows], imu.views((gyro,), rows)[0]
     if len(t) < 2 or not np.isfinite(rate).all():

@@ -87,6 +87,13 @@ def earth_rotation_gain(evidence: ClauseEvidence) -> EarthRotationGain | None:
     north = evidence.north[rests]
     level = bool(np.isfinite(north).all())
     earth = np.cos(phi) * north if level else np.sin(phi) * up
+    return gain_over(evidence, rests, up, earth, level)
+
+
+def gain_over(
+    evidence: ClauseEvidence, rests: list[int], up: np.ndarray, earth: np.ndarray, level: bool
+) -> EarthRotationGain | None:
+    """λ over some rests; up, earth: (rests, 3) the vertical, and the part of Earth's rotation."""
     by_gyro = [_of_gyro(evidence, rests, up, EARTH_RATE * earth, c, level) for c in range(3)]
     gains = np.array([gain for gain in by_gyro if gain is not None])
     if not len(gains):
@@ -95,6 +102,23 @@ def earth_rotation_gain(evidence: ClauseEvidence) -> EarthRotationGain | None:
     mean = float(weights @ gains[:, 0] / weights.sum())
     square = float(weights @ (gains[:, 0] - mean) ** 2) / max(len(gains) - 1, 1)
     return EarthRotationGain(mean, float(np.sqrt(max(square, 1.0) / weights.sum())), level)
+
+
+def steady_gain(
+    evidence: ClauseEvidence, rests: list[int], attitude: np.ndarray, level: float
+) -> EarthRotationGain | None:
+    """How much of Earth's level rotation (rad/s) rests show, along whatever level direction.
+
+    attitude: (rests, 3, 3) axes of the unit along east, north and up. A wrong heading shows all of
+    it along another one.
+    """
+    east, north, up = np.moveaxis(attitude, 2, 0)
+    parts = [
+        gain_over(evidence, rests, up, level / EARTH_RATE * part, True) for part in (north, east)
+    ]
+    if parts[0] is None or parts[1] is None:
+        return None
+    return EarthRotationGain(float(np.hypot(parts[0].gain, parts[1].gain)), parts[0].u, True)
 
 
 def _of_gyro(

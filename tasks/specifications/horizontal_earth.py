@@ -1,4 +1,4 @@
-"""What turns leave of the horizontal part of Earth's rotation in the mean readings.
+"""What turns and rests leave of the horizontal part of Earth's rotation in the mean readings.
 
 A gyro across the axis that turns about the vertical feels it come and go. Over whole turns nothing
 is left; over a part of a turn, or where the table rests before and after within a segment, the
@@ -14,6 +14,7 @@ import numpy as np
 
 from schemas.recording import AXES, Segment
 from tasks.motion.table import EARTH_RATE
+from tasks.segments.attitude import VERTICAL, attitude_vector
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.error_sources import ErrorSource
 from tasks.specifications.evidence import ClauseEvidence
@@ -32,12 +33,44 @@ def horizontal_earth(evidence: ClauseEvidence) -> Iterator[ErrorSource]:
     effects = np.zeros((2 * len(places), len(evidence.segments), len(CHANNELS)))
     for i, place in zip(turning, begun, strict=True):
         axis = AXES.index(evidence.labels[i].axis or "x")
-        left, north = evidence.course[i], places[place]
+        left, north = evidence.mean_turns[i], places[place]
         across = [(axis + 1) % 3, (axis + 2) % 3]
         effects[north, i, across] = left.real, -left.imag
         effects[north + 1, i, across] = left.imag, left.real
+    effects = np.concatenate([effects, _of_rests(evidence)])
     if effects.any():
         yield ErrorSource(_quantity(evidence.latitude_deg), "point", effects)
+
+
+def _of_rests(evidence: ClauseEvidence) -> np.ndarray:
+    """Effects (m, n, 6) on rests of unknown heading: two draws for each face, which turn with the
+    rests on it, so that two headings 180° apart are free of it; a rest without heading has its own.
+    """
+    blind = [
+        i
+        for i in evidence.of_kind("static")
+        if evidence.up[i] is not None
+        and not np.isfinite(evidence.north[i]).all()
+        and not _pointed(attitude_vector(evidence.recording, evidence.labels[i]))
+    ]
+    labels = evidence.labels
+    places = [
+        str(evidence.up[i] if labels[i].turn_deg is not None else labels[i].name) for i in blind
+    ]
+    faces = list(dict.fromkeys(places))
+    effects = np.zeros((2 * len(faces), len(evidence.segments), len(CHANNELS)))
+    for i, place in zip(blind, places, strict=True):
+        up, turn = str(evidence.up[i]), math.radians(labels[i].turn_deg or 0.0)
+        axis, way = AXES.index(up[1]), 1.0 if up[0] == "+" else -1.0
+        across, k = [(axis + 1) % 3, (axis + 2) % 3], 2 * faces.index(place)
+        effects[k, i, across] = math.cos(turn), -way * math.sin(turn)
+        effects[k + 1, i, across] = way * math.sin(turn), math.cos(turn)
+    return effects
+
+
+def _pointed(attitude: np.ndarray | None) -> bool:
+    """Whether an attitude vector says how the unit lies to the station, whose heading is one."""
+    return attitude is not None and bool(attitude[:, :VERTICAL].any())
 
 
 def _beginning(label: Segment) -> str:

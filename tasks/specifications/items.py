@@ -16,7 +16,7 @@ OFF_DIAGONAL_ELEMENTS = tuple(e for e in MATRIX_ELEMENTS if e[0] != e[1])
 # Column by column, as Appendix B of JJF 2003-2022 and Appendix C of JJF 1536-2015 list them.
 BY_INPUT_AXIS = ("yx", "zx", "xy", "zy", "xz", "yz")
 
-RATE_ERRORS = ("ε1", "ε2", "ε3", "ε4")  # relative errors of the rate and of the time base
+RATE_ERRORS = ("ε1", "ε2", "ε3", "ε4", "ε5")  # relative errors of the rate and of the time base
 ANGLE_ERRORS = ("α1θ", "α2θ")  # of a turned angle
 
 SecondValue = Literal["value_without_earth_rotation", "value_model"]

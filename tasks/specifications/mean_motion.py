@@ -3,7 +3,7 @@
 import numpy as np
 
 from schemas.recording import AXES, Recording
-from tasks.motion.table import mean_rate
+from tasks.motion.table import labelled_direction, mean_rate
 from tasks.motion.whole import (
     Motion,
     attitude_stream,
@@ -29,11 +29,11 @@ def mean_motion(evidence: ClauseEvidence) -> tuple[Motion, np.ndarray]:
     whole = whole_motion(recording, np.concatenate([np.zeros(0), *looked]))
     shape = (len(segments), SAMPLES, 3)
     up, north = whole.up.reshape(shape).mean(axis=1), whole.north.reshape(shape).mean(axis=1)
-    rate = np.array([_rate(recording, evidence, i) for i in range(len(segments))]).reshape(-1, 3)
+    rate = mean_rates(evidence)
     rate = np.where(_turned(evidence), rate, 0.0 * rate)
     vertical, stream = np.zeros(len(segments), bool), attitude_stream(recording)
     for i, segment in enumerate(segments):
-        shown = unit_vector(evidence.up[i])
+        shown = labelled_direction(recording.manifest, segment.segment, unit_vector(evidence.up[i]))
         agrees = not np.isfinite(shown).all() or up[i] @ shown >= SAME_VERTICAL
         if stream is None or not np.isfinite(up[i]).all() or not agrees:
             up[i], north[i] = shown, np.nan
@@ -44,6 +44,12 @@ def mean_motion(evidence: ClauseEvidence) -> tuple[Motion, np.ndarray]:
                 up[i] = segment.mean[3:] / gravity_of(recording)
     t = np.array([0.5 * (segment.t_start + segment.t_end) for segment in segments])
     return Motion(t, up, north, rate, np.zeros_like(rate), gravity_of(recording)), vertical
+
+
+def mean_rates(evidence: ClauseEvidence) -> np.ndarray:
+    """Mean rate (n, 3) rad/s of each segment about the unit's axes; NaN where nobody knows it."""
+    rates = [_rate(evidence.recording, evidence, i) for i in range(len(evidence.segments))]
+    return np.array(rates).reshape(-1, 3)
 
 
 def _turned(evidence: ClauseEvidence) -> np.ndarray:
@@ -66,6 +72,7 @@ def _rate(recording: Recording, evidence: ClauseEvidence, i: int) -> np.ndarray:
     if by_table is not None:
         return by_table
     about = np.eye(3)[AXES.index(label.axis or "x")]
+    about = labelled_direction(recording.manifest, label, about)
     if label.kind == "rate":
         return np.asarray(evidence.rate[i] * about)
     angle = np.radians(np.nan if label.angle_deg is None else label.angle_deg)

@@ -1,15 +1,18 @@
 """The rate points about an axis, as both specifications use them: a line, 7 to 11 points."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import MeansFit, fit_means
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.specifications.linear import solve
 from tasks.words import message, remark
 
+SQUARE = 1e-6  # rad, a fifth of an arc second: so crooked is no mount that anybody states
 FEWEST_RATES, MOST_RATES = 7, 11
 
 
@@ -49,3 +52,35 @@ def fit_line(
     outputs[:, list(rests)] = -1.0 / max(1, len(rests))
     design = np.column_stack([rates, np.ones(len(rates))])
     return fit_means(evidence, channel, design, outputs, errors)
+
+
+def weights_about(
+    axis: Axis,
+    rate: np.ndarray,
+    runs: Mapping[Axis, Sequence[int]],
+    readings: Mapping[Axis, np.ndarray],
+) -> np.ndarray | None:
+    """Weights (n,) of what a gyro reads per rate about an axis of the unit.
+
+    rate: (n, 3) rad/s of each segment in the unit's axes. runs, readings: which segments turned,
+    and the weights of what it read per rate in them, by the axis that was laid along the table's.
+    Turned about a it reads K·a: a row of K follows from all directions. None: the unit stood too
+    crooked for those.
+    """
+    rows = []
+    for laid in readings:
+        turned = rate[list(runs[laid])]
+        size = np.copysign(np.linalg.norm(turned, axis=1), turned[:, AXES.index(laid)])
+        known = np.isfinite(size) & (size != 0.0)
+        along = (
+            (turned[known] / size[known, None]).mean(axis=0)
+            if known.any()
+            else np.eye(3)[AXES.index(laid)]
+        )
+        rows.append(along)
+    design = np.array(rows)
+    solution = solve(np.where(np.abs(design) < SQUARE, 0.0, design))
+    place = AXES.index(axis)
+    if not solution.estimable[place]:
+        return None
+    return np.asarray(solution.operator[place].round(12) @ np.array([*readings.values()]))

@@ -115,6 +115,12 @@ class Equipment:
         """What turns the unit by an error of its own in every position, rad."""
         return tuple(limit for limit in (self.position, self.repeatability) if limit is not None)
 
+    @property
+    def known(self) -> bool:
+        """Whether somebody states the errors of its rates and of its angles."""
+        limits = (*(limit for _, limit in self.rates), *self.angles)
+        return bool(self.rates and self.angles) and all(one.clause != NOBODY for one in limits)
+
     def rate_at(self, rate: float) -> tuple[ErrorLimit, ...]:
         """The limit of the mean rate at a rate (rad/s); empty where none is known.
 
@@ -164,8 +170,18 @@ POLLED = "the recording: longest exchange with the table"
 COMMANDED = "the station file: how well the table holds a commanded rate"
 RECOMMENDED = {TABLE_1, FIXTURE_2003, TABLE_1_AHRS, FIXTURE_1536}
 TAKEN_TO_BE_MET = RECOMMENDED | {EXAMPLE}  # of limits that nobody stated of the equipment used
+# What a reference may be off by of which nobody states anything: as far as a table of any class is,
+# so that it shows which elements hang on it. Such a line is never the largest of a stated U.
+NOBODY = "stated by nobody"
+UNSTATED_RATE = _limit("ε1", "rate", "1", 5e-4, "rectangular", NOBODY)
 # A unit turned by hand, on a pillar, or on a table that nobody describes.
-UNKNOWN = Equipment()
+UNKNOWN = Equipment(
+    rates=((0.0, UNSTATED_RATE),),
+    level=_limit("α5", "level", "rad", math.radians(0.1), "rectangular", NOBODY),
+    position=_limit("α1", "position", "rad", math.radians(0.1), "rectangular", NOBODY),
+    axes=_limit("α3", "axes", "rad", math.radians(0.1), "rectangular", NOBODY),
+    fixture=_limit("α4", "fixture", "rad", math.radians(0.1), "rectangular", NOBODY),
+)
 
 
 def limit_of(name: LimitName) -> ErrorLimit:
@@ -189,12 +205,17 @@ def with_polled_encoders(
     """
     limit = _limit("τ", "encoder-time", "s", half_width_s, "rectangular", POLLED)
     timed = replace(equipment, encoder_time=limit)
-    if commanded is None:
-        return timed
-    rate = _limit(
-        "ε5", "commanded-rate", "1", commanded.half_width, commanded.distribution, COMMANDED
-    )
-    return replace(timed, commanded_rate=rate)
+    return timed if commanded is None else replace(timed, commanded_rate=_as_commanded(commanded))
+
+
+def with_rates_by_label(equipment: Equipment, commanded: ErrorBound | None) -> Equipment:
+    """The equipment where no encoder shows a rate: it is the one commanded, as far as is stated."""
+    limit = UNSTATED_RATE if commanded is None else _as_commanded(commanded)
+    return replace(equipment, rates=((0.0, limit),))
+
+
+def _as_commanded(bound: ErrorBound) -> ErrorLimit:
+    return _limit("ε5", "commanded-rate", "1", bound.half_width, bound.distribution, COMMANDED)
 
 
 def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -> Equipment:

@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
@@ -21,6 +22,8 @@ from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH, checked, claus
 from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit
 from tasks.words import message
 
+Job = TypeVar("Job")
+Done = TypeVar("Done")
 Calibrate = Callable[..., Calibration]
 Truth = dict[str, dict[str, float]]
 Run = Callable[[SimulatedUnit, int], tuple[Recording, Truth]]
@@ -88,19 +91,19 @@ def study(
     """Coverage of every item by each method over as many units, in a process for each core."""
     jobs = [(m, methods[m], seed + i) for i in range(units) for m in methods]
     errors_of_methods: dict[str, list[Errors]] = {method: [] for method in methods}
-    for done, (method, errors) in enumerate(_in_processes(jobs), start=1):
+    for done, (method, errors) in enumerate(in_processes(errors_of_unit, jobs), start=1):
         errors_of_methods[method].append(errors)
         report(done, len(jobs))
     return {method: summarise(errors) for method, errors in errors_of_methods.items()}
 
 
-def _in_processes(jobs: list[tuple[str, Calibrate, int]]) -> Iterator[tuple[str, Errors]]:
+def in_processes(do: Callable[[Job], Done], jobs: list[Job]) -> Iterator[Done]:
     """The jobs' results as they come; one thread each, or the processes hinder one another."""
     threads = ("OPENBLAS_NUM_THREADS", "1")  # read when a process imports numpy, at its first job
     with ProcessPoolExecutor(
         mp_context=get_context("spawn"), initializer=os.putenv, initargs=threads
     ) as pool:
-        yield from pool.map(errors_of_unit, jobs, chunksize=max(1, min(8, len(jobs) // 8)))
+        yield from pool.map(do, jobs, chunksize=max(1, min(8, len(jobs) // 8)))
 
 
 def summarise(runs: Iterable[Errors]) -> dict[str, Coverage]:

@@ -10,6 +10,9 @@ from tasks.validation.examples import example_check
 from tasks.validation.fingerprint import fingerprint, names_of, text_digest
 from tasks.validation.independent import independent_checks
 from tasks.validation.record import clause_item
+from tasks.validation.scenarios import study_scenarios
+
+FEWER = 10  # times fewer units in each scenario than in order
 
 
 def make_record(
@@ -51,5 +54,6 @@ def make_record(
             "seed": seed,
             "seconds": round(time.monotonic() - began, 1),
             "methods": methods_made,
+            "scenarios": study_scenarios(methods, max(1, units // FEWER), seed, report),
         }
     )

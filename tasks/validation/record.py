@@ -21,7 +21,7 @@ from tasks.rendering import draw, inline, page
 from tasks.specifications.items import item_title
 from tasks.validation.fingerprint import fingerprint, text_digest
 from tasks.version import code_version
-from tasks.words import Message, clauses, message, worded
+from tasks.words import Message, Sayable, clauses, message, worded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +31,31 @@ LOWEST = 0.88  # share that the picture shows
 GOOD, BAD, ASKED_FOR = "#14691b", "#a1190d", "#dcefdc"
 SHIPPED = "record.json"
 G_SENSITIVITY = "gyro_g_sensitivity"
+# What a result says of itself (code of a remark, setting, symbol of a line), as a condition.
+CONDITIONS = {
+    "table_by_labels": "labels", "coarse_step": "coarse steps", "one_heading": "one heading",
+    "number_of_rates": "few rates", "follows_temperature": "warming", "drift_in_run": "drift",
+    "mount": "mount", "τ": "polled", "α6": "base",
+}  # fmt: skip
 WITHOUT_EARTH = "gyro_g_sensitivity_without_earth_rotation"
+
+
+def conditions_of(calibration: Calibration) -> frozenset[str]:
+    """What of a result's conditions is not as in a run in which everything is in order."""
+    codes = {one.code for one in calibration.remarks} | set(calibration.settings)
+    lines = (b.inputs for item in calibration.items.values() for b in item.budgets.values())
+    codes |= {line.symbol for inputs in lines for line in inputs}
+    return frozenset(condition for code, condition in CONDITIONS.items() if code in codes)
+
+
+def scenarios_of(record: ValidationRecord, calibration: Calibration) -> list[str]:
+    """The scenarios validated for the method that have all of a result's conditions."""
+    own = conditions_of(calibration)
+    return [
+        name
+        for name, scenario in record.scenarios.items()
+        if calibration.method in scenario.items and own <= set(scenario.conditions)
+    ]
 
 
 def clause_item(name: str) -> str:
@@ -129,7 +153,7 @@ def _listed(shares: dict[str, list[float]]) -> str:
     return ", ".join(f"{element} ({share})" for element, share in percent.items())
 
 
-def named(record: ValidationRecord | None, calibration: Calibration) -> Message:
+def named(record: ValidationRecord | None, calibration: Calibration) -> Sayable:
     """The sentence of a certificate that names the record and its result."""
     doubts = doubts_of(record, calibration)
     in_part = {name: doubt.elements for name, doubt in doubts.items() if doubt.elements}
@@ -139,12 +163,22 @@ def named(record: ValidationRecord | None, calibration: Calibration) -> Message:
         message("validation-elements", item=item_title(name), elements=", ".join(sorted(few)))
         for name, few in in_part.items()
     )
-    return message(
+    sentence = message(
         "validation-record.in-part" if in_part else "validation-record",
         record=f"{record.made_on} ({record.methods[calibration.method].fingerprint})",
         valid=len(calibration.items) - len(doubts), items=len(calibration.items),
         **({"elements": clauses(elements)} if in_part else {}),
     )  # fmt: skip
+    return clauses((sentence, _walked(record, calibration))) if record.scenarios else sentence
+
+
+def _walked(record: ValidationRecord, calibration: Calibration) -> Message:
+    """In which scenarios a result's conditions lie; that they lie in none."""
+    within = scenarios_of(record, calibration)
+    if within:
+        return message("validation-within", scenarios=", ".join(within))
+    own = ", ".join(sorted(conditions_of(calibration)))
+    return message("validation-within.none", conditions=own)
 
 
 def validation_html(record: ValidationRecord) -> str:

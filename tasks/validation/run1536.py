@@ -1,8 +1,10 @@
 """A whole JJF 1536 run of a simulated unit on a single-axis table, re-fixed between the axes."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from schemas.recording import ANGLE, AXES, Recording
+from schemas.recording import ANGLE, AXES, Manifest, Recording
 from tasks.station.virtual.unit import DEGREE
 from tasks.uncertainty.equipment import JJF1536
 from tasks.validation.run2003 import matrix, vector
@@ -40,7 +42,16 @@ def record(
         "ahrs_zero_offset": vector(np.array(simulated.unit.gyro.bias) / DEGREE),
         "ahrs_misalignment": matrix(K / DEGREE, off_diagonal=True),
     }
-    return recording_of("JJF 1536-2015", number, journey, imu), truth
+    recording = recording_of("JJF 1536-2015", number, journey, imu)
+    return replace(recording, manifest=with_commanded_rate(recording.manifest)), truth
+
+
+def with_commanded_rate(manifest: Manifest) -> Manifest:
+    """The manifest of a station without encoders, which states Table 1's limit of its rates."""
+    (limit,) = RATE_LIMIT
+    bound = {"half_width": limit.half_width, "distribution": limit.distribution}
+    stated = manifest.model_dump() | {"table_time": {"commanded_rate": bound}}
+    return Manifest.model_validate(stated)
 
 
 def _journey(simulated: SimulatedUnit) -> Journey:

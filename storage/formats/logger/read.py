@@ -159,6 +159,7 @@ def read_log(
             SI_PER_UNIT: {n: scales[c].factor for n, c in _one_of_each(scales).items()},
             **({SEEN: TypeAdapter(list[Seen]).dump_python(seen, mode="json")} if seen else {}),
         },
+        **changes.of_table(),
         **({"acquired_at": _moment(timing.origin)} if timing.times.kind == "epoch" else {}),
     })  # fmt: skip
     check_controls(manifest.model_dump(mode="json"), str(path))

@@ -5,16 +5,23 @@ from collections.abc import Iterator
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.recording import ANGLE, GYRO, Recording
+from schemas.recording import ANGLE, AXES, GYRO, Recording
 from schemas.text import Remark
 from tasks.segments.conditions import Conditions
-from tasks.specifications.estimate import DEG, ClauseResult, merged, scaled, with_equipment
+from tasks.specifications.course import course_remarks, with_course
+from tasks.specifications.estimate import (
+    DEG,
+    ClauseResult,
+    merged,
+    scaled,
+    with_equipment,
+)
 from tasks.specifications.items import AHRS_ITEMS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_position
 from tasks.specifications.jjf1536.misalignment import MISALIGNMENT, misalignment_items
 from tasks.specifications.jjf1536.scale import SCALE_FACTOR, scale_items
 from tasks.specifications.jjf1536.zero import ZERO_OFFSET, zero_items
-from tasks.specifications.mean_motion import mean_motion
+from tasks.specifications.mean_motion import mean_motion, mean_rates
 from tasks.specifications.specification import Section, Specification
 from tasks.specifications.unit_model import doubled, errors_of_unit
 from tasks.uncertainty.equipment import JJF1536 as EQUIPMENT
@@ -75,12 +82,21 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     Of the accumulated angles angle_* where they were recorded, else of the rates gyro_*.
     """
     motion, _ = mean_motion(evidence)
+    rate = mean_rates(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
-    scale, zero = scale_items(evidence, ideal), zero_items(evidence, ideal)
+    if not (evidence.hidden_by_steps or evidence.loses_steady_rates):
+        held = np.where(np.isfinite(evidence.north), motion.up, np.nan)
+        evidence = with_course(evidence, held, ideal, len(AXES))
+    scale, zero = scale_items(evidence, rate, ideal), zero_items(evidence, ideal)
     offset = zero.items[ZERO_OFFSET].elements
-    misalignment = misalignment_items(evidence, offset)
+    misalignment = misalignment_items(evidence, rate, scale.items[SCALE_FACTOR].elements, offset)
     result = merged(
-        (scale, zero, misalignment, ClauseResult(remarks=tuple(_sampling_remarks(evidence))))
+        (
+            scale,
+            zero,
+            misalignment,
+            ClauseResult(remarks=(*course_remarks(evidence), *_sampling_remarks(evidence))),
+        )
     )
     found = {
         "gyro_matrix": doubled(scale.items[SCALE_FACTOR].elements)

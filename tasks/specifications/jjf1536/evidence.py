@@ -7,27 +7,33 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
+from tasks.motion.table import EARTH_RATE
 from tasks.readings.stamps import with_instants
-from tasks.segments.attitude import attitude_vector, with_attitude
+from tasks.segments.attitude import COMPONENTS, attitude_vector, with_attitude
 from tasks.segments.find import find_segments, up_of
 from tasks.segments.rates import turning_points
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,
+    GYRO_COLUMNS,
     MIN_ROWS,
     Origin,
     SegmentMean,
+    coarsely_quantised,
     rows_of,
     summarise_all,
 )
 from tasks.segments.units import wrong_rate_unit
+from tasks.specifications.earth_gain import REFUTED, EarthRotationGain
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.specifications.gather import steady_gain
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
 SCALE_ITEMS = ("scale_factor", "rate_sensitivity")  # rests with these labels are no positions
 
 OTHER_RATE = np.radians(2.0)  # rad/s: a zero offset is no other rate
+KEPT = 0.8  # of Earth's rotation: an AHRS in order shows 0.9 and more
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +80,54 @@ class AhrsEvidence(ClauseEvidence):
             for i, label in enumerate(self.labels)
             if label.kind == "rotation" or (label.kind == "rate" and label.item == "misalignment")
         )
+
+    def attitudes_of(self, rests: list[int]) -> np.ndarray | None:
+        """Attitude vectors (rests, 3, 15), None where one is not known."""
+        known = [vector for i in rests if (vector := self.attitude[i]) is not None]
+        exact = np.array(known).reshape(-1, 3, COMPONENTS).round(9)  # the cosine of 90° is nothing
+        return exact if len(known) == len(rests) else None
+
+    @cached_property
+    def earth_in_attitude(self) -> np.ndarray | None:
+        """Earth's rotation (15,) rad/s along an attitude vector; None where north is not known.
+
+        North is where the station's heading has it, or where labels alone say that the axes point.
+        """
+        station, held = self.recording.manifest.station, filter(is_zero_position, self.segments)
+        labelled = not self.has_table and all(
+            "points" in (s.segment.model_extra or {}) for s in held
+        )
+        if station.latitude_deg is None or (station.heading_deg is None and not labelled):
+            return None
+        phi, earth = np.radians(station.latitude_deg), np.zeros(COMPONENTS)
+        earth[1:3] = EARTH_RATE * np.array([np.cos(phi), np.sin(phi)])
+        return earth
+
+    @cached_property
+    def north(self) -> np.ndarray:
+        """As encoders show it in each rest, else as the labels of the positions have it."""
+        north = super().north
+        if self.earth_in_attitude is not None:
+            for i, vector in enumerate(self.attitude):
+                if vector is not None and np.isnan(north[i]).any():
+                    north[i] = vector[:, 1]
+        return north
+
+    @property
+    def hidden_by_steps(self) -> bool:
+        """Whether in a rest the steps of the output hide what is less than a step."""
+        rests = self.of_kind("static")
+        return any(coarsely_quantised(self.segments[i])[GYRO_COLUMNS].any() for i in rests)
+
+    @cached_property
+    def loses_steady_rates(self) -> bool:
+        """Whether far less of Earth's rotation is in the readings than the positions turn it by."""
+        shown = self.earth
+        return shown is not None and shown.gain + REFUTED * shown.u < KEPT
+
+    @property
+    def tells_of_site(self) -> bool:
+        return self.has_table and not (self.hidden_by_steps or self.loses_steady_rates)
 
     @property
     def accumulates(self) -> bool:
@@ -168,7 +222,7 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
         _for_noise(s, vector, points[i].rate if i in points else None)
         for i, (s, vector) in enumerate(zip(segments, attitudes, strict=True))
     )
-    return AhrsEvidence(
+    evidence = AhrsEvidence(
         recording=rates,
         segments=segments,
         means=np.array([segment.mean for segment in segments]).reshape(-1, len(CHANNELS)),
@@ -182,6 +236,16 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
         channel_names=(*(ANGLE if by_angle else GYRO), *ACCEL),
         may_stand_still=coarse,
     )
+    return replace(evidence, earth=_steady_gain(evidence))
+
+
+def _steady_gain(evidence: AhrsEvidence) -> EarthRotationGain | None:
+    """Of Earth's rotation in the positions; None where they are not known, or steps hide it."""
+    rests = [i for i, segment in enumerate(evidence.segments) if is_zero_position(segment)]
+    earth, attitude = evidence.earth_in_attitude, evidence.attitudes_of(rests)
+    if evidence.hidden_by_steps or earth is None or attitude is None:
+        return None
+    return steady_gain(evidence, rests, attitude[:, :, :3], float(earth[1]))
 
 
 def _for_noise(segment: SegmentMean, vector: np.ndarray | None, rate: float | None) -> SegmentMean:

@@ -3,6 +3,7 @@
 The angle of a turn and how fast it was: by the table's encoders, else by the label.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -25,6 +26,8 @@ from tasks.specifications.estimate import (
 )
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
+from tasks.specifications.rates import weights_about
+from tasks.uncertainty.budget import observed
 from tasks.words import Message, message, remark
 
 MISALIGNMENT = "ahrs_misalignment"
@@ -32,6 +35,8 @@ CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
 TURN = 2 * np.pi
 WHOLE = np.radians(1.0)  # rad: what may be missing of a whole number of turns
 LABELLED = np.radians(1.0)  # rad: an encoder that shows more or less contradicts the label
+TURNED = 2e-3  # of the angle, within which unit and label agree; of a misalignment less than U
+COVERED = 3.0  # standard uncertainties
 TURNS_ASKED, RATE_ASKED = 10, 100.0  # 7.3.1 b), where no agreement says otherwise
 READINGS = ("jjf1536.turns_divisor", "jjf1536.l_yz", "jjf1536.index_order", "jjf1536.turned_angle")
 
@@ -48,27 +53,60 @@ class WholeTurns:
     angle: np.ndarray
 
 
-def misalignment_items(evidence: AhrsEvidence, offset: Estimates) -> ClauseResult:
+def misalignment_items(
+    evidence: AhrsEvidence, rate: np.ndarray, scale: Estimates, offset: Estimates
+) -> ClauseResult:
     """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
 
+    rate: (n, 3) rad/s of each segment in the unit's axes.
+    scale: K of 7.1 by axis, by which the turned axis itself shows whether the angle is right.
     offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.
     """
     zero = scaled(offset, 1.0 / DEG)
+    every = {axis: _turns(evidence, axis) for axis in AXES}
+    why = {axis: _not_determined(evidence, turns) for axis, turns in every.items()}
+    runs = {axis: turns.index for axis, turns in every.items() if why[axis] is None}
 
     def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
-        turns = _turns(evidence, axis)
-        why = _not_determined(evidence, turns)
-        if why is not None:
-            return why
-        elements = {
-            AXES[i] + axis: _ratio(evidence, i, turns, zero[AXES[i]]).scaled(DEG)
-            for i in range(3)
-            if i != j
-        }
-        return elements, _remarks(evidence, turns)
+        turns, reason = every[axis], why[axis]
+        if reason is not None:
+            return reason
+        ratios = list[Estimate]()
+        for i in range(3):
+            readings = {a: _ratio(evidence, i, every[a], zero[AXES[i]]) for a in runs}
+            weights = weights_about(axis, rate, runs, readings)
+            if weights is None:
+                return message("jjf1536-crooked", axis=axis)
+            ratio = linear_estimate(evidence, i, weights)
+            # N/(2π·n) of each direction, as if it alone gave the result
+            each = np.zeros((2, len(weights)))
+            own = readings[axis][list(turns.index)]
+            each[:, turns.index] = np.clip(own, 0.0, None), np.clip(own, None, 0.0)
+            repeated = tuple(map(float, 2.0 * u_of_means(evidence, i, each)))
+            ratios.append(replace(ratio, repeated=repeated).scaled(DEG))
+        wrong = tuple(_wrong_angle(axis, scale[axis], ratios[j].scaled(1.0 / DEG)))
+        if wrong:  # by how much each turn nobody knows
+            ratios = [replace(ratio, lines=(observed(math.nan, ""),)) for ratio in ratios]
+        elements = {AXES[i] + axis: ratios[i] for i in range(3) if i != j}
+        return elements, (*wrong, *_remarks(evidence, turns))
 
     item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
     return item_by_axis(MISALIGNMENT, item, of_axis)
+
+
+def _wrong_angle(axis: Axis, scale: Estimate, turned: Estimate) -> Iterator[Remark]:
+    """Turns of which the turned axis reads another angle than its scale factor makes of it.
+
+    scale, turned: what the axis reads per rate by 7.1, per angle in the turns. Their ratio is one
+    whatever the unit, but for a part that is missing from the label or from the turn.
+    """
+    if not scale.determined:
+        return
+    u = [one.quantity.u * one.sensitivity for one in (*scale.lines, *turned.lines)]
+    off = turned.value / scale.value - 1.0
+    if abs(off) > TURNED + COVERED * float(np.linalg.norm(u)):
+        text = message("jjf1536-turned-angle-wrong", axis=axis, percent=f"{100.0 * off:+.2f}")
+        yield remark("turned_angle_wrong", text, blocks_pass=True)
 
 
 def _turns(evidence: AhrsEvidence, axis: Axis) -> WholeTurns:
@@ -90,8 +128,8 @@ def _not_determined(evidence: AhrsEvidence, turns: WholeTurns) -> Message | None
     return None
 
 
-def _ratio(evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estimate) -> Estimate:
-    """(N₊ − N₋)/(2·2π·n), rad.
+def _ratio(evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estimate) -> np.ndarray:
+    """Weights (n,) of (N₊ − N₋)/(2·2π·n), rad.
 
     N₊, N₋: angle gained by the axis that reads, the mean over the turns each way. 2·2π·n: the
     angle turned forward plus the angle turned back. Where one direction took longer, the zero
@@ -102,14 +140,7 @@ def _ratio(evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estima
     for i, per_angle in zip(turns.index, share / (share @ turns.angle), strict=True):
         gain[i] += evidence.segments[i].seconds * per_angle
     longer = float(gain.sum())
-    weights = gain
-    if zero.operator is not None:
-        weights = gain - longer * zero.operator[channel]
-    forward, back = np.clip(gain, 0.0, None), np.clip(gain, None, 0.0)
-    # N/(2π·n) of each direction, as if it alone gave the result
-    repeated = 2.0 * u_of_means(evidence, channel, np.array([forward, back]))
-    ratio = linear_estimate(evidence, channel, weights)
-    return replace(ratio, repeated=tuple(map(float, repeated)))
+    return gain if zero.operator is None else gain - longer * zero.operator[channel]
 
 
 def _shares(turns: WholeTurns) -> np.ndarray:
@@ -161,7 +192,8 @@ def _turned_angle(recording: Recording, segment: Segment) -> float:
         whole = segment.model_copy(update={"t_end": segment.t_end + 0.5 * interval})
         rate, rows = mean_rate(recording, whole), recording.table.rows(whole.t_start, whole.t_end)
         if rate is not None:
-            return float(rate[AXES.index(segment.axis)] * (t[rows.stop - 1] - t[rows.start]))
+            turned = np.copysign(np.linalg.norm(rate), rate[AXES.index(segment.axis)])
+            return float(turned * (t[rows.stop - 1] - t[rows.start]))
     return _label_angle(segment)
 
 

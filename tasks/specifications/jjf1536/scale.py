@@ -12,12 +12,14 @@ from tasks.specifications.estimate import (
     ClauseResult,
     Estimates,
     ItemEstimate,
+    MeansFit,
     item_by_axis,
+    linear_estimate,
     undetermined,
 )
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
 from tasks.specifications.linear import BLOCKING_EXCESS
-from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
+from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks, weights_about
 from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.1.2 eq. (10)-(15)"
@@ -26,10 +28,12 @@ SCALE_FACTOR = "ahrs_scale_factor"
 Rests = tuple[tuple[int, ...], tuple[int, ...]]  # before and after the rate points
 
 
-def scale_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
+def scale_items(evidence: AhrsEvidence, rate: np.ndarray, errors: EquipmentErrors) -> ClauseResult:
     """K (3,) of eq. (14): the output of each point less the mean of the rests, eq. (11) to (13)."""
     readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
     readings += ("jjf1536.table_rate",) if evidence.has_table else ()
+
+    turned = [a for a in AXES if len(distinct_rates(evidence.rate[list(evidence.points[a])])) > 1]
 
     def of_axis(channel: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
         points = list(evidence.points[axis])
@@ -37,8 +41,16 @@ def scale_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult
         if count < 2:
             return message("specifications-rates-needed", axis=axis, count=count)
         rests = _rests(evidence, points, axis)
-        line = fit_line(evidence, channel, points, errors, [i for side in rests for i in side])
-        return {axis: line.estimates[0]}, (
+        line = _line(evidence, channel, axis, errors)
+        lines = {a: line if a == axis else _line(evidence, channel, a, errors) for a in turned}
+        slopes = {a: each.estimates[0].operator for a, each in lines.items()}
+        weights = weights_about(
+            axis, rate, evidence.points, {a: o[channel] for a, o in slopes.items() if o is not None}
+        )
+        if weights is None:
+            return message("jjf1536-crooked", axis=axis)
+        estimate = linear_estimate(evidence, channel, weights, line.excess)
+        return {axis: estimate}, (
             *rate_remarks(axis, evidence.rate[points], "7.1.1 c)"),
             *_rest_remarks(axis, rests),
             *scatter_remark("jjf1536-line-scatter", axis, line.excess.factor),
@@ -47,6 +59,13 @@ def scale_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult
     item = ItemEstimate(undetermined(AXES), CLAUSE, readings)
     scale = item_by_axis(SCALE_FACTOR, item, of_axis)
     return replace(scale, remarks=(*scale.remarks, *_other_rate_remarks(evidence)))
+
+
+def _line(evidence: AhrsEvidence, channel: int, axis: Axis, errors: EquipmentErrors) -> MeansFit:
+    """What a channel reads per rate about the table's axis, with an axis of the unit along it."""
+    points = list(evidence.points[axis])
+    rests = [i for side in _rests(evidence, points, axis) for i in side]
+    return fit_line(evidence, channel, points, errors, rests)
 
 
 def _rests(evidence: AhrsEvidence, points: list[int], axis: Axis) -> Rests:

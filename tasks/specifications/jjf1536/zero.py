@@ -1,5 +1,6 @@
 """7.2: zero offset by four positions or by positions at equal angles, eq. (16)."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
+from tasks.motion.table import EARTH_RATE
 from tasks.segments.attitude import COMPONENTS, VERTICAL, attitude_contradicted
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import (
@@ -23,12 +25,16 @@ from tasks.specifications.estimate import (
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.specifications.jjf1536.scale import scatter_remark
 from tasks.specifications.linear import BirgeRatio, birge_ratio, solve
+from tasks.uncertainty.budget import observed
 from tasks.words import Message, message, remark
 
 ZERO_OFFSET = "ahrs_zero_offset"
 CLAUSE = "JJF 1536-2015, 7.2.3 eq. (16)"
 READINGS = ("jjf1536.zero_time", "jjf1536.earth_cancels")
 CANCELS = 0.005  # of Earth's rotation that positions at equal angles may leave, 0.3° of placing
+TAKEN_OFF = 0.1  # of it, that may be taken off where the mounts state by how much they stood aslant
+ALONG = 0.1  # of a direction: what a crooked mount lays along it says nothing of what is there
+COUPLING = 0.01  # rad: what a gyro may feel of Earth's rotation about the other axes
 SAME_ATTITUDE = 0.02  # rad: attitudes closer than this are one position held twice
 FEWEST = 4  # positions that may be taken by their label alone
 DWELL_S = {4: 1800.0, 12: 1200.0}  # s for each position of the two methods, 7.2.1 and 7.2.2
@@ -39,14 +45,12 @@ class Positions:
     """The positions that serve one axis.
 
     groups: indices of the rests, those of one position together.
-    direction: (positions, 15) where the axis points; None where neither label nor table gives it.
-    up: (positions, 3) how much of each axis points up.
+    attitude: (positions, 3, 15) of each; None where neither label nor table gives it.
     """
 
     axis: Axis
     groups: tuple[tuple[int, ...], ...]
-    direction: np.ndarray | None
-    up: np.ndarray
+    attitude: np.ndarray | None
 
     @property
     def rests(self) -> list[int]:
@@ -57,51 +61,58 @@ def zero_items(evidence: AhrsEvidence, errors: EquipmentErrors) -> ClauseResult:
     """B (3,) of eq. (16), deg/s: the mean over the positions of the angle gained per second."""
 
     def of_axis(channel: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
-        positions = _positions(evidence, channel)
-        why = _not_determined(positions)
+        positions = _positions(evidence, axis)
+        why = _not_determined(evidence, channel, positions)
         if why is not None:
             return message("specifications-of-axis", axis=axis, reason=why)
         mean, factor = _mean(evidence, channel, positions, errors)
+        if evidence.loses_steady_rates:  # and by how much of its own zero nobody knows
+            mean = replace(mean, lines=(observed(math.nan, ""),))
         scatter = scatter_remark("jjf1536-positions-scatter", axis, factor)
         return {axis: mean.scaled(DEG)}, (*_remarks(evidence, positions), *scatter)
 
-    return item_by_axis(ZERO_OFFSET, ItemEstimate(undetermined(AXES), CLAUSE, READINGS), of_axis)
+    result = item_by_axis(ZERO_OFFSET, ItemEstimate(undetermined(AXES), CLAUSE, READINGS), of_axis)
+    return replace(result, remarks=(*_steady_remarks(evidence), *result.remarks))
 
 
-def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
+def _steady_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
+    """A unit that takes off what it reads for long: Earth's rotation, and its own zero with it."""
+    if evidence.loses_steady_rates and evidence.earth is not None:
+        gain, u = f"{evidence.earth.gain:.2f}", f"{2.0 * evidence.earth.u:.2f}"
+        text = message("jjf1536-steady-rate-lost", gain=gain, u=u)
+        yield remark("steady_rate_lost", text, blocks_pass=True)
+
+
+def _positions(evidence: AhrsEvidence, axis: Axis) -> Positions:
     """The rests of 7.2 whose label names the axis; where no label names one, all of them."""
     held = [i for i, segment in enumerate(evidence.segments) if is_zero_position(segment)]
-    axis = AXES[channel]
-    if any(evidence.segments[i].segment.axis for i in held):
-        held = [i for i in held if evidence.segments[i].segment.axis == axis]
-    groups: list[list[int]] = []
-    first: list[np.ndarray] = []
-    for i in held:
-        vector = evidence.attitude[i]
-        if vector is None:
-            return Positions(axis, tuple((i,) for i in held), None, np.zeros((len(held), 3)))
-        same = [g for g, p in enumerate(first) if np.abs(p - vector).max() < SAME_ATTITUDE]
-        if same:
-            groups[same[0]].append(i)
-        else:
-            groups.append([i])
-            first.append(vector)
-    exact = np.array(first).reshape(-1, 3, COMPONENTS).round(9)  # the cosine of 90° is nothing
-    direction, up = exact[:, channel], exact[:, :, VERTICAL]
-    return Positions(axis, tuple(tuple(group) for group in groups), direction, up)
+    if any(evidence.labels[i].axis for i in held):
+        held = [i for i in held if evidence.labels[i].axis == axis]
+    attitude = evidence.attitudes_of(held)
+    if attitude is None:
+        return Positions(axis, tuple((i,) for i in held), None)
+    groups: dict[int, list[int]] = {}
+    for i, vector in enumerate(attitude):
+        same = [g for g in groups if np.abs(attitude[g] - vector).max() < SAME_ATTITUDE]
+        groups.setdefault(same[0] if same else i, []).append(held[i])
+    return Positions(axis, tuple(map(tuple, groups.values())), attitude[list(groups)])
 
 
-def _not_determined(positions: Positions) -> Message | None:
+def _not_determined(evidence: AhrsEvidence, channel: int, positions: Positions) -> Message | None:
     """Why eq. (16) cannot be taken of these positions, None where it can."""
     count = len(positions.groups)
     if not count:
         return message("jjf1536-no-position")
-    if positions.direction is None:
+    if positions.attitude is None:
         return None if count >= FEWEST else message("jjf1536-few-positions", count=count)
-    left = float(np.linalg.norm(positions.direction.mean(axis=0)))
-    if left <= CANCELS:
+    limit = np.full(COMPONENTS, CANCELS)
+    if evidence.earth_in_attitude is not None:
+        limit[:3] = TAKEN_OFF
+    left = positions.attitude[:, channel].mean(axis=0)
+    if np.linalg.norm(left / limit) <= 1.0:
         return None
-    return message("jjf1536-earth-remains", count=count, percent=f"{100 * left:.0f}")
+    percent = f"{100 * float(np.linalg.norm(left)):.0f}"
+    return message("jjf1536-earth-remains", count=count, percent=percent)
 
 
 def _mean(
@@ -110,23 +121,30 @@ def _mean(
     """B (rad/s), and how much more than noise and equipment explain the positions differ.
 
     Every position counts once, so that Earth's rotation cancels; with one time T for all this is
-    ΣN/(n·T).
+    ΣN/(n·T). What crooked mounts leave of it is taken off where they are stated.
     """
-    rests = positions.rests
-    groups = np.array([[i in group for i in rests] for group in positions.groups], float)
-    average = np.zeros((len(groups), len(evidence.segments)))
-    average[:, rests] = groups / groups.sum(axis=1, keepdims=True)
-    excess = BirgeRatio()
-    if positions.direction is not None:
-        readings = average[:, rests] @ evidence.means[rests, channel]
-        expected = evidence.covariance(channel) + errors.covariance(channel)
-        covariance = average @ expected @ average.T
+    average = np.zeros((len(positions.groups), len(evidence.segments)))
+    for row, group in zip(average, positions.groups, strict=True):
+        row[list(group)] = 1.0 / len(group)
+    excess, left, attitude = BirgeRatio(), 0.0, positions.attitude
+    if attitude is not None:
+        readings = average[:, positions.rests] @ evidence.means[positions.rests, channel]
+        if evidence.earth_in_attitude is not None:
+            felt = attitude[:, channel] @ evidence.earth_in_attitude
+            readings, left = readings - felt, float(felt.mean())
+        known = evidence.covariance(channel) + errors.covariance(channel)
+        covariance = average @ known @ average.T
+        for other in np.delete(attitude, channel, axis=1).swapaxes(0, 1):
+            covariance += (COUPLING * EARTH_RATE) ** 2 * other @ other.T
         # What gravity does to a gyro follows the attitude, too, and cancels as Earth's rotation.
-        design = np.column_stack([np.ones(len(readings)), positions.direction, positions.up])
+        columns = np.hstack([attitude[:, channel], attitude[:, :, VERTICAL]])
+        columns = columns[:, np.abs(columns).max(axis=0) > ALONG]
+        design = np.column_stack([np.ones(len(readings)), columns])
         excess = birge_ratio(solve(design), design, readings, covariance)
     mean = linear_estimate(evidence, channel, average.mean(axis=0), excess)
     repeated = tuple(map(float, excess.factor * u_of_means(evidence, channel, average)))
-    return replace(mean, repeated=repeated), excess.factor
+    mean = replace(mean, value=mean.value - left, repeated=repeated, without_earth=left != 0.0)
+    return mean, excess.factor
 
 
 def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:
@@ -137,7 +155,7 @@ def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:
     if names := tuple(s.name for s in labels if attitude_contradicted(evidence.recording, s)):
         text = message("jjf1536-attitude-contradicted", axis=axis, segments=names)
         yield remark("pointing_contradicted", text, names, blocks_pass=True)
-    if positions.direction is None:
+    if positions.attitude is None:
         text = message("jjf1536-attitude-not-recorded", axis=axis, count=count)
         yield remark("pointing_not_recorded", text, blocks_pass=True)
     if count < FEWEST:

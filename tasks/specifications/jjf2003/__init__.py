@@ -6,6 +6,7 @@ from functools import partial
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.segments.conditions import Conditions
+from tasks.specifications.course import course_remarks, with_course
 from tasks.specifications.estimate import (
     DEG,
     ClauseResult,
@@ -66,12 +67,14 @@ def estimate(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """The eight items of Table 2 and the fit offset of eq. (4)."""
     motion, _ = mean_motion(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
-    turning = turning_items(evidence, ideal)
+    evidence = with_course(evidence, motion.up, ideal)
+    turning = turning_items(evidence, motion.rate, ideal)
     result = merged(
         (
             turning,
-            tumble_items(evidence, gyro_matrix(turning), ideal),
-            rate_sensitivity_item(evidence),
+            tumble_items(evidence, motion.up, gyro_matrix(turning), ideal),
+            rate_sensitivity_item(evidence, motion.rate),
+            ClauseResult(remarks=tuple(course_remarks(evidence))),
         )
     )
     errors = errors_of_unit(evidence, motion, equipment, _as_terms(result.items))

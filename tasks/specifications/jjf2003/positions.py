@@ -24,13 +24,12 @@ BIAS = 3  # column of eq. (7), (10) after the three inputs
 ROUNDING = 1e-9  # weights that are none
 
 
-def input_matrix(ups: tuple[str, ...]) -> np.ndarray:
-    """Transposed Ā of 7.2.2.2: a row (aₓ, a_y, a_z, 1) in local g for each position."""
-    rows = np.zeros((len(ups), 4))
-    for row, up in enumerate(ups):
-        rows[row, AXES.index(up[1])] = 1.0 if up[0] == "+" else -1.0
-        rows[row, 3] = 1.0
-    return rows
+def input_matrix(average: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """Transposed Ā of 7.2.2.2: a row (aₓ, a_y, a_z, 1) in local g for each position.
+
+    average: (positions, n) of the segments; up: (n, 3) verticals in the unit's axes.
+    """
+    return np.column_stack([average @ np.nan_to_num(up), np.ones(len(average))])
 
 
 def usable_positions(evidence: ClauseEvidence, triad: Literal["gyro", "accel"]) -> Positions:
@@ -125,10 +124,15 @@ class PositionFit:
 
 
 def fit_positions(
-    evidence: ClauseEvidence, positions: Positions, first: int, errors: EquipmentErrors
+    evidence: ClauseEvidence,
+    up: np.ndarray,
+    positions: Positions,
+    first: int,
+    errors: EquipmentErrors,
 ) -> PositionFit:
-    """Eq. (7), (10) for channels first, first+1, first+2."""
-    design, average = input_matrix(tuple(positions)), _averages(evidence, positions)
+    """Eq. (7), (10) for channels first, first+1, first+2; up: (n, 3) verticals."""
+    average = _averages(evidence, positions)
+    design = input_matrix(average, up)
     rows, factors = [], np.ones(3)
     for i in range(3):
         fit = fit_means(evidence, first + i, design, average, errors)

@@ -30,6 +30,7 @@ READINGS = (
     "jjf2003.p_rates",
     "jjf2003.p_unit",
 )
+SQUARE = 9  # decimals of a part: what rounding leaves of a right angle
 SAME_RATE = 0.99  # points within 1 % of the largest rate count as the largest
 
 
@@ -41,15 +42,31 @@ class TurningWithRests:
     rests: tuple[int, ...]
 
 
-def rate_sensitivity_item(evidence: ClauseEvidence) -> ClauseResult:
-    """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13)."""
+def rate_sensitivity_item(evidence: ClauseEvidence, rate: np.ndarray) -> ClauseResult:
+    """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13).
+
+    rate: (n, 3) rad/s of each segment in the unit's axes, along which ω² counts.
+    """
+    runs_about = {axis: _runs(evidence, axis) for axis in AXES}
+    known = {a: runs for a, runs in runs_about.items() if not isinstance(runs, Message)}
+    part = {axis: _part_of_square(evidence, rate, runs) for axis, runs in known.items()}
 
     def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
-        runs = _runs(evidence, axis)
+        runs = runs_about[axis]
         if isinstance(runs, Message):
             return message("specifications-of-axis", axis=axis, reason=runs)
-        across = (i for i in range(3) if i != j)
-        elements = {AXES[i] + axis: _difference(evidence, i, runs) for i in across}
+        elements = {}
+        for i in range(3):
+            if i == j:
+                continue
+            about = [k for k, other in enumerate(AXES) if other in known and k != i]
+            squares = np.array([part[AXES[k]][about] for k in about])
+            shares = np.linalg.inv(squares)[about.index(j)]
+            elements[AXES[i] + axis] = _difference(
+                evidence,
+                i,
+                [(share, known[AXES[k]]) for share, k in zip(shares, about, strict=True)],
+            )
         return elements, _one_sided(evidence, axis, runs)
 
     item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
@@ -78,19 +95,30 @@ def _runs(evidence: ClauseEvidence, axis: Axis) -> tuple[TurningWithRests, ...] 
     return tuple(runs)
 
 
+def _part_of_square(
+    evidence: ClauseEvidence, rate: np.ndarray, runs: tuple[TurningWithRests, ...]
+) -> np.ndarray:
+    """Which part (3,) of ω² is about each axis of the unit."""
+    turning = [i for run in runs for i in run.turning]
+    parts = (rate[turning] / evidence.rate[turning, None]) ** 2
+    return np.asarray(parts.mean(axis=0).round(SQUARE))
+
+
 def _difference(
-    evidence: ClauseEvidence, channel: int, runs: tuple[TurningWithRests, ...]
+    evidence: ClauseEvidence,
+    channel: int,
+    weighted: list[tuple[float, tuple[TurningWithRests, ...]]],
 ) -> Estimate:
-    """Rest minus turning over ω² for one accelerometer (m).
+    """Rest minus turning over ω² for one accelerometer (m), of the runs about each axis a share.
 
     Each run has its own rests, because gravity reads differently up and down. Each direction of
     turning counts once, so that what changes its sign with the direction cancels.
     """
     rest, turning = np.zeros((2, len(evidence.segments)))
-    for run in runs:
+    for run, part in ((run, part / len(runs)) for part, runs in weighted if part for run in runs):
         directions = _directions(evidence, run)
         square = np.mean([np.mean(evidence.rate[direction] ** 2) for direction in directions])
-        share = 1.0 / square / len(runs)
+        share = part / square
         for i in run.rests:
             rest[i] += share / len(run.rests)
         for direction in directions:

@@ -41,27 +41,33 @@ READINGS = ("jjf2003.positions", "jjf2003.input_matrix")
 
 
 def tumble_items(
-    evidence: ClauseEvidence, gyro_k: np.ndarray, errors: EquipmentErrors
+    evidence: ClauseEvidence, up: np.ndarray, gyro_k: np.ndarray, errors: EquipmentErrors
 ) -> ClauseResult:
     """All items of the twelve positions.
 
-    gyro_k: (3, 3) scales Earth's rotation, NaN where it is not known.
+    up: (n, 3) vertical of each segment in the unit's axes. gyro_k: (3, 3) scales Earth's rotation,
+    NaN where it is not known.
     """
     gyro, accel = usable_positions(evidence, "gyro"), usable_positions(evidence, "accel")
     return merged(
         (
             ClauseResult(remarks=tuple(position_remarks(evidence))),
-            _gyro_items(evidence, gyro, gyro_k, errors),
-            _accel_items(evidence, accel, errors),
+            _gyro_items(evidence, up, gyro, gyro_k, errors),
+            _accel_items(evidence, up, accel, errors),
         )
     )
 
 
 def _gyro_items(
-    evidence: ClauseEvidence, positions: Positions, gyro_k: np.ndarray, errors: EquipmentErrors
+    evidence: ClauseEvidence,
+    up: np.ndarray,
+    positions: Positions,
+    gyro_k: np.ndarray,
+    errors: EquipmentErrors,
 ) -> ClauseResult:
     """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8)."""
-    fit = fit_positions(evidence, positions, 0, errors)
+    evidence = replace(evidence, means=evidence.means - _horizontal(evidence, positions, gyro_k))
+    fit = fit_positions(evidence, up, positions, 0, errors)
     matrix, bias = fit.by_element
     corrected, why_not = without_earth(evidence, positions, matrix, gyro_k)
     items = {
@@ -77,12 +83,27 @@ def _gyro_items(
     return ClauseResult(items, reasons, (*earth_remarks(evidence, gyro_k), *excess))
 
 
+def _horizontal(evidence: ClauseEvidence, positions: Positions, gyro_k: np.ndarray) -> np.ndarray:
+    """What Earth's horizontal rate gives the means (n, 6) of rests that no other heading frees of
+    it, where latitude and heading are known; 0 elsewhere.
+    """
+    felt = np.zeros_like(evidence.means)
+    if evidence.latitude_deg is None or (evidence.earth and evidence.earth.refuted):
+        return felt
+    level = EARTH_RATE * float(np.cos(np.radians(evidence.latitude_deg)))
+    k = np.where(np.isfinite(gyro_k), gyro_k, np.eye(3))
+    for indices in positions.values():
+        if not is_paired(evidence, indices):
+            felt[list(indices), :3] = level * np.nan_to_num(evidence.north[list(indices)]) @ k.T
+    return felt
+
+
 def _accel_items(
-    evidence: ClauseEvidence, positions: Positions, errors: EquipmentErrors
+    evidence: ClauseEvidence, up: np.ndarray, positions: Positions, errors: EquipmentErrors
 ) -> ClauseResult:
     """Scale factor and cross coupling (ratio to local gravity) and bias (m/s²), eq. (11)."""
     gravity = evidence.gravity
-    fit = fit_positions(evidence, positions, 3, errors)
+    fit = fit_positions(evidence, up, positions, 3, errors)
     by_gravity, bias = fit.by_element
     matrix = undetermined(MATRIX_ELEMENTS)
     if gravity is not None:  # A.1 and A.4 add nothing up for a ratio
@@ -126,14 +147,18 @@ def without_earth(
 
     The vertical part reads K·ωe·sin φ along the axis up. The horizontal part cancels in positions
     held at two headings 180° apart; in others it is not known, and reaches the gyros that are not
-    vertical.
+    vertical. Where the heading is known it was taken off the readings.
     """
     if evidence.latitude_deg is None:
         unknown_latitude = message("jjf2003-latitude-unknown")
         return dict.fromkeys(sensitivity, UNDETERMINED), unknown_latitude
     k = np.where(np.isfinite(gyro_k), gyro_k, np.eye(3))
     phi = float(np.radians(evidence.latitude_deg))
-    single = [up for up, indices in positions.items() if not is_paired(evidence, indices)]
+    single = [
+        up
+        for up, indices in positions.items()
+        if not is_paired(evidence, indices) and not np.isfinite(evidence.north[list(indices)]).all()
+    ]
     unknown = {AXES.index(up[1]) for up in single}
     corrected = {}
     for i, j in MATRIX:

@@ -7,7 +7,9 @@ from schemas.text import Remark
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import (
     DEG,
+    NO_EXCESS,
     ClauseResult,
+    Estimate,
     Estimates,
     ItemEstimate,
     diagonal,
@@ -18,35 +20,45 @@ from tasks.specifications.estimate import (
 )
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS
+from tasks.specifications.linear import BirgeRatio
 from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
 from tasks.words import Sayable, clauses, message, remark
 
 CLAUSE_SCALE = "JJF 2003-2022, 7.2.1.2 eq. (3)-(5)"
 CLAUSE_CROSS = "JJF 2003-2022, 7.2.3.2"
+SQUARE = 9  # decimals of a direction cosine: what rounding leaves of a right angle
+Responses = list[tuple[Estimate, BirgeRatio]]  # of the three gyros, per rate about one axis
 
 
-def turning_items(evidence: ClauseEvidence, errors: EquipmentErrors) -> ClauseResult:
+def turning_items(
+    evidence: ClauseEvidence, rate: np.ndarray, errors: EquipmentErrors
+) -> ClauseResult:
     """Scale factor matrix K (3, 3) and fit offset b (3,) of the gyro, eq. (3) to (5).
 
-    Where an axis has no rate points but turns by a known angle, those give its column of K.
+    rate: (n, 3) rad/s of each segment in the unit's axes. Where an axis has no rate points but
+    turns by a known angle, those give its column of K.
     """
-    scale, offset = undetermined(MATRIX_ELEMENTS), undetermined(AXES)
+    lines_about, offset = dict[Axis, Responses](), undetermined(AXES)
     missing, remarks, by_angle = list[Sayable](), list[Remark](), False
     for j, axis in enumerate(AXES):
         points = [i for i in evidence.points[axis] if evidence.segments[i].has_gyro]
         rates = distinct_rates(evidence.rate[points])
         if len(rates) >= 2:
             lines = [fit_line(evidence, i, points, errors) for i in range(3)]
-            scale |= {AXES[i] + axis: lines[i].estimates[0] for i in range(3)}
+            lines_about[axis] = [(line.estimates[0], line.excess) for line in lines]
             offset[axis] = lines[j].estimates[1].scaled(DEG)
             factors = [line.excess.factor for line in lines]
             remarks += rate_remarks(axis, evidence.rate[points], "7.2.1.1 c)")
             remarks += excess_remarks("jjf2003-line-scatter", factors, axis=axis)
         elif column := _fit_turns(evidence, axis):
-            scale |= column
+            lines_about[axis] = [(estimate, NO_EXCESS) for estimate in column]
             by_angle = True
+    scale = _along_axes(evidence, rate, lines_about)
+    for axis in AXES:
         if not scale[axis * 2].determined:
-            missing.append(message("specifications-rates-needed", axis=axis, count=len(rates)))
+            points = [i for i in evidence.points[axis] if evidence.segments[i].has_gyro]
+            count = len(distinct_rates(evidence.rate[points]))
+            missing.append(message("specifications-rates-needed", axis=axis, count=count))
     readings: tuple[str, ...] = ("jjf2003.table_rate",) if evidence.has_table else ()
     if by_angle:
         readings += ("jjf2003.turned_angle",)
@@ -54,7 +66,42 @@ def turning_items(evidence: ClauseEvidence, errors: EquipmentErrors) -> ClauseRe
     return _as_result(scale, offset, readings, missing, remarks)
 
 
-def _fit_turns(evidence: ClauseEvidence, axis: Axis) -> Estimates:
+def _along_axes(
+    evidence: ClauseEvidence, rate: np.ndarray, about: dict[Axis, Responses]
+) -> Estimates:
+    """K (3, 3) from what each gyro reads per rate about the axes that turned.
+
+    Those are the table's, as they lie in the unit: K = C·W⁻¹ with a column of W for each, which is
+    the unit matrix where a turn is about one axis of the unit alone.
+    """
+    turned = [AXES.index(axis) for axis in about]
+    ways = np.array([_direction(evidence, rate, axis) for axis in about]).reshape(-1, 3)
+    shares = np.linalg.inv(ways[:, turned]).round(SQUARE)
+    scale = undetermined(MATRIX_ELEMENTS)
+    for i in range(3):
+        lines = [responses[i] for responses in about.values()]
+        operators = [estimate.operator for estimate, _ in lines]
+        weights = np.array([each[i] for each in operators if each is not None])
+        if len(weights) < len(lines):
+            continue
+        for place, k in enumerate(turned):
+            share = shares[place]
+            _, excess = lines[int(np.abs(share).argmax())]
+            scale[AXES[i] + AXES[k]] = linear_estimate(evidence, i, share @ weights, excess)
+    return scale
+
+
+def _direction(evidence: ClauseEvidence, rate: np.ndarray, axis: Axis) -> np.ndarray:
+    """Mean direction (3,) of the turns about an axis of the table, along the unit's axes."""
+    turns = [*(evidence.points[axis] or evidence.turns[axis])]
+    speed = np.linalg.norm(rate[turns], axis=1)
+    if evidence.points[axis]:  # also where what turns with them is left out of the rate
+        speed = np.abs(evidence.rate[turns])
+    signed = speed * np.sign(rate[turns, AXES.index(axis)])
+    return np.asarray((rate[turns] / signed[:, None]).mean(axis=0))
+
+
+def _fit_turns(evidence: ClauseEvidence, axis: Axis) -> list[Estimate]:
     """A column of K from turns by a known angle: (∫ω′dt − B·T)/angle, B from the rests.
 
     Empty without turns or without rests.
@@ -62,14 +109,14 @@ def _fit_turns(evidence: ClauseEvidence, axis: Axis) -> Estimates:
     rests = [i for i in evidence.of_kind("static") if evidence.segments[i].has_gyro]
     turns = [i for i in evidence.turns[axis] if evidence.segments[i].has_gyro]
     if not rests or not turns:
-        return {}
+        return []
     angles = np.radians([evidence.labels[i].angle_deg or np.nan for i in turns])
     weights = np.zeros(len(evidence.segments))
     for turn, angle in zip(turns, angles, strict=True):
         gain = evidence.segments[turn].seconds / angle / len(turns)
         weights[turn] += gain
         weights[rests] -= gain / len(rests)
-    return {AXES[i] + axis: linear_estimate(evidence, i, weights) for i in range(3)}
+    return [linear_estimate(evidence, i, weights) for i in range(3)]
 
 
 def _as_result(

@@ -41,6 +41,7 @@ def joint_on_table(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResu
         *position_remarks(evidence),
         *procedure_remarks(evidence),
         *earth_remarks(evidence, joint, motion),
+        *joint.remarks,
         *excess_remarks("joint-scatter", joint.excess.tolist()),
     )
     return ClauseResult(items, table_reasons(items, motion, evidence), remarks, joint.errors)

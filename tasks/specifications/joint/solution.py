@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import AXES
+from schemas.text import Remark
 from tasks.model.simulate import CHANNEL_COUNT, linearise, predict
 from tasks.model.term import Column, Term, nominal_values, places
 from tasks.model.terms.site import earth_rotation
@@ -16,10 +17,16 @@ from tasks.model.terms.standard import (
     GYRO_MATRIX,
     STANDARD_TERMS,
 )
+from tasks.specifications.course import course_remarks, with_course
 from tasks.specifications.earth_gain import EarthRotationGain
 from tasks.specifications.equipment_errors import equipment_errors
 from tasks.specifications.error_sources import EquipmentErrors
-from tasks.specifications.estimate import UNDETERMINED, Estimate, Estimates, linear_estimate
+from tasks.specifications.estimate import (
+    UNDETERMINED,
+    Estimate,
+    Estimates,
+    linear_estimate,
+)
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.joint.mean_operator import Operator, operator_of
 from tasks.specifications.joint.segment_motion import SegmentMotion, level_covariance
@@ -39,7 +46,7 @@ class Joint:
     reading at zero rate in the attitude of its rate runs. excess: (6,) for each channel the largest
     factor by which its samples scatter too much. covariance: (6, n, n) of the segment means, by
     whose inverse each channel is weighted. earth: Earth's rotation as shown by the rests; it is not
-    subtracted if they refute it. errors: of the equipment.
+    subtracted if they refute it. errors: of the equipment. remarks: on the course of the zeros.
     """
 
     estimates: dict[str, Estimates]
@@ -48,6 +55,7 @@ class Joint:
     covariance: np.ndarray
     earth: EarthRotationGain | None
     errors: EquipmentErrors
+    remarks: tuple[Remark, ...] = ()
 
 
 def solve_jointly(
@@ -73,6 +81,7 @@ def solve_jointly(
 
     values = ideal = nominal_values(terms)
     errors = equipment_errors(evidence, motion.mean, terms_at, ideal, equipment)
+    evidence = with_course(evidence, motion.mean.up, errors)
     by_errors = np.array([errors.covariance(c) for c in range(CHANNEL_COUNT)])
     if not evidence.has_table:  # weights that trust labels on what the means share cancel too much
         by_errors *= np.eye(errors.segments)
@@ -103,6 +112,7 @@ def solve_jointly(
         excess=_largest_excess(operator),
         covariance=covariances,
         earth=evidence.earth,
+        remarks=tuple(course_remarks(evidence)),
         errors=errors,
     )  # fmt: skip
 

@@ -37,6 +37,10 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 1000.0, 520.0  # px
 BINS = 2000
 COLOURS = ("#0072b2", "#d55e00", "#009e73")  # x, y, z
+NO_COMMANDED_RATE = (
+    "how well does the table hold a commanded rate? Nobody says: scale factors will have no U "
+    "unless the laboratory states its limit of rate; or give --commanded-rate"
+)
 SHADES = {"static": "#e4e4e4", "rate": "#fde3c8", "rotation": "#dcead8"}
 
 
@@ -107,6 +111,8 @@ def understand(
     right = codes_put_right(offset_taken_off(with_instants(recording)))
     doubts = (*right.put_right, *on_sight(right, labels))
     notes += _missing_positions(recording)
+    if changes.commanded_rate is None and any(label.kind == "rate" for label in labels):
+        notes.append(NO_COMMANDED_RATE)
     notes += label_doubts(recording, doubts)
     return LogShown(
         understood, protocol is None, doubts, (*understood.notes, *notes),

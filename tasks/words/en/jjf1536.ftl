@@ -20,6 +20,7 @@ jjf1536-earth-remains = { $count ->
         [1] 1 position leaves
        *[other] { $count } positions leave
     } up to { $percent } % of Earth's rotation; eq. (16) needs positions at equal angles, each axis as often one way as the other
+jjf1536-steady-rate-lost = The positions show { $gain } ± { $u } (k = 2) of Earth's rotation, which gyros read in full: the unit takes a steady rate off by itself, as an estimator of its own zero does (or was not turned between the positions). The zero offset is what is left of it, not that of the gyros, and has no U; have the estimator switched off.
 jjf1536-attitude-contradicted = { $axis } axis: the labels of { $segments } contradict the attitude given by table and mount: table and mount were used.
 jjf1536-attitude-not-recorded = { $axis } axis: neither encoders nor labels show its direction; it was not checked whether its { $count ->
         [one] one position cancels
@@ -32,6 +33,7 @@ jjf1536-number-of-positions = { $axis } axis: { $count ->
 jjf1536-short-position = { $axis } axis: positions held for { $minutes } min; 7.2 specifies { $asked } min, or a time adapted to the unit's operating time.
 jjf1536-positions-scatter = { $axis } axis: the positions differ { $factor } times more than Earth's rotation and the noise explain; the uncertainty was increased accordingly.
 
+jjf1536-crooked = { $axis } axis: by its mount the unit was turned about its other axes too; what those read is only known where each of them was turned
 jjf1536-no-turns = no turns about { $axis }
 jjf1536-no-back = no backward turns about { $axis }; eq. (17) takes the difference of both directions
 jjf1536-no-forward = no forward turns about { $axis }; eq. (17) takes the difference of both directions
@@ -42,6 +44,7 @@ jjf1536-turns-as-agreed = { $axis } axis: { $count ->
     } at { $rate } deg/s; 7.3.1 specifies { $turns_asked } turns at a high rate, for example { $rate_asked } deg/s, unless agreed otherwise.
 jjf1536-turn-times-differ = { $axis } axis: the durations of forward and backward rotation differ by { $seconds } s; what the zero offset and gravity add in that time does not cancel (a known zero offset is taken off).
 jjf1536-turned-angle-contradicted = { $segment }: labelled { $label } deg about { $axis }, but the table shows { $table } deg: the table's angle was used.
+jjf1536-turned-angle-wrong = { $axis } axis: in the turns it reads { $percent } % more than its scale factor makes of their angle: a part of the turns lies outside of what is labelled, the angle is another, or the scale factor has changed since. The misalignment about { $axis } has no U.
 jjf1536-not-whole-turns = { $segment }: rotated by { $angle } deg, not by whole turns as 7.3.1 requires; Earth's rotation does not cancel.
 
 ## Sections of the certificate's results.

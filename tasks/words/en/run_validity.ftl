@@ -95,6 +95,7 @@ validity-environment-in-part = { $quantity ->
        *[humidity] Relative humidity
     } was not recorded in { $count } of { $of } segments ({ $first } first), so clause { $clause } may not have been met.
 validity-unit-temperature-not-recorded = The unit's own temperature was not recorded in { $count } of { $of } segments.
+validity-follows-temperature = { $channel } follows the recorded temperature of the unit, which changed by { $change } K: its gain by { $gain } ppm/K, its zero by { $zero } { $unit } per K. Each element holds at the temperature given with it.
 validity-unit-temperature-changed = The unit's own temperature ranged from { $low } to { $high } °C during the measurement; a change of { $limit } K is allowed.
 validity-unit-temperature-level = The unit's own temperature is { $level } °C at an air temperature of { $air } °C; { $cooler } K below to { $warmer } K above the air is allowed.
 validity-supply-not-recorded = The supply voltage of the unit was not recorded in { $count } of { $of } segments.

@@ -64,6 +64,7 @@ validity-environment-in-part = { $quantity ->
        *[humidity] 相对湿度
     }：{ $of } 段中有 { $count } 段未记录（首个为 { $first }），无法确认是否满足 { $clause }。
 validity-unit-temperature-not-recorded = { $of } 段中有 { $count } 段未记录被校对象自身温度。
+validity-follows-temperature = { $channel } 随所记录的被校对象温度变化（变化 { $change } K）：增益 { $gain } ppm/K，零位每 K { $zero } { $unit }。各测得值对应其旁所给的温度。
 validity-unit-temperature-changed = 测量期间被校对象自身温度由 { $low } °C 变至 { $high } °C，允许变化 { $limit } K。
 validity-unit-temperature-level = 被校对象自身温度为 { $level } °C，环境温度为 { $air } °C；允许比环境低 { $cooler } K 至高 { $warmer } K。
 validity-supply-not-recorded = { $of } 段中有 { $count } 段未记录被校对象的供电电压。

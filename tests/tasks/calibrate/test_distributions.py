@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
+from schemas.equipment import ErrorBound
 from schemas.uncertainty import Budget
 from tasks.calibrate.evaluation import evaluation_for, monte_carlo_budget
 from tasks.specifications.estimate import Estimate
@@ -14,9 +15,10 @@ from tasks.specifications.items import ITEMS
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine, observed
-from tasks.uncertainty.equipment import limit_of
+from tasks.uncertainty.equipment import limit_of, with_rates_by_label
 from tests.tasks.items_only import items_only
 
+BOUND = ErrorBound(half_width=1e-5, distribution="rectangular")
 DRAWN = {  # every divisor, and what has none; drawing every element takes a while
     "gyro_scale_factor", "gyro_g_sensitivity", "accel_scale_factor", "accel_rate_sensitivity",
     "ahrs_scale_factor", "ahrs_zero_offset",
@@ -123,6 +125,7 @@ def test_an_element_that_nothing_makes_uncertain_is_not_drawn() -> None:
 
 def test_every_symbol_of_a_divisor_is_one_of_the_equipment() -> None:
     known = {"g", limit_of("time_base").symbol}
+    known |= {limit.symbol for _, limit in with_rates_by_label(JJF2003.equipment, BOUND).rates}
     for equipment in (JJF2003.equipment, JJF1536.equipment):
         known |= {limit.symbol for _, limit in equipment.rates}
         known |= {f"{limit.symbol}θ" for limit in equipment.angles}  # of a turned angle

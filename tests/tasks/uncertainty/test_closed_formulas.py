@@ -8,6 +8,7 @@ import pytest
 
 from schemas.equipment import EquipmentLimit
 from tasks.motion.table import EARTH_RATE
+from tasks.motion.whole import unit_vector
 from tasks.specifications.jjf2003.positions import input_matrix
 from tasks.specifications.linear import solve
 from tasks.uncertainty.budget import Contribution, combine, resolution
@@ -16,7 +17,6 @@ from tasks.uncertainty.equipment import (
     JJF1536,
     JJF2003,
     RATE,
-    UNKNOWN,
     Equipment,
     ErrorLimit,
     with_limits,
@@ -30,6 +30,9 @@ TENTH = math.radians(0.1)
 MEAN = Weights(np.full(12, 1 / 12), np.full(6, 1 / 6), np.full(6, 1 / 6))
 LYING = Weights(np.full(8, 1 / 12), np.full(4, 1 / 6), np.full(4, 1 / 6))
 UP_DOWN = Weights(np.array([1, 1, -1, -1]) / 4, np.array([1, -1]) / 2, np.array([1, -1]) / 2)
+
+
+NONE = Equipment()
 
 
 def alone(limit: str, u: float = 1.0) -> Equipment:
@@ -71,7 +74,7 @@ def scatter(field: np.ndarray, each: float, face: float) -> np.ndarray:
             tilt = mounted + rng.normal(0.0, each, (trials, 3))
             turns.append(straight + np.cross(tilt, straight))
         means.append(np.mean(turns, axis=0))
-    operator = solve(input_matrix(ups)).operator
+    operator = solve(input_matrix(np.eye(6), np.array([unit_vector(up) for up in ups]))).operator
     return np.std(np.einsum("ju,uti->tij", operator, np.array(means)), axis=0)
 
 
@@ -233,10 +236,10 @@ def test_a_laboratory_s_own_limits_go_before_table_1() -> None:
 def test_a_table_that_nobody_knows_has_no_line() -> None:
     rates = np.radians([-100.0, 100.0])
     seconds = np.full(2, 30.0)
-    assert closed_formulas.turning_rate(UNKNOWN, 1.0, rates / (rates @ rates), rates, seconds) == ()
-    assert closed_formulas.attitude_errors(UNKNOWN, EARTH_RATE, MEAN) == ()
-    assert closed_formulas.turning_axis(UNKNOWN, 1.0) == ()
-    (gravity,) = closed_formulas.gravity_error(UNKNOWN, 1.0, G)
+    assert closed_formulas.turning_rate(NONE, 1.0, rates / (rates @ rates), rates, seconds) == ()
+    assert closed_formulas.attitude_errors(NONE, EARTH_RATE, MEAN) == ()
+    assert closed_formulas.turning_axis(NONE, 1.0) == ()
+    (gravity,) = closed_formulas.gravity_error(NONE, 1.0, G)
     assert gravity.quantity.symbol == "g"
 
 
@@ -270,7 +273,7 @@ def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_on
 
 def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias() -> None:
     ups = ("+x", "-x", "+y", "-y", "+z", "-z")
-    design = input_matrix(ups)
+    design = input_matrix(np.eye(6), np.array([unit_vector(up) for up in ups]))
     operator, fixture = solve(design).operator, np.array([1e-4, -2e-4, 3e-4])
     reads = np.cross(fixture, G * design[:, :3])
     found = operator @ reads / G
@@ -292,7 +295,7 @@ def test_a_rate_just_below_the_edge_of_a_class_belongs_to_it(deg_s: float) -> No
 
 def test_times_of_polled_encoders_reach_a_line_through_its_mean_rates():
     """Beginning and end of every point are off by times of their own, as drawn here."""
-    polled, rng = with_polled_encoders(UNKNOWN, 5e-3), np.random.default_rng(1)
+    polled, rng = with_polled_encoders(NONE, 5e-3), np.random.default_rng(1)
     rates, seconds = np.radians([-100.0, -10.0, 10.0, 100.0]), np.array([10.0, 36.0, 36.0, 10.0])
     operator = rates / (rates @ rates)  # of U = slope·X through zero
     (line,) = closed_formulas.turning_rate(polled, 1.0, operator, rates, seconds)

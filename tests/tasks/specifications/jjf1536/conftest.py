@@ -22,6 +22,9 @@ HEAD = {
     "format": "mimu-recording/1", "recording_id": "ahrs", "standard": "JJF 1536-2015",
     "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
     "station": {"id": "test", "latitude_deg": 40.0, "gravity_m_s2": 9.8},
+    "table_time": {
+        "half_width_s": 0.0, "commanded_rate": {"half_width": 2e-4, "distribution": "normal"},
+    },
 }  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
@@ -12,6 +13,7 @@ from schemas.recording import ANGLE, Mount, Recording, Segment, Station, Stream
 from tasks.specifications.jjf1536 import JJF1536
 from tests.manifests import described, relabelled
 from tests.tasks.items_only import items_only
+from tests.tasks.specifications.jjf1536.conftest import COMPASS, EARTH, FOUR
 
 AXES = "xyz"
 DEG = float(np.degrees(1.0))
@@ -412,3 +414,79 @@ def test_an_angle_that_starts_anew_each_turn_is_refused_with_its_row(ahrs_run) -
     imu = replace(run.imu, columns={**run.imu.columns, **turns})
     with pytest.raises(Unusable, match=r"column angle_x, row \d+: the angle jumps by [+-]3\d\d°"):
         items_only(JJF1536, replace(run, imu=imu))
+
+
+CROOKED = np.array([[0.9999, -0.008, 0.011], [0.008, 0.9999, 0.006], [-0.011, -0.006, 0.9999]])
+
+
+def crooked_run(bench, axes: str, **errors) -> Recording:
+    """Scale factor and turns about some axes, the unit fixed crooked and that stated each time."""
+    made = bench(**errors)
+    for name in axes:
+        axis = AXES.index(name)
+        attitude = Rotation.from_matrix(np.roll(np.eye(3), 2 - axis, axis=0) @ CROOKED)
+        mount = {"mount": {"quaternion_wxyz": attitude.as_quat(scalar_first=True).tolist()}}
+        about = attitude.as_matrix()[2]
+        label = {"axis": name, "up": f"+{name}", **mount}
+        for rate in (-200.0, -100.0, 100.0, 200.0):
+            held = {"name": f"scale_{name}_{rate}", "kind": "rate", "rate_deg_s": rate}
+            made.add({**label, **held, "item": "scale_factor"}, np.radians(rate) * about, 20.0)
+        for sign in (1.0, -1.0):
+            turns = {"name": f"turns_{name}_{sign}", "kind": "rotation", "angle_deg": sign * 3600.0}
+            made.add(
+                {**label, **turns, "item": "misalignment"}, sign * np.radians(100.0) * about, 36.0
+            )
+    return made.recording()
+
+
+def test_a_fixing_that_is_stated_crooked_is_no_misalignment(bench) -> None:
+    errors = {"K": (1.01, 0.99, 1.0), "L": [[0, 2e-3, 0], [0, 0, -1e-3], [3e-3, 0, 0]]}
+    items = result(crooked_run(bench, AXES, **errors)).items
+    assert list(items["ahrs_scale_factor"].value.values()) == pytest.approx(errors["K"], abs=1e-7)
+    misalignment = items["ahrs_misalignment"].value
+    assert [misalignment[e] / DEG for e in ("xy", "yz", "zx", "xz")] == pytest.approx(
+        [2e-3, -1e-3, 3e-3, 0.0], abs=1e-7
+    )
+
+
+def test_crooked_turns_about_one_axis_alone_tell_nothing_and_that_is_said(bench) -> None:
+    calibration = result(crooked_run(bench, "x"))
+    assert calibration.items["ahrs_scale_factor"].value["x"] is None
+    assert "its other axes too" in calibration.unavailable["ahrs_misalignment"]
+
+
+def positions_showing(bench, share: float) -> Calibration:
+    """Four positions an axis in which so much of Earth's rotation is read."""
+    made = bench(B=(0.01, 0.02, 0.03))
+    for axis, positions in FOUR.items():
+        for points in positions:
+            made.position(axis, points, 60.0)
+    for place, label in enumerate(made.segments):  # a row, its pause, and the next
+        body = np.array([COMPASS[letter] for letter in label["points"].values()]) @ EARTH
+        made.increments[1 + 2 * place] -= (1.0 - share) * body / made.rate_hz
+    return result(made.recording(rate_noise=1e-9))
+
+
+@pytest.mark.parametrize(("share", "lost"), [(0.04, True), (0.6, True), (0.92, False)])
+def test_a_unit_that_takes_steady_rates_off_has_no_u_of_its_zero_offset(
+    bench, share: float, lost: bool
+) -> None:
+    calibration = positions_showing(bench, share)
+    assert ("steady_rate_lost" in codes(calibration)) == lost
+    assert (calibration.items["ahrs_zero_offset"].U["x"] is None) == lost
+    assert calibration.items["ahrs_zero_offset"].value["x"] == pytest.approx(0.01, abs=1e-6)
+    assert calibration.validity.verdict != "invalid"
+
+
+@pytest.mark.parametrize(("cut", "told"), [(0.0, False), (0.5, True)])
+def test_a_turn_of_which_the_label_misses_a_part_has_no_u_and_is_told(
+    ahrs_run, cut: float, told: bool
+) -> None:
+    recording = relabelled(
+        ahrs_run(L=[[0, 2e-3, 0], [0, 0, 0], [0, 0, 0]]),
+        lambda s: {"t_start": s.t_start + cut} if s.kind == "rotation" and s.axis == "y" else {},
+    )
+    calibration = result(recording)
+    assert ("turned_angle_wrong" in codes(calibration)) == told
+    misalignment = calibration.items["ahrs_misalignment"]
+    assert (misalignment.U["xy"] is None, misalignment.U["yx"] is None) == (told, False)
