@@ -13,7 +13,7 @@ from rich.text import Text
 
 from flows.progress import CONSOLE
 from schemas.run_log import RunStatus
-from tasks.station.progress import Progress
+from tasks.station.progress import Progress as AcquisitionProgress
 from tasks.words import say
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ UNITS = {"gyro": "°/s", "accel": "m/s²"}
 
 
 @contextmanager
-def acquisition_view() -> Iterator[Callable[[Progress], None]]:
+def acquisition_view() -> Iterator[Callable[[AcquisitionProgress], None]]:
     """Yields the function that shows the status of a run."""
     if not CONSOLE.is_terminal:
         yield plain_lines()
@@ -33,11 +33,11 @@ def acquisition_view() -> Iterator[Callable[[Progress], None]]:
         yield lambda progress: live.update(view(progress), refresh=True)
 
 
-def plain_lines() -> Callable[[Progress], None]:
+def plain_lines() -> Callable[[AcquisitionProgress], None]:
     """A status line on standard error every PLAIN_EVERY_S of wall time."""
     printed_s = time.monotonic()
 
-    def show(progress: Progress) -> None:
+    def show(progress: AcquisitionProgress) -> None:
         nonlocal printed_s
         if time.monotonic() - printed_s >= PLAIN_EVERY_S:
             printed_s = time.monotonic()
@@ -47,7 +47,7 @@ def plain_lines() -> Callable[[Progress], None]:
     return show
 
 
-def view(progress: Progress) -> Table:
+def view(progress: AcquisitionProgress) -> Table:
     """A table of facts, with the alarms last."""
     table = Table.grid(padding=(0, 2))
     for name, value in facts(progress).items():
@@ -59,7 +59,7 @@ def view(progress: Progress) -> Table:
     return table
 
 
-def facts(progress: Progress | RunStatus) -> dict[str, str]:
+def facts(progress: AcquisitionProgress | RunStatus) -> dict[str, str]:
     """State, segment, time, rates, noise and alarms in words; unknown ones are left out."""
     rates = ", ".join(f"{name} {hertz:.1f} Hz" for name, hertz in progress.rates_hz.items())
     noise = ", ".join(f"{name} {value:.2g} {UNITS[name]}" for name, value in progress.noise.items())

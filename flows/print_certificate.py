@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flows.printing import print_json, print_rows, stdout
 from schemas.base import Unusable
 from schemas.certificate import AsFound
-from schemas.decision import Verdict
+from schemas.decision import Verdict as ToleranceVerdict
 from schemas.text import texts_of
 from storage.catalogue import trail
 from storage.catalogue.trail import Entry
@@ -18,7 +18,7 @@ from tasks.words import known, message, say
 if TYPE_CHECKING:
     from tasks.stages.published import Published
 
-COLOURS: dict[Verdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
+COLOURS: dict[ToleranceVerdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
 
 
 def print_certificate(published: "Published", as_json: bool) -> None:

@@ -6,7 +6,7 @@ recording for good. Its columns can be made again from it.
 """
 
 from collections.abc import Callable, Iterator
-from datetime import UTC, date, datetime, time
+from datetime import UTC, date, datetime
 from functools import partial
 from pathlib import Path
 
@@ -31,7 +31,7 @@ Progress = Callable[[int, int], None]
 
 def dispensable(before: date, home: Home) -> list[Dispensable]:
     """What was imported before a day (UTC) and may be deleted, the oldest first."""
-    begins = datetime.combine(before, time(), UTC)
+    begins = datetime.combine(before, datetime.min.time(), UTC)
     older, needed = runs_where(home, tables.runs.c.imported_at < begins), _needed(home)
     blobs = blobs_of(home)
     sizes = {each.name: each.size for name in ("raw", "columns") for each in blobs.kept(name)}

@@ -3,7 +3,8 @@
 import gzip
 from functools import lru_cache
 
-from flask import Flask, Response, request
+from flask import Flask, request
+from flask import Response as FlaskResponse
 
 KINDS = ("text/javascript", "application/javascript", "application/json")
 LEAST = 2_000  # smallest answer worth compressing, bytes
@@ -15,7 +16,7 @@ def compress(server: Flask) -> None:
     """Compresses scripts, once each, and JSON."""
 
     @server.after_request
-    def smaller(response: Response) -> Response:
+    def smaller(response: FlaskResponse) -> FlaskResponse:
         if response.mimetype not in KINDS or response.status_code != 200:
             return response
         response.vary.add("Accept-Encoding")

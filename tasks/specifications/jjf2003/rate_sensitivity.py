@@ -30,7 +30,7 @@ READINGS = (
     "jjf2003.p_rates",
     "jjf2003.p_unit",
 )
-SQUARE = 9  # decimals of a part: what rounding leaves of a right angle
+SQUARE = 9  # decimals of a direction cosine: what rounding leaves of a right angle
 SAME_RATE = 0.99  # points within 1 % of the largest rate count as the largest
 
 
