@@ -24,7 +24,7 @@ from schemas.base import Unusable
 from storage import secret_files, settings
 from storage.catalogue import sessions
 from storage.catalogue.connection import Busy
-from storage.catalogue.users import users
+from storage.catalogue.users import users as registered_users
 from storage.home import Home
 
 KEY = "pages.key"
@@ -98,7 +98,7 @@ def _let_in(gate: Gate, home: Home) -> AnyResponse | None:
     if request.path in OPEN or rule.startswith(OPEN_FOLDERS):
         return None
     try:
-        g.visitor = _identified(users(home), gate, home)
+        g.visitor = _identified(registered_users(home), gate, home)
     except Busy as error:
         return _without_database(error)
     except Unusable as error:

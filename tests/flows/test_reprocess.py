@@ -41,12 +41,12 @@ def store(home: Path, calibrated: Home) -> Home:
     return Home(home)
 
 
-def reprocess(**order: Any) -> Reprocessing:
+def reprocessed(**order: Any) -> Reprocessing:
     return run_orders.reprocess(ReprocessOrder(workers=1, **order))
 
 
 def test_the_same_code_changes_nothing_and_keeps_nothing_new(store: Home) -> None:
-    report = reprocess()
+    report = reprocessed()
     assert (report.done, report.unchanged, report.failed) == (2, 2, 0)
     assert (report.changed, report.flips) == ((), ())
     for run in run_index.all_runs(store):
@@ -58,7 +58,7 @@ def test_exactly_the_values_that_earlier_code_had_otherwise_are_reported(
 ) -> None:
     first, second = newest(store)
     planted = plant(first, store, "gyro_scale_factor", "x", 3.0)
-    report = reprocess(out=str(tmp_path / "report"))
+    report = reprocessed(out=str(tmp_path / "report"))
     (change,) = report.changed
     assert (change.run, change.item, change.element) == (first.run, "gyro_scale_factor", "x")
     assert change.before == planted.items["gyro_scale_factor"].value["x"]
@@ -97,7 +97,7 @@ def test_exactly_the_values_that_a_change_of_the_code_moves_are_reported(
     monkeypatch.setattr(make_again, "calibration_of", changed)
     monkeypatch.setattr(make_again, "code_version", lambda: "9.9.9")
     monkeypatch.setattr("tasks.stages.reprocess.code_version", lambda: "9.9.9")
-    report = reprocess()
+    report = reprocessed()
     assert {(each.run, each.item, each.element) for each in report.changed} == {
         (run, *moved)
         for run in before
@@ -114,8 +114,8 @@ def test_exactly_the_values_that_a_change_of_the_code_moves_are_reported(
 
 def test_the_same_command_again_makes_nothing_and_reports_the_same(store: Home) -> None:
     plant(newest(store)[0], store, "gyro_scale_factor", "x", 3.0)
-    first = reprocess()
-    again = reprocess()
+    first = reprocessed()
+    again = reprocessed()
     assert (again.done, again.done_before) == (2, 2)
     assert again.changed == first.changed
     assert again.unchanged == first.unchanged == 1
@@ -125,24 +125,24 @@ def test_an_order_by_version_goes_on_and_reports_all_of_it(store: Home) -> None:
     """What it made is of today's version, and still what it was ordered to report."""
     first, second = newest(store)
     plant(first, store, "gyro_scale_factor", "x", 3.0)
-    of_first = reprocess(code_version=EARLIER)
+    of_first = reprocessed(code_version=EARLIER)
     assert len(of_first.changed) == 1
     plant(second, store, "gyro_scale_factor", "y", 2.0)  # as if it had not yet come to this one
-    of_both = reprocess(code_version=EARLIER)
+    of_both = reprocessed(code_version=EARLIER)
     assert {each.run for each in of_both.changed} == {first.run, second.run}
-    assert reprocess(code_version=EARLIER).changed == of_both.changed
+    assert reprocessed(code_version=EARLIER).changed == of_both.changed
     planned = planned_by(ReprocessOrder(code_version=EARLIER), store)
     assert (planned.results, planned.done_before) == (0, 2)
-    assert reprocess(code_version="0.0.8").runs == 0
+    assert reprocessed(code_version="0.0.8").runs == 0
 
 
 def test_a_first_result_is_not_said_to_be_as_it_was(
     store: Home, ideal_run: Callable[..., Recording], mimucal
 ) -> None:
     runs.add(ideal_run(dwell=2.0, gravity=9.79), store)
-    report = reprocess()
+    report = reprocessed()
     assert (report.done, report.unchanged, report.first) == (3, 2, 1)
-    again = reprocess()
+    again = reprocessed()
     assert (again.done_before, again.unchanged, again.first) == (3, 2, 1)
 
 
@@ -152,7 +152,7 @@ def test_a_value_that_is_gone_comes_first(store: Home) -> None:
     name = "gyro_bias"
     lost = planted.items[name].model_copy(update={"value": planted.items[name].value | {"z": None}})
     results.save(planted.model_copy(update={"items": planted.items | {name: lost}}), store)
-    changed = reprocess().changed
+    changed = reprocessed().changed
     assert [(each.item, each.in_U is None) for each in changed] == [
         ("gyro_bias", True), ("gyro_scale_factor", False),
     ]  # fmt: skip
@@ -162,7 +162,7 @@ def test_a_report_that_cannot_be_written_leaves_the_earlier_one(
     store: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     report = tmp_path / "report"
-    reprocess(out=str(report))
+    reprocessed(out=str(report))
     before = (report / "report.json").read_bytes()
 
     def full(path: Path, *_: Any, **__: Any) -> int:
@@ -171,7 +171,7 @@ def test_a_report_that_cannot_be_written_leaves_the_earlier_one(
 
     monkeypatch.setattr(Path, "write_text", full)
     with pytest.raises(Unusable, match=r"report\.json cannot be written .*--out"):
-        reprocess(out=str(report))
+        reprocessed(out=str(report))
     assert (report / "report.json").read_bytes() == before
     assert len(list(report.iterdir())) == 4
 
@@ -188,12 +188,12 @@ def test_a_failed_recording_is_a_row_and_is_tried_again(
         return estimate(run, *more)
 
     monkeypatch.setattr(make_again, "calibration_of", fails)
-    report = reprocess()
+    report = reprocessed()
     assert (report.done, report.failed) == (1, 1)
     assert report.failures[0].run == bad.id
     assert "planted fault" in report.failures[0].why
     monkeypatch.setattr(make_again, "calibration_of", estimate)
-    again = reprocess()
+    again = reprocessed()
     assert (again.done, again.done_before, again.failed) == (2, 1, 0)
 
 
@@ -225,10 +225,10 @@ def test_certificates_on_values_that_moved_are_touched(store: Home, mimucal, sha
     plant(first, store, "gyro_scale_factor", "x", 3.0)
     touched = _certified(store, first.run)
     _certified(store, second.run)
-    report = reprocess()
+    report = reprocessed()
     assert [each.number for each in report.certificates] == [touched]
     assert report.certificates[0].largest_in_U == pytest.approx(3.0)
-    assert reprocess().certificates == report.certificates
+    assert reprocessed().certificates == report.certificates
 
 
 def test_a_certificate_whose_u_grew_is_reported_though_a_later_result_has_it_already(
@@ -253,7 +253,7 @@ def test_a_certificate_whose_u_grew_is_reported_though_a_later_result_has_it_alr
         "document": "wide", "limits": [limit],
     }  # fmt: skip
     (store.tolerances / "wide.json").write_text(json.dumps(limits), encoding="utf-8")
-    report = reprocess()
+    report = reprocessed()
     moved = {each.element: each for each in report.changed if each.item == "gyro_scale_factor"}
     assert (moved["x"].k_before, moved["x"].k_after) == (3.0, scale.k)
     assert moved["x"].U_after == pytest.approx(3.0 * moved["x"].U_before)

@@ -42,15 +42,15 @@ def test_only_its_command_ends_a_server(tmp_path: Path, monkeypatch: pytest.Monk
     path = tmp_path / prefect_server.LOG
     with path.open("ab") as log, socket.create_server(("127.0.0.1", 0)) as listener:
         prefect_server._fork(listener, log)
-    (server,) = active_children()
+    (child,) = active_children()
     while "serves" not in path.read_text():
         time.sleep(0.01)
     for stop in prefect_server.STOPPING:  # as `pkill -f mimucal` would
-        os.kill(server.pid or 0, stop)
-    server.join(0.2)
-    assert server.is_alive()
-    prefect_server._end(server)
-    assert server.exitcode == -signal.SIGTERM
+        os.kill(child.pid or 0, stop)
+    child.join(0.2)
+    assert child.is_alive()
+    prefect_server._end(child)
+    assert child.exitcode == -signal.SIGTERM
 
 
 SERVING = """
@@ -74,8 +74,8 @@ def test_a_server_ends_with_a_command_that_is_killed(tmp_path: Path) -> None:
             assert command.poll() is None
             time.sleep(0.01)
         command.kill()
-    server = Path("/proc", log.read_text().split()[1])
-    while server.exists() and "\nState:\tZ" not in (server / "status").read_text():
+    child = Path("/proc", log.read_text().split()[1])
+    while child.exists() and "\nState:\tZ" not in (child / "status").read_text():
         time.sleep(0.01)
 
 

@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 
 from schemas.review import KeptReview
-from storage import last_review
+from storage import dataframes, last_review
 from storage.catalogue import discrepancies, run_index
-from storage.dataframes import runs
 from storage.home import Home
 from tests.flows.pages.test_discrepancy import discrepancy, review
 from tests.pages_server import served
@@ -27,7 +26,7 @@ def kept(
     """The line, with a station that a review found tilted and one run that shows it; that run."""
     home = Home(tmp_path_factory.mktemp("browser") / "home")
     shutil.copytree(line_store[0].path, home.path)
-    table = runs(home).sort_values("recorded_on")
+    table = dataframes.runs(home).sort_values("recorded_on")
     run = str(table[table["station"] == "ST-01"]["id"].iloc[-1])
     at = datetime(2026, 11, 1, tzinfo=UTC)
     discrepancies.keep(run_index.find(run, home), discrepancy("axis_tilt"), "<p>told</p>", at, home)

@@ -37,7 +37,7 @@ def metrics(client: FlaskClient) -> dict[str, float]:
 
 
 @pytest.fixture
-def login() -> dict[str, str]:
+def credentials() -> dict[str, str]:
     given = base64.b64encode(f"Wang Li:{PASSWORD}".encode()).decode()
     return {"Authorization": f"Basic {given}"}
 
@@ -111,13 +111,13 @@ def test_metrics_of_an_unreachable_catalogue_are_those_of_the_rest(
 
 
 def test_metrics_are_for_this_machine_and_for_those_with_a_name(
-    known: Home, login: dict[str, str]
+    known: Home, credentials: dict[str, str]
 ) -> None:
     client = client_of(known)
     assert client.get("/metrics").status_code == 200
     assert client.get("/metrics", environ_base=ELSEWHERE).status_code == 401
     assert client.get("/metrics", headers={"X-Forwarded-For": "192.0.2.7"}).status_code == 401
-    assert client.get("/metrics", environ_base=ELSEWHERE, headers=login).status_code == 200
+    assert client.get("/metrics", environ_base=ELSEWHERE, headers=credentials).status_code == 200
     wrong = {"Authorization": "Basic " + base64.b64encode(b"Wang Li:no").decode()}
     assert client.get("/metrics", environ_base=ELSEWHERE, headers=wrong).status_code == 401
 
