@@ -13,11 +13,6 @@ from fluent.syntax import parse
 PRODUCT = ("flows", "tasks", "schemas", "storage")
 CATALOGUES = Path("tasks/words")
 CHINESE = re.compile("[\u3000-\u303f\u4e00-\u9fff\uff00-\uffef]")
-# What the code once called things; the field has words of its own.
-METAPHORS = {
-    "told", "said", "heard", "freed", "soaked", "suits", "legs", "feeds", "nudge", "keeping",
-    "stretches", "weigh", "strays", "hearing", "happenings", "remnant", "remnants",
-}  # fmt: skip
 
 
 def sources(rooms: Sequence[str] = PRODUCT) -> list[Path]:
@@ -47,26 +42,6 @@ def test_nothing_is_told_apart_by_its_address() -> None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "id"
     ]
     assert found == []
-
-
-def test_names_are_the_fields_own() -> None:
-    word = re.compile(rf"(?:\b|_)(?:{'|'.join(METAPHORS)})(?:\b|_)", re.IGNORECASE)
-    rooms = sources((*PRODUCT, "tests"))
-    suspects = [path for path in rooms if word.search(path.read_text(encoding="utf-8"))]
-    found = [f"{path} {name}" for path in suspects for name in metaphors(parsed(path))]
-    assert found == []
-
-
-def metaphors(module: ast.Module) -> Iterator[str]:
-    """The names in a module that have one in them; a test's name is a sentence."""
-    for node in ast.walk(module):
-        name = getattr(node, "name", None) or getattr(node, "arg", None)
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            name = node.id
-        if not isinstance(name, str) or name.startswith("test_"):
-            continue
-        if METAPHORS & set(name.lower().split("_")):
-            yield f"{getattr(node, 'lineno', 0)} {name}"
 
 
 def test_no_class_name_stands_in_three_places() -> None:
