@@ -14,6 +14,9 @@ from tasks.explain.explanation import Explanation
 from tests.moved_by_hand import poses, readings, recording, tilted
 from tests.shared import shared_path
 
+pytestmark = pytest.mark.rehearsal
+
+
 ACCEL = slice(3, 6)
 LONGEST = 100.0  # s: of three minutes of broad motion the first tell as much
 

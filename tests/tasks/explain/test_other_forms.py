@@ -7,6 +7,9 @@ from short_run import short_run
 
 from tasks.explain.explain import explain
 
+pytestmark = pytest.mark.rehearsal
+
+
 SHORT = 5.0  # s
 # What a knock changes is told from the supply's course where it is seen for longer.
 DWELLS = {"knock": 10.0, "fading": SHORT}

@@ -148,17 +148,6 @@ def test_a_verdict_that_changes_is_told(run: Recording) -> None:
     assert found.changes_together == found.changes[0]
 
 
-def test_a_verdict_that_stays_is_not_told(run: Recording) -> None:
-    added = biased(run, 2, float(np.radians(STEP)))
-    spoilt = added_to(run, added)
-    tolerance = limits("gyro_bias", "deg/s", 10 * STEP)
-    assert consequences(spoilt, explanation(spoilt, finding(added)), tolerance).changes == ((),)
-
-
-def test_no_finding_has_no_consequence(run: Recording) -> None:
-    assert consequences(run, explanation(run)).of_findings == ()
-
-
 def test_rows_where_a_contribution_is_not_known_stay_as_they_were_read(run: Recording) -> None:
     added = biased(run, 0, 1.0)
     added[5] = np.nan

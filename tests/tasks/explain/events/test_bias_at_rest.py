@@ -5,8 +5,6 @@ import pytest
 from made_up import mean_readings, motion, noisy
 
 from tasks.explain.events.bias_at_rest import find_bias_at_rest
-from tasks.explain.events.detect import events_in_readings
-from tasks.words import texts
 
 MADE = motion(minutes=2.0)
 INTERVAL = float(np.median(np.diff(MADE.t)))
@@ -37,22 +35,11 @@ def test_a_bias_followed_at_rest_is_found_and_put_back(
     assert np.abs(put_back - readings)[:, :3].max() < 0.2 * lost
 
 
-def test_its_description_says_what_the_firmware_does() -> None:
-    events = events_in_readings(followed(noisy(mean_readings(MADE), 2), 0.05, 1.0, 0.8), MADE)
-    (event,) = events.events
-    assert event.effect == "dead_zone"
-    assert all(texts(event.description).values())
-
-
 @pytest.mark.parametrize("tau", [2.0, 20.0, 60.0])
 def test_a_bias_that_warms_up_is_not_one_followed_at_rest(tau: float) -> None:
     readings = noisy(mean_readings(MADE), 3)
     readings[:, :3] += np.array([6e-3, -4e-3, 2e-3]) * np.exp(-MADE.t / tau)[:, None]
     assert find_bias_at_rest(readings, MADE) is None
-
-
-def test_a_slow_turn_of_the_unit_is_no_bias() -> None:
-    assert find_bias_at_rest(noisy(mean_readings(MADE), 4), MADE) is None
 
 
 def test_a_step_after_one_quiet_moment_is_no_firmware() -> None:

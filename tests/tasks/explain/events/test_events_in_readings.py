@@ -10,7 +10,7 @@ from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
 from tasks.explain.events.quantisation import Quantisation, rounding_bias
 from tasks.explain.events.saturation import clipping_loss
-from tasks.readings.lattice import Quantiser, quantiser_of
+from tasks.readings.lattice import Quantiser
 from tasks.words import say, texts
 
 
@@ -58,13 +58,6 @@ def test_limit_on_one_side_leaves_the_other_side_alone() -> None:
     low = mean[:, 2] < -4.6
     assert low.any()
     assert np.array_equal(events.applied(made.t, mean)[low], mean[low])
-
-
-def test_coarse_rest_and_dead_channel_are_no_limit() -> None:
-    made = motion()
-    readings = counted(noisy(mean_readings(made), 3), (4e-3, 2e-3))
-    readings[:, 5] = 9.8
-    assert _effects(events_in_readings(readings, made)) == ["coarse_quantisation"]
 
 
 def test_visible_steps_are_found_with_the_noise_below_them() -> None:
@@ -137,15 +130,6 @@ def test_spikes_are_counted_and_masked() -> None:
     assert _found(events, "spikes") == len(at)
     assert events.masked[at, 4].all()
     assert events.masked.sum() <= 5 * len(at)
-
-
-def test_steps_survive_the_rounding_of_a_file() -> None:
-    readings = np.round(np.round(np.random.default_rng(13).normal(0, 5, 4000)) * 0.0174533, 7)
-    quantiser = quantiser_of(readings)
-    assert quantiser is not None
-    assert quantiser.step == pytest.approx(0.0174533, rel=1e-5)
-    assert quantiser_of(np.full(100, 3.0)) is None
-    assert quantiser_of(np.random.default_rng(14).normal(size=1000)) is None
 
 
 def test_unknown_motion_and_absent_triad_are_no_events() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from made_up import RATE, SIGMA, motion, noisy
 
-from schemas.recording import ACCEL, GYRO
 from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
@@ -104,16 +103,6 @@ def test_a_channel_that_reads_one_value_throughout_is_not_used_and_it_is_said() 
     assert "陀螺 y" in say(constant, "zh").replace("陀螺y", "陀螺 y")
 
 
-def test_weak_mains_are_detected_where_a_line_elsewhere_would_not_be() -> None:
-    made = motion(minutes=6.0)
-    gain = 90.0  # chi-squared of the whole line
-    for frequency, count in ((49.92, 1), (31.7, 0)):
-        size = SIGMA[4] * np.sqrt(2 * gain * (0.7 if count == 0 else 1.0) / len(made.t))
-        left = _noise(made, 21)
-        left[:, 4] += size * np.cos(2 * np.pi * frequency * made.t)
-        assert len(_detected(made, left).events) == count
-
-
 def test_harmonic_is_the_mains_only_beside_its_fundamental() -> None:
     made = motion()
     left = _noise(made, 22)
@@ -130,13 +119,6 @@ def test_line_that_is_there_only_while_the_table_turns_is_not_a_line() -> None:
     turns = np.abs(made.rate).max(axis=1) > 1
     left = _noise(made, 11)
     left[:, 3] += 1e-3 * np.cos(2 * np.pi * 7.7 * made.t) * turns
-    assert _detected(made, left).events == ()
-
-
-def test_line_that_ends_before_the_recording_does_is_not_there_all_the_time() -> None:
-    made = motion()
-    left = _noise(made, 14)
-    left[:, 1] += 5e-4 * np.cos(2 * np.pi * 9.18 * made.t) * (made.t < 0.74 * made.t[-1])
     assert _detected(made, left).events == ()
 
 
@@ -208,17 +190,6 @@ def test_bursts_are_counted_and_taken_away_by_what_they_have_in_common() -> None
     assert ((added - bursts) ** 2).sum() < 0.2 * (bursts**2).sum()
 
 
-def test_bursts_are_told_on_the_clock_of_the_recording() -> None:
-    made = motion(minutes=10.0)
-    wave = np.array([0, 4e-3, 2e-3j, 0, 0, 0])
-    left = _noise(made, 25) + _rung(
-        made, np.array([53.0, 112.2, 193.4, 213.9, 373.3, 454.6]), wave, 2.3, 1.1
-    )
-    none = Events((), np.zeros(left.shape, bool))
-    (event,) = events_in_residual(none, left, SIGMA, made, start=1.6e9).events
-    assert "at 1600000053, 1600000112, " in say(event.description, "en")
-
-
 def test_what_swings_after_every_move_is_no_burst() -> None:
     made = motion(minutes=10.0)
     moves = np.arange(8.0, 590.0, 20.0)
@@ -241,13 +212,3 @@ def test_short_absent_or_dead_channels_are_no_events() -> None:
     assert _detected(made, left).events == ()
     few = made.taken(np.arange(50))
     assert _detected(few, left[:50]).events == ()
-
-
-def test_mean_amplitude_of_a_line_is_told_for_the_channels_that_have_it() -> None:
-    made = motion()
-    left = _noise(made, 29)
-    left[:, 5] += 2e-3 * np.sin(2 * np.pi * 12.34 * made.t)
-    (event,) = _detected(made, left).events
-    assert event.channels == (5,)
-    names = {each.name for each in event.parameters}
-    assert names & set(GYRO + ACCEL) == {"accel_z"}

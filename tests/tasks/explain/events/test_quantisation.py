@@ -1,7 +1,6 @@
 """Steps that show because a limit took a channel's noise away are no coarse resolution."""
 
 import numpy as np
-import pytest
 from made_up import counted, mean_readings, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings
@@ -31,25 +30,6 @@ def test_a_channel_that_lost_noise_and_signal_is_a_remark() -> None:
 def test_a_channel_that_is_quieter_than_the_others_shows_its_resolution() -> None:
     (event,) = found(0.2, 5e-3).events
     assert (event.effect, event.channels) == ("coarse_quantisation", (5,))
-
-
-@pytest.mark.parametrize("noise", [0.7, 1.0])
-def test_steps_that_all_channels_show_are_a_coarse_resolution(noise: float) -> None:
-    events = found(noise, 1.5e-2)
-    assert [(event.effect, event.channels) for event in events.events] == [
-        ("coarse_quantisation", (3, 4, 5))
-    ]
-    assert np.size(events.remarks) == 0
-
-
-def test_a_coarser_step_of_one_channel_is_its_resolution() -> None:
-    made = motion(minutes=6.0)
-    readings = counted(noisy(mean_readings(made), 22), (1e-4, 2e-3))
-    readings[:, 5] = np.round(readings[:, 5] / 1.5e-2) * 1.5e-2
-    events = events_in_readings(readings, made)
-    assert [(event.effect, event.channels) for event in events.events] == [
-        ("coarse_quantisation", (5,))
-    ]
 
 
 def test_a_bias_in_place_of_an_input_is_no_share_of_it() -> None:

@@ -36,11 +36,6 @@ def test_fresh_rows_are_no_repeats(seed: int, steps: tuple[float, float] | None)
     assert find_repeats(readings, MADE, quantisers) is None
 
 
-def test_coarse_codes_that_stand_still_at_rest_are_no_repeats() -> None:
-    readings = counted(noisy(mean_readings(MADE), 5), (0.01, 0.1))
-    assert "repeated_samples" not in [event.effect for event in found(readings).events]
-
-
 def test_one_vibration_that_all_axes_share_is_no_repeat() -> None:
     shaken = 0.02 * np.random.default_rng(12).standard_normal(EVERY)
     readings = mean_readings(MADE)

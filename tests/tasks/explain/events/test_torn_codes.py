@@ -48,12 +48,6 @@ def wide_noise(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return np.round(noisy(mean_readings(MADE), seed) / step).astype(int), step
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_codes_whose_noise_is_a_fourth_of_a_byte_have_no_fault(seed: int) -> None:
-    right, step = wide_noise(seed)
-    assert find_torn_codes(right * step, MADE) is None
-
-
 def test_a_high_byte_of_the_row_before_is_told_where_noise_hides_each_one() -> None:
     right, step = wide_noise(11)
     faulty, late = right.copy(), np.random.default_rng(11).random(len(right)) < 0.7

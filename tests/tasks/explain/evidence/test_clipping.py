@@ -37,13 +37,6 @@ def test_clipping_is_possible_where_one_size_of_rate_was_held(
     assert names == (("gyro_saturation",) if open_ else ())
 
 
-def test_a_rate_that_never_stays_shows_the_whole_curve() -> None:
-    rate = np.zeros((len(RUN.t), 3))
-    rate[:, 2] = 2.0 * np.sin(RUN.t)
-    swinging = replace(RUN, rate=rate, acceleration=np.gradient(rate, RUN.t, axis=0))
-    assert possibly_clipped(NONLINEAR, (2,), swinging) == ()
-
-
 def test_only_a_bent_scale_factor_may_be_clipping() -> None:
     assert possibly_clipped("gyro_g2_sensitivity", (2,), held_at(2.0, -2.0)) == ()
     assert possibly_clipped(NONLINEAR, (3, 4), held_at(2.0, -2.0)) == ()

@@ -59,18 +59,6 @@ def test_a_setting_has_no_share_of_what_the_others_leave(ideal_run: Any) -> None
     assert (alone.explained_share, alone.findings[0].share) == (1.0, 0.0)
 
 
-def test_a_setting_explains_nothing_of_a_residual_beside_it(ideal_run: Any) -> None:
-    setting = RangeSetting(
-        "range_setting", (3, 4, 5), (), 1e-20, message("events-constant", channels=""), 1, 2.0
-    )
-    run = ideal_run(dwell=4.0)
-    rest = finding(nothing_added(run), "unnamed", share=0.0, remainder=True)
-    prepared = SimpleNamespace(recorded=run, faults=(setting,))
-    left = SimpleNamespace(removed=0.0, remaining=500.0)
-    answer = with_faults(explanation(run, rest), cast(Any, prepared), cast(Any, left))
-    assert answer.explained_share == 0.0
-
-
 def test_wrong_codes_share_the_mismatch_with_what_is_beside_them(ideal_run: Any) -> None:
     rows = len(ideal_run(dwell=4.0).imu.t)
     answer = faulty(ideal_run, wrong_codes(rows, 0.1), beside=0.1)
@@ -80,7 +68,3 @@ def test_wrong_codes_share_the_mismatch_with_what_is_beside_them(ideal_run: Any)
     assert answer.explained_share == pytest.approx(first.share + step.share)
     alone = faulty(ideal_run, wrong_codes(rows, 0.1), beside=0.0)
     assert alone.findings[0].share == pytest.approx(1.0)
-
-
-def test_other_events_need_only_evidence() -> None:
-    assert needed("dropped_samples", [9.0] * 6) == 0.0

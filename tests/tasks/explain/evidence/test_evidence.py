@@ -8,19 +8,18 @@ import pytest
 from engine_run import NOISY, RATE, motion, noise, observed, read
 
 from schemas.discrepancy import HeldOut
-from tasks.explain.channels import CHANNELS, GYROS
+from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, finding_groups
 from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.candidates import Candidate, Prior
 from tasks.explain.search.design import NormalEquations
-from tasks.explain.search.empirical_terms import sinusoid
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import Term
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
-from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
+from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.memory import bias_step
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.table import rate_ripple
@@ -66,12 +65,6 @@ def test_the_same_name_is_one_finding() -> None:
     assert [group.name for group in groups] == ["temperature_bias", "lever_arm"]
     assert groups[0].terms == (TEMPERATURE_BIAS,)
     assert groups[0].selected == (parts[0], parts[2])
-
-
-def test_what_has_no_name_stays_apart() -> None:
-    first, second = (sinusoid(GYROS).shaped((period,)) for period in (20.0, 31.0))
-    some = [picked(first), picked(replace(second, variant=1))]
-    assert [group.name for group in finding_groups(found(*some))] == [UNNAMED, UNNAMED]
 
 
 def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
@@ -120,15 +113,6 @@ def test_what_is_there_is_needed_and_what_is_not_is_needless(
     one, groups = three
     weak = {group.name: unsupported(one, n, TRIED) for n, group in enumerate(groups)}
     assert weak == {"lever_arm": False, "thermal_gradient": True, "earth_rotation": False}
-
-
-def test_nine_parameters_that_stand_ten_times_above_noise_are_worth_their_price() -> None:
-    """Readings of one dwell repeat each other: a price by their number would ask for more."""
-    places = 6.5e-5 * np.array([1.0, -2.0, 1.0, 2.0, 1.0, -1.0, -1.0, 2.0, 1.0])
-    made = read(RUN, (SIZE_EFFECT, places)) + noise(len(RUN.t), 43, NOISY)
-    one, _ = weighed(made, [picked(SIZE_EFFECT)])
-    assert 80.0 < one.gain(0) < 9.0 * np.log(one.used)
-    assert not unsupported(one, 0, TRIED)
 
 
 def test_what_is_there_earns_on_segments_that_were_not_seen(

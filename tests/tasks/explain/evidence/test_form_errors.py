@@ -27,11 +27,6 @@ def names(
     return [one.effect for one in named]
 
 
-def test_a_weak_name_alone_or_beside_its_like_stands() -> None:
-    assert names(NAMED) == ["lever_arm"]
-    assert names(NAMED, replace(NAMED, effect="bias_step")) == ["lever_arm", "bias_step"]
-
-
 def test_a_weak_name_beside_something_far_stronger_is_an_error_of_its_form() -> None:
     lost, kept = named_beside([NAMED, STRONG], (), NOTHING, NOISE, NOISE)
     assert kept is STRONG
@@ -80,17 +75,6 @@ def test_the_more_is_left_in_its_channels_the_more_a_name_must_gain(
     (lost,) = named_beside([one], (), NOTHING, np.full(6, most), NOISE)
     assert lost.refusal is not None
     assert (lost.refusal.kind, lost.refusal.limit) == ("overshadowed", most)
-
-
-def test_a_share_of_nine_tenths_names_nothing_where_thousands_of_times_the_noise_are_left() -> None:
-    """Of 10,000 readings with 318,000 times the noise left, a tenth of all: a wrapped rate, of
-    which a cubic makes nine tenths.
-    """
-    rows, left = 1e4, 318e3
-    cubic = replace(NAMED, gain=18.0 * rows * left, delta_bic=18.0 * rows * left - 30.0)
-    there = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
-    assert names(cubic, left=rows * left * there, scale=1.0 + left * there) == [UNNAMED]
-    assert names(cubic, left=rows * 0.2 * there, scale=1.0 + 0.2 * there) == ["lever_arm"]
 
 
 @pytest.mark.parametrize("other", [{"effect": "hysteresis"}, {"unlisted": True}])

@@ -32,15 +32,6 @@ def test_noise_alone_leaves_one_and_nothing_to_explain() -> None:
     assert left.explained_share == 1.0
 
 
-def test_a_mismatch_shows_in_its_channel_though_a_fit_would_call_it_noise() -> None:
-    full, wrong = run(), read(RUN)
-    wrong[:, 4] += 3.0 * SIGMA[4] * np.sin(40.0 * RUN.t)
-    left = LeftOver.of(full, wrong, wrong, NOTHING)
-    assert left.chi2_per_degree[4] == pytest.approx(1.0 + 4.5, rel=0.1)
-    assert np.delete(left.chi2_per_degree, 4) == pytest.approx(np.ones(5), abs=0.05)
-    assert left.explained_share == 0.0
-
-
 def test_the_share_is_of_the_mismatch_above_noise() -> None:
     full, nominal, found = run(), read(RUN), read(RUN)
     wave = SIGMA[1] * np.sin(40.0 * RUN.t)

@@ -159,7 +159,3 @@ def test_a_mount_that_swings_is_no_filter(frequency: float, damping: float) -> N
 @pytest.mark.parametrize("seconds", [0.003, 0.008])
 def test_a_filter_of_the_accelerometers_keeps_its_name(seconds: float) -> None:
     assert refusal_of_filter(read(SHAKEN, (BANDWIDTH_BY_TRIAD, (0.0, seconds)))) is None
-
-
-def test_a_filter_of_both_triads_is_not_questioned() -> None:
-    assert refusal_of_filter(read(SHAKEN, (BANDWIDTH_BY_TRIAD, (0.006, 0.006)))) is None

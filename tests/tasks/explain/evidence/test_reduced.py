@@ -60,6 +60,7 @@ def test_several_needless_findings_take_one_fit_more(monkeypatch: pytest.MonkeyP
     assert len(fits) == 1
 
 
+@pytest.mark.rehearsal
 def test_where_the_fit_is_not_what_the_equations_said_each_is_decided_by_a_fit(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -44,12 +44,6 @@ def test_the_expanded_uncertainty_covers_the_true_time(size: float) -> None:
     assert np.mean(inside) >= 0.9
 
 
-def test_a_smaller_step_is_timed_less_well() -> None:
-    u = [np.median([timed(stepped(size, seed), TRUE)[1] for seed in range(4)])
-         for size in (0.5, 1.0, 4.0)]  # fmt: skip
-    assert u[0] > 2.0 * u[1] > 4.0 * u[2]
-
-
 def test_in_a_gap_of_the_readings_it_may_lie_anywhere() -> None:
     weight = np.where((RUN.t > 155.0) & (RUN.t < 175.0), 0.0, 1.0)[:, None].repeat(6, axis=1)
     time, u = timed(stepped(6.0, 3), 175.0, weight=weight)

@@ -51,6 +51,7 @@ def test_rests_that_only_labels_tell_are_compared_whole() -> None:
     assert (known_before(rests, 0.0) == rests.felt).all()
 
 
+@pytest.mark.rehearsal
 def test_the_acceleration_that_late_gyros_show_is_no_smaller_as_stamped() -> None:
     """Half a row between two rows: a straight line there would take 5 % of a swing at 1.2 Hz."""
     sparse = slice(None, None, 16)

@@ -43,6 +43,7 @@ def test_a_right_prediction_leaves_nothing_to_say(clean, right) -> None:
     np.testing.assert_array_equal(answer.nominal, right.readings)
 
 
+@pytest.mark.rehearsal
 def test_a_wrong_scale_factor_of_the_prediction_is_found_as_what_it_is(clean, right) -> None:
     answer = explain(clean, reference=with_scale_factor(right, clean, 1e-3))
     (finding,) = answer.findings

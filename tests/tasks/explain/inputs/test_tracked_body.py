@@ -41,13 +41,6 @@ def test_the_turn_of_the_markers_is_taken_back() -> None:
     assert "12.4°" in say(remark, "en")
 
 
-def test_a_turn_that_a_delay_may_feign_goes_without_a_remark() -> None:
-    askew = marked_askew(moved(), Rotation.from_rotvec([0.02, 0.0, 0.01]))
-    pose, remarks = in_unit_axes(askew, whole_motion(askew))
-    assert pose is not None
-    assert remarks == ()
-
-
 def read_as(of: Recording, names: tuple[str, ...], matrix: object) -> Recording:
     """The recording with the columns of a triad exchanged or inverted."""
     exchanged = of.imu.stack(names) @ np.array(matrix, float).T
@@ -74,13 +67,6 @@ def test_columns_that_are_exchanged_in_one_triad_are_no_turn_of_the_body(
     assert pose is None
     assert "normal" not in say(remark, "en")
     assert "exchanged or inverted" in say(remark, "en")
-
-
-def test_columns_that_are_exchanged_in_both_triads_alike_are_a_turn_of_the_body() -> None:
-    both = read_as(read_as(moved(), GYRO, CYCLIC), ACCEL, CYCLIC)
-    pose, (remark,) = in_unit_axes(both, whole_motion(both))
-    assert pose is not None
-    assert "120.0°" in say(remark, "en")
 
 
 @pytest.mark.parametrize(
