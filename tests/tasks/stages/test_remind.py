@@ -151,7 +151,7 @@ def test_each_occasion_is_sent_once_and_only_the_last_that_has_come(home: Home) 
     issued(home)
     recall_file(home, mail_to(25))
     outbox = Outbox()
-    for days in range(-70, 40):
+    for days in (-70, -60, -59, -31, -30, -8, -7, 0, 6, 7, 29, 30, 40):
         assert remind.remind(home, at(days), outbox) == []
     assert ["was due" in title for title in outbox.titles] == [False] * 3 + [True] * 2
     (lines,) = remind.sent(home).values()
@@ -216,10 +216,7 @@ def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home: Home) -> N
         remind.feed(home, "Nobody", at(-100))
 
 
-PASSWORDS = [
-    "p@ss", "a/b", "c#d", "e?f", "g%h", "i:j", "%41", "k&l=m+n", "o p", "@", "x@y.z/w@v.u",
-    "@/#?%:&=+ %40'\"$",
-]  # fmt: skip
+PASSWORDS = ["%41", "@/#?%:&=+ %40'\"$"]
 
 
 @contextmanager
@@ -277,7 +274,7 @@ def test_a_password_that_no_mail_server_can_be_told_is_a_sentence_without_it(
     assert "secret" not in fault
 
 
-@pytest.mark.parametrize("password", ["p@ss", "a/b@c", "d#e", "f?g@h=i", "j%k", "l:m", "n@o/p?q#"])
+@pytest.mark.parametrize("password", ["j%k:l", "n@o/p?q#"])
 def test_a_password_written_as_it_is_becomes_no_host(
     home: Home, password: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -303,8 +300,7 @@ def test_a_channel_that_is_none_is_said_before_anything_is_sent(
 
 @pytest.mark.parametrize(
     "url",
-    ["dingtalk://token", "wecombot://key", "feishu://token",
-     "slack://T1JJ3T3L2/A1BRTD4JD/TIiajkdnlazkcOXrIdevi7FQ"],
-)  # fmt: skip
+    ["dingtalk://token", "slack://T1JJ3T3L2/A1BRTD4JD/TIiajkdnlazkcOXrIdevi7FQ"],
+)
 def test_the_chats_that_clients_use_are_known(url: str) -> None:
     assert remind.sending.check_channel("chat", url) == url
