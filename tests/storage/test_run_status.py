@@ -35,28 +35,12 @@ def test_a_run_is_seen_as_dead_once_its_lock_is_free(tmp_path: Path) -> None:
     assert statuses(home) == [(status("measuring"), True)]
 
 
-def test_a_run_that_ended_with_a_word_is_not_dead(tmp_path: Path) -> None:
-    home = Home(tmp_path)
-    for state in ("stopped", "done"):
-        write_status(status(state), home)
-        assert statuses(home) == [(status(state), False)]
-
-
 def test_each_station_has_one_and_what_is_not_understood_is_left_out(tmp_path: Path) -> None:
     home = Home(tmp_path)
     for station in ("T1", "T2", "T2"):
         write_status(status("done", station), home)
     (home.status / "other.json").write_text("{", encoding="utf-8")
     assert sorted(each.station for each, _ in statuses(home)) == ["T1", "T2"]
-
-
-def test_looking_does_not_keep_a_run_from_its_station(tmp_path: Path) -> None:
-    home = Home(tmp_path)
-    write_status(status("measuring"), home)
-    for _ in range(100):
-        statuses(home)
-        with one_run_on("T1", home):
-            pass
 
 
 def test_a_disk_that_refuses_costs_the_status_and_not_the_run(tmp_path: Path) -> None:

@@ -21,12 +21,6 @@ def test_result_comes_back_as_it_went_in(fresh: Home) -> None:
     assert kept.calibration == calibrated(run)
 
 
-def test_same_result_twice_is_one(fresh: Home) -> None:
-    run = runs.add(small(), fresh)[0]
-    assert results.save(calibrated(run), fresh) == results.save(calibrated(run), fresh)
-    assert len(results.of_run(run, fresh)) == 1
-
-
 def test_new_result_supersedes_the_older_and_says_why(fresh: Home) -> None:
     run = runs.add(small(), fresh)[0]
     one = results.save(calibrated(run), fresh)
@@ -68,14 +62,6 @@ def test_a_result_with_further_terms_stands_beside_the_one_without(fresh: Home) 
     assert newest.id == results.find(run.id, fresh).id == plain
     table = dataframes.results(fresh).groupby("result")["terms"].first()
     assert dict(table) == {plain: "", armed: "arm", both: "arm tilt", later: "arm"}
-
-
-def test_a_run_with_nothing_but_further_terms_is_found_by_them(fresh: Home) -> None:
-    run = runs.add(small(), fresh)[0]
-    arm = AdoptedTerm(name="arm", title="t", title_zh="t")
-    armed = results.save(calibrated(run, terms=(arm,)), fresh)
-    assert results.newest(results.of_run(run, fresh)) is None
-    assert results.find(run.id, fresh).id == armed
 
 
 def test_a_result_is_found_by_its_id(fresh: Home) -> None:

@@ -1,11 +1,9 @@
 """What ISO/IEC 17025, 7.8 asks of a certificate beside clause 8 of the specification."""
 
-import io
 from typing import Any
 
 import pytest
 from lxml import etree
-from pypdf import PdfReader
 from sample_certificate import calibration, certificate, content, laboratory, manifest, order
 from test_certificate_as_found import adjusted
 
@@ -14,7 +12,6 @@ from schemas.configuration import Configuration
 from schemas.text import Remark
 from tasks.certificate.content import Content
 from tasks.certificate.documents import faces_of
-from tasks.certificate.pdf import render
 
 DCC = "{https://ptb.de/dcc}"
 SET_UP = Configuration(
@@ -43,11 +40,6 @@ def test_the_first_page_has_place_accreditation_and_contact() -> None:
     assert printed["Place of calibration"] == "Hall 3, Beijing"
     assert printed["Accreditation"] == "CNAS L1234"
     assert printed["Contact of the laboratory"] == "+86 10 1234, lab@example.org"
-
-
-def test_at_the_laboratorys_address_no_other_place_is_named_and_nothing_is_claimed() -> None:
-    absent = {"Place of calibration", "Accreditation", "Contact of the laboratory"}
-    assert not absent & front(content(certificate())).keys()
 
 
 def test_the_place_that_the_order_names_goes_before_the_laboratorys() -> None:
@@ -96,14 +88,6 @@ def test_traceability_is_claimed_by_certificates_alone(
     assert says in made.traceability[1]
 
 
-def test_standards_that_are_not_traceable_carry_no_claim() -> None:
-    equipment = tuple(
-        standard.model_copy(update={"traceable": False}) for standard in laboratory().equipment
-    )
-    made = content(certificate(laboratory=laboratory(equipment=equipment)))
-    assert "no metrological traceability is claimed" in made.traceability[1]
-
-
 def test_no_traceability_is_claimed_for_an_invalid_run() -> None:
     invalid = calibration().model_copy(
         update={"remarks": (Remark(code="x", run="invalid", en="Invalid.", zh="无效。"),)}
@@ -112,24 +96,6 @@ def test_no_traceability_is_claimed_for_an_invalid_run() -> None:
     assert made.is_report  # and has a report number
     assert not content(certificate()).is_report
     assert "no metrological traceability is claimed" in made.traceability[1]
-
-
-def test_the_accuracy_of_a_standard_is_printed_in_both_languages() -> None:
-    standard = (
-        laboratory().equipment[0].model_copy(update={"accuracy": "class 1", "accuracy_zh": "1级"})
-    )
-    made = content(certificate(laboratory=laboratory(equipment=(standard,))))
-    assert made.standards[0].accuracy == ("1级", "class 1")
-
-
-def test_without_an_agreed_date_of_recalibration_none_is_printed() -> None:
-    assert front(content(certificate()))["Recalibration due"] == "2027-11-19"
-    assert "Recalibration due" not in front(content(certificate(due=None)))
-
-
-def test_the_first_page_still_holds_the_signatures() -> None:
-    pages = PdfReader(io.BytesIO(render(MADE))).pages
-    assert "Li Ming" in pages[0].extract_text()
 
 
 def test_the_dcc_has_them_in_their_places_and_as_statements() -> None:

@@ -5,7 +5,7 @@ from functools import cache
 
 import pypdfium2
 import pytest
-from sample_certificate import calibration, certificate, content
+from sample_certificate import certificate
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
@@ -33,6 +33,7 @@ def text_of(pdf: bytes) -> str:
     return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in pages))
 
 
+@pytest.mark.rehearsal
 def test_the_budgets_are_printed_only_where_they_were_asked_for(made) -> None:
     without, asked = (text_of(render(printed(made, wanted))) for wanted in (False, True))
     assert "Uncertainty budgets" not in without
@@ -47,10 +48,6 @@ def test_the_budgets_are_printed_only_where_they_were_asked_for(made) -> None:
         "95 % half width",
     ):
         assert words in asked
-
-
-def test_a_certificate_without_budgets_in_its_result_prints_none() -> None:
-    assert content(printed(calibration(), True)).budgets is None
 
 
 def test_every_item_has_the_lines_of_its_most_uncertain_element(made) -> None:

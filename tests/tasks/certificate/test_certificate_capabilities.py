@@ -102,9 +102,3 @@ def test_budgets_print_the_stated_u_and_say_so() -> None:
     assert printed.tables[0] == plain.tables[0]
     kept = [next(t for t in each.tables if t.title == bias.title) for each in (printed, plain)]
     assert [e.u_c for e in kept[0].elements] == [e.u_c for e in kept[1].elements]
-
-
-def test_without_capabilities_all_is_as_it_was() -> None:
-    printed = content(made())
-    assert accreditation(printed) == ["CNAS L1234"]
-    assert "capability" not in texts(printed)

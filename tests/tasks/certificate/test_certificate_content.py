@@ -20,7 +20,6 @@ from sample_certificate import (
 from schemas.calibration import Calibration, EnvironmentSeen, Item, Method
 from schemas.certificate import State
 from schemas.decision import Verdict
-from schemas.text import Remark
 from schemas.tolerance import Limit, Quantity, Tolerance
 from schemas.uncertainty import Distribution
 from tasks.certificate.fields import literal, slug
@@ -183,42 +182,6 @@ def test_readings_are_numbered_once_with_the_items_that_rest_on_them() -> None:
     assert about["R5"][1] == "Gyro g-sensitivity"
 
 
-def test_an_unknown_reading_is_printed_by_its_identifier() -> None:
-    scale = item("1", "7.2.1", AXES, [1.0, 1.0, 1.0], 1e-5, readings=("nobody.knows",))
-    result = calibration(items={"gyro_scale_factor": scale})
-    made = content(certificate(result, decide(result, None)))
-    assert (made.readings[0].short, made.readings[0].clause[0]) == ("R1", "nobody.knows")
-
-
-def test_the_uncertainty_statement_says_what_is_not_in_it() -> None:
-    zh, en = content(certificate()).uncertainty[0]
-    assert "type A only" in en
-    assert "are not included" in en
-    assert "转台、参考标准和数据采集系统引入的分量未包含在内" in zh
-
-
-def test_remarks_that_block_a_pass_say_so() -> None:
-    remark = Remark(
-        code="c", en="Too warm.", zh="温度过高。", segments=("a", "b"), blocks_pass=True
-    )
-    made = content(certificate(calibration(remarks=(remark,))))
-    assert made.verdict == "inconclusive"
-    (row,) = made.remarks
-    assert row.text == (
-        "温度过高。[a, b]本条影响判定：不得判为合格。",
-        "Too warm. [a, b] This prevents a pass.",
-    )
-    assert row.segments == ""
-
-
-def test_the_remark_that_makes_a_run_invalid_says_so() -> None:
-    remark = Remark(code="c", en="The table stood.", zh="转台未转。", run="invalid")
-    (row,) = content(certificate(calibration(remarks=(remark,)))).remarks
-    assert row.text == (
-        "转台未转。本条使本次测量无效。", "The table stood. This makes the run invalid.",
-    )  # fmt: skip
-
-
 @pytest.mark.parametrize("state", ["draft", "checked"])
 def test_what_is_not_issued_has_a_watermark_and_no_date_of_issue(state: State) -> None:
     made = content(certificate(state=state))
@@ -262,16 +225,6 @@ def test_literal_keeps_every_printable_character(text: str) -> None:
     kept = literal(text)
     assert all(c.isprintable() for c in kept)
     assert [c for c in kept if c != " "] == [c for c in text if c.isprintable() and c != " "]
-
-
-def test_every_sentence_is_there_in_two_languages() -> None:
-    made = asdict(content(certificate()))
-    chinese = [any("\u4e00" <= c <= "\u9fff" for c in text) for text in texts(made)]
-    assert sum(chinese) > 100
-    remarks = [row["text"] for row in made["remarks"]]
-    for zh, en in (*made["uncertainty"], *made["evaluation"], *remarks, *made["statement"]):
-        assert any("\u4e00" <= c <= "\u9fff" for c in zh)
-        assert not any("\u4e00" <= c <= "\u9fff" for c in en)
 
 
 def test_settings_are_called_by_their_names_in_every_language_and_have_units() -> None:

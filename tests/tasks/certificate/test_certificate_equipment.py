@@ -3,7 +3,7 @@
 from typing import get_args
 
 import pytest
-from sample_certificate import calibration, printed
+from sample_certificate import printed
 
 from schemas.equipment import EquipmentLimit, LimitName, ResultAxes
 from tasks.calibrate.calibrate import calibrate
@@ -61,15 +61,6 @@ def test_which_axes_the_results_are_about_is_always_stated(made) -> None:
     assert "axes of the results" in names
 
 
-def test_a_result_of_an_earlier_version_states_its_axes_too(made) -> None:
-    for own, kind in (({}, "axes of the fixture"), ({"mounting": OWN}, "mounting plane")):
-        new = made(**own)
-        old = new.model_copy(
-            update={"settings": {n: v for n, v in new.settings.items() if n != "axes"}}
-        )
-        assert kind in printed(axes_of_results(old))[1]
-
-
 def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) -> None:
     result = made(rate=OWN, gravity=OWN)
     ((_, en),) = printed(whose_limits(result))
@@ -110,7 +101,3 @@ def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made) 
     assert limits["g"].half_width == 5e-4
     assert limits["g"].u == pytest.approx(5e-4 / 3**0.5)
     assert limits["α4"].source == "JJF 2003-2022, 6.2"
-
-
-def test_a_result_without_budgets_claims_no_limits() -> None:
-    assert whose_limits(calibration()) == ()

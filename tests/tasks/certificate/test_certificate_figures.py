@@ -90,15 +90,6 @@ def test_every_figure_has_title_and_caption_in_both_languages_and_what_is_absent
     assert "Figures" not in "".join(page.get_textpage().get_text_bounded() for page in pages)
 
 
-def test_the_history_names_the_certificates_it_comes_from() -> None:
-    present = issued_on(DAY, "M-3", 0.4)
-    curves = tuple(history(present, [issued_on(date(2025, 11, 19), "M-2", 0.5)]))
-    (figure,) = content(present.model_copy(update={"curves": curves})).figures
-    assert "M-2" in figure.caption[0]
-    assert "M-2" in figure.caption[1]
-    assert "2025-11" not in drawn(present.model_copy(update={"curves": curves}))["history"]
-
-
 @pytest.mark.parametrize(
     ("unit", "largest", "read"),
     [("ppm", 3600.0, (1e-4, "%")), ("ppm", 90.0, (1.0, "ppm")), ("deg/s", 2e-4, (1e6, "10⁻⁶ °/s"))],
@@ -124,11 +115,3 @@ def test_what_is_written_in_a_figure_is_outlines_so_that_no_font_is_missing() ->
         descriptor = font.get_object()["/DescendantFonts"][0].get_object()["/FontDescriptor"]
         assert {"/FontFile2", "/FontFile3"} & set(descriptor.get_object())
     assert "300" not in page_of_figures.extract_text().partition("Allan deviation")[0]
-
-
-def test_a_figure_of_the_same_curves_has_the_same_bytes() -> None:
-    first = drawn(with_curves())
-    from tasks.certificate import figures
-
-    figures._svg.cache_clear()
-    assert drawn(with_curves()) == first

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pypdfium2
+import pytest
 from sample_certificate import calibration, certificate, content, printed
 
 from schemas.calibration import Information
@@ -37,14 +38,6 @@ def test_numbers_are_rounded_to_the_place_of_u_and_u_upward() -> None:
     assert (y.value, y.U) == (None, None)
     assert (z.value, z.U) == ("0.0841", "0.0012")
     assert row.unit == "°/√h"
-
-
-def test_a_quantity_without_any_number_keeps_its_reason() -> None:
-    nothing = dict.fromkeys("xyz")
-    shown = noise(value=nothing, u=nothing, U=nothing)
-    (row,) = printed(information_rows(calibration(information={"walk": shown})))
-    assert row.lines == ()
-    assert "masked by" in row.sentences[1]
 
 
 def test_a_value_without_u_has_three_digits_and_no_more() -> None:
@@ -105,12 +98,14 @@ def test_information_never_enters_the_decision() -> None:
     assert content(shown).reasons == content(bare).reasons
 
 
+@pytest.mark.rehearsal
 def test_the_pdf_has_the_section_only_where_there_is_something_to_show() -> None:
     shown = certificate(calibration(information={"walk": noise()}))
     assert "For information, not decided on" in text_of(render(shown))
     assert "For information, not decided on" not in text_of(render(certificate()))
 
 
+@pytest.mark.rehearsal
 def test_on_plant_earth_rotation_the_certificate_says_what_the_clause_contains(
     plant: Callable[[str], Recording],
 ) -> None:
@@ -121,6 +116,7 @@ def test_on_plant_earth_rotation_the_certificate_says_what_the_clause_contains(
     assert "附加信息（不作判定）" in text
 
 
+@pytest.mark.rehearsal
 def test_on_plant_lever_arm_the_certificate_says_that_p_contains_it_and_shows_it_without(
     plant: Callable[[str], Recording],
 ) -> None:

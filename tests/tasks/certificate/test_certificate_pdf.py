@@ -168,13 +168,6 @@ def test_every_item_of_clause_8_is_printed_in_both_languages(
         assert squeezed(word) in issued
 
 
-def test_all_six_gyro_cross_couplings_are_printed(issued: str) -> None:
-    for axes in ("YX", "ZX", "XY", "ZY", "XZ", "YZ"):
-        reads, given = axes
-        assert f"{given}轴对{reads}轴交叉耦合系数(Kg{axes.lower()})" in issued
-        assert f"Couplingofthe{given}axisontothe{reads}gyro" in issued
-
-
 def test_numbers_are_printed_as_they_were_rounded(issued: str) -> None:
     for number in ("1.00041", "0.00013", "−0.03194", "0.00683", "19.9400", "−30.0200", "10−3m"):
         assert number in issued
@@ -214,6 +207,7 @@ def slanted(page: pypdf.PageObject) -> str:
     return "".join(found)
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize("serial", ["T-B-X-1", f"LOT-T-B-X-{42:030d}"])
 def test_letters_of_a_serial_number_are_no_symbols_of_quantities(serial: str) -> None:
     made = certificate()
@@ -224,6 +218,7 @@ def test_letters_of_a_serial_number_are_no_symbols_of_quantities(serial: str) ->
     assert not {"T", "B", "X"} & set(first)
 
 
+@pytest.mark.rehearsal
 def test_a_failed_unit_is_called_failed_with_its_reason() -> None:
     answer = "".join(pages(render(failed())))
     for word in (
@@ -235,19 +230,6 @@ def test_a_failed_unit_is_called_failed_with_its_reason() -> None:
     ):
         assert squeezed(word) in answer
     assert squeezed("Not determined: gyro y was not recorded.") in answer
-
-
-def test_a_unit_without_limits_is_inconclusive_with_its_reason() -> None:
-    answer = "".join(pages(render(bare())))
-    for word in (
-        "未作符合性判定",
-        "no statement of conformity",
-        "未提供该型号的允许限",
-        "no limits are defined",
-    ):
-        assert squeezed(word) in answer
-    assert answer.count("未提供") > 15
-    assert answer.count("notgiven") > 15
 
 
 def test_a_draft_is_marked_on_every_page() -> None:
@@ -293,7 +275,15 @@ def budgeted() -> Certificate:
 
 
 @pytest.mark.parametrize(
-    "made", [certificate, failed, bare, attitude_unit, wordy, guarded, budgeted]
+    "made",
+    [
+        wordy,
+        bare,
+        *(
+            pytest.param(one, marks=pytest.mark.rehearsal)
+            for one in (certificate, failed, attitude_unit, guarded, budgeted)
+        ),
+    ],
 )
 def test_nothing_is_clipped_and_nothing_overlaps(made: Any) -> None:
     pdf = sample() if made is certificate else render(made())
@@ -301,6 +291,7 @@ def test_nothing_is_clipped_and_nothing_overlaps(made: Any) -> None:
     assert_nothing_overlaps(pdf)
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize("text", ["长" * 180, "W" * 180, "very long name " * 14, NASTY * 2])
 def test_long_texts_wrap_inside_the_page(text: str) -> None:
     pdf = render(stretched(text))
@@ -326,12 +317,10 @@ def test_a_character_without_a_glyph_is_refused_in_one_sentence(character: str) 
         render(certificate(manifest=manifest(serial=f"A{character}B")))
 
 
-def test_control_characters_do_not_stop_a_certificate() -> None:
-    answer = pages(render(certificate(manifest=manifest(serial="A\x00\x07\n\u202eB"))))
-    assert "AB" in answer[0]
-
-
-@pytest.mark.parametrize("languages", [("zh",), ("en",), ("en", "zh")])
+@pytest.mark.parametrize(
+    "languages",
+    [("en", "zh"), *(pytest.param((one,), marks=pytest.mark.rehearsal) for one in ("zh", "en"))],
+)
 def test_a_certificate_is_set_in_any_languages_that_have_catalogues(
     languages: tuple[str, ...],
 ) -> None:
@@ -345,9 +334,9 @@ def test_a_certificate_is_set_in_any_languages_that_have_catalogues(
 @pytest.mark.parametrize(
     ("usual", "ordered", "large", "absent"),
     [
-        ("en", None, "CalibrationCertificate", "校准证书"),
+        pytest.param("en", None, "CalibrationCertificate", "校准证书", marks=pytest.mark.rehearsal),
         ("en", "zh", "校准证书", "CalibrationCertificate"),
-        ("zh", "both", "校准证书", None),
+        pytest.param("zh", "both", "校准证书", None, marks=pytest.mark.rehearsal),
     ],
 )
 def test_the_languages_are_the_orders_else_the_laboratorys_and_verify_makes_the_same_pdf(
@@ -381,6 +370,7 @@ def test_no_chinese_of_the_program_is_left_in_an_english_certificate() -> None:
     assert not re.findall(r"[\u4e00-\u9fff]", "".join(pages(render(english, ("en",)))))
 
 
+@pytest.mark.rehearsal
 def test_a_third_language_is_a_third_folder_of_words(tmp_path: Path) -> None:
     with pseudo_language.spoken(tmp_path) as language:
         text = "".join(pages(render(certificate(), (language, "zh"))))
@@ -388,6 +378,7 @@ def test_a_third_language_is_a_third_folder_of_words(tmp_path: Path) -> None:
     assert "校准证书" in text
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize("language", ["zh", "en"])
 def test_the_title_leaves_room_for_the_code_and_the_last_page_is_not_next_to_empty(
     language: str,

@@ -66,12 +66,6 @@ def test_the_conditions_tell_rates_dwell_positions_and_mounting() -> None:
     ]
 
 
-def test_the_mounting_position_is_printed_where_the_manifest_has_it() -> None:
-    given = labelled(mounting_position="10 mm off the axis")
-    made = content(certificate(turned(), manifest=given)).conditions
-    assert made.fields[-1].value[0] == "10 mm off the axis"
-
-
 @pytest.mark.parametrize(
     ("rate_range", "answer"),
     [
@@ -109,11 +103,6 @@ def test_a_largest_input_rate_that_was_included_about_every_axis_is_told() -> No
     made = content(certificate(calibration(segments=every), manifest=labelled(unit=unit)))
     assert "300 °/s; it was included about every axis" in made.conditions.sentences[0][1]
     assert not any("with deviations" in each[1] for each in made.statement)
-
-
-def test_without_turning_there_are_no_rates_to_tell() -> None:
-    made = content(certificate()).conditions
-    assert (made.rates, made.sentences) == ((), ())
 
 
 def test_without_a_day_of_calibration_the_next_counts_from_the_certificate() -> None:
@@ -162,14 +151,6 @@ def test_deviations_are_named_in_the_basis_and_on_the_cover() -> None:
     assert specification[0] == "参照 JJF 2003—2022，有偏离，见“说明”"
 
 
-def test_a_pass_says_for_how_many_items() -> None:
-    made = content(certificate())
-    assert made.scope == (
-        "8 项中 6 项有允许限，均合格",
-        "6 of 8 items have limits and pass",
-    )
-
-
 def test_a_verdict_on_some_elements_says_so() -> None:
     limit = Limit(item="gyro_bias", unit="deg/s", magnitude=1.0, elements=("x",))
     result = calibration()
@@ -177,21 +158,6 @@ def test_a_verdict_on_some_elements_says_so() -> None:
     assert made.scope is not None
     in_part = "in 1 item only some elements have limits"
     assert made.scope[1] == f"1 of 8 items has limits and passes; {in_part}"
-
-
-def test_without_limits_there_is_no_statement_of_conformity() -> None:
-    result = calibration()
-    made = content(certificate(result, decide(result, None)))
-    assert (made.verdict, made.verdict_text, made.scope) == (
-        "inconclusive", ("未作符合性判定", "no statement of conformity"), None,
-    )  # fmt: skip
-
-
-def test_what_u_contains_stands_above_the_results_in_short() -> None:
-    assert content(certificate()).uncertainty_in_short == (
-        "U 仅含 A 类评定的分量；k = 2，正态分布时包含概率约 95 %。",
-        "U includes type A only; k = 2, about 95 % coverage probability for a normal distribution.",
-    )
 
 
 def test_a_fit_offset_with_a_limit_is_not_called_undecided() -> None:
@@ -207,27 +173,9 @@ def test_a_fit_offset_with_a_limit_is_not_called_undecided() -> None:
     assert "g_ii × 1 g and the component of Earth's rotation" in answer(offset)
 
 
-def test_both_cross_couplings_are_written_in_one_power_of_ten() -> None:
-    given = items()
-    fine = given["gyro_cross_coupling"]
-    given["gyro_cross_coupling"] = fine.model_copy(update={"U": dict.fromkeys(fine.U, 5.4e-6)})
-    sections = content(certificate(calibration(items=given))).sections
-    assert sections[2].groups[0].exponent == sections[3].groups[0].exponent == -6
-
-
 def test_an_amendment_says_on_its_first_page_what_it_replaces_and_why() -> None:
     before = Replaced(number="MIMU-2026-0041", issued_on=date(2026, 11, 19), why="wrong address")
     front = content(certificate(replaces=before)).front
     (answer,) = [each.value for each in front if each.label[1] == "Replaces certificate"]
     assert answer[1] == "MIMU-2026-0041 of 2026-11-19; reason: wrong address"
     assert not [each for each in content(certificate()).front if each.label[0] == "代替证书"]
-
-
-def test_the_first_page_says_that_a_run_is_invalid() -> None:
-    unlike = Remark(code="c", en="Unlike.", zh="不符。", run="invalid")
-    made = content(certificate(calibration(remarks=(unlike,))))
-    assert made.scope == (
-        "本次测量无效：不对被校对象作任何判定",
-        "the run is invalid: no decision is made on the unit",
-    )
-    assert made.title == ("测量无效报告", "Report of an Invalid Run")

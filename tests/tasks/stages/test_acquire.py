@@ -117,17 +117,6 @@ def test_a_reader_of_the_progress_that_is_gone_costs_the_progress_alone(
     assert len(acquire_run(station, PROCEDURE, fresh, report).kept) == 1
 
 
-def test_what_fails_beside_the_recording_is_not_called_a_recording_that_cannot_be_written(
-    station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def away(request: object) -> None:
-        raise TimeoutError(110, "Connection timed out")
-
-    monkeypatch.setattr(acquire, "acquire", away)
-    with pytest.raises(BrokenOff, match=r"the run broke off \(Connection timed out\)"):
-        acquire_run(station, PROCEDURE, fresh, lambda _: None)
-
-
 def test_disk_that_is_full_is_one_sentence_and_keeps_what_was_written(
     station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:

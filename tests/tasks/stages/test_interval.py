@@ -61,11 +61,6 @@ def test_a_young_unit_keeps_its_interval(home: Home) -> None:
     assert "too few for the reliability method" in say(sentence(unit, agreed, advice), "en")
 
 
-def test_a_unit_without_certificates_is_said_to_have_none(home: Home) -> None:
-    with pytest.raises(Unusable, match="there is none"):
-        interval_advice("9", home)
-
-
 def test_without_an_agreed_date_there_is_nothing_to_advise_on(home: Home) -> None:
     issued(home, 2020, due=None)
     with pytest.raises(Unusable, match=r"has no recalibration date .*recalibration_agreed"):

@@ -196,14 +196,6 @@ def test_a_draft_one_without_an_agreed_interval_and_one_withdrawn_are_not_due(ho
     assert [each.certificate for each in remind.due_units(home)] == [number]
 
 
-def test_a_client_whom_nobody_named_is_not_reminded(home: Home) -> None:
-    issued(home, ordered=order(OTHER))
-    recall_file(home, mail_to(25))
-    outbox = Outbox()
-    assert remind.remind(home, at(-7), outbox) == []
-    assert outbox.titles == []
-
-
 def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home: Home) -> None:
     for serial, client in (("1", CLIENT), ("2", CLIENT), ("3", OTHER)):
         issued(home, serial, order(client))
@@ -296,11 +288,3 @@ def test_a_channel_that_is_none_is_said_before_anything_is_sent(
     recall_file(home, url)
     with pytest.raises(Unusable, match=says):
         remind.remind(home, at(-7), Outbox())
-
-
-@pytest.mark.parametrize(
-    "url",
-    ["dingtalk://token", "slack://T1JJ3T3L2/A1BRTD4JD/TIiajkdnlazkcOXrIdevi7FQ"],
-)
-def test_the_chats_that_clients_use_are_known(url: str) -> None:
-    assert remind.sending.check_channel("chat", url) == url

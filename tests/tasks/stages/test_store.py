@@ -116,17 +116,6 @@ def test_another_run_of_the_home_may_store_it_meanwhile(
     assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
 
 
-def test_an_operator_who_ends_the_wait_loses_nothing(fresh: Home, recording: Path) -> None:
-    def pressed(_: float) -> None:
-        raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        away_until(1e9, Clock(), Busy("away"), patch)
-        with pytest.raises(BrokenOff, match="stopped by the operator; the run is whole in"):
-            store(recording, fresh, sleep=pressed)
-    assert recording.exists()
-
-
 def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
     fresh: Home, monkeypatch
 ) -> None:

@@ -13,17 +13,11 @@ from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
 from tasks.station.acquisition import check_run
 from tasks.station.requirements import check_procedure
-from tasks.station.virtual.config import virtual_station
 from tasks.station.virtual.faults import StationFault
 from tests.tasks.station.in_memory import InMemoryStation
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import over_sockets
-from tests.tasks.station.sample_stations import rates_link
 from tests.tasks.station.short_ahrs import bench, part, run_of, settled
-
-
-def ignore(progress: object) -> None:
-    pass
 
 
 def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_path):
@@ -34,17 +28,6 @@ def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_
     assert ("axes",) in blocking  # one sentence for all that lies otherwise than its labels say
     assert sum(code == "rate_not_read" for code, *_ in blocking) == 10
     assert result.items["ahrs_scale_factor"].value["x"] is None
-
-
-def test_frames_of_the_wrong_kind_are_said_in_one_sentence(new_sink):
-    station = InMemoryStation(virtual_station(1, ahrs=True))
-    values = station.file.model_dump(mode="json")
-    wrong = StationFile.model_validate(values | {"unit_link": rates_link()})
-    slow = part("fix_x_up", "rest_x").model_copy(update={"warm_up_s": 3600.0})
-    with pytest.raises(Unusable) as stop:
-        station.acquire(slow, new_sink(), file=wrong)
-    assert "no whole frame for 3 s: check unit_link.frame of the station file" in str(stop.value)
-    assert "\n" not in str(stop.value)
 
 
 def by_hand(station: InMemoryStation) -> StationFile:

@@ -60,6 +60,7 @@ def test_a_segment_that_a_moment_spoiled_is_measured_again_and_said_so(short, ke
     assert np.diff(kept.stream("imu").t[rows]) == pytest.approx(0.01, abs=1e-9)
 
 
+@pytest.mark.rehearsal
 def test_a_segment_that_stays_bad_is_repeated_twice_and_then_kept_with_its_remark(short, kept):
     station = InMemoryStation(VirtualStation(), faults=[StationFault("stuck_channel")])
     acquired = station.acquire(short, kept)

@@ -41,16 +41,6 @@ def test_a_stop_is_kept_with_its_cause(short, kept):
     assert "emergency_stop" in last.en
 
 
-def test_an_operator_who_ends_a_run_is_its_cause(short, kept):
-    def interrupt(progress):
-        if progress.now.startswith("rate"):
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        InMemoryStation(VirtualStation()).acquire(short, kept, interrupt)
-    assert log_of(kept)[-1].en == "Run stopped by the operator."
-
-
 def test_an_alarm_is_kept_once_and_counted_for_who_watches(short, kept):
     found = []
     station = InMemoryStation(VirtualStation(), faults=[StationFault("unit_drops")])

@@ -75,12 +75,6 @@ def test_a_unit_that_falls_silent_is_given_up_and_its_neighbour_measured_to_the_
     assert "The unit was abandoned" in causes[-1]
 
 
-def test_who_watches_hears_which_unit_was_given_up(one_silent):
-    _, _, found = one_silent
-    assert found[-1].state == "done"
-    assert any(alarm.en.startswith("V00001: The unit was abandoned") for alarm in found[-1].alarms)
-
-
 def test_when_every_unit_is_silent_the_run_stops(short, sinks):
     with pytest.raises(Unusable, match=r"the run stopped during .* has sent nothing"):
         run(short, sinks, [StationFault("supply_cut", 8.0)])
@@ -107,6 +101,7 @@ def test_a_segment_is_repeated_for_the_unit_that_needs_it_alone(short, sinks):
     assert repeated.t_start > sound.t_end
 
 
+@pytest.mark.rehearsal
 @pytest.mark.real_time
 def test_two_units_over_sockets(short, sinks):
     with serving(TWO, SPEED) as station:

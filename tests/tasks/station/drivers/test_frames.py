@@ -42,10 +42,6 @@ GARBAGE = st.lists(
 ).map(b"".join)
 
 
-def test_layout_is_that_of_the_protocol():
-    assert RATES.size == FRAME_BYTES
-
-
 @given(st.lists(st.binary(min_size=5, max_size=5), min_size=1, max_size=8))
 def test_check_sums_are_those_of_the_libraries(rows):
     octets = np.frombuffer(b"".join(rows), np.uint8).reshape(len(rows), 5)

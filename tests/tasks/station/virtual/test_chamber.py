@@ -18,10 +18,6 @@ def chamber() -> VirtualChamber:
     return VirtualChamber(ChamberLimits(temperature_degc=(0.0, 50.0), rate_k_min=6.0), ROOM)
 
 
-def test_it_stays_where_it_is_until_it_is_set(chamber):
-    assert chamber.degc(1000.0) == ROOM
-
-
 @pytest.mark.parametrize(("target", "sign"), [(30.0, 1.0), (10.0, -1.0)])
 def test_it_goes_at_its_rate_and_stays(chamber, target, sign):
     chamber.go_to(100.0, target)

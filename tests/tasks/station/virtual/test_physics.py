@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from schemas.recording import Mount
 from tasks.station.virtual import quaternions
-from tasks.station.virtual.config import VirtualStation, truth
+from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.protocol import MODES
 from tasks.station.virtual.sensors import SensorNoise, UnitUnderTest
 from tasks.station.virtual.simulation import Body
@@ -95,20 +95,6 @@ def test_speeding_up_it_reads_the_tangential_part():
     assert read[4] == pytest.approx(angular * 0.03, rel=1e-3)
 
 
-def test_the_rate_sensitivity_told_as_truth_is_what_the_samples_show():
-    drawn = draw_unit(9)
-    accel = drawn.accel.model_dump() | {"white": 0, "flicker": 0, "lsb": 1e-7, "bias": NOTHING,
-                                        "bias_per_kelvin": NOTHING}  # fmt: skip
-    unit = ideal(accel=accel, places_m=drawn.places_m)
-    config = VirtualStation(unit=unit)
-    rest = samples(config, [], 1).mean(axis=0)
-    turning = samples(config, [(2, "rate", 0.0, 200.0)], 5).mean(axis=0)
-    shown = (turning - rest)[3:] / (200.0 * DEG) ** 2
-    true = np.array(truth(config)["P"])
-    np.testing.assert_allclose(shown, true[:, 2], atol=3e-8)
-    assert true[1, 2] == pytest.approx(-drawn.places_m[1][1], abs=2e-5)
-
-
 def test_matrices_biases_and_g_sensitivity_enter_as_model_one_and_two_have_them():
     gyro_scale = [[1.01, 0.002, -0.003], [0.004, 0.99, 0.005], [-0.006, 0.007, 1.02]]
     accel_scale = [[0.98, 0.001, 0.002], [-0.003, 1.03, 0.004], [0.005, -0.006, 1.0]]
@@ -126,28 +112,6 @@ def test_matrices_biases_and_g_sensitivity_enter_as_model_one_and_two_have_them(
     gyro = np.array(gyro_scale) @ rate + [0.01, 0.02, 0.03] + sensitivity @ force
     accel = np.array(accel_scale) @ force + [0.1, 0.2, 0.3]
     np.testing.assert_allclose(read, np.concatenate([gyro, accel]), atol=2e-7)
-
-
-def test_two_axes_turning_together_read_as_rigid_kinematics_says():
-    config = VirtualStation(unit=ideal(places_m=[(0.01, -0.02, 0.03)] * 3))
-    body, t = Body(config), np.arange(1, 3001) * 1e-3
-    angles = np.column_stack([np.sin(3 * t), 0.5 * np.sin(5 * t), t**2])
-
-    def attitude(at):
-        a, b, c = np.sin(3 * at), 0.5 * np.sin(5 * at), at**2
-        return (Rotation.from_euler("z", a) * Rotation.from_euler("x", b)
-                * Rotation.from_euler("z", c))  # fmt: skip
-
-    rate, angular, up = body.move(angles)
-    at, small = 1.7, 1e-4
-    place = np.array([0.01, -0.02, 0.03])
-    positions = [attitude(at + k * small).apply(place) for k in (-1, 0, 1)]
-    moved = (positions[0] - 2 * positions[1] + positions[2]) / small**2
-    index = 1700  # the first answer is of step 0
-    felt = up[:, index] + np.cross(angular[:, index], place)
-    felt = felt + np.cross(rate[:, index], np.cross(rate[:, index], place))
-    expected = attitude(at).inv().apply(moved + np.array([0.0, 0.0, G]))
-    np.testing.assert_allclose(felt, expected, atol=2e-5)
 
 
 def test_samples_do_not_depend_on_how_time_is_cut():
