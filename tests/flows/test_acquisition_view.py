@@ -40,7 +40,7 @@ def test_elsewhere_a_line_comes_now_and_then(
 
 def test_station_status_says_how_each_run_stands(mimucal, home) -> None:
     from storage.home import Home
-    from tests.storage.test_run_status import status, write_status
+    from tests.storage.test_stations import status, write_status
 
     write_status(status("measuring"), Home(home))
     (run,) = mimucal("station", "status", "--json").json["runs"]
