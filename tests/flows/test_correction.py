@@ -53,6 +53,7 @@ def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_res
             assert abs(value - 1.0) <= again[name]["U"][axis]
 
 
+@pytest.mark.rehearsal
 def test_before_and_after_an_adjustment_stand_on_one_certificate(
     mimucal, home, plant_on_earth, run, tmp_path, unprinted
 ) -> None:
@@ -154,6 +155,7 @@ def test_a_corrected_recording_has_its_uncertainty_beside_the_readings_where_it_
     assert "u_gyro_x" not in pq.read_table(tmp_path / "plain/imu.parquet").column_names
 
 
+@pytest.mark.rehearsal
 def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
     mimucal, plant_on_earth, tmp_path, home
 ) -> None:
@@ -167,6 +169,7 @@ def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
     assert mimucal("apply", *arguments, "--json").json["u_rms"] == {}
 
 
+@pytest.mark.rehearsal
 def test_the_evidence_of_a_result_is_exported(mimucal, run, tmp_path, home) -> None:
     done = mimucal("export", run, "--as", "evidence")
     assert done.code == 0, done.err
