@@ -147,19 +147,10 @@ VALUES = nominal_values(STANDARD_TERMS) + 1e-3 * np.random.default_rng(4).standa
 READINGS = predict(STANDARD_TERMS, RUN, VALUES)
 
 
-def test_a_gyro_reads_rate_one_and_the_vertical() -> None:
-    expected = np.column_stack([RUN.rate, np.ones(len(RUN.t)), RUN.up])
-    np.testing.assert_allclose(regressors(RUN, 1), expected, rtol=1e-14)
-
-
 def test_an_accelerometer_reads_no_square_of_its_own_rate() -> None:
     squares = RUN.rate[:, [0, 2]] ** 2
     expected = np.column_stack([RUN.up, np.ones(len(RUN.t)), squares])
     np.testing.assert_allclose(regressors(RUN, 4), expected, rtol=1e-14)
-
-
-def test_what_the_standards_model_reads_is_predicted_exactly() -> None:
-    np.testing.assert_allclose(plain_prediction(READINGS, RUN), READINGS, atol=1e-10)
 
 
 def test_masked_readings_do_not_take_part_but_are_predicted() -> None:

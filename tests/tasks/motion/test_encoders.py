@@ -28,13 +28,6 @@ def test_derivatives_of_a_swing(rate_hz: float) -> None:
         assert observed[:, 0] == pytest.approx(true, abs=0.02)
 
 
-def test_uneven_stamps_are_no_motion() -> None:
-    t = np.sort(T + np.random.default_rng(3).uniform(-0.003, 0.003, len(T)))
-    _, rate, acceleration = smooth_derivatives(t, 0.5 * t[:, None], T[100:-100])
-    assert rate[:, 0] == pytest.approx(np.full(len(rate), 0.5), abs=1e-9)
-    assert np.abs(acceleration).max() < 1e-6
-
-
 def test_the_noise_of_the_encoder_does_not_become_acceleration() -> None:
     noise = 5e-6 * np.random.default_rng(4).standard_normal(len(T))
     angle = (0.3 * T**2 + noise)[:, None]
@@ -51,10 +44,6 @@ def test_ramps_keep_their_sharp_ends() -> None:
     true = np.where((T > 3.0) & (T < 5.5), 2.0, 0.0)
     gain = acceleration[:, 0] @ true / (acceleration[:, 0] @ acceleration[:, 0])
     assert gain == pytest.approx(1.0, abs=0.01)
-
-
-def test_two_samples_have_no_derivative() -> None:
-    assert np.isnan(smooth_derivatives(T[:2], T[:2, None], T[:2])[1]).all()
 
 
 def test_nothing_is_known_in_a_gap_of_the_samples() -> None:
@@ -220,10 +209,6 @@ def test_a_rate_that_is_held_and_one_that_swings_are_no_rests() -> None:
     )  # a stepper's resonance
 
 
-def test_an_angle_shorter_than_the_means_has_no_rests() -> None:
-    assert not list(rests(np.zeros(50), 0.01, np.full(50, NOISE**2)))
-
-
 # Angles of an AHRS as mean rates: each interval's gain, and nothing where it cannot be told.
 
 T_ANGLE_RATES = np.arange(0.0, 20.0, 0.1)
@@ -297,14 +282,6 @@ def test_smoothing_again_takes_about_what_smoothing_took() -> None:
     again = float(found @ lost_acceleration(recording, T_SMOOTHING_ERROR)[:, 0] / (found @ found))
     assert owed > 0.05
     assert again == pytest.approx(owed, rel=0.4)
-
-
-def test_a_fine_encoder_loses_next_to_nothing() -> None:
-    lost = lost_acceleration(turned(0.0), T_SMOOTHING_ERROR)[:, 0]
-    assert (
-        abs(float(lost @ TRUE_SMOOTHING_ERROR / (TRUE_SMOOTHING_ERROR @ TRUE_SMOOTHING_ERROR)))
-        < 0.02
-    )
 
 
 def test_nothing_is_lost_where_no_encoder_is_read() -> None:

@@ -47,14 +47,6 @@ def test_neither_the_smoothing_nor_the_time_between_frames_makes_a_swing_smaller
         assert gain == pytest.approx(1.0, abs=5e-5)
 
 
-def test_noisier_positions_are_smoothed_more() -> None:
-    quiet, noisy = (
-        whole_motion(recording(reference=poses(1, 2e-4, noise))).tracking for noise in (1e-5, 1e-3)
-    )
-    assert noisy.place < 0.85 * quiet.place
-    assert noisy.attitude == pytest.approx(quiet.attitude)
-
-
 def test_frames_that_were_interpolated_to_the_units_rate_are_not_taken_for_quiet_ones() -> None:
     frames = poses()
     rows = T[: np.searchsorted(T, frames.t[-1])]
@@ -118,11 +110,6 @@ def test_a_body_on_a_table_keeps_its_place() -> None:
     assert not motion.translation[INNER].any()
 
 
-def test_a_tracker_that_hardly_saw_anything_tells_nothing() -> None:
-    few = poses().at(slice(0, 5))
-    assert not whole_motion(recording(reference=few)).felt.any()
-
-
 def test_a_stretch_whose_even_grid_ends_a_hair_late_is_read_to_its_end() -> None:
     """The usual interval is 0.01 s but for its last digits, which add up over 33 s."""
     stamps = np.round(0.01 * np.arange(10265), 2)
@@ -170,11 +157,6 @@ def test_gyros_of_another_body_see_nothing() -> None:
     angle, rate = turns()
     other = np.random.default_rng(5).normal(0.0, 1.0, rate.shape)
     assert seen_by_gyros([angle], [other], INTERVAL) == 0.0
-
-
-def test_a_stretch_shorter_than_the_window_tells_nothing() -> None:
-    angle, rate = turns()
-    assert seen_by_gyros([angle[:300]], [rate[:300]], INTERVAL) == 0.0
 
 
 # What smoothing takes off a tracked motion shows when it is smoothed again.

@@ -84,13 +84,6 @@ def test_rate_and_acceleration_follow_from_the_attitude_with_every_axis_moving()
     assert motion.acceleration[inner] == pytest.approx(change[inner], abs=2e-2)
 
 
-def test_an_encoder_that_starts_anew_each_turn_is_the_same_motion() -> None:
-    angles = np.column_stack([3.0 * T, 0 * T, 0 * T])
-    wrapped = np.column_stack([np.mod(3.0 * T, 2 * np.pi), 0 * T, 0 * T])
-    motion, same = (whole_motion(recording(each)) for each in (angles, wrapped))
-    assert same.rate == pytest.approx(motion.rate, abs=1e-9)
-
-
 def test_a_heading_that_is_not_told_leaves_north_unknown() -> None:
     motion = whole_motion(recording(np.zeros((len(T), 3)), None))
     assert np.isnan(motion.north).all()
@@ -245,10 +238,6 @@ def test_the_measured_rate_is_taken(turning: tuple[np.ndarray, ...]) -> None:
     assert is_rate_of(*turning)
 
 
-def test_a_rate_without_any_noise_is_taken() -> None:
-    assert is_rate_of(*_course())
-
-
 @pytest.mark.parametrize("off", [1.0001, 0.999])
 def test_a_rate_of_another_scale_is_not_taken(turning: tuple[np.ndarray, ...], off: float) -> None:
     t, angle, rate = turning
@@ -271,11 +260,6 @@ def test_differences_of_the_angle_are_not_taken_for_a_measured_rate(
 def test_a_filtered_rate_is_not_taken(turning: tuple[np.ndarray, ...]) -> None:
     t, angle, rate = turning
     assert not is_rate_of(t, angle, np.convolve(rate, [0.25, 0.5, 0.25], "same"))
-
-
-def test_a_coarse_rate_is_not_taken(turning: tuple[np.ndarray, ...]) -> None:
-    t, angle, rate = turning
-    assert not is_rate_of(t, angle, np.round(rate, 3))
 
 
 def test_a_rate_that_lacks_what_the_encoder_reads_once_a_turn_is_not_taken(

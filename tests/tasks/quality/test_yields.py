@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import binomtest
 
 from tasks.quality.capability import consumed
 from tasks.quality.stations import against_each_other
@@ -24,13 +23,6 @@ def test_intervals_are_those_that_newcombe_prints() -> None:
     printed = np.array(list(NEWCOMBE.values()))
     assert low == pytest.approx(printed[:, 0], abs=5e-5)
     assert high == pytest.approx(printed[:, 1], abs=5e-5)
-
-
-def test_intervals_are_those_of_scipy_at_any_level() -> None:
-    for passed, of, level in ((3, 7, 0.9), (7, 7, 0.95), (500, 1000, 0.99)):
-        known = binomtest(passed, of).proportion_ci(level, method="wilson")
-        low, high = wilson(np.array([passed]), np.array([of]), level)
-        assert (low[0], high[0]) == pytest.approx((known.low, known.high))
 
 
 def test_nothing_has_no_interval() -> None:

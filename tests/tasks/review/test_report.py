@@ -17,7 +17,7 @@ from tasks.review.several_recordings import reviewed_runs
 from tasks.specifications.register import specification_for
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
-from tests.tasks.review.fleet import NOTHING, fleet, of
+from tests.tasks.review.fleet import fleet, of
 
 SIZE = 3.0
 
@@ -40,13 +40,6 @@ def test_a_change_is_told_with_its_run_and_interval() -> None:
     assert finding.parameters[0].value == pytest.approx(SIZE, abs=5 * finding.parameters[0].u)
 
 
-def test_a_change_that_can_only_be_at_one_run_has_no_interval() -> None:
-    review = reviewed(4, lambda unit, station, day: of("axis_tilt", 9.0 * SIZE * (day >= 50)))
-    text = review.findings[0].statement
-    assert "no other" in text.en
-    assert "between" not in text.en
-
-
 def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() -> None:
     review = reviewed(
         7, lambda unit, station, day: of("axis_tilt", SIZE * (unit == 3)),
@@ -58,12 +51,6 @@ def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() 
     assert "another unit on this station" in finding.statement.en
 
 
-def test_a_clean_fleet_says_so() -> None:
-    review = reviewed(101, lambda unit, station, day: NOTHING)
-    assert (review.verdict, review.findings) == ("no_mismatch", ())
-    assert "80 runs of 12 units on 4 stations" in review.statement.en
-
-
 def test_a_site_is_estimated_from_the_level_part_of_earths_rotation() -> None:
     latitude, heading, u = np.radians(39.9), np.radians(30.0), 1e-7
     level = EARTH_RATE * np.cos(latitude) * np.array([-np.sin(heading), np.cos(heading)])
@@ -73,12 +60,6 @@ def test_a_site_is_estimated_from_the_level_part_of_earths_rotation() -> None:
     assert site.latitude_expanded == pytest.approx(
         2 * np.degrees(u / (EARTH_RATE * np.sin(latitude)))
     )
-
-
-def test_a_site_that_does_not_stand_out_stays_unknown() -> None:
-    site = estimated("ST-01", 2, np.array([1e-6, 0.0]), np.diag([1e-12, 1e-12]))
-    assert site.latitude_deg is None
-    assert "is not significant" in site.statement.en
 
 
 def manifest(model: str, serial: str, **station: object) -> Manifest:
@@ -96,18 +77,6 @@ def test_units_go_by_their_serial_unless_two_models_share_it() -> None:
     })  # fmt: skip
     assert [run.carriers["unit"] for run in runs.values()] == ["M1 1", "M2 1", "2"]
     assert [run.carriers.get("site") for run in runs.values()] == ["north", "40.00°", None]
-
-
-def test_an_effect_of_one_run_is_told_in_the_singular() -> None:
-    """Of two runs of two units only one has it."""
-    (finding,) = reviewed(
-        3, lambda unit, station, day: of("size_effect", 30.0 * (day == 0)), runs=6, units=12,
-        stations=1,
-    ).findings  # fmt: skip
-    assert finding.evidence.runs == 1
-    assert "in the run of" in finding.statement.en
-    assert "the run favours it" in finding.statement.en
-    assert "1 次测量的" in finding.statement.zh
 
 
 # What an effect moves in a certificate is what a recording without it would have given.
