@@ -22,6 +22,9 @@ from schemas.recording import ACCEL, AXES, GYRO
 from tests.tasks.station.makers.drive import Drive
 from tests.tasks.station.makers.modbus_maker import listening
 
+pytestmark = pytest.mark.rehearsal
+
+
 GUIDE = Path("deploy/guide/how-to-add.md")
 PRODUCT = ("flows", "tasks", "storage", "schemas")
 PARTS = re.compile(

@@ -38,13 +38,9 @@ def test_elsewhere_a_line_comes_now_and_then(
     assert [text for text in SHOWN if text not in line] == []
 
 
-def test_what_is_not_known_yet_is_left_out() -> None:
-    assert list(acquisition_view.facts(Progress("connecting", 0.0, 0.0, 0.0))) == ["state", "time"]
-
-
 def test_station_status_says_how_each_run_stands(mimucal, home) -> None:
     from storage.home import Home
-    from tests.storage.test_run_status import status, write_status
+    from tests.storage.test_stations import status, write_status
 
     write_status(status("measuring"), Home(home))
     (run,) = mimucal("station", "status", "--json").json["runs"]

@@ -67,6 +67,7 @@ def test_a_form_of_the_trail_that_is_none_is_refused(mimucal, key: str) -> None:
     assert "choose one of table, csv, jsonl" in refused.err
 
 
+@pytest.mark.rehearsal
 def test_the_evidence_lies_beside_the_certificate_and_its_hash_in_the_record(
     mimucal, run_on_earth: str, home: Path, tmp_path: Path, unprinted
 ) -> None:
@@ -105,6 +106,7 @@ def test_the_evidence_lies_beside_the_certificate_and_its_hash_in_the_record(
     assert "beside it" in mimucal("verify", alone).out
 
 
+@pytest.mark.rehearsal
 def test_a_result_by_draws_is_certified_without_an_evidence_file(
     mimucal, run_on_earth: str, home: Path, unprinted
 ) -> None:

@@ -38,6 +38,7 @@ def test_a_corrected_recording_calibrates_to_an_ideal_unit(
         assert abs(value) <= sensitivity["U_without_earth_rotation"][element]
 
 
+@pytest.mark.rehearsal
 def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_result(
     mimucal, plant_on_earth, tmp_path, home
 ) -> None:
@@ -52,6 +53,7 @@ def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_res
             assert abs(value - 1.0) <= again[name]["U"][axis]
 
 
+@pytest.mark.rehearsal
 def test_before_and_after_an_adjustment_stand_on_one_certificate(
     mimucal, home, plant_on_earth, run, tmp_path, unprinted
 ) -> None:
@@ -72,13 +74,6 @@ def test_before_and_after_an_adjustment_stand_on_one_certificate(
     assert done.json["as_found"] == {"run": run, "verdict": "fail"}
     (listed,) = mimucal("show", run, "--json").json["certificates"]
     assert listed["number"] == done.json["number"]
-
-
-def test_a_corrected_recording_says_by_what(mimucal, plant_on_earth, run, tmp_path) -> None:
-    assert mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected").code == 0
-    manifest = json.loads((tmp_path / "corrected/manifest.json").read_text(encoding="utf-8"))
-    assert manifest["corrected_by"]["run"] == run
-    assert manifest["corrected_by"]["method"] == "jjf2003"
 
 
 def test_export_prints_a_form_and_nothing_else(mimucal, run) -> None:
@@ -141,6 +136,7 @@ def test_the_result_of_an_invalid_run_corrects_nothing(mimucal, run, tmp_path: P
         assert "invalid: The supply fell" in done.err
 
 
+@pytest.mark.rehearsal
 def test_a_corrected_recording_has_its_uncertainty_beside_the_readings_where_it_is_asked_for(
     mimucal, plant_on_earth, run, tmp_path
 ) -> None:
@@ -159,6 +155,7 @@ def test_a_corrected_recording_has_its_uncertainty_beside_the_readings_where_it_
     assert "u_gyro_x" not in pq.read_table(tmp_path / "plain/imu.parquet").column_names
 
 
+@pytest.mark.rehearsal
 def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
     mimucal, plant_on_earth, tmp_path, home
 ) -> None:
@@ -172,6 +169,7 @@ def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
     assert mimucal("apply", *arguments, "--json").json["u_rms"] == {}
 
 
+@pytest.mark.rehearsal
 def test_the_evidence_of_a_result_is_exported(mimucal, run, tmp_path, home) -> None:
     done = mimucal("export", run, "--as", "evidence")
     assert done.code == 0, done.err

@@ -106,13 +106,6 @@ def test_a_person_reads_the_verdict_the_finding_and_what_it_matters(
     assert "bias of the x gyro" in done.out.lower()
 
 
-def test_no_mismatch_is_a_good_answer(mimucal, shared, engine) -> None:
-    engine(0)
-    done = mimucal("explain", shared / SMALL)
-    assert done.code == 0, done.err
-    assert done.out.startswith("no mismatch")
-
-
 def test_without_out_nothing_is_written_and_with_it_the_whole_report(
     mimucal, shared, engine, tmp_path, monkeypatch
 ) -> None:
@@ -148,12 +141,6 @@ def test_a_result_and_a_simulation_reach_the_engine(mimucal, plant_clean, engine
     assert mimucal("explain", plant_clean, "--simulated", tmp_path / "sim").code == 0
     np.testing.assert_array_equal(asked["reference"].readings, simulated)
     assert "simulation" in say(asked["reference"].model, "en")
-
-
-def test_fitted_is_the_default(mimucal, shared, engine) -> None:
-    asked = engine(0)
-    assert mimucal("explain", shared / SMALL).code == 0
-    assert asked["reference"] is None
 
 
 def test_limits_in_the_home_say_whether_a_verdict_changes(
@@ -195,16 +182,12 @@ def test_what_cannot_be_used_is_one_sentence(
     assert says in done.err
 
 
+@pytest.mark.rehearsal
 def test_simulation_of_another_run_is_refused(mimucal, shared, plant_clean, engine) -> None:
     engine(1)
     done = mimucal("explain", plant_clean, "--simulated", shared / SMALL)
     assert done.code == 2
     assert "% of the rows of plant_clean" in done.err
-
-
-def test_run_that_does_not_exist_is_refused(mimucal, engine) -> None:
-    engine(1)
-    assert mimucal("explain", "r000").code == 2
 
 
 def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
@@ -232,6 +215,7 @@ def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
     assert mimucal("verify", "--json").json["faults"] == []
 
 
+@pytest.mark.rehearsal
 def test_what_explain_did_not_find_is_fitted_alone(mimucal, shared, engine) -> None:
     asked = engine(1)
     assert mimucal("calibrate", shared / SMALL, "--terms", "lever_arm").code == 2

@@ -79,12 +79,3 @@ def test_runs_of_an_unknown_day_are_named_apart(add, mimucal) -> None:
     assert found["undated"] == [undated]
     assert undated in mimucal("impact", "T-7", *asked).out
     assert mimucal("impact", "T-7", "--json").json["undated"] == []
-
-
-def test_a_name_that_no_run_used_is_refused_with_those_that_are_known(add, mimucal) -> None:
-    add("2026-02-28", 9.78, equipment=[TABLE])
-    refused = mimucal("impact", "T-77")
-    assert refused.code == 2
-    assert "Table (T-7)" in refused.err
-    later = mimucal("impact", "T-7", "--since", "2026-03-01", "--json")
-    assert later.json["runs"] == []

@@ -74,15 +74,6 @@ def test_the_recording_that_decides_is_a_procedure_that_acquire_takes(
     assert "--out" in again.err
 
 
-def test_of_one_suspected_effect_the_typical_size_is_predicted(
-    run: str, answered: Callable[..., None], mimucal, tmp_path: Path
-) -> None:
-    answered(80.0, "gyro_g2_sensitivity")
-    done = mimucal("next", run, "--out", str(tmp_path / "next.json"), "--json")
-    assert done.json["decides"] == ["gyro_g2_sensitivity"]
-    assert done.json["predicted"]["delta_chi2"] == 100.0
-
-
 def test_what_the_station_cannot_decide_is_said_and_nothing_is_written(
     run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
 ) -> None:
@@ -195,43 +186,6 @@ def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(
     assert "As far as the encoders of this table resolve its motion" in text
 
 
-def test_where_few_minutes_are_allowed_it_says_what_the_shortest_found_takes(
-    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    answered(10.0)
-    found = {False: Choice(PROCEDURE, 1.5, 10.0, 30.0, 10.0),
-             True: Choice(PROCEDURE, 5.2, 80.0, 30.0, 80.0)}  # fmt: skip
-    monkeypatch.setattr(Experiment, "shortest", lambda _, minutes: found[minutes >= 5.2])
-    text = mimucal("next", run, "--minutes", "1e-6", "--json").json["statement"]["en"]
-    assert "A recording of 5.2 min would (--minutes 6)." in text
-
-
-def test_what_one_block_does_not_show_is_not_said_of_every_motion(
-    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    answered(0.0)
-    least, usual = (Choice(PROCEDURE, 14.0, left, 30.0, left) for left in (0.0, 20.0))
-    found = {False: least, True: usual}
-    monkeypatch.setattr(Experiment, "shortest", lambda _, minutes: found[minutes >= 15.0])
-    text = mimucal("next", run, "--minutes", "1", "--json").json["statement"]["en"]
-    assert "As far as the encoders" not in text
-    assert int(re.findall(r"--minutes (\d+)", text)[0]) > 15
-
-
-def test_one_effect_is_told_in_the_singular(
-    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-) -> None:  # fmt: skip
-    answered(80.0)
-    fit = SimpleNamespace(blocks=None, noises=())
-    question = OpenQuestion(("time_offset",), {}, {}, fit)  # type: ignore[arg-type]
-    monkeypatch.setattr(next_recording, "open_question", lambda *_: question)
-    monkeypatch.setattr(next_recording, "rivals_of", lambda *_: {})
-    done = mimucal("next", run, "--json", "--out", str(tmp_path / "next.json"))
-    assert "it separates it from the nearest alternative" in done.json["statement"]["en"]
-    assert "两者" not in done.json["statement"]["zh"]
-
-
 def test_runs_of_two_units_are_refused_in_one_sentence(
     home: Path, run: str, ideal_run: Callable[..., Recording], mimucal
 ) -> None:
@@ -242,8 +196,3 @@ def test_runs_of_two_units_are_refused_in_one_sentence(
     assert refused.code == 2
     assert "ANOTHER" in refused.err
     assert len(refused.err.strip().splitlines()) == 1
-
-
-def test_a_number_that_is_none_is_named(run: str, mimucal) -> None:
-    refused = mimucal("next", run, "--minutes", "abc")
-    assert (refused.code, "'abc'" in refused.err) == (2, True)

@@ -1,7 +1,6 @@
 """`backup`, `restore`, `upgrade`, `settings` and `alert` as an operator types them."""
 
 import json
-import shutil
 import socket
 import tarfile
 from pathlib import Path
@@ -47,19 +46,6 @@ def test_upgrade_backup_and_restore_of_an_earlier_home(
     assert restored.json["backup"] == made["backup"]
     assert mimucal("runs", "--json").json == before
     assert mimucal("verify").code == 0
-
-
-def test_a_damaged_home_is_not_upgraded(earlier: Path, mimucal) -> None:
-    shutil.rmtree(earlier / "raw")
-    done = mimucal("upgrade")
-    assert done.code == 1
-    assert "Nothing was changed" in done.out
-    assert mimucal("runs").code == 2
-
-
-def test_a_backup_that_is_not_there_is_one_sentence(mimucal, tmp_path: Path) -> None:
-    assert "nothing to back up" in mimucal("backup", tmp_path / "backups").err
-    assert "no whole backup" in mimucal("restore", tmp_path / "nothing").err
 
 
 def test_settings_show_every_variable_and_no_secret(

@@ -30,11 +30,3 @@ def test_information_is_a_second_table_with_its_sentences(
     assert "From [18] rests." in second
     assert "│ Bias instability" not in second
     assert "· Bias instability: No floor." in second
-
-
-def test_without_information_there_is_one_table(
-    ideal_run, capsys: pytest.CaptureFixture[str]
-) -> None:
-    made = calibrate(JJF2003, ideal_run(), run="r", code_version="v")
-    print_calibration(made.model_copy(update={"information": {}}))
-    assert "for information" not in capsys.readouterr().out

@@ -34,15 +34,6 @@ def test_the_example_of_the_readme_runs_as_it_stands(
     assert list(folder.parent.iterdir()) == [folder]  # neither a home nor anything else was made
 
 
-def test_values_are_those_that_the_command_prints(folder: Path) -> None:
-    calibration = mimucal.calibrate(mimucal.open(folder))
-    table = mimucal.frame(calibration).set_index(["item", "element"])
-    item = calibration.items["gyro_scale_factor"]
-    row = table.loc[("gyro_scale_factor", "x")]
-    assert (row["value"], row["U"], row["unit"]) == (item.value["x"], item.U["x"], item.unit)
-    assert row["U"] == pytest.approx(row["k"] * row["u"])
-
-
 def test_a_unit_with_terms_reads_what_their_equations_say(folder: Path) -> None:
     recording = mimucal.open(folder)
     ideal = mimucal.simulate(recording)

@@ -72,6 +72,7 @@ def test_exactly_the_values_that_earlier_code_had_otherwise_are_reported(
     assert len(written["changed"]) == 1
 
 
+@pytest.mark.rehearsal
 def test_exactly_the_values_that_a_change_of_the_code_moves_are_reported(
     store: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -112,15 +113,7 @@ def test_exactly_the_values_that_a_change_of_the_code_moves_are_reported(
     assert (report.done, report.unchanged, report.failed) == (2, 0, 0)
 
 
-def test_the_same_command_again_makes_nothing_and_reports_the_same(store: Home) -> None:
-    plant(newest(store)[0], store, "gyro_scale_factor", "x", 3.0)
-    first = reprocessed()
-    again = reprocessed()
-    assert (again.done, again.done_before) == (2, 2)
-    assert again.changed == first.changed
-    assert again.unchanged == first.unchanged == 1
-
-
+@pytest.mark.rehearsal
 def test_an_order_by_version_goes_on_and_reports_all_of_it(store: Home) -> None:
     """What it made is of today's version, and still what it was ordered to report."""
     first, second = newest(store)
@@ -134,16 +127,6 @@ def test_an_order_by_version_goes_on_and_reports_all_of_it(store: Home) -> None:
     planned = planned_by(ReprocessOrder(code_version=EARLIER), store)
     assert (planned.results, planned.done_before) == (0, 2)
     assert reprocessed(code_version="0.0.8").runs == 0
-
-
-def test_a_first_result_is_not_said_to_be_as_it_was(
-    store: Home, ideal_run: Callable[..., Recording], mimucal
-) -> None:
-    runs.add(ideal_run(dwell=2.0, gravity=9.79), store)
-    report = reprocessed()
-    assert (report.done, report.unchanged, report.first) == (3, 2, 1)
-    again = reprocessed()
-    assert (again.done_before, again.unchanged, again.first) == (3, 2, 1)
 
 
 def test_a_value_that_is_gone_comes_first(store: Home) -> None:
@@ -295,15 +278,3 @@ def test_an_order_that_cannot_be_is_one_sentence(
     assert done.code == 2
     assert named in done.err
     assert done.err.strip().count("\n") == 0
-
-
-def test_an_interruption_says_that_the_same_command_continues(
-    mimucal, home: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupted(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(carry_out, "as_flow_run", interrupted)
-    done = mimucal("reprocess")
-    assert done.code == 1
-    assert "the same command continues" in done.err

@@ -19,7 +19,7 @@ from storage.home import Home
 from tasks.stages import on_cluster
 from tests.storage.s3_server import Store, serving
 
-pytestmark = pytest.mark.real_time
+pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 
 from schemas.recording import ACCEL, GYRO
 from storage.formats.folder import read_folder
@@ -23,13 +24,7 @@ def test_simulation_of_a_clean_plant_reads_what_the_plant_read(
     assert np.abs(means[:, 3:]).max() < 5e-3
 
 
-def test_a_simulation_is_a_recording_like_any_other(mimucal, plant_clean, tmp_path) -> None:
-    assert mimucal("simulate", plant_clean, "--out", tmp_path / "sim").code == 0
-    taken = mimucal("import", tmp_path / "sim", "--json").json["runs"][0]
-    manifest = mimucal("show", taken["run"], "--json").json["manifest"]
-    assert manifest["simulated"] is True
-
-
+@pytest.mark.rehearsal
 def test_calibration_may_come_from_a_file_or_by_its_id(mimucal, plant_clean, tmp_path) -> None:
     calibration = mimucal("calibrate", plant_clean, "--json")
     file = tmp_path / "result.json"

@@ -56,12 +56,6 @@ def test_what_cannot_be_done_is_refused_and_nothing_is_kept(
     assert not home.exists()
 
 
-def test_an_id_that_can_name_no_pool_is_refused(mimucal, home, tmp_path) -> None:
-    refused = mimucal("station", "add", written(tmp_path / "x.json", "a/b"))
-    assert refused.code == 2
-    assert "station.id is 'a/b'" in refused.err
-
-
 def test_deploying_without_a_server_says_what_is_missing(mimucal, home) -> None:
     refused = mimucal("deploy")
     assert refused.code == 2

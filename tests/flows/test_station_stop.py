@@ -6,7 +6,7 @@ import pytest
 
 from storage.home import Home
 from storage.station_lock import write_status
-from tests.storage.test_run_status import status
+from tests.storage.test_stations import status
 from tests.tasks.station.sample_stations import sample
 
 

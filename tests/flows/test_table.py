@@ -85,17 +85,6 @@ def test_columns_of_the_other_files_differ_by_more_than_case() -> None:
         assert len({name.lower() for name in names}) == len(names)
 
 
-def test_a_folder_of_no_rows_is_an_empty_one(home: Path, mimucal, tmp_path: Path) -> None:
-    folder = tmp_path / "segments"
-    assert mimucal("table", "segments", "--as", "parquet", "--out", folder).code == 0
-    assert list(folder.iterdir()) == []
-
-
-def test_no_certificates_is_a_header_alone(store: Home, mimucal) -> None:
-    (header,) = mimucal("table", "certificates").out.splitlines()
-    assert header.startswith("number,")
-
-
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [(("raw",), "'raw'"), (("runs", "--as", "xlsx"), "--as xlsx"),
@@ -119,12 +108,3 @@ def test_json_holds_the_rows_of_the_table(store: Home, mimucal, what: str) -> No
         assert list(row) == list(expected.columns)
         numbers = {name: value for name, value in row.items() if isinstance(value, float)}
         assert numbers == {name: other[name] for name in numbers}
-
-
-def test_json_names_the_file_that_was_written(store: Home, mimucal, tmp_path: Path) -> None:
-    file = tmp_path / "runs.parquet"
-    document = mimucal("table", "runs", "--as", "parquet", "--out", file, "--json").json
-    assert document["path"] == str(file)
-    assert len(pd.read_parquet(file)) == 1
-    assert mimucal("table", "runs", "--as", "parquet", "--json").code == 2
-    assert mimucal("table", "rooms", "--json").code == 2

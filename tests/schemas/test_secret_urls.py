@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from schemas.base import Unusable
 from schemas.secret_urls import escaped, filled, has_secret, login_apart, shown
 from storage.catalogue.connection import name_of, url_of
-from storage.environment import environment
 from storage.home import Home
 
 PLACES = [
@@ -39,10 +38,6 @@ def test_a_variable_is_taken_literally(password, place):
     parts = urlsplit(url)
     assert unquote(parts.password or "") == password
     assert parts.hostname == urlsplit(place.format("p")).hostname
-
-
-def test_an_escape_stays_one():
-    assert escaped("mailto://lab:p%40ss@h.org") == "mailto://lab:p%40ss@h.org"
 
 
 @pytest.mark.parametrize(
@@ -76,12 +71,3 @@ def test_the_database_gets_it_and_its_name_does_not_hold_it(monkeypatch, tmp_pat
     monkeypatch.setenv("MIMUCAL_DATABASE", f"mysql://lab:{password}@db.example.org/mimucal")
     with pytest.raises(Unusable, match=r"mysql://lab:\*\*\*@db.example.org/mimucal, which"):
         url_of(home)
-
-
-@pytest.mark.parametrize("password", WRITTEN)
-def test_a_login_in_the_url_of_prefect_is_its_login(monkeypatch, password):
-    monkeypatch.delenv("PREFECT_API_AUTH_STRING", raising=False)
-    monkeypatch.setenv("PREFECT_API_URL", PLACES[2].format(password))
-    found = environment()
-    assert found.prefect_server == "http://prefect.example.org:4200/api"
-    assert found.prefect_login == f"lab:{password}"

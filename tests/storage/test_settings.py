@@ -1,15 +1,12 @@
 """Files that the laboratory writes: read as they are meant, refused with one sentence."""
 
 from collections.abc import Callable
-from datetime import date
 from pathlib import Path
 
 import pytest
 
 from schemas.base import Unusable
-from schemas.certificate import Laboratory, Order
-from schemas.procedure import Procedure
-from schemas.station import StationFile
+from schemas.certificate import Laboratory
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.home import Home
@@ -36,27 +33,6 @@ def test_tolerance_is_read_from_toml_and_from_json(tmp_path: Path) -> None:
     assert tolerance.limits[0].upper == 0.1
     json = write(tmp_path / "limits.json", "\ufeff" + tolerance.model_dump_json())
     assert settings.read(json, Tolerance) == tolerance
-
-
-def test_order_and_laboratory_are_read(fresh: Home) -> None:
-    order = write(fresh.path / "order.toml", f"client = {PARTY}\nreceived = 2026-11-01\n")
-    assert settings.read(order, Order).received == date(2026, 11, 1)
-    assert settings.laboratory(fresh) is None
-    write(fresh.path / "laboratory.toml", f'party = {PARTY}\ncertificate_prefix = "LAB"\n')
-    laboratory = settings.laboratory(fresh)
-    assert laboratory is not None
-    assert (laboratory.party.name_zh, laboratory.certificate_prefix) == ("实验室", "LAB")
-
-
-def test_station_is_read(tmp_path: Path) -> None:
-    station = settings.read(Path("tasks/station/stations/mimucal.toml"), StationFile)
-    path = write(tmp_path / "station.json", station.model_dump_json())
-    assert settings.read(path, StationFile) == station
-
-
-def test_procedure_is_read() -> None:
-    procedure = settings.read(Path("tasks/station/procedures/jjf2003.toml"), Procedure)
-    assert procedure.standard == "JJF 2003-2022"
 
 
 @pytest.mark.parametrize(

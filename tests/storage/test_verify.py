@@ -3,7 +3,6 @@
 import hashlib
 import os
 import shutil
-import sqlite3
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,7 @@ from storage.formats.columns import write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.verify import StoreFault, verify
-from tests.keep import by_force, keep, take_number
+from tests.keep import by_force, keep
 from tests.storage.small import calibrated, certified, small
 
 
@@ -62,13 +61,6 @@ def test_flipped_byte_in_a_raw_recording_is_found(fresh: Home, filled: Run, wher
     assert only_fault(fresh).what == str(path)
 
 
-def test_raw_recording_that_was_exchanged_is_found(fresh: Home, filled: Run) -> None:
-    path = fresh.raw / f"{filled.digest}.mcap"
-    path.unlink()
-    write_mcap(small(start=1.0), path)
-    assert "not that of run" in only_fault(fresh).why
-
-
 def test_columns_that_were_changed_are_found_and_missing_ones_are_no_fault(
     fresh: Home, filled: Run
 ) -> None:
@@ -101,16 +93,6 @@ def test_result_whose_document_was_changed_is_found(fresh: Home, filled: Run) ->
     fault = only_fault(fresh)
     assert fault.what.startswith("result c")
     assert "changed after it was kept" in fault.why
-
-
-def test_certificate_whose_result_is_gone_is_found(fresh: Home, filled: Run) -> None:
-    other = sqlite3.connect(fresh.path / "catalog.sqlite")  # it does not mind foreign keys
-    with other:
-        other.execute("DELETE FROM results")
-    other.close()
-    fault = only_fault(fresh)
-    assert fault.what == "certificate A-1"
-    assert "is gone" in fault.why
 
 
 def test_certificate_that_prints_another_calibration_than_its_result_is_found(
@@ -193,12 +175,6 @@ def test_a_certificate_that_left_the_register_is_found(fresh: Home, filled: Run)
     assert "A-1 is issued in the trail and is not in the register" in only_fault(fresh).why
 
 
-def test_a_state_that_no_step_gave_is_found(fresh: Home, filled: Run) -> None:
-    with database.changing(fresh) as connection:
-        connection.execute(sql.update(tables.certificates).values(state="withdrawn"))
-    assert "A-1 is issued in the trail and withdrawn in the register" in only_fault(fresh).why
-
-
 def test_a_file_changed_together_with_its_hash_is_found(fresh: Home, filled: Run) -> None:
     pdf = fresh.certificates / "A-1.pdf"
     replace(pdf, b"%PDF with another verdict")
@@ -212,13 +188,6 @@ def test_a_certificate_that_the_trail_does_not_know_is_found(fresh: Home, filled
     end = sql.update(tables.trail_end).values(number=0, hash=trail.NOTHING_BEFORE)
     by_force(fresh, sql.delete(tables.trail), end)
     assert "A-1 is in the register, and the trail does not know it" in only_fault(fresh).why
-
-
-def test_a_number_that_is_gone_is_found(fresh: Home, filled: Run) -> None:
-    take_number(fresh)
-    fault = only_fault(fresh)
-    assert fault.what == "numbers of certificates"
-    assert "MIMU-2026-0001 was given and is not in the register" in fault.why
 
 
 def test_a_raw_recording_that_is_cut_off_is_named_once_with_one_way_out(

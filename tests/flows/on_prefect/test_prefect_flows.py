@@ -169,9 +169,7 @@ def line(
             station_file.write_text(station.model_dump_json(), encoding="utf-8")
             arguments = (station_file, procedure, folder / "corrected", key)
             report = open_processes.enter_context(carried_out(home, *arguments))
-            acquire = ("acquire", station_file, "--procedure", procedure)
-            acquired, _ = command(folder / "other", report["server"], *acquire)
-        yield SimpleNamespace(folder=folder, report=report, acquired=acquired)
+        yield SimpleNamespace(folder=folder, report=report, procedure=procedure)
 
 
 def test_produce_and_apply_are_flows_whose_stages_and_artifacts_the_server_shows(line) -> None:
@@ -204,15 +202,22 @@ def test_stage_is_tried_again_when_another_process_held_the_catalogue(line) -> N
     assert (line.report["busy"], line.report["calibrated again"]) == (1, True)
 
 
+@pytest.mark.rehearsal
 def test_acquire_prints_the_run_and_the_run_can_be_calibrated(line, mimucal, monkeypatch) -> None:
-    assert line.acquired["lost_samples"] == 0
+    with running(VirtualStation(unit=draw_unit(7)), speed=30.0) as station:
+        file = line.folder / "other.json"
+        file.write_text(station.model_dump_json(), encoding="utf-8")
+        order = ("acquire", file, "--procedure", line.procedure)
+        acquired, _ = command(line.folder / "other", line.report["server"], *order)
+    assert acquired["lost_samples"] == 0
     monkeypatch.setenv("MIMUCAL_HOME", str(line.folder / "other"))
-    calibrated = mimucal("calibrate", line.acquired["run"], "--json").json
+    calibrated = mimucal("calibrate", acquired["run"], "--json").json
     scale = calibrated["items"]["gyro_scale_factor"]["value"]
     assert scale["z"] == pytest.approx(draw_unit(7).gyro.scale[2][2], abs=2e-4)
     assert scale["x"] is None
 
 
+@pytest.mark.rehearsal
 def test_processes_of_a_reprocessing_make_the_same_results(line, home, ideal_run) -> None:
     store = two_calibrated(home, ideal_run)
     first, second = newest(store)

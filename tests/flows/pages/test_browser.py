@@ -69,6 +69,7 @@ def test_a_name_with_a_script_is_text(page, address, faults) -> None:
     assert faults == []
 
 
+@pytest.mark.rehearsal
 def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
     page, address, faults, monkeypatch: pytest.MonkeyPatch
 ) -> None:

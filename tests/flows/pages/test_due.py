@@ -74,12 +74,6 @@ def test_a_client_and_a_model_see_their_own_alone(home: Home) -> None:
     assert sum(m.units for m in one.months) <= 1
 
 
-def test_messages_are_sent_or_failed_with_the_reason(home: Home) -> None:
-    found = {m.state: m for m in asked(home).messages}
-    assert set(found) == {"sent", "failed"}
-    assert (found["failed"].fault, found["failed"].tries) == ("no such mailbox", 1)
-
-
 def test_equipment_has_the_certificate_that_counts(home: Home) -> None:
     shown = asked(home)
     counting = equipment.on_day(home, shown.today)

@@ -16,7 +16,7 @@ from storage.home import Home
 from storage.station_lock import write_status
 from tests.pages_server import served
 from tests.proof.line.draw import Line
-from tests.storage.test_run_status import status
+from tests.storage.test_stations import status
 
 PASSWORD = "correct horse battery"
 ELSEWHERE = {"REMOTE_ADDR": "192.0.2.7"}

@@ -163,21 +163,6 @@ def test_every_kind_of_alarm_says_what_to_do() -> None:
     assert [kind for kind in (*kinds, "given-up") if not known(f"station-todo.{kind}")] == []
 
 
-def test_a_status_of_an_earlier_version_is_read_and_its_alarm_says_where_to_look(
-    tmp_path: Path,
-) -> None:
-    earlier = status(alarms=(Alarm(en="spikes", zh="野值"),))
-    assert (
-        RunStatus.model_validate_json(
-            earlier.model_dump_json().replace(',"code":"","at":null', "")
-        ).alarms
-        == earlier.alarms
-    )
-    write_status(earlier, Home(tmp_path))
-    alarm = line_of(Home(tmp_path)).alarms[-1]
-    assert "log of the run" in alarm.todo.en
-
-
 def test_the_queue_is_by_station_unit_and_procedure(tmp_path: Path) -> None:
     home = Home(tmp_path)
     orders.add([ordered("A-1"), ordered("A-2", "T2", "V8"), ordered("A-3")], home)
@@ -343,13 +328,6 @@ def test_an_alarm_is_acknowledged_on_the_page_by_whoever_may_stop(tmp_path: Path
     acknowledge(alarm, "Zhao", home)
     assert "data-acknowledge" not in shown(home)
     assert "Zhao, " in shown(home)
-
-
-def test_a_path_is_no_station_for_who_presses_stop(tmp_path: Path, station_file: Path) -> None:
-    for unknown in (str(station_file), "NOWHERE"):
-        answer = press(Home(tmp_path), unknown)
-        assert answer.status_code == 404
-        assert "station" in answer.json["error"]
 
 
 ANSWERS: dict[str, list[dict[str, Any]]] = {

@@ -97,20 +97,6 @@ def test_capability_is_that_of_the_values_of_first_runs(home: Home, shown: Quali
     assert 0.05 < found.margin_median < 1.0
 
 
-def test_a_selection_is_of_its_station_and_time(home: Home, shown: QualityShown) -> None:
-    assert shown.chart is not None
-    middle = sorted(point.day for point in shown.chart.points)[len(shown.chart.points) // 2]
-    station = shown.chart.points[0].station
-    question = OF.model_copy(update={"station": station, "until": middle})
-    part = data(question, home)
-    assert part.chart is not None
-    wanted = [p.run for p in shown.chart.points if p.station == station and p.day <= middle]
-    assert [point.run for point in part.chart.points] == wanted
-    assert [each.name for each in part.by_model if each.name == "MX-110"] == ["MX-110"]
-    others = data(OF.model_copy(update={"until": middle}), home)
-    assert part.stations == others.stations  # a station is compared with all others
-
-
 def test_changes_leave_out_what_a_unit_is_by_itself(home: Home, shown: QualityShown) -> None:
     changed = data(OF.model_copy(update={"plot": "change"}), home).chart
     assert changed is not None
@@ -160,17 +146,6 @@ def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: 
     assert single.total is not None
     assert (single.total.passed, single.total.of) == (1, 1)
     assert PAGE.layout(single, view, QualityQuestion()).to_plotly_json()
-
-
-def test_periods_are_the_weeks_put_together(shown: QualityShown) -> None:
-    for kind in ("passed", "of"):
-        weeks, periods = (sum(getattr(e, kind) for e in of)
-                          for of in (shown.by_week, shown.by_period))  # fmt: skip
-        assert weeks == periods
-    assert len(shown.by_period) < len(shown.by_week)
-    for before, after in pairwise(shown.by_period):
-        assert before.until < after.since
-    assert all(p.low <= p.share <= p.high for p in shown.by_period)
 
 
 def test_what_fails_is_counted_by_limit_and_adds_up(home: Home, shown: QualityShown) -> None:

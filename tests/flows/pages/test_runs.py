@@ -15,7 +15,6 @@ from flows.pages.runs import (
     conditions_of,
     data,
     filter_model,
-    row,
 )
 from flows.pages.states import result_state, validity_state, verdict_state
 from schemas.base import Unusable
@@ -135,23 +134,6 @@ def test_a_question_and_the_grids_own_filters_ask_the_same(language: str) -> Non
     assert [each.column for each in asked] == ["station", "verdict", "recorded_on"]
     assert asked[1] == Condition(column="verdict", kind="among", values=("fail",))
     assert asked[2] == conditions_of(question)[2]
-
-
-def test_a_state_is_found_by_a_part_of_its_words() -> None:
-    model = {"validity": {"filterType": "text", "type": "contains", "filter": "VALID"}}
-    (found,) = conditions_from(model, View("en"))
-    assert found.values == ("valid", "invalid")
-
-
-def test_a_filter_that_no_grid_makes_is_refused() -> None:
-    with pytest.raises(Unusable, match="not understood"):
-        conditions_from({"serial": {"type": "no such"}}, View())
-
-
-def test_a_row_of_the_grid_has_the_kind_of_each_state() -> None:
-    shown = row(LINE.model_copy(update={"validity": "invalid"}), View("en"))
-    assert (shown["validity"], shown["validity_kind"]) == ("invalid", "bad")
-    assert shown["verdict_kind"] == "open"
 
 
 def test_a_home_that_holds_nothing_has_no_runs_and_none_is_made(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from storage.station_lock import one_run_on, write_status
 from storage.verify import verify
 from tests import postgres
 from tests.keep import take_number
-from tests.storage.test_run_status import status
+from tests.storage.test_stations import status
 
 OLD = Path(__file__).parent.parent / "homes" / "0013.tar.xz"
 

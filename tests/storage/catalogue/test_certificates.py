@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from datetime import date
+from pathlib import Path
 
 import pytest
+import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.certificate import Certificate, Replaced
@@ -16,8 +18,11 @@ from storage.catalogue import (
     results,
     run_index,
     runs,
+    tables,
 )
+from storage.catalogue.completion import complete_certificates
 from storage.home import Home
+from tests.drafts import draft
 from tests.keep import keep, take_number
 from tests.storage.small import calibrated, certified, small
 
@@ -194,3 +199,37 @@ def test_the_report_of_an_invalid_run_leaves_the_certificate_before_it_the_newes
     later = {"number": "A-2", "calibrated_on": date(2025, 6, 1), "due": None}
     keep(valid.model_copy(update={"calibration": invalid, **later}), fresh, PDF)
     assert [line.certificate for line in certificates.due(fresh, date(2027, 1, 1))] == ["A-1"]
+
+
+# What an earlier version kept gets the rows that certificates have today.
+
+
+def decisions(home: Home) -> list[tuple]:
+    return [tuple(row) for row in database.rows(home, sql.select(tables.decisions))]
+
+
+def test_what_a_certificate_decides_is_kept_with_it_and_filled_in_from_its_record(
+    tmp_path: Path,
+) -> None:
+    home = Home(tmp_path)
+    draft(home, "1")
+    kept = decisions(home)
+    (row,) = kept
+    assert row[2:] == ("gyro_bias", "x", "value", -1.0, 1.0, "pass")
+    with database.changing(home) as connection:
+        connection.execute(sql.delete(tables.decisions))
+        connection.execute(sql.update(tables.certificates).values(limits=None))
+    complete_certificates(home)
+    assert decisions(home) == kept
+    draft(home, "1")  # in the place of the one before
+    assert len(decisions(home)) == 1
+
+
+def test_a_record_that_cannot_be_read_is_left_out(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    draft(home, "1")
+    with database.changing(home) as connection:
+        connection.execute(sql.delete(tables.decisions))
+        connection.execute(sql.update(tables.certificates).values(limits=None, record="none"))
+    complete_certificates(home)
+    assert decisions(home) == []

@@ -82,11 +82,6 @@ def test_the_trail_tells_who_changed_the_register(home: Home) -> None:
     ]  # fmt: skip
 
 
-def test_a_certificate_that_runs_out_before_it_begins_is_none() -> None:
-    with pytest.raises(ValueError, match="before calibrated_on"):
-        standard(valid_until=date(2024, 1, 1))
-
-
 def test_a_check_stands_beside_the_certificate_of_its_day_until_that_is_renewed(home: Home) -> None:
     equipment.renew([RENEWED], home, "Li")
     check = IntermediateCheck(checked_on=date(2025, 9, 1), what="rate", result=2e-5, limit=1e-5)
@@ -95,9 +90,3 @@ def test_a_check_stands_beside_the_certificate_of_its_day_until_that_is_renewed(
     assert equipment.on_day(home, SECOND)["T-1"].checks == ()
     *_, last = trail.entries(home)
     assert (last.person, last.action, last.subject) == ("Wang", "check equipment", "T-1")
-
-
-def test_what_is_not_in_the_register_has_no_checks(home: Home) -> None:
-    check = IntermediateCheck(checked_on=FIRST, what="rate", result=0.0, limit=1e-5)
-    with pytest.raises(Unusable, match="T-9 is not in the register"):
-        equipment.add_check("T-9", check, home, "Li")

@@ -41,7 +41,3 @@ def test_a_write_within_one_tick_of_the_file_system_is_another_version(
         assert version(home) == before
         add("Wu", "viewer", "hash", home, "Chen")
         assert version(home) != before
-
-
-def test_homes_do_not_share_answers(tmp_path) -> None:
-    assert version(Home(tmp_path / "a")) != version(Home(tmp_path / "b"))

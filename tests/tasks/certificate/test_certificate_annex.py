@@ -72,10 +72,3 @@ def test_page_numbers_go_through_both_parts(made: Certificate) -> None:
         pages
     )
     assert "The results relate only to the object" in main[-1]
-
-
-def test_nothing_of_the_other_specification_stands_in_a_certificate(made: Certificate) -> None:
-    if made.calibration.method == "jjf1536":
-        text = " ".join([page for part in parts(made, "en") for page in part])
-        assert "eq. (12), (13)" not in text
-        assert "rate sensitivity" not in text

@@ -120,6 +120,7 @@ def test_every_number_of_the_printed_pages_stands_in_the_dcc(faces: Faces) -> No
     assert printed - numbers_of_dcc(faces.dcc) == set()
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize("made", ["2003", "1536"], indirect=True)
 @pytest.mark.parametrize("language", ["zh", "en"])
 def test_every_number_stands_in_the_dcc_whatever_the_language(

@@ -7,9 +7,8 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, AXES, GYRO, Recording
-from tasks.coefficients.correct import Coefficients, coefficients, correct
+from tasks.coefficients.correct import coefficients, correct
 from tasks.coefficients.tables import document
-from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.items_only import items_only
 
@@ -64,19 +63,6 @@ def test_corrected_readings_are_what_the_unit_went_through(recording, calibratio
     np.testing.assert_allclose(force, true_force, atol=2e-5)
 
 
-def test_two_passes_solve_both_models_at_once() -> None:
-    """Of a bad unit turning at 500 deg/s: rates to 1e-8 rad/s, forces to 1e-6 m/s2."""
-    rate, force = np.radians([[300.0, -400.0, 500.0]]), np.array([[3.0, -5.0, 9.0]])
-    given = {NAMES[short]: value for short, value in UNIT.items()}
-    known = Coefficients(**given | {"accel_rate_sensitivity": 20.0 * UNIT["P"]})
-    gyro = rate @ known.gyro_matrix.T + known.gyro_bias + force @ known.gyro_g_sensitivity.T
-    accel = force @ known.accel_matrix.T + known.accel_bias
-    accel = accel + rate**2 @ known.accel_rate_sensitivity.T
-    found_rate, found_force = correct(known, gyro, accel)
-    np.testing.assert_allclose(found_rate, rate, atol=1e-8)
-    np.testing.assert_allclose(found_force, force, atol=1e-6)
-
-
 def test_a_reading_without_what_it_is_corrected_by_is_null(recording, calibration) -> None:
     known, _, _ = coefficients(calibration)
     gyro, accel = recording.imu.stack(GYRO)[:4], recording.imu.stack(ACCEL)[:4].copy()
@@ -110,12 +96,6 @@ def test_elements_without_a_value_are_ideal_and_named(real) -> None:
     assert made.coefficients["G"].value[0][1] == 0.0
     assert made.coefficients["G"].U[0][1] is None
     assert made.unit is None
-
-
-def test_a_calibration_of_an_ahrs_corrects_nothing(plant) -> None:
-    ahrs = items_only(JJF1536, plant("ahrs_clean"))
-    with pytest.raises(Unusable, match="models \\(1\\) and \\(2\\)"):
-        coefficients(ahrs)
 
 
 def test_a_calibration_that_names_no_gravity_is_refused(calibration) -> None:

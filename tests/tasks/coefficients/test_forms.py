@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import shutil
 import subprocess
 from pathlib import Path
@@ -18,7 +17,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.coefficients.correct import coefficients, correct
 from tasks.coefficients.kalibr import as_kalibr
-from tasks.coefficients.tables import as_c, as_csv, as_json, as_ros, as_yaml, document
+from tasks.coefficients.tables import as_c, as_csv, as_ros, as_yaml, document
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.coefficients import kalibr_reader, ros_reader
 from tests.tasks.items_only import items_only
@@ -98,11 +97,6 @@ def test_names_of_a_unit_cannot_leave_the_comment(correction) -> None:
     assert head.rstrip().endswith("*/")
     for form in (as_ros, as_yaml):
         assert yaml.safe_load(form(correction.model_copy(update={"unit": unit})))
-
-
-def test_document_survives_json_and_yaml(correction) -> None:
-    assert Correction.model_validate_json(as_json(correction)) == correction
-    assert Correction.model_validate(yaml.safe_load(as_yaml(correction))) == correction
 
 
 def test_formulas_of_the_document_give_its_example(correction) -> None:
@@ -209,23 +203,7 @@ def test_what_kalibr_refuses_the_reader_here_refuses(
         kalibr_reader.read(yaml.safe_dump(changed))
 
 
-def test_kalibrs_noise_is_that_of_the_rests(calibration, correction, recording) -> None:
-    """White noise at 100 Hz: the density is the scatter of a row over √(rate)."""
-    document = yaml.safe_load(as_kalibr(correction, calibration, recording))
-    rest = next(s for s in calibration.segments if s.kind == "static")
-    rows = recording.imu.rows(rest.t_start, rest.t_end)
-    scatter = recording.imu.channels(("accel_x", "accel_y", "accel_z"), rows).std(axis=1)
-    density = document["accelerometer_noise_density"]
-    assert density == pytest.approx(scatter.max() / 10.0, rel=0.2)
-
-
 def test_kalibr_is_refused_where_no_noise_shows(calibration, correction, recording) -> None:
     quiet = calibration.model_copy(update={"information": {}})
     with pytest.raises(Unusable, match="no white noise of the gyro triad"):
         as_kalibr(correction, quiet, recording)
-
-
-def test_published_names_of_the_document_are_plain_ascii(correction) -> None:
-    """Firmware tools read formulas and units as ASCII."""
-    plain = correction.model_dump(mode="json", exclude={"unit", "recording_id"})
-    assert json.dumps(plain, ensure_ascii=False).isascii()

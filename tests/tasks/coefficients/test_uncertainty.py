@@ -64,6 +64,7 @@ def joint(plant: Callable[[str], Recording]) -> Calibration:
     return items_only(JOINT, plant("plant_lever_arm"))
 
 
+@pytest.mark.rehearsal
 def test_u_is_the_scatter_of_readings_corrected_by_drawn_parameters(joint: Calibration) -> None:
     """Draws from the covariance of the result, item by item, through the whole correction."""
     known, uncertainty = uncertainty_of(joint)

@@ -3,9 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
-from schemas.base import Unusable
 from schemas.limits import ChamberLimits
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Mount, Station, TableAxis
@@ -77,10 +75,6 @@ def test_an_axis_that_does_not_turn_on_and_on_is_not_spun() -> None:
     assert "tumble" in names
 
 
-def test_an_axis_that_is_not_vertical_is_not_spun() -> None:
-    assert [block.name for block in blocks_of(able(EAST, VERTICAL))] == ["tumble", "rest"]
-
-
 def test_a_chamber_is_heated_and_cooled_within_its_limits_while_the_table_rests() -> None:
     warm = ChamberLimits(temperature_degc=(22.0, 35.0), rate_k_min=3.0)
     station = replace(able(VERTICAL, EAST, INNER), chamber=warm)
@@ -92,9 +86,3 @@ def test_a_chamber_is_heated_and_cooled_within_its_limits_while_the_table_rests(
         assert [step.chamber_degc for step in block.steps] == [35.0, 22.0]
     hot = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 80.0))
     assert room_of(found[0].steps, hot).temperature_degc == (15.0, 35.0)
-
-
-def test_no_axis_up_is_said() -> None:
-    tilted = Mount(quaternion_wxyz=(0.9238795, 0.3826834, 0.0, 0.0))
-    with pytest.raises(Unusable, match="no axis of the unit"):
-        blocks_of(able(VERTICAL, mount=tilted))

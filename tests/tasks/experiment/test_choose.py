@@ -39,13 +39,6 @@ def test_what_is_promised_grows_with_the_difference_and_is_right_where_it_is_eno
     assert chances[3] == pytest.approx(0.95, abs=0.005)
 
 
-def test_the_table_s_own_motion_tells_what_the_station_can_do() -> None:
-    able = Abilities.of_recording(recorded())
-    assert able.rates_deg_s[0] == pytest.approx(200.0, rel=0.03)
-    assert able.endless[0]
-    assert not able.endless[1]
-
-
 def test_ramps_are_planned_as_the_table_makes_them() -> None:
     """Of the plant's, whose acceleration comes and goes as sin², ∫α²dt is ¾ of the limit's."""
     able = Abilities.of_recording(recorded())

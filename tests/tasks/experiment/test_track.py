@@ -8,7 +8,6 @@ from schemas.procedure import EnvironmentLimits, Position, Procedure, RateRun, R
 from schemas.recording import Mount
 from tasks.experiment.temperature import ThermalResponse
 from tasks.experiment.track import planned_recording
-from tasks.station.plan import plan
 from tests.manifests import THREE_AXES, manifest_of
 
 HZ = 500.0
@@ -97,12 +96,6 @@ def test_turns_are_whole_ones_forward_and_back_from_rest_to_rest() -> None:
     _, found, (forward, back) = angles(TURNS)
     for rows, turned in ((forward, 720.0), (back, -720.0)):
         assert found[rows][-1, 0] - found[rows][0, 0] == pytest.approx(turned, abs=0.01)
-
-
-def test_it_takes_as_long_as_the_plan_of_the_station() -> None:
-    t, _, _ = angles(REST, SPIN, TURNS)
-    planned = sum(segment.planned_s for segment in plan(procedure(REST, SPIN, TURNS)))
-    assert t[-1] == pytest.approx(planned, rel=0.1)
 
 
 def test_a_unit_that_is_turned_over_is_not_planned_for() -> None:

@@ -50,6 +50,7 @@ def test_a_ring_laser_unit_in_two_positions_sees_earth_turn() -> None:
     assert explained("ln100_two_position").p_value < 0.005
 
 
+@pytest.mark.rehearsal
 def test_a_wrong_mapping_is_no_share_of_the_mismatch_that_is_left_beside_it() -> None:
     answer = explained("vn200_57630_six_position")
     first, *others = answer.findings
@@ -58,10 +59,12 @@ def test_a_wrong_mapping_is_no_share_of_the_mismatch_that_is_left_beside_it() ->
     assert sum(shares) == pytest.approx(answer.explained_share, abs=0.02)
 
 
+@pytest.mark.rehearsal
 def test_a_mems_unit_in_two_positions_does_not_see_it() -> None:
     assert named("adi_mems_two_position", "earth_rotation") == []
 
 
+@pytest.mark.rehearsal
 def test_a_unit_with_a_low_pass_is_late_against_an_encoder() -> None:
     """Its maker says 4.8 ms; the encoder's and the bus's delays are not known."""
     late = named("encoder_mpu6050_pitch_slow", *DELAYS)

@@ -8,6 +8,7 @@ from tasks.explain.explain import explain
 from tasks.explain.residual_noise import flicker_over_gaps
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize(
     "seed", [1, *(pytest.param(more, marks=pytest.mark.rehearsal) for more in (2, 3))]
 )

@@ -44,13 +44,3 @@ def test_what_is_no_longer_determined_stands_apart_from_the_smallest_steps() -> 
     kept = CHANGE.model_copy(update={"after": 0.25, "in_U": 0.0})
     assert "determined before or now only" in texts_of(CHANGE)["changed.svg"]
     assert "determined" not in report_texts(reprocessing(kept))["changed.svg"]
-
-
-def test_a_report_without_changes_has_a_picture_that_says_so() -> None:
-    assert "nothing moved" in report_texts(reprocessing())["changed.svg"]
-
-
-def test_the_picture_is_drawn_in_chinese_too() -> None:
-    drawn = texts_of(CHANGE)["changed-zh.svg"]
-    assert "值的变化 / U" in drawn
-    assert "What moved" not in drawn

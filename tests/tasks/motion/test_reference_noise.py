@@ -32,10 +32,6 @@ def deviation(run: Recording) -> np.ndarray:
     return np.sqrt(reference_noise(run, motion).variance(motion, WIDTH))
 
 
-def test_an_exact_encoder_has_no_errors() -> None:
-    assert deviation(shaft(swing())).max() < 1e-6
-
-
 def test_the_noise_of_an_encoder_becomes_that_of_mean_rates() -> None:
     noise = 1e-4 * np.random.default_rng(5).standard_normal(len(T))
     turning = swing() + 0.3 * T  # a rest has one error
@@ -126,10 +122,3 @@ def test_stamps_that_scatter_make_noise_of_the_turn() -> None:
     expected = deviation(scattered)[::4, 0][fast]
     assert means[fast].std() == pytest.approx(np.sqrt((expected**2).mean()), rel=0.5)
     assert deviation(scattered)[T < 18.0, 0].max() < 1e-6
-
-
-def test_samples_that_are_uneven_as_their_stamps_say_are_exact() -> None:
-    stamps = np.sort(T + 1e-3 * np.random.default_rng(2).standard_normal(len(T)))
-    run = shaft(swing())
-    read = Stream(stamps, {"a_angle": np.interp(stamps, T, swing())})
-    assert deviation(Recording(run.manifest, run.imu, table=read)).max() < 0.02

@@ -1,7 +1,9 @@
 """Samples are near enough to say something, or what is between them is filled, or left out."""
 
 import numpy as np
+import pytest
 
+from tasks.motion.lag import first_order_lag
 from tasks.motion.samples import bridged, covered, in_blocks
 
 
@@ -22,3 +24,18 @@ def test_a_gap_is_bridged_by_a_straight_line_and_ends_go_on_level() -> None:
 def test_blocks_leave_out_what_does_not_fill_one() -> None:
     assert in_blocks(np.arange(7), 3).tolist() == [[0, 1, 2], [3, 4, 5]]
     assert in_blocks(np.zeros((2, 6)), 3).shape == (0, 3, 6)
+
+
+# A lag of first order, against its closed form.
+
+STEP, TAU = 0.01, 0.5
+
+
+def test_a_step_is_approached_with_the_time_constant() -> None:
+    row = np.arange(1, 301)
+    found = first_order_lag(np.ones(len(row)), STEP, TAU)
+    assert found == pytest.approx(1.0 - np.exp(-row * STEP / TAU), abs=1e-12)
+
+
+def test_what_was_in_balance_before_stays_so() -> None:
+    assert first_order_lag(np.full(300, 7.0), STEP, TAU, start=7.0) == pytest.approx(7.0)

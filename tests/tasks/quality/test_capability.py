@@ -29,17 +29,6 @@ def test_performance_is_that_of_the_handbooks_example(rng: np.random.Generator) 
     )
 
 
-def test_intervals_are_those_of_montgomery(rng: np.random.Generator) -> None:
-    # Introduction to Statistical Quality Control, example 8.4: limits 38 and 62, s = 1.75, n = 20
-    values = stretched(rng.standard_normal(20), 50.0, 1.75)
-    assert capability(values, 38.0, 62.0).pp.value == pytest.approx(2.286, abs=1e-3)
-    pp = capability(values, 38.0, 62.0).pp
-    assert (pp.low, pp.high) == pytest.approx((1.57, 3.01), abs=0.01)
-    # by hand: 1.33 (1 ± 1.96 √(1/(9·20·1.33²) + 1/(2·19)))
-    ppk = capability(stretched(values, 0.0, 1.0), -1e3, 3.99).ppk
-    assert (ppk.low, ppk.high) == pytest.approx((0.883, 1.777), abs=2e-3)
-
-
 def test_one_sided_limits_have_no_two_sided_index(rng: np.random.Generator) -> None:
     found = capability(rng.standard_normal(30), None, 3.0)
     assert found.cp.value is None

@@ -3,15 +3,11 @@
 import numpy as np
 import pytest
 
-from tasks.quality.charts import RULES, individuals, nelson
+from tasks.quality.charts import RULES, drift, individuals, nelson
+from tasks.quality.golden import FEWEST, HISTORY, station_check
 
 # NIST/SEMATECH e-Handbook, 6.3.2.2: flow rates of ten batches
 FLOW = np.array([49.6, 47.6, 49.9, 51.3, 47.8, 51.2, 52.6, 52.4, 53.6, 52.1])
-# Montgomery, Introduction to Statistical Quality Control, example 6.5: costs of loan applications
-COSTS = np.array(
-    [310, 288, 297, 298, 307, 303, 294, 297, 308, 306, 294, 299, 297, 299, 314, 295, 293, 306, 301,
-     304.0]
-)  # fmt: skip
 BROKEN = {  # each rule by itself, in sigma: the last value is the one that breaks it
     1: [0.5, -0.5, 3.1],
     2: [-0.5, *[0.5, 0.7] * 4, 0.5],
@@ -31,16 +27,6 @@ def test_limits_are_those_of_the_handbook() -> None:
     assert chart.mean_range == pytest.approx(1.8778, abs=5e-5)
     assert chart.limits == pytest.approx((45.8159, 55.8041), abs=2e-3)  # by d2 = 1.128
     assert not chart.broken.any()
-
-
-def test_limits_are_those_of_montgomery() -> None:
-    chart = individuals(COSTS)
-    assert chart is not None
-    assert chart.centre == pytest.approx(300.5)
-    assert chart.mean_range == pytest.approx(7.79, abs=5e-3)
-    assert chart.limits == pytest.approx((279.78, 321.22), abs=0.02)
-    assert chart.range_limit == pytest.approx(25.45, abs=0.01)
-    assert not chart.broken[0].any()
 
 
 @pytest.mark.parametrize("rule", range(1, RULES + 1))
@@ -71,3 +57,80 @@ def test_a_single_value_and_equal_values_have_no_violations() -> None:
     chart = individuals(np.ones(20))
     assert chart is not None
     assert not chart.broken[:6].any()
+
+
+# Drift of a coefficient: the slope that was put in, with a U that covers it.
+
+YEARS = np.array([0.0, 0.5, 1.0, 1.6, 2.0, 3.0])
+ONES = np.ones(6)
+NEVER = np.zeros(6, int)
+
+
+def test_a_line_is_its_slope_and_an_adjustment_moves_the_level_alone() -> None:
+    adjusted = np.array([0, 0, 0, 1, 1, 1])
+    found = drift(YEARS, 5.0 + 0.2 * YEARS - 4.0 * adjusted, 0.1 * ONES, adjusted)
+    assert found is not None
+    assert found.per_year == pytest.approx(0.2)
+    assert found.readings == 6
+
+
+def test_a_steady_unit_has_the_u_of_its_readings() -> None:
+    found = drift(YEARS, ONES, 0.1 * ONES, NEVER)
+    assert found is not None
+    assert found.per_year == pytest.approx(0.0, abs=1e-12)
+    assert pytest.approx(2 * 0.1 / np.sqrt(np.sum((YEARS - YEARS.mean()) ** 2))) == found.U
+
+
+def test_scatter_beyond_the_stated_u_is_in_U() -> None:
+    scattered = np.array([0.0, 1.0, -1.0, 1.0, -1.0, 0.0])
+    small, large = (drift(YEARS, scattered, u * ONES, NEVER) for u in (0.01, 1.0))
+    assert small is not None
+    assert large is not None
+    assert small.U > 0.5
+    assert small.per_year == pytest.approx(large.per_year)
+
+
+def test_it_covers_the_slope_as_often_as_it_says() -> None:
+    rng = np.random.default_rng(1)
+    inside = 0
+    for _ in range(1000):
+        found = drift(YEARS, rng.normal(0.3 * YEARS, 0.1), 0.1 * ONES, NEVER)
+        assert found is not None
+        inside += abs(found.per_year - 0.3) <= found.U
+    assert inside > 940
+
+
+@pytest.mark.parametrize(("count", "adjusted"), [(0, []), (1, [0]), (2, [0, 1])])
+def test_what_leaves_nothing_to_compare_has_no_drift(count: int, adjusted: list[int]) -> None:
+    numbers = np.array(adjusted, int)
+    assert drift(YEARS[:count], ONES[:count], ONES[:count], numbers) is None
+    days = np.zeros(count)
+    assert drift(days, ONES[:count], ONES[:count], 0 * numbers) is None
+
+
+def test_a_reading_without_u_is_left_out() -> None:
+    u = np.array([0.1, 0.1, np.nan, 0.1, 0.0, 0.1])
+    found = drift(YEARS, YEARS, u, NEVER)
+    assert found is not None
+    assert found.readings == 4
+
+
+# Golden units: a station that changed is seen against its own history, which it does not move.
+
+NOISE = np.random.default_rng(7).standard_normal(200)
+
+
+def test_a_station_that_shifts_after_its_history_is_out_of_control() -> None:
+    values = NOISE[: HISTORY + 10].copy()
+    values[HISTORY:] += 4.0
+    chart = station_check(values)
+    assert chart is not None
+    assert chart.broken[:, HISTORY:].any(axis=0).all()
+    before = station_check(values[:HISTORY])
+    assert before is not None
+    assert chart.limits == before.limits  # later values move no limit
+
+
+def test_a_short_history_has_no_limits() -> None:
+    assert station_check(NOISE[: FEWEST - 1]) is None
+    assert station_check(NOISE[:FEWEST]) is not None

@@ -3,13 +3,21 @@
 import numpy as np
 import pytest
 
+from schemas.discrepancy import Consequence
 from schemas.recording import Manifest
 from schemas.review import Review
+from tasks.calibrate.calibrate import calibrate
 from tasks.motion.table import EARTH_RATE
+from tasks.review.consequences import moved_elements, touched_of, with_touched
+from tasks.review.hypotheses import Effect
 from tasks.review.report import estimated, review_of
+from tasks.review.run_statistics import statistics_of
 from tasks.review.search import search
 from tasks.review.several_recordings import reviewed_runs
-from tests.tasks.review.fleet import NOTHING, fleet, of
+from tasks.specifications.register import specification_for
+from tests.proof.plant.case import Case, EffectCall
+from tests.proof.plant.simulate import simulate
+from tests.tasks.review.fleet import fleet, of
 
 SIZE = 3.0
 
@@ -32,13 +40,6 @@ def test_a_change_is_told_with_its_run_and_interval() -> None:
     assert finding.parameters[0].value == pytest.approx(SIZE, abs=5 * finding.parameters[0].u)
 
 
-def test_a_change_that_can_only_be_at_one_run_has_no_interval() -> None:
-    review = reviewed(4, lambda unit, station, day: of("axis_tilt", 9.0 * SIZE * (day >= 50)))
-    text = review.findings[0].statement
-    assert "no other" in text.en
-    assert "between" not in text.en
-
-
 def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() -> None:
     review = reviewed(
         7, lambda unit, station, day: of("axis_tilt", SIZE * (unit == 3)),
@@ -50,12 +51,6 @@ def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() 
     assert "another unit on this station" in finding.statement.en
 
 
-def test_a_clean_fleet_says_so() -> None:
-    review = reviewed(101, lambda unit, station, day: NOTHING)
-    assert (review.verdict, review.findings) == ("no_mismatch", ())
-    assert "80 runs of 12 units on 4 stations" in review.statement.en
-
-
 def test_a_site_is_estimated_from_the_level_part_of_earths_rotation() -> None:
     latitude, heading, u = np.radians(39.9), np.radians(30.0), 1e-7
     level = EARTH_RATE * np.cos(latitude) * np.array([-np.sin(heading), np.cos(heading)])
@@ -65,12 +60,6 @@ def test_a_site_is_estimated_from_the_level_part_of_earths_rotation() -> None:
     assert site.latitude_expanded == pytest.approx(
         2 * np.degrees(u / (EARTH_RATE * np.sin(latitude)))
     )
-
-
-def test_a_site_that_does_not_stand_out_stays_unknown() -> None:
-    site = estimated("ST-01", 2, np.array([1e-6, 0.0]), np.diag([1e-12, 1e-12]))
-    assert site.latitude_deg is None
-    assert "is not significant" in site.statement.en
 
 
 def manifest(model: str, serial: str, **station: object) -> Manifest:
@@ -90,13 +79,42 @@ def test_units_go_by_their_serial_unless_two_models_share_it() -> None:
     assert [run.carriers.get("site") for run in runs.values()] == ["north", "40.00°", None]
 
 
-def test_an_effect_of_one_run_is_told_in_the_singular() -> None:
-    """Of two runs of two units only one has it."""
-    (finding,) = reviewed(
-        3, lambda unit, station, day: of("size_effect", 30.0 * (day == 0)), runs=6, units=12,
-        stations=1,
-    ).findings  # fmt: skip
-    assert finding.evidence.runs == 1
-    assert "in the run of" in finding.statement.en
-    assert "the run favours it" in finding.statement.en
-    assert "1 次测量的" in finding.statement.zh
+# What an effect moves in a certificate is what a recording without it would have given.
+
+QUADRATIC = (2e-3, -1e-3, 1.5e-3)  # of an accelerometer's reading in g
+
+
+def case(*effects: EffectCall) -> Case:
+    return Case(seed=1, procedure="rests", rate_hz=20, dwell_s=5.0, effects=effects)
+
+
+def test_the_elements_move_by_what_the_effect_did_to_them() -> None:
+    parameters = {"coefficient": list(QUADRATIC), "order": 2}
+    call = EffectCall(name="accel_nonlinearity", parameters=parameters)
+    bent, plain = simulate(case(call)).recording, simulate(case()).recording
+    named = [each for each in statistics_of(bent).layout.terms if each.name == call.name]
+    term = next(each for each in named if each.at == (2.0,))
+    elements = moved_elements(bent, Effect(term, (0, 1, 2)), np.array(QUADRATIC))
+    truth = calibrate(specification_for(plain.manifest.standard), plain, run="", code_version="")
+    assert {"x", "y", "z"} <= {each.element for each in elements if each.item == "accel_bias"}
+    for each in elements:
+        assert each.U is not None
+        without = truth.items[each.item].value[each.element]
+        assert each.after == pytest.approx(without, abs=0.2 * each.U)
+
+
+def test_a_finding_tells_what_it_moves_the_most_first() -> None:
+    pool = fleet(1, lambda unit, station, day: of("axis_tilt", 2.0 * (station == 2)))
+    (finding,) = review_of(pool, *search(pool)).findings
+    moved = [
+        Consequence(item="gyro_bias", element=e, before=0.0, after=a, U=0.1, unit="deg/s")
+        for e, a in (("x", 0.02), ("y", -0.3))
+    ]
+    complete = with_touched(finding, list(touched_of("C-1", moved)), 3)
+    assert [(each.element, round(each.in_U, 3)) for each in complete.touched] == [
+        ("y", -3.0), ("x", 0.2)
+    ]  # fmt: skip
+    assert "1 of 3; largest change: C-1" in complete.statement.en
+    assert "C-1" in complete.statement.zh
+    assert "0.05 U" in with_touched(finding, [], 3).statement.en
+    assert with_touched(finding, [], 0) == finding

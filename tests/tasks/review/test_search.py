@@ -59,21 +59,6 @@ def test_a_spread_between_units_is_no_mismatch() -> None:
     assert search(fleet(5, values))[0] == ()
 
 
-def test_a_unit_that_differs_in_another_form_than_the_others_do_is_none_either() -> None:
-    rng = np.random.default_rng(3)
-    spread = 0.5 * IN_ONE_RUN * rng.standard_normal((12, SIZES[3]))
-
-    def values(unit: int, station: int, day: int) -> np.ndarray:
-        own = NOTHING.copy()
-        own[place("gyro_g2_sensitivity")] = spread[unit] * (unit != 5)
-        return own + of("size_effect", 1.5 * IN_ONE_RUN * (unit == 5))
-
-    different = fleet(11, values, runs=160)
-    alike = fleet(11, values, runs=160, same_name=("size_effect", "gyro_g2_sensitivity"))
-    assert [carrier(one)[1:] for one in search(different)[0]] == [("unit", "U5")]
-    assert search(alike)[0] == ()
-
-
 ALIKE = ("size_effect", "gyro_g2_sensitivity")
 
 
@@ -105,13 +90,6 @@ def test_a_unit_that_stayed_on_its_station_cannot_be_told_from_it() -> None:
     (one,), _ = search(pool)
     assert carrier(one) == ("axis_tilt", "unit", "U3")
     assert [each.window.level for each in one.carriers] == ["station"]
-
-
-def test_what_every_run_has_a_little_of_is_not_believed() -> None:
-    little = fleet(8, lambda unit, station, day: of("axis_tilt", 0.4), runs=200)
-    much = fleet(8, lambda unit, station, day: of("axis_tilt", 2.0 * IN_ONE_RUN), runs=200)
-    assert search(little)[0] == ()
-    assert [carrier(one)[:2] for one in search(much)[0]] == [("axis_tilt", "site")]
 
 
 def test_clean_fleets_raise_no_alarm() -> None:

@@ -52,6 +52,7 @@ def test_an_effect_too_weak_for_one_recording_is_named_from_four() -> None:
         assert found_together(together(alone))[0] == ()
 
 
+@pytest.mark.rehearsal
 def test_two_clean_recordings_name_nothing() -> None:
     assert found_together(together(statistics(21), statistics(22)))[0] == ()
 

@@ -78,6 +78,7 @@ def test_each_station_gets_its_own_latitude_and_heading_within_u(kept: Kept) -> 
         assert f"in {RUNS} runs" in site.statement.en
 
 
+@pytest.mark.rehearsal
 def test_u_covers_the_truth_as_often_as_it_says_and_shrinks_with_runs(kept: Kept) -> None:
     alone = [site for k in range(RUNS) for site in estimates({s: [r[k]] for s, r in kept.items()})]
     off = np.array([deviations(site) for site in alone])

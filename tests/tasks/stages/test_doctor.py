@@ -11,11 +11,9 @@ from threading import Thread
 import pytest
 
 from schemas.doctor import Examined
-from schemas.run_log import RunStatus
 from schemas.validation import ValidationRecord
 from storage.catalogue import database, trail
 from storage.home import Home
-from storage.station_lock import lock_place, one_run_on, write_status
 from tasks.stages import doctor as stage
 from tasks.stages.doctor import diagnose
 from tasks.validation import record
@@ -48,16 +46,6 @@ def test_a_missing_package_and_one_of_another_release_are_named(
     assert "not <1" in found.found
     assert "other" not in found.found
     assert found.remedy is not None
-
-
-def test_a_full_disk_is_told(empty: Home, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stage, "FREE_BYTES", 1 << 70)
-    assert "prune" in str(examined(empty, "disk of the home").remedy)
-
-
-def test_a_home_that_is_a_file_is_no_home(empty: Home) -> None:
-    empty.path.write_text("")
-    assert "MIMUCAL_HOME" in str(examined(empty, "home").remedy)
 
 
 def test_a_catalogue_that_is_none_is_told(empty: Home) -> None:
@@ -95,22 +83,6 @@ def test_an_interrupted_run_is_told(empty: Home) -> None:
     empty.acquiring.mkdir(parents=True)
     (empty.acquiring / "20260301T000000Z-ab.mcap").touch()
     assert "--resume" in str(examined(empty, "interrupted runs").remedy)
-
-
-def test_a_run_that_is_going_on_is_none_of_the_interrupted(empty: Home) -> None:
-    recording = empty.acquiring / "20260301T000000Z-ab.mcap"
-    recording.parent.mkdir(parents=True)
-    recording.touch()
-    now = datetime.now(UTC)
-    status = RunStatus(
-        station="LINE-1", procedure="jjf2003", process=1, began_at=now, at=now, state="measuring",
-        now="rate x", segment=3, segments=4, station_s_done=1.0, station_s_total=2.0,
-        wall_s_left=1.0, recordings=(str(recording),), lock=lock_place(empty),
-    )  # fmt: skip
-    write_status(status, empty)
-    with one_run_on("LINE-1", empty):
-        assert examined(empty, "interrupted runs").found == "none"
-    assert recording.name in examined(empty, "interrupted runs").found
 
 
 def test_a_line_whose_operators_nobody_named_is_told(

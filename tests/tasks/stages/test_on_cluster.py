@@ -82,6 +82,7 @@ def test_a_killed_worker_and_a_restarted_scheduler_cost_no_result(
     assert sorted(done) == sorted(things)
 
 
+@pytest.mark.rehearsal
 def test_a_thing_that_kills_workers_takes_none_of_its_batch_with_it(
     started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -135,6 +136,7 @@ def test_no_scheduler_is_a_sentence(address: str, monkeypatch: pytest.MonkeyPatc
     assert time.monotonic() - began < 60.0
 
 
+@pytest.mark.rehearsal
 def test_a_worker_with_another_version_is_a_sentence(
     started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -15,12 +15,16 @@ from aiosmtpd.controller import Controller
 from aiosmtpd.smtp import AuthResult
 
 from schemas.base import Unusable
-from schemas.certificate import Order, Party
-from storage.catalogue import reminders
+from schemas.certificate import AsFound, Certificate, Order, Party
+from schemas.decision import Decision
+from storage.catalogue import reminders, results, runs
 from storage.home import Home
 from tasks.stages import remind
+from tasks.stages.draft import keep_draft
 from tasks.stages.issue import check, issue, withdraw
-from tests.drafts import draft
+from tasks.stages.remind import interval_advice, sentence
+from tasks.words import say
+from tests.drafts import DECIDED, MORNING, calibration_of, certificate_of, draft, recording_of
 
 pytestmark = pytest.mark.usefixtures("unprinted")
 
@@ -151,7 +155,7 @@ def test_each_occasion_is_sent_once_and_only_the_last_that_has_come(home: Home) 
     issued(home)
     recall_file(home, mail_to(25))
     outbox = Outbox()
-    for days in range(-70, 40):
+    for days in (-70, -60, -59, -31, -30, -8, -7, 0, 6, 7, 29, 30, 40):
         assert remind.remind(home, at(days), outbox) == []
     assert ["was due" in title for title in outbox.titles] == [False] * 3 + [True] * 2
     (lines,) = remind.sent(home).values()
@@ -196,14 +200,6 @@ def test_a_draft_one_without_an_agreed_interval_and_one_withdrawn_are_not_due(ho
     assert [each.certificate for each in remind.due_units(home)] == [number]
 
 
-def test_a_client_whom_nobody_named_is_not_reminded(home: Home) -> None:
-    issued(home, ordered=order(OTHER))
-    recall_file(home, mail_to(25))
-    outbox = Outbox()
-    assert remind.remind(home, at(-7), outbox) == []
-    assert outbox.titles == []
-
-
 def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home: Home) -> None:
     for serial, client in (("1", CLIENT), ("2", CLIENT), ("3", OTHER)):
         issued(home, serial, order(client))
@@ -216,10 +212,7 @@ def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home: Home) -> N
         remind.feed(home, "Nobody", at(-100))
 
 
-PASSWORDS = [
-    "p@ss", "a/b", "c#d", "e?f", "g%h", "i:j", "%41", "k&l=m+n", "o p", "@", "x@y.z/w@v.u",
-    "@/#?%:&=+ %40'\"$",
-]  # fmt: skip
+PASSWORDS = ["%41", "@/#?%:&=+ %40'\"$"]
 
 
 @contextmanager
@@ -277,7 +270,7 @@ def test_a_password_that_no_mail_server_can_be_told_is_a_sentence_without_it(
     assert "secret" not in fault
 
 
-@pytest.mark.parametrize("password", ["p@ss", "a/b@c", "d#e", "f?g@h=i", "j%k", "l:m", "n@o/p?q#"])
+@pytest.mark.parametrize("password", ["j%k:l", "n@o/p?q#"])
 def test_a_password_written_as_it_is_becomes_no_host(
     home: Home, password: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -301,10 +294,55 @@ def test_a_channel_that_is_none_is_said_before_anything_is_sent(
         remind.remind(home, at(-7), Outbox())
 
 
-@pytest.mark.parametrize(
-    "url",
-    ["dingtalk://token", "wecombot://key", "feishu://token",
-     "slack://T1JJ3T3L2/A1BRTD4JD/TIiajkdnlazkcOXrIdevi7FQ"],
-)  # fmt: skip
-def test_the_chats_that_clients_use_are_known(url: str) -> None:
-    assert remind.sending.check_channel("chat", url) == url
+# Advice on the interval of a unit from its own issued certificates.
+
+FAILED = Decision(verdict="fail", rule="simple", document="Data sheet", limits=DECIDED.limits)
+UNDECIDED = DECIDED.model_copy(update={"verdict": "inconclusive"})
+
+
+def issued_interval(
+    home: Home, year: int, decision: Decision = DECIDED, **changes: object
+) -> Certificate:
+    """A certificate of unit 7 from a calibration on 1 March of a year."""
+    recording = recording_of("7")
+    manifest = recording.manifest.model_copy(update={"recording_id": f"of {year}"})
+    other = type(recording)(manifest, recording.imu)
+    run, _ = runs.add(other, home)
+    calibration = calibration_of(run)
+    results.save(calibration, home)
+    days: dict[str, object] = {"calibrated_on": date(year, 3, 1), "due": date(year + 1, 3, 1)}
+    made = certificate_of(run, calibration, decision=decision, **(days | changes))
+    key = keep_draft(made, home, MORNING).certificate.number
+    check(key, home, "Li")
+    return issue(key, home, "Zhao").certificate
+
+
+def test_the_verdict_as_found_counts_and_what_was_inconclusive_does_not(home: Home) -> None:
+    issued_interval(home, 2018)
+    issued_interval(home, 2019)
+    issued_interval(home, 2020, UNDECIDED)
+    issued_interval(home, 2021)
+    as_left = issued_interval(home, 2022)
+    found = AsFound(
+        calibrated_on=date(2023, 2, 28), calibration=as_left.calibration, decision=FAILED
+    )
+    issued_interval(home, 2023, as_found=found)
+    unit, agreed, advice = interval_advice("7", home)
+    assert (unit, agreed) == ("Maker U 7", 366)
+    assert (advice.intervals, advice.conforming, advice.advice) == (4, 3, "shorten")
+    text = sentence(unit, agreed, advice)
+    assert "within its limits after 3 of 4 intervals" in say(text, "en")
+    assert "应予缩短" in say(text, "zh")
+
+
+def test_a_young_unit_keeps_its_interval(home: Home) -> None:
+    issued_interval(home, 2024)
+    issued_interval(home, 2025)
+    unit, agreed, advice = interval_advice("7", home)
+    assert "too few for the reliability method" in say(sentence(unit, agreed, advice), "en")
+
+
+def test_without_an_agreed_date_there_is_nothing_to_advise_on(home: Home) -> None:
+    issued_interval(home, 2020, due=None)
+    with pytest.raises(Unusable, match=r"has no recalibration date .*recalibration_agreed"):
+        interval_advice("7", home)

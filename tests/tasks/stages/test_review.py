@@ -1,19 +1,29 @@
 """Stage: recordings of a folder are imported, and their statistics made once and kept."""
 
-from datetime import date
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.orders import ReviewOrder
+from schemas.discrepancy import Consequence
+from schemas.orders import ExplainOrder, ReviewOrder
 from storage import run_statistics
+from storage.catalogue import certificates, runs
 from storage.home import Home
+from tasks.review.report import review_of
 from tasks.review.run_statistics import VERSION
+from tasks.review.search import search
+from tasks.review.windows import rows_of
+from tasks.stages import review
+from tasks.stages.explain_several import explain_together
 from tasks.stages.review import review_runs
+from tests.drafts import draft, recording_of
 from tests.proof.plant.case import Case
 from tests.proof.plant.files import write
 from tests.proof.plant.simulate import simulate
+from tests.tasks.review.fleet import fleet, of
 
 
 def nothing(done: int, total: int) -> None:
@@ -55,12 +65,45 @@ def test_what_the_selection_leaves_nothing_of_is_said(tmp_path: Path) -> None:
         review_runs(ReviewOrder(paths=("",)), home, nothing)
 
 
-def test_a_store_without_runs_has_nothing_to_review(tmp_path: Path) -> None:
-    with pytest.raises(Unusable, match="2 runs or more, and 0"):
-        review_runs(ReviewOrder(), Home(tmp_path), nothing)
+# Stage: the certificates that stand on a finding's runs, and no others.
+
+MOVED = Consequence(item="gyro_bias", element="x", before=0.25, after=0.3, U=0.02, unit="deg/s")
 
 
-def test_dates_the_wrong_way_round_are_one_sentence(tmp_path: Path) -> None:
-    order = ReviewOrder(since=date(2027, 1, 1), until=date(2026, 1, 1))
-    with pytest.raises(Unusable, match="--since 2027-01-01 is after --until 2026-01-01"):
-        review_runs(order, Home(tmp_path), nothing)
+def test_only_certificates_on_its_runs_are_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = Home(tmp_path)
+    draft(home, "1")
+    draft(home, "2")
+    entries = certificates.register(home)
+    chosen = {entry.run: runs.find(entry.run, home) for entry in entries}
+    pool = fleet(1, lambda unit, station, day: of("axis_tilt", 2.0 * (station == 2)))
+    (one,), p_value = search(pool)
+    rows = rows_of(pool, one.best.window)
+    names = [run.run for run in pool.runs]
+    names[int(np.argmax(rows))] = entries[0].run
+    names[int(np.argmin(rows))] = entries[1].run
+    renamed = tuple(replace(r, run=n) for r, n in zip(pool.runs, names, strict=True))
+    one = replace(one, pool=replace(pool, runs=renamed))
+    monkeypatch.setattr(review, "moved_elements", lambda recording, effect, values, limits: [MOVED])
+    completed = review.with_certificates(review_of(pool, (one,), p_value), (one,), chosen, home)
+    (found,) = completed.findings[0].touched
+    assert (found.certificate, found.in_U) == (entries[0].number, pytest.approx(2.5))
+
+
+# Stage: what cannot be explained together is refused in one sentence.
+
+
+def test_recordings_of_different_units_are_refused(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    which = [runs.add(recording_of(serial), home)[0] for serial in ("1", "2")]
+    with pytest.raises(Unusable, match=r"different units \(Maker U 1, Maker U 2\)"):
+        explain_together(which, home, ExplainOrder(run=which[0].id, others=(which[1].id,)))
+
+
+def test_a_recording_named_twice_is_refused(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    run, _ = runs.add(recording_of("1"), home)
+    with pytest.raises(Unusable, match="named twice"):
+        explain_together([run, run], home, ExplainOrder(run=run.id, others=(run.id,)))

@@ -16,11 +16,9 @@ from storage.formats.folder import read_folder
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.coefficients.parameters import model_values
-from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.stages.correct import simulate_run, simulated_recording
-from tasks.stages.simulation import other_unit, simulated_readings
-from tasks.words import say
+from tasks.stages.simulation import simulated_readings
 
 CHANNELS = GYRO + ACCEL
 RNG = np.random.default_rng(3)
@@ -62,19 +60,6 @@ def test_rate_sensitivity_without_the_models_sign_is_turned(ideal_run) -> None:
     np.testing.assert_array_equal(model_values(plain)[0], model_values(calibration)[0])
 
 
-def test_elements_that_were_not_determined_are_ideal_and_named(real) -> None:
-    values, assumed = model_values(calibrated(real("ln100_two_position")))
-    assert "gyro_g_sensitivity xy" in assumed
-    assert np.isfinite(values).all()
-
-
-def test_calibration_of_an_ahrs_cannot_simulate(plant) -> None:
-
-    ahrs = calibrate(JJF1536, plant("ahrs_clean"), run="", code_version="")
-    with pytest.raises(Unusable, match="models \\(1\\) and \\(2\\)"):
-        model_values(ahrs)
-
-
 def test_a_run_whose_motion_nothing_tells_is_refused(ideal_run) -> None:
     recording = ideal_run(dwell=1.0)
     bare = replace(recording, manifest=recording.manifest.model_copy(update={"segments": None}))
@@ -95,14 +80,6 @@ def test_folder_is_a_recording_marked_as_simulated_with_the_same_rows(
     np.testing.assert_array_equal(written.imu.t, recording.imu.t)
     with pytest.raises(Unusable, match="name a new folder"):
         simulate_run(run, home, order_into(tmp_path))
-
-
-def test_a_simulation_is_read_back_at_the_units_rows(ideal_run, home, tmp_path) -> None:
-    recording = ideal_run(dwell=2.0)
-    run, _ = runs.add(recording, home)
-    made = simulate_run(run, home, order_into(tmp_path))
-    readings = simulated_readings(recording, made.folder, read_folder(made.folder))
-    np.testing.assert_array_equal(readings, read_folder(made.folder).imu.stack(CHANNELS))
 
 
 def test_rows_between_those_of_a_simulation_are_interpolated(ideal_run, home, tmp_path) -> None:
@@ -155,15 +132,3 @@ def test_whole_turns_exchanged_axes_and_a_small_delay_are_the_same_motion(plant)
         table=replace(table, columns=more, t=table.t + 0.01),
     )  # fmt: skip
     simulated_readings(recording, PATH, other)
-
-
-def test_a_simulation_may_leave_its_unit_out_but_another_one_is_remarked(plant) -> None:
-    recording = plant("plant_clean")
-
-    def of(serial: str) -> Recording:
-        unit = recording.manifest.unit.model_copy(update={"serial": serial})
-        return replace(recording, manifest=recording.manifest.model_copy(update={"unit": unit}))
-
-    assert other_unit(recording, recording) == other_unit(recording, of("")) == ()
-    (remark,) = other_unit(recording, of("B 7"))
-    assert "B 7" in say(remark, "en")

@@ -82,15 +82,6 @@ def test_why_a_function_failed_is_not_lost_with_the_server() -> None:
         without_loss(refuse, _server_ends_after)(3)
 
 
-def test_an_error_of_another_kind_is_raised_as_it_is() -> None:
-    with pytest.raises(RuntimeError, match="own"):
-        without_loss(_fails, lambda body: body)(3)
-
-
-def _fails(number: int) -> int:
-    raise RuntimeError("own")
-
-
 @pytest.mark.parametrize("code", [410, 404, 500, 503])
 def test_a_server_that_was_started_anew_and_forgot_the_run_costs_nothing(code: int) -> None:
     request = Request("POST", "http://127.0.0.1/api/leases")

@@ -133,6 +133,7 @@ def test_it_works_while_the_home_is_away(station, home, acquiring):
     assert not home.path.exists()  # nothing is made where a disk is away
 
 
+@pytest.mark.rehearsal
 def test_another_computer_asks_by_way_of_the_home(station, home, acquiring, monkeypatch):
     run = acquiring()
     time.sleep(1.5)  # its status is in the home by now
@@ -144,6 +145,7 @@ def test_another_computer_asks_by_way_of_the_home(station, home, acquiring, monk
         run.result(30)
 
 
+@pytest.mark.rehearsal
 def test_a_second_press_does_not_break_the_stop_off(station, home, acquiring):
     run = acquiring()
     with ThreadPoolExecutor(2) as pool:

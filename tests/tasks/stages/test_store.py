@@ -10,14 +10,16 @@ from storage.catalogue import run_index, runs
 from storage.catalogue.connection import Busy
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from tasks.stages import acquire
+from storage.station_lock import one_run_on
+from tasks.stages import acquire, ready
 from tasks.stages import store as module
 from tasks.stages.acquire import acquire_run
 from tasks.stages.import_recording import import_recording
+from tasks.stages.ready import ready_to_acquire
 from tasks.stages.store import LONGEST_PAUSE_S, PATIENCE_S, store, store_waiting
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.unit import draw_unit
-from tests.tasks.stages.test_acquire import PROCEDURE
+from tests.tasks.stages.test_acquire import PROCEDURE_ACQUIRE
 from tests.tasks.station.in_memory import InMemoryStation
 
 
@@ -116,17 +118,6 @@ def test_another_run_of_the_home_may_store_it_meanwhile(
     assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
 
 
-def test_an_operator_who_ends_the_wait_loses_nothing(fresh: Home, recording: Path) -> None:
-    def pressed(_: float) -> None:
-        raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        away_until(1e9, Clock(), Busy("away"), patch)
-        with pytest.raises(BrokenOff, match="stopped by the operator; the run is whole in"):
-            store(recording, fresh, sleep=pressed)
-    assert recording.exists()
-
-
 def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
     fresh: Home, monkeypatch
 ) -> None:
@@ -148,6 +139,31 @@ def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
 
     monkeypatch.setattr(module.runs, "add", added)
     monkeypatch.setattr(module, "FIRST_PAUSE_S", 0.0)
-    ((run, _),) = acquire_run(station.file, PROCEDURE, fresh, lambda _: None).kept
+    ((run, _),) = acquire_run(station.file, PROCEDURE_ACQUIRE, fresh, lambda _: None).kept
     assert len(turned) == 1
     assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
+
+
+# Nothing turns unless what is measured can be kept.
+
+
+def test_every_obstacle_is_named_at_once_and_nothing_turns(fresh: Home, monkeypatch) -> None:
+    station = InMemoryStation(VirtualStation(unit=draw_unit(7))).file
+    monkeypatch.setattr(acquire, "acquire", pytest.fail)
+    monkeypatch.setattr(ready, "FREE_BYTES", 1 << 70)
+    monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://nobody@127.0.0.1:9/none")
+    with one_run_on(station.station.id, fresh), pytest.raises(Unusable) as refusal:
+        acquire_run(station, PROCEDURE_ACQUIRE, fresh, lambda _: None)
+    sentence = str(refusal.value)
+    for obstacle in ("The catalogue", "GiB free", "a run is going on at station"):
+        assert obstacle in sentence
+    assert "\n" not in sentence
+    assert not list(fresh.acquiring.glob("*"))
+
+
+def test_a_catalogue_that_only_reads_is_not_ready(fresh: Home) -> None:
+    ready_to_acquire("T1", fresh)
+    catalogue = fresh.path / "catalog.sqlite"
+    catalogue.write_bytes(b"no database at all, and too short for one" * 100)
+    with pytest.raises(Unusable, match="The catalogue"):
+        ready_to_acquire("T1", fresh)

@@ -1,6 +1,6 @@
 """A virtual station behind sockets, served by a thread of this process.
 
-A process of its own, which tests/tasks/station/virtual/test_process.py judges, takes seconds of
+A process of its own, which tests/tasks/station/virtual/test_servers.py judges, takes seconds of
 computing to start.
 """
 

@@ -51,10 +51,6 @@ def test_each_channel_has_its_own_remark():
     assert "2 spikes" in remarks[1].en
 
 
-def test_noise_is_neither_stuck_nor_spiked():
-    assert check_unit(SEGMENTS[1], noisy_unit(), LINK) == []
-
-
 def test_stuck_channel_and_spikes_are_found():
     imu = noisy_unit()
     imu.columns["gyro_y"][:] = 0.25

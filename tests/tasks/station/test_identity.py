@@ -18,7 +18,7 @@ from tasks.station.virtual.unit import draw_unit
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.listening_unit import unit as listening
 from tests.tasks.station.over_sockets import over_sockets, table_and_watchdog
-from tests.tasks.station.sample_stations import rates_link, sample
+from tests.tasks.station.sample_stations import rates_link
 
 QUERY = SerialQuery(request="$WHO", answer="$ME,")
 pytestmark = pytest.mark.real_time
@@ -69,13 +69,6 @@ def test_a_unit_that_does_not_answer_is_not_taken_for_the_ordered_one(
         confirm(unit("A17"), link(url))
 
 
-def test_a_unit_that_cannot_tell_its_number_is_as_before() -> None:
-    assert confirm(unit("A17"), rates_link()) is None
-    with pytest.raises(ValueError, match="identify asks the unit, and url udp"):
-        UnitLink.model_validate(link("udp://0.0.0.0:1").model_dump())
-    assert StationFile.model_validate(sample()).unit_link.identify is None
-
-
 def test_nothing_turns_for_another_unit_than_the_one_that_is_mounted(short, kept) -> None:
     with serving(VirtualStation(unit=draw_unit(7)), 20.0) as station:
         ordered = station.with_units((station.unit.model_copy(update={"serial": "V99999"}),))
@@ -86,6 +79,7 @@ def test_nothing_turns_for_another_unit_than_the_one_that_is_mounted(short, kept
         assert [axis.angle_deg for axis in state.axes] == [0.0, 0.0, 0.0]
 
 
+@pytest.mark.rehearsal
 def test_the_operator_of_the_virtual_station_mounts_another_unit(short, kept) -> None:
     with serving(VirtualStation(unit=draw_unit(7)), 20.0) as station:
         assert ask(station, "$SERIAL?") == "$SERIAL,V00007"
@@ -99,6 +93,7 @@ def test_the_operator_of_the_virtual_station_mounts_another_unit(short, kept) ->
         assert found == "The unit says that it is U-1; the station file names V00007."
 
 
+@pytest.mark.rehearsal
 def test_two_virtual_stations_are_two_stations(tmp_path: Path) -> None:
     for ahrs in (False, True):
         made = virtual_station(1, ahrs).model_copy(update={"id": None})

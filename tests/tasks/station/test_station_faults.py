@@ -1,6 +1,7 @@
 """Faults of a station: what stops a run, what it is warned of, and that the table always stops."""
 
 import asyncio
+import signal
 from typing import Any
 from unittest.mock import patch
 
@@ -8,12 +9,19 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure
+from tasks.station.progress import Progress
 from tasks.station.sequencer import GUARD_WALL_S, Sequencer
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tests.tasks.station.in_memory import InMemoryStation
 from tests.tasks.station.in_thread import serving
-from tests.tasks.station.over_sockets import MEASURED, SPEED, let_the_watchdog_bite, over_sockets
+from tests.tasks.station.over_sockets import (
+    MEASURED,
+    SPEED,
+    let_the_watchdog_bite,
+    over_sockets,
+    table_and_watchdog,
+)
 
 STOPS = {
     "table_fault": "axis outer of the table reports fault: read the fault",
@@ -26,6 +34,11 @@ LINK_STOPS = {
     "modbus_silent": r"the station at 127\.0\.0\.1:\d+ does not answer",
     "modbus_exception": r"127\.0\.0\.1:\d+ refused .* exception 4 \(device failure\)",
 }
+
+
+def in_rehearsal(name: str, others: tuple[str, ...]) -> Any:
+    """The case of a fault; those that go the way of one that stays are for the rehearsal."""
+    return pytest.param(name, marks=pytest.mark.rehearsal if name in others else ())
 
 
 @pytest.fixture
@@ -49,7 +62,9 @@ def kept_until(
         assert kept.stream(stream).t[-1] > seconds
 
 
-@pytest.mark.parametrize("name", STOPS)
+@pytest.mark.parametrize(
+    "name", [in_rehearsal(name, ("table_fault", "interlock")) for name in STOPS]
+)
 def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name, long, kept):
     station = InMemoryStation(VirtualStation(), faults=[StationFault(name, 25.0)])
     with pytest.raises(Unusable, match=STOPS[name]) as stop:
@@ -59,7 +74,7 @@ def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name,
 
 
 @pytest.mark.real_time
-@pytest.mark.parametrize("name", LINK_STOPS)
+@pytest.mark.parametrize("name", [in_rehearsal(name, ("modbus_exception",)) for name in LINK_STOPS])
 def test_fault_of_the_link_stops_the_run_and_keeps_what_was_recorded(name, long, kept):
     with (
         serving(VirtualStation(), SPEED, (StationFault(name, 80.0),)) as station,
@@ -80,7 +95,9 @@ WARNS = {
 }
 
 
-@pytest.mark.parametrize("name", WARNS)
+@pytest.mark.parametrize(
+    "name", [in_rehearsal(name, ("unit_drops", "table_rate_wrong")) for name in WARNS]
+)
 def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short, kept):
     dwell_s = {"spike": 16.0, "unit_drops": 12.0}.get(name, 4.0)  # they come every 15 and 10 s
     steps = [step.model_copy(update={"dwell_s": dwell_s}) for step in short.steps[::2]]
@@ -135,3 +152,35 @@ def test_failing_sink_stops_the_table(short, kept):
     with pytest.raises(OSError, match="No space"):
         station.acquire(short, kept)
     assert station.table.has_been_left
+
+
+# An operator ends a run: the table comes to rest, and what was recorded is kept.
+
+
+@pytest.mark.real_time
+def test_interrupt_stops_the_table_and_keeps_what_was_recorded(short, kept):
+    def interrupt(progress: Progress) -> None:
+        if progress.now.startswith("rate"):
+            signal.raise_signal(signal.SIGINT)
+
+    with serving(VirtualStation(), SPEED) as station:
+        with pytest.raises(KeyboardInterrupt):
+            over_sockets(station, short, kept, interrupt)
+        state, watchdog = table_and_watchdog(station)
+    assert [axis.rate_deg_s for axis in state.axes] == pytest.approx([0.0] * 3, abs=1e-6)
+    assert watchdog == 0
+    assert kept.measured() == MEASURED[:2]
+    assert len(kept.stream("imu"))
+
+
+def test_what_is_on_the_line_when_a_run_is_interrupted_is_kept(short, kept):
+    def interrupt(progress: Progress) -> None:
+        if progress.now.startswith("rate"):
+            raise KeyboardInterrupt
+
+    station = InMemoryStation(VirtualStation())
+    with pytest.raises(KeyboardInterrupt):
+        station.acquire(short, kept, interrupt)
+    assert station.table.has_been_left
+    assert kept.measured() == MEASURED[:2]
+    assert kept.stream("imu").t[-1] >= kept.manifests[-1].segments[-1].t_end - 0.5

@@ -1,5 +1,10 @@
-"""The catalogues say the same things in every language."""
+"""The catalogues say the same things in every language, and what they say with arguments is kept.
 
+After a change of the catalogues: `SENTENCES=renew .venv/bin/pytest tests/tasks/words`, and read
+what `git diff` shows of sentences.txt.
+"""
+
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +17,7 @@ from tasks.words import LANGUAGES, Message, known, message, say, statement, text
 from tasks.words.translation import _catalogue_file, _file_of, _rendered
 
 WORDS = Path("tasks/words")
+SENTENCES = Path(__file__).with_name("sentences.txt")
 
 
 def entries(language: str) -> Iterator[tuple[str, ast.Message]]:
@@ -41,6 +47,71 @@ class References(Visitor):
 
     def visit_MessageReference(self, node: ast.MessageReference) -> None:  # noqa: N802
         self.names.add(node.id.name)
+
+
+class Choices(Visitor):
+    """By argument, the values among which a message chooses what it says."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.values: dict[str, list[str]] = {}
+
+    def visit_SelectExpression(self, node: ast.SelectExpression) -> None:  # noqa: N802
+        asked = Arguments()
+        asked.visit(node.selector)
+        keys = [variant.key for variant in node.variants]
+        named = [key.name if isinstance(key, ast.Identifier) else key.value for key in keys]
+        for name in asked.names:
+            known_ = self.values.setdefault(name, [])
+            known_ += [key for key in named if key not in known_]
+        self.generic_visit(node)
+
+
+def sample(name: str, choices: list[str], chosen: str | None) -> str | int:
+    """An argument: its name in brackets, or a value by which the message chooses."""
+    if choices and set(choices) <= {"zero", "one", "two", "few", "many", "other", "0", "1"}:
+        return {"zero": 0, "0": 0, "one": 1, "1": 1}.get(chosen or "other", 5)
+    return f"‹{name}›" if chosen in (None, "other") else chosen
+
+
+def sentences() -> Iterator[str]:
+    """Every message with arguments once for each of its choices, in every language."""
+    for _, entry in entries(LANGUAGES[0]):
+        parts = {"": entry.value} | {f".{each.id.name}": each.value for each in entry.attributes}
+        for attribute, part in parts.items():
+            if part is None:
+                continue
+            named, choices = Arguments(), Choices()
+            named.visit(part)
+            choices.visit(part)
+            if not named.names:
+                continue
+            cases: list[tuple[str, str] | None] = [None]
+            cases += [(name, key) for name, keys in choices.values.items() for key in keys]
+            said = set[str]()
+            for case in cases:
+                values = {
+                    name: sample(
+                        name,
+                        choices.values.get(name, []),
+                        case[1] if case and case[0] == name else None,
+                    )
+                    for name in sorted(named.names)
+                }
+                id_ = entry.id.name + attribute
+                both = texts(message(id_, **values))
+                lines = "\n".join(f"  {language}: {text}" for language, text in both.items())
+                if lines not in said:
+                    yield f"{id_}{f' {case[0]}={case[1]}' if case else ''}\n{lines}"
+                said.add(lines)
+
+
+def test_each_message_says_with_its_arguments_what_is_kept() -> None:
+    said = "\n".join(sentences()) + "\n"
+    if os.environ.get("SENTENCES") == "renew":
+        SENTENCES.write_text(said, encoding="utf-8")
+    kept = SENTENCES.read_text(encoding="utf-8")
+    assert said.splitlines() == kept.splitlines(), "see the first lines of this module"
 
 
 def shape(entry: ast.Message) -> dict[str, set[str]]:

@@ -58,6 +58,7 @@ def names(finding: Finding) -> set[str]:
     return {finding.effect, *finding.group, *finding.indistinguishable}
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize(
     ("step", "filtered"),
     [
@@ -74,6 +75,7 @@ def test_a_fast_filter_and_a_delay_are_not_told_apart_at_sharp_ramps(
     assert names(finding) >= {"time_offset", "bandwidth"}
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize("filtered", [True, False])
 def test_what_one_gyro_alone_shows_has_no_single_name(*, filtered: bool) -> None:
     """Nor has it by a fine encoder: its reading of corners between two samples decides."""

@@ -86,12 +86,6 @@ def test_a_nuisance_stays_and_what_makes_up_for_it_is_left_out() -> None:
     assert not any(one.group for one in after.selection.selected)
 
 
-def test_a_family_without_the_nuisance_is_compared_as_ever() -> None:
-    fit, candidates = found("lever_arm")
-    after = names(compared(fit, candidates))
-    assert after in ({"lever_arm", "time_offset"}, {"lever_arm", "bandwidth"})
-
-
 def test_two_effects_are_no_likelier_than_a_filter_that_a_lead_cancels() -> None:
     after = compared(*filtered_and_early())
     groups = [set(one.group) for one in after.selection.selected]

@@ -60,6 +60,7 @@ def test_a_low_pass_of_either_order_is_named_alone_or_in_a_group(
         assert parameter.value == pytest.approx(1.0 / (2.0 * np.pi * corner), rel=0.02)
 
 
+@pytest.mark.rehearsal
 def test_the_lag_of_a_low_pass_and_a_delay_beside_it_are_told_apart() -> None:
     """As two findings or, where noise has it so, as one of both."""
     findings = explain(filtered(1, 20.0, 1e-5, delay=0.004)).findings
@@ -72,6 +73,7 @@ def test_the_lag_of_a_low_pass_and_a_delay_beside_it_are_told_apart() -> None:
     assert values["seconds"] == pytest.approx(0.004, rel=0.1)
 
 
+@pytest.mark.rehearsal
 def test_a_filter_at_the_rate_of_the_output_that_only_gyros_show_is_explained() -> None:
     recording = filtered(1, 500.0, 0.0)
     assert recording.imu is not None

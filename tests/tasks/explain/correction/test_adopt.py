@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from explained import finding, nothing_added
+from explained import finding
 
 from schemas.calibration import Calibration
 from schemas.discrepancy import FoundParameter
@@ -163,6 +163,7 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
     assert not any(remark.code.startswith("earth_rotation") for remark in adopted.remarks)
 
 
+@pytest.mark.rehearsal
 def test_the_site_is_judged_by_readings_that_have_earths_rotation(plant) -> None:
     """Less Earth's rotation they show none of it, which says nothing of latitude and heading."""
     full = plant("plant_earth_rotation")
@@ -180,24 +181,6 @@ def test_the_site_is_judged_by_readings_that_have_earths_rotation(plant) -> None
     assert WITHOUT_EARTH in plain.information
     assert WITHOUT_EARTH not in adopted.information
     assert "information_as_recorded" in codes
-
-
-def test_names_that_the_recording_cannot_tell_apart_are_said(displaced) -> None:
-    recording, found = displaced
-    alike = replace(found, indistinguishable=("size_effect",))
-    adopted = adopt(recording, [alike], calibrated, determined(recording))
-    (statement,) = [r for r in adopted.remarks if r.code == "term_not_distinguished"]
-    assert "from a size effect of the accelerometers" in statement.en
-
-
-def test_each_parameter_is_spread_by_its_own_term(run) -> None:
-    found, model = lever_arm(run), determined(run)
-    for k, (one, u) in enumerate(zip(uncertain_inputs([found], model), U_ARM, strict=True)):
-        alone = np.zeros(3)
-        alone[k] = u
-        np.testing.assert_allclose(
-            one.change(model), added_by(LEVER_ARM, run, tuple(alone)), atol=1e-12
-        )
 
 
 def test_correlation_of_what_was_taken_off_is_in_u(run, clean) -> None:
@@ -246,13 +229,6 @@ def test_physics_that_is_known_beforehand_has_no_spread(run) -> None:
         added_by(term, run, ()), "earth_rotation", parameters=(observed,), terms=(term.key,)
     )
     assert uncertain_inputs([found], known) == []
-
-
-def test_contribution_that_no_term_makes_is_uncertain_as_a_whole(run) -> None:
-    added = nothing_added(run)
-    added[:, 0] = 1e-4
-    (one,) = uncertain_inputs([finding(added)], determined(run))  # 0.01 deg/s, u 0.001 deg/s
-    np.testing.assert_allclose(one.change(None), 0.1 * added)
 
 
 def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:

@@ -7,19 +7,26 @@ import numpy as np
 import pytest
 from explained import explanation, finding, nothing_added
 
+from schemas.discrepancy import FoundParameter
 from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
+from storage.formats.folder import read_folder
 from tasks.explain.correction.adopt import corrected
 from tasks.explain.correction.consequences import consequences, moved_by
+from tasks.explain.correction.sensitivity import uncertain_inputs
 from tasks.explain.determined import DeterminedModel
+from tasks.explain.explain import explain
+from tasks.explain.explanation import Finding
 from tasks.model.model import Model
 from tasks.model.term import nominal_values
+from tasks.model.terms.environment import thermal_transient
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import say
+from tests.shared import shared_path
 from tests.tasks.items_only import items_only
 
 STEP = 0.01  # deg/s
@@ -148,17 +155,6 @@ def test_a_verdict_that_changes_is_told(run: Recording) -> None:
     assert found.changes_together == found.changes[0]
 
 
-def test_a_verdict_that_stays_is_not_told(run: Recording) -> None:
-    added = biased(run, 2, float(np.radians(STEP)))
-    spoilt = added_to(run, added)
-    tolerance = limits("gyro_bias", "deg/s", 10 * STEP)
-    assert consequences(spoilt, explanation(spoilt, finding(added)), tolerance).changes == ((),)
-
-
-def test_no_finding_has_no_consequence(run: Recording) -> None:
-    assert consequences(run, explanation(run)).of_findings == ()
-
-
 def test_rows_where_a_contribution_is_not_known_stay_as_they_were_read(run: Recording) -> None:
     added = biased(run, 0, 1.0)
     added[5] = np.nan
@@ -179,3 +175,55 @@ def test_limits_of_other_items_change_no_verdict(run: Recording) -> None:
     added = biased(run, 2, float(np.radians(STEP)))
     tolerance = limits("ahrs_scale_factor", "1", 0.1)
     assert consequences(run, explanation(run, finding(added)), tolerance).changes == ((),)
+
+
+# U after a setting was put right is that of the whole reading, not of what was taken off.
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.14, 2.0, 57.2958])
+def test_a_factor_is_as_uncertain_as_the_reading_that_it_multiplies(factor: float) -> None:
+    right = np.linspace(-3.0, 3.0, 60).reshape(10, 6)
+    found = FoundParameter(name="factor", value=factor, unit="1", u=0.01 * factor)
+    setting = Finding(
+        "range_setting", "", "", "", "", (0, 1, 2), (found,), (factor - 1.0) * right, 1.0, 1.0, 1.0
+    )
+    (one,) = uncertain_inputs([setting], None)
+    assert np.allclose(np.abs(one.change(None)), np.abs(0.01 * right))
+
+
+def test_the_scale_factor_after_a_range_put_right_has_the_factors_relative_uncertainty() -> None:
+    recording = read_folder(shared_path("data/field/gyro_range_1137"))
+    explanation = explain(recording)
+    effects = consequences(recording, explanation)
+    which = [each.effect for each in explanation.findings].index("range_setting")
+    scale = {
+        each.element: each
+        for each in effects.of_findings[which]
+        if each.item == "gyro_scale_factor"
+    }
+    assert set(scale) == {"x", "y", "z"}
+    for one in scale.values():
+        assert one.after is not None
+        assert pytest.approx(0.02 * one.after, rel=0.02) == one.U
+
+
+# How far the readings may be from those of a fitted time constant that is not well known.
+
+AMPLITUDES = np.array([1e-3, 0.0, 0.0, 0.0, 0.0, 2e-3])  # rad/s, m/s²
+TAU = 20.0  # s
+
+
+@pytest.mark.parametrize("u_tau", [0.02, 8.0, 19.99, 30.0, 1e4])
+def test_a_time_constant_no_better_known_than_its_size_moves_readings_by_its_slope(
+    ideal_run, u_tau: float
+) -> None:
+    values = np.concatenate([nominal_values(STANDARD_TERMS), AMPLITUDES])
+    free = np.arange(len(values)) >= len(values) - 6
+    model = Model.of((*STANDARD_TERMS, thermal_transient(TAU)), values, free)
+    motion = whole_motion(ideal_run())
+    covariance = np.diag(np.append(np.zeros(6), u_tau**2))
+    known = DeterminedModel(model, np.zeros(len(values), bool), covariance, motion)
+    change = known.change(known.u * np.eye(7)[6])
+    slope = AMPLITUDES * (np.exp(-motion.t / TAU) * motion.t / TAU**2)[:, None]
+    bound = 0.4 * np.abs(slope).max(axis=0)  # a difference over half of τ is no derivative
+    assert (np.abs(change / u_tau - slope) <= bound + 1e-15).all()

@@ -56,14 +56,6 @@ def test_a_plateau_is_masked_and_its_mean_predicted() -> None:
     assert np.array_equal(applied[mean[:, 2] < -4.0], mean[mean[:, 2] < -4.0])
 
 
-def test_accelerometers_that_end_before_gravity_does_have_a_plateau() -> None:
-    readings = noisy(mean_readings(MADE), 5)
-    readings[:, 3] = calibrated(np.clip(readings[:, 3], -20.0, 6.5), 6)
-    events = found(readings)
-    assert [event.effect for event in events.events] == ["accel_saturation"]
-    assert limits(events) == pytest.approx({"upper_limit_x": 6.5}, abs=0.02)
-
-
 def at_rest_in_six_positions() -> Motion:
     """Tipped from each position to the next in 2 s, at rest in it for 13 s."""
     made = MADE
@@ -96,15 +88,6 @@ def test_accelerometers_that_bend_towards_gravity_have_no_plateau(order: int) ->
     still, readings = read_in_six_positions(13)
     readings[:, 4] -= 0.1 * np.maximum(still.up[:, 1], 0.0) ** order
     assert events_in_readings(readings, still).events == ()
-
-
-def test_a_limit_on_one_side_does_not_count_what_lies_at_the_other() -> None:
-    made = MADE
-    readings = noisy(mean_readings(made), 7)
-    readings[:, :3] = np.minimum(readings[:, :3], 4.5)
-    readings[np.abs(readings[:, 1] + 3.0) < 0.05, 1] = -4.5
-    (event,) = found(counted(readings)).events
-    assert event.channels == (2,)
 
 
 @pytest.mark.parametrize(("seed", "bend"), [(0, 0.0), (1, -0.03), (2, 0.03)])

@@ -1,29 +1,58 @@
 """What a finding earns, and which findings are no more than chance."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from engine_run import NOISY, RATE, motion, noise, observed, read
+from engine_run import (
+    MOVE,
+    NOISY,
+    QUIET,
+    RATE,
+    REST,
+    WHITE,
+    motion,
+    noise,
+    observed,
+    read,
+    selected,
+)
 
 from schemas.discrepancy import HeldOut
-from tasks.explain.channels import CHANNELS, GYROS
+from tasks.explain.channels import CHANNELS
+from tasks.explain.evidence.cells import (
+    CELL_LENGTH,
+    FOLDS,
+    CrossValidation,
+    cell_equations,
+    cross_validation,
+    fold_cells,
+)
+from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
+from tasks.explain.evidence.dependence import change_without
 from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.findings import _beside_implausible, scrutinised
 from tasks.explain.evidence.groups import FindingGroup, finding_groups
 from tasks.explain.evidence.pruning import unsupported
+from tasks.explain.evidence.step_time import step_time
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.candidates import Candidate, Prior
 from tasks.explain.search.design import NormalEquations
-from tasks.explain.search.empirical_terms import sinusoid
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
-from tasks.model.term import Term
+from tasks.explain.whitening import Noise
+from tasks.model.simulate import linearise
+from tasks.model.term import Column, Term, nominal_values
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
-from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
+from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.memory import bias_step
 from tasks.model.terms.site import earth_rotation
+from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.model.terms.table import rate_ripple
+from tasks.model.terms.timing import TIME_OFFSET
+from tasks.motion.whole import Motion
 
 RUN = motion()
 EARTH = earth_rotation(np.radians(40.0))
@@ -66,12 +95,6 @@ def test_the_same_name_is_one_finding() -> None:
     assert [group.name for group in groups] == ["temperature_bias", "lever_arm"]
     assert groups[0].terms == (TEMPERATURE_BIAS,)
     assert groups[0].selected == (parts[0], parts[2])
-
-
-def test_what_has_no_name_stays_apart() -> None:
-    first, second = (sinusoid(GYROS).shaped((period,)) for period in (20.0, 31.0))
-    some = [picked(first), picked(replace(second, variant=1))]
-    assert [group.name for group in finding_groups(found(*some))] == [UNNAMED, UNNAMED]
 
 
 def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
@@ -122,15 +145,6 @@ def test_what_is_there_is_needed_and_what_is_not_is_needless(
     assert weak == {"lever_arm": False, "thermal_gradient": True, "earth_rotation": False}
 
 
-def test_nine_parameters_that_stand_ten_times_above_noise_are_worth_their_price() -> None:
-    """Readings of one dwell repeat each other: a price by their number would ask for more."""
-    places = 6.5e-5 * np.array([1.0, -2.0, 1.0, 2.0, 1.0, -1.0, -1.0, 2.0, 1.0])
-    made = read(RUN, (SIZE_EFFECT, places)) + noise(len(RUN.t), 43, NOISY)
-    one, _ = weighed(made, [picked(SIZE_EFFECT)])
-    assert 80.0 < one.gain(0) < 9.0 * np.log(one.used)
-    assert not unsupported(one, 0, TRIED)
-
-
 def test_what_is_there_earns_on_segments_that_were_not_seen(
     three: tuple[Evidence, list[FindingGroup]],
 ) -> None:
@@ -172,3 +186,280 @@ def test_random_drifts_and_what_is_absorbed_are_not_judged_by_a_gain() -> None:
     absorbed = picked(LEVER_ARM, absorbed_by="gyro_g_sensitivity")
     one, groups = weighed(made, [series, absorbed])
     assert [unsupported(one, n, TRIED) for n in range(len(groups))] == [False, False]
+
+
+# Segments that a fit did not see are predicted by what it learnt from the others.
+
+
+def columns(run: Motion = RUN) -> list[Column]:
+    """The standard's, then three of the lever arm."""
+    terms = (*STANDARD_TERMS, LEVER_ARM)
+    return list(linearise(terms, run, nominal_values(terms)).columns)
+
+
+def found_cells(
+    made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]
+) -> CrossValidation:
+    blocks, misfit = observed(made, RUN), made - read(RUN)
+    return cross_validation(cell_equations(every, misfit, blocks, noises, fold_cells(blocks)))
+
+
+def predicted(made: np.ndarray, more: Sequence[Column], kept: list[int]) -> float:
+    """Twice the nats that every fold costs, as a fit of some columns to the others tells it."""
+    every = [*columns()[:-3], *more]
+    zero = np.zeros(len(every))
+    return found_cells(made, every, NOISY).joint_deviance(kept, zero, zero)[0]
+
+
+def test_a_fold_is_every_fourth_segment_with_the_move_before_it() -> None:
+    blocks = observed(read(RUN), RUN)
+    turn = (RUN.t // (REST + MOVE)).astype(int)
+    resting = RUN.t % (REST + MOVE) < REST
+    fold = fold_cells(replace(blocks, segment=np.where(resting, turn, -1))) % FOLDS
+    for k in range(1, 20):
+        with_move = (RUN.t >= k * (REST + MOVE) - MOVE) & (RUN.t < k * (REST + MOVE) + REST)
+        assert set(fold[with_move].tolist()) == {k % FOLDS}
+    np.testing.assert_array_equal(fold_cells(blocks), blocks.segment)
+
+
+def test_a_run_without_segments_is_cut_by_time() -> None:
+    blocks = replace(observed(read(RUN), RUN), segment=np.full(len(RUN.t), -1))
+    fold = fold_cells(blocks) % FOLDS
+    changes = np.flatnonzero(np.diff(fold))
+    assert np.diff(changes) == pytest.approx(CELL_LENGTH * RATE)
+    assert np.bincount(fold).min() > 0.2 * len(fold)
+
+
+def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
+    """By what the rows outside it tell, and how surely; in white noise, row by row."""
+    run = RUN.taken(np.arange(0, len(RUN.t), 40))
+    made = read(run, (LEVER_ARM, ARM)) + noise(len(run.t), 20, QUIET)
+    every, blocks, misfit = columns(run), observed(made, run, RATE / 40), made - read(run)
+    parts = cross_validation(cell_equations(every, misfit, blocks, QUIET, fold_cells(blocks)))
+    zero = np.zeros(len(every))
+    sigma = np.sqrt([one.white for one in QUIET])
+    design = np.zeros((6, len(run.t), len(every)))
+    for q, column in enumerate(every):
+        for channel, series in column.items():
+            design[channel, :, q] = series / sigma[channel]
+    fold, total, joint = fold_cells(blocks) % FOLDS, np.zeros(6), np.zeros(7)
+    for k in range(FOLDS):
+        rows = design[:, fold != k].reshape(-1, len(every))
+        target = (misfit / sigma)[fold != k].T.ravel()
+        size = np.linalg.norm(rows, axis=0)
+        known = np.linalg.inv((rows / size).T @ (rows / size))
+        values = known @ ((rows / size).T @ target)
+        for channel in range(6):
+            hidden = design[channel, fold == k] / size
+            left = (misfit / sigma)[fold == k, channel] - hidden @ values
+            spread = np.eye(len(left)) + hidden @ known @ hidden.T
+            total[channel] += left @ np.linalg.solve(spread, left) + np.linalg.slogdet(spread)[1]
+        for without in range(7):  # the last: all channels
+            some = [c for c in range(6) if c != without]
+            hidden = design[some][:, fold == k].reshape(-1, len(every)) / size
+            left = (misfit / sigma)[fold == k][:, some].T.ravel() - hidden @ values
+            spread = np.eye(len(left)) + hidden @ known @ hidden.T
+            joint[without] += left @ np.linalg.solve(spread, left) + np.linalg.slogdet(spread)[1]
+    kept = list(range(len(every)))
+    np.testing.assert_allclose(parts.deviance(kept, zero, zero), total, rtol=1e-5)
+    together, beside = parts.joint_deviance(kept, zero, zero)
+    assert together == pytest.approx(joint[6], rel=1e-5)
+    np.testing.assert_allclose(beside, joint[6] - joint[:6], rtol=1e-4)
+
+
+def test_the_part_that_is_not_fitted_is_put_back() -> None:
+    """A finding is left out by adding what it says to the misfit and not fitting it again."""
+    made = read(RUN, (LEVER_ARM, ARM)) + noise(len(RUN.t), 23, NOISY)
+    every, count = columns(), len(columns())
+    zero, added = np.zeros(count), np.zeros(count)
+    added[-3:] = ARM
+    kept = list(range(count - 3))
+    without = found_cells(made, every, NOISY)
+    known = found_cells(made - read(RUN, (LEVER_ARM, ARM)) + read(RUN), every, NOISY)
+    np.testing.assert_allclose(
+        known.deviance(kept, added, zero), without.deviance(kept, zero, zero), rtol=1e-6
+    )
+
+
+def test_what_is_known_beforehand_is_not_learnt_anew() -> None:
+    made = read(RUN, (TEMPERATURE_BIAS, np.full(6, 1e-4))) + noise(len(RUN.t), 24, QUIET)
+    every: list[Column] = [*columns(), {0: RUN.recorded["temperature"] - 25.0}]
+    parts = found_cells(made, every, QUIET)
+    zero, held = np.zeros(len(every)), np.zeros(len(every))
+    held[-1] = 1e30
+    kept = list(range(len(every)))
+    firm, free = parts.deviance(kept, zero, held)[0], parts.deviance(kept, zero, zero)[0]
+    assert firm == pytest.approx(parts.deviance(kept[:-1], zero, zero)[0], rel=1e-6)
+    assert free < 0.5 * firm
+
+
+# Clipping that a run cannot tell from scale factors that bend.
+
+NONLINEAR = "gyro_scale_nonlinearity"
+TOP = 2.0  # rad/s
+SWINGING = replace(RUN, rate=np.outer(TOP * np.sin(0.7 * RUN.t), [0.0, 0.2, 1.0]))
+STILL = np.zeros((len(RUN.t), 6))
+
+
+def held_at(*rates: float) -> Motion:
+    """Rates (rad/s) about z, each held for half a minute, with ramps of two seconds between."""
+    corners = np.cumsum([0.0, *(each for _ in rates for each in (2.0, 30.0, 2.0, 5.0))])
+    sizes = np.concatenate([[0.0], *([rate, rate, 0.0, 0.0] for rate in rates)])
+    rate = np.zeros((len(RUN.t), 3))
+    rate[:, 2] = np.interp(RUN.t, corners, sizes)
+    return replace(RUN, rate=rate, acceleration=np.gradient(rate, RUN.t, axis=0))
+
+
+@pytest.mark.parametrize(
+    ("rates", "open_"),
+    [((2.0, -2.0), True), ((2.0, -2.0, 0.3), True), ((2.0, -2.0, 1.2), False), ((2.0, 1.0), False)],
+)
+def test_clipping_is_possible_where_one_size_of_rate_was_held(
+    rates: tuple[float, ...], open_: bool
+) -> None:
+    names = possibly_clipped(NONLINEAR, (2, 5), held_at(*rates))
+    assert names == (("gyro_saturation",) if open_ else ())
+
+
+def test_only_a_bent_scale_factor_may_be_clipping() -> None:
+    assert possibly_clipped("gyro_g2_sensitivity", (2,), held_at(2.0, -2.0)) == ()
+    assert possibly_clipped(NONLINEAR, (3, 4), held_at(2.0, -2.0)) == ()
+
+
+def added(motion: Motion, channel: int, change: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    contribution = np.zeros((len(motion.t), 6))
+    contribution[:, channel] = change(motion.rate[:, channel])
+    return contribution
+
+
+@pytest.mark.parametrize(
+    ("change", "clipped"),
+    [
+        (lambda rate: -np.maximum(rate - 0.9 * TOP, 0.0), True),
+        (lambda rate: np.maximum(-rate - 0.9 * TOP, 0.0) + 1e-3 * rate, True),
+        (lambda rate: 1e-3 * rate**2, False),
+        (lambda rate: 1e-3 * rate**3, False),
+        (lambda rate: 1e-3 * np.abs(rate), False),
+        (lambda rate: 1e-3 * np.sin(3.0 * rate), False),
+    ],
+)
+def test_a_bend_at_one_end_alone_may_be_clipping(
+    change: Callable[[np.ndarray], np.ndarray], clipped: bool
+) -> None:
+    names = possibly_clipped_in_noise(NONLINEAR, added(SWINGING, 2, change), STILL, SWINGING)
+    assert names == (("gyro_saturation",) if clipped else ())
+
+
+@pytest.mark.parametrize(("limit", "clipped"), [(9.80, True), (9.95, False)])
+def test_noise_that_is_cut_off_at_an_end_may_be_clipping(limit: float, clipped: bool) -> None:
+    """Six positions: at one g, none and minus one g any bend is a parabola."""
+    count = len(RUN.t)
+    up = np.zeros((count, 3))
+    up[:, 0] = np.sign(np.sin(6.0 * np.pi * np.arange(count) / count)).round()
+    up[np.arange(count) % 900 < 300] = [0.0, 0.0, 1.0]
+    resting = replace(RUN, rate=np.zeros((count, 3)), acceleration=np.zeros((count, 3)), up=up)
+    force = resting.force[:, 0]
+    readings = np.zeros((count, 6))
+    readings[:, 3] = force + 0.02 * np.random.default_rng(3).standard_normal(count)
+    readings[:, 3] = np.minimum(readings[:, 3], limit)
+    bend = np.zeros((count, 6))
+    bend[:, 3] = 1e-5 * force**2
+    names = possibly_clipped_in_noise("accel_nonlinearity", bend, readings, resting)
+    assert names == (("accel_saturation",) if clipped else ())
+
+
+def test_what_bends_no_scale_factor_is_no_clipping() -> None:
+    clipped = added(SWINGING, 2, lambda rate: -np.maximum(rate - 0.9 * TOP, 0.0))
+    assert possibly_clipped_in_noise("temperature_scale", clipped, STILL, SWINGING) == ()
+    assert possibly_clipped_in_noise(NONLINEAR, STILL, STILL, SWINGING) == ()
+
+
+# The stated time of a step holds the true one, and a gap of the readings widens it.
+
+TRUE = 163.211  # s, between two blocks
+NOTHING = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
+
+
+def timed(made: np.ndarray, at: float, **changes: Any) -> tuple[float, float]:
+    """The time of a step of gyro y that a search put at a time, s, and its u."""
+    step, blocks = bias_step(0, at), replace(observed(made, RUN), **changes)
+    picked = Selected(Candidate(step, (1,), (1,), 1), 100.0, 90.0, ())
+    fit = FittedSelection.of(Selection((picked,), NOISY, 1e-9, NOTHING), blocks, RATE)
+    return step_time(fit, fit.model.terms[-1], 1.0)
+
+
+def stepped(size: float, seed: int) -> np.ndarray:
+    """Readings with a step of gyro y, in standard deviations of a block."""
+    made = read(RUN) + noise(len(RUN.t), seed, QUIET)
+    made[RUN.t >= TRUE, 1] += size * WHITE[1]
+    return made
+
+
+@pytest.mark.parametrize("size", [0.7, 1.5, 6.0])
+def test_the_expanded_uncertainty_covers_the_true_time(size: float) -> None:
+    inside = []
+    for seed in range(16):
+        time, u = timed(stepped(size, seed), TRUE)
+        inside.append(abs(time - TRUE) <= 2.0 * u)
+        assert 0.0 < 2.0 * u < 60.0 / RATE / size**2 + 2.0 / RATE
+    assert np.mean(inside) >= 0.9
+
+
+def test_in_a_gap_of_the_readings_it_may_lie_anywhere() -> None:
+    weight = np.where((RUN.t > 155.0) & (RUN.t < 175.0), 0.0, 1.0)[:, None].repeat(6, axis=1)
+    time, u = timed(stepped(6.0, 3), 175.0, weight=weight)
+    assert time == pytest.approx(165.0, abs=0.2)
+    assert 2.0 * u == pytest.approx(10.0, abs=0.2)
+
+
+@pytest.mark.parametrize("unknown", [(155.0, 175.0), (390.0, 400.0)])
+def test_unknown_motion_is_as_a_gap_of_the_readings(unknown: tuple[float, float]) -> None:
+    hidden = (RUN.t > unknown[0]) & (RUN.t < unknown[1])
+    weight = np.where(hidden, 0.0, 1.0)[:, None].repeat(6, axis=1)
+    lost = RUN.mapped(lambda values: np.where(hidden.reshape(-1, *[1] * (values.ndim - 1)),
+                                              np.nan, values))  # fmt: skip
+    lost = replace(lost, t=RUN.t)
+    at = 175.0 if hidden[np.searchsorted(RUN.t, TRUE)] else TRUE
+    known = timed(stepped(1.0, 6), at, weight=weight)
+    assert timed(stepped(1.0, 6), at, weight=weight, motion=lost) == pytest.approx(known, abs=0.02)
+
+
+def test_a_band_of_poses_shows_no_time_more_closely_than_its_edge() -> None:
+    _, u = timed(stepped(30.0, 4), TRUE, band=2.0)
+    assert 2.0 * u == pytest.approx(0.25, abs=0.1)
+
+
+# Beside an implausible finding, what the others would be without it.
+
+ARM_DEPENDENCE = np.array([0.04, -0.06, 0.03])
+LONG = 3.0 * LEVER_ARM.parameters[0].plausible[1] * np.ones(3)
+
+
+def readings(delay: float, arm: np.ndarray) -> np.ndarray:
+    """(n, 6) of a unit with a delay in s and a lever arm in m."""
+    return read(RUN, (TIME_OFFSET, [delay]), (LEVER_ARM, arm)) + noise(len(RUN.t), 54, NOISY)
+
+
+def test_u_as_stated_covers_what_a_parameter_would_be_without_what_is_implausible() -> None:
+    """A delay of 20 ms beside a lever arm three times too long."""
+    made = readings(0.02, LONG)
+    both, alone = (
+        Evidence.of(selected(made, TIME_OFFSET, LEVER_ARM)),
+        selected(made, TIME_OFFSET).model,
+    )
+    change = np.abs(alone.values[alone.places[TIME_OFFSET.key]] - both.own[0][1])
+    found = scrutinised(both)
+    stated = _beside_implausible(both, found)
+    assert found[0].u < 0.1 * change
+    assert stated[0].u == pytest.approx(change, rel=0.1)
+    assert stated[1].u == pytest.approx(found[1].u)
+
+
+def test_what_is_named_and_what_is_determined_stays() -> None:
+    """A delay a tenth beyond what is plausible, beside a lever arm known to 20 µm."""
+    made = readings(1.1 * TIME_OFFSET.parameters[0].plausible[1], ARM_DEPENDENCE)
+    both = Evidence.of(selected(made, TIME_OFFSET, LEVER_ARM))
+    found = scrutinised(both)
+    assert [one.refusal and one.refusal.kind for one in found.values()] == ["implausible", None]
+    assert (found[1].u < 1e-4).all()
+    assert (change_without(both, [0])[both.own[1][0]] > 1e-3).any()

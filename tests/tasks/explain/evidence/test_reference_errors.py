@@ -12,6 +12,7 @@ from tasks.explain.explain import explain
 from tests.on_shaft import T, shaft_manifest, swinging
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize("encoder_noise", [0.0, 1e-5])
 def test_a_low_pass_of_the_unit_stands(encoder_noise: float) -> None:
     findings = explain(swinging(encoder_noise, low_pass=5.0), only=("bandwidth",)).findings
@@ -59,6 +60,7 @@ def test_evidence_is_counted_against_what_the_reference_makes_by_chance(
     assert made_by_chance(evidence, 0, gain * draws, draws) is chance
 
 
+@pytest.mark.rehearsal
 def test_an_arm_that_a_coarse_encoder_makes_too_long_has_the_u_of_that() -> None:
     """Ramps of half a second are rounded off by a window as long."""
     rate = np.interp(T % 5.0, [0.0, 2.0, 2.5, 4.5, 5.0], [0.0, 0.0, 1.0, 1.0, 0.0])

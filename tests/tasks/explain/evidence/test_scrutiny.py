@@ -78,15 +78,6 @@ def test_a_channel_that_gets_worse_takes_the_name_away() -> None:
     assert true.refusal is None
 
 
-def test_a_size_of_no_working_unit_is_not_named() -> None:
-    limit = LEVER_ARM.parameters[0].plausible[1]
-    (one,) = scrutinised(arms(3.0 * limit * np.ones(3), 3.0 * limit * np.ones(3)), LEVER_ARM)
-    assert one.refusal is not None
-    assert one.refusal.kind == "implausible"
-    assert one.refusal.limit == pytest.approx(limit)
-    assert one.refusal.value == pytest.approx(3.0 * limit, rel=0.1)
-
-
 @pytest.mark.parametrize(("at", "refused"), [(0.03, True), (0.5, False), (0.98, True)])
 def test_a_jump_needs_a_bias_on_both_sides(at: float, refused: bool) -> None:
     step = bias_step(0, at * float(RUN.t[-1]))
@@ -143,6 +134,7 @@ def test_what_does_not_stand_out_of_what_is_left_goes(seed: int) -> None:
     assert left.fit.selection.p_value > 0.005
 
 
+@pytest.mark.rehearsal
 def test_what_stands_out_of_what_is_left_stays_and_its_interval_holds_the_truth() -> None:
     inside = []
     for seed in range(8):

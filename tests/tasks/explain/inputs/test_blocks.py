@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.recording import Recording, Segment, Stream, TableAxis
+from schemas.recording import Recording, Stream, TableAxis
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.blocks import Blocks, block_means
-from tasks.explain.inputs.full_rate import FullRate, full_rate
+from tasks.explain.inputs.full_rate import full_rate
 from tasks.model.model import Model
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.reference_noise import EXACT
-from tasks.motion.whole import Motion
 from tests.manifests import manifest_of
 from tests.moved_by_hand import poses, recording
 
@@ -139,38 +138,11 @@ def test_rounding_has_a_floor_that_averages_out_only_where_noise_stirs_it() -> N
     assert (plain < (0.1 * SIGMA[3:]) ** 2).all()
 
 
-def test_motion_and_what_was_recorded_are_means_too() -> None:
-    full = full_rate(rested())
-    recorded = dict(full.motion.recorded, temperature=20.0 + full.motion.t)
-    warm: FullRate = replace(full, motion=replace(full.motion, recorded=recorded))
-    blocks = block_means(warm, 25.0)
-    motion: Motion = blocks.motion
-    np.testing.assert_allclose(motion.recorded["temperature"], 20.0 + blocks.t, atol=1e-9)
-    expected = full.motion.up[: 4 * len(blocks.t)].reshape(-1, 4, 3).mean(axis=1)
-    np.testing.assert_allclose(motion.up, expected, atol=1e-12)
-    assert blocks.segment.tolist() == (blocks.t // REST).astype(int).tolist()
-
-
-def test_a_recording_without_rates_and_forces_is_refused() -> None:
-    recording = rested()
-    angles = Stream(recording.imu.t, {"angle_x": recording.imu.columns["gyro_x"]})
-    with pytest.raises(Unusable, match="no gyro_\\* or accel_\\* columns"):
-        full_rate(replace(recording, imu=angles))
-
-
 def test_a_recording_that_tells_no_motion_is_refused() -> None:
     recording = rested()
     silent = recording.manifest.model_copy(update={"segments": None})
     with pytest.raises(Unusable, match="does not show how the unit moved"):
         full_rate(replace(recording, manifest=silent))
-
-
-def test_a_recording_of_a_few_seconds_is_refused() -> None:
-    recording = rested(seconds=6.0)
-    one: tuple[Segment, ...] = (recording.manifest.segments or ())[:1]
-    short = recording.manifest.model_copy(update={"segments": one})
-    with pytest.raises(Unusable, match="explain needs 8 s"):
-        block_means(full_rate(replace(recording, manifest=short)), 25.0)
 
 
 def on_a_shaft(step: float) -> Recording:

@@ -148,16 +148,6 @@ def test_what_is_seen_at_high_rate_only_is_found_there(run: Recording, motion: M
     assert set(first.segments) >= {"rate_x_+300", "rate_x_-300"}
 
 
-def test_a_cubic_scale_factor_goes_by_the_rate_about_its_axis(
-    run: Recording, motion: Motion
-) -> None:
-    cubic = 1e-4 * motion.rate[:, 2] ** 3
-    (where,) = locate(explained(run, in_channels(len(cubic), gyro_z=cubic)))
-    assert one(where).dimension == "rate"
-    assert "the rate about z" in one(where).description.en
-    assert "绕 z 轴" in one(where).description.zh
-
-
 def test_what_one_attitude_adds_is_found_at_that_attitude(run: Recording, motion: Motion) -> None:
     up = np.where(motion.up[:, 1] < -0.99, 2e-3, 0.0)
     (where,) = locate(explained(run, in_channels(len(up), gyro_z=up)))
@@ -206,15 +196,6 @@ def test_what_goes_by_the_temperature_is_told_with_its_values(run: Recording) ->
         assert each.dimension == "temperature"
         assert "follows the unit's temperature" in each.description.en
         assert "°C" in each.description.en
-
-
-def test_what_goes_by_the_supply_is_recorded(run: Recording) -> None:
-    assert run.environment is not None
-    supply = run.environment.columns["supply_voltage"]
-    volts = np.interp(run.imu.t, run.environment.t, supply) - 5.0
-    (where,) = locate(explained(run, in_channels(len(volts), accel_z=volts)))
-    assert one(where).dimension == "recorded"
-    assert "supply voltage" in one(where).description.en
 
 
 def test_a_jump_is_told_with_its_moment(run: Recording) -> None:
@@ -268,13 +249,6 @@ def test_each_finding_has_its_own_place(run: Recording, motion: Motion) -> None:
     count = len(warm)
     both = explained(run, in_channels(count, accel_x=warm), in_channels(count, gyro_z=cubic))
     assert [one(each).dimension for each in locate(both)] == ["temperature", "rate"]
-
-
-def test_rows_without_a_prediction_are_skipped(run: Recording, motion: Motion) -> None:
-    cubic = in_channels(len(motion.t), gyro_z=1e-4 * motion.rate[:, 2] ** 3)
-    cubic[::7] = np.nan
-    (where,) = locate(explained(run, cubic))
-    assert one(where).dimension == "rate"
 
 
 def test_what_the_standard_takes_up_whole_is_said_to_be_nowhere(

@@ -16,10 +16,7 @@ from made_report import (
     answer,
     explanation,
     finding,
-    located,
-    recording,
     unnamed,
-    where,
 )
 
 from schemas.base import Unusable
@@ -150,12 +147,6 @@ def test_without_findings_the_page_speaks_of_no_certificate_and_no_after(page_of
     assert "p = 0.41" in page
 
 
-def test_the_page_names_the_recording_its_digest_and_the_code(page_of) -> None:
-    page = page_of("explained")
-    assert "ab12" in page
-    assert re.search(r"mimucal \d+\.\d+\.\d+\+[0-9a-f]{12}", page)
-
-
 @pytest.mark.usefixtures("unpictured")
 def test_the_prediction_has_a_row_for_each_row_and_keeps_what_is_not_known(tmp_path) -> None:
     run = CASES["explained"]
@@ -174,13 +165,6 @@ def test_the_prediction_has_a_row_for_each_row_and_keeps_what_is_not_known(tmp_p
     np.testing.assert_array_equal(table["t"].to_numpy(), run.recording.imu.t)
     assert pq.ParquetFile(tmp_path / "prediction.parquet").metadata.row_group(0).column(
         0).compression == "ZSTD"  # fmt: skip
-
-
-def test_a_report_written_again_is_the_same_and_leaves_no_drafts(report) -> None:
-    folder = report("explained")
-    first = {path.name: path.read_bytes() for path in folder.iterdir()}
-    written(CASES["explained"], folder)
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == first
 
 
 @pytest.mark.usefixtures("unpictured")
@@ -213,23 +197,6 @@ def test_residuals_of_every_size_fit_into_the_pictures(size) -> None:
     assert 0 <= min(map(float, numbers)) <= max(map(float, numbers)) <= 1040
 
 
-def test_a_finding_is_marked_in_its_segments_and_its_share_stands_beside() -> None:
-    run = CASES["explained"]
-    places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
-    svg = where_svg(located(run, places), cells_of(run), "en")
-    assert "38 %" in svg
-    assert "62 %" in svg
-    assert "axis_tilt" in svg
-
-
-def test_what_is_spread_over_channels_still_makes_a_picture() -> None:
-    run = CASES["explained"]
-    spread = where("gyro_x, gyro_z", 0.02, dimension="level", segments=())
-    discrepancy = located(run, (where(share=0.98), spread))
-    assert "98 %" in where_svg(discrepancy, cells_of(run), "en")
-    assert "gyro x, gyro z" in report_html(discrepancy, run, BLANK)
-
-
 def test_small_values_of_the_certificate_have_a_unit_of_their_size() -> None:
     run = CASES["explained"]
     lever = Consequence(item="accel_rate_sensitivity", element="yz", before=4.56e-4, after=None,
@@ -237,11 +204,6 @@ def test_small_values_of_the_certificate_have_a_unit_of_their_size() -> None:
     page = report_html(answer(run, (lever,)), run, BLANK)
     assert '<td class="number">456</td>' in page
     assert ">µm</td>" in page
-
-
-def test_segments_are_found_where_none_are_labelled() -> None:
-    run = replace(CASES["no_mismatch"], recording=recording(labelled=False))
-    assert all("<svg" in svg for svg in in_english(answer(run), run).values())
 
 
 def test_more_findings_than_colours_still_make_a_report() -> None:

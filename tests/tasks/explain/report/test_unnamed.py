@@ -57,24 +57,6 @@ def test_a_refused_name_stands_in_the_statement_with_its_reason_and_never_in_the
         assert why in statement
 
 
-def test_an_implausible_size_is_given_as_a_multiple_with_what_it_usually_means() -> None:
-    answer = refused("implausible").statement.en
-    assert "its c_3 would be −0.97, 36 times larger than in any working unit" in answer
-    assert "(at most 0.027)" in answer  # a size, whatever the sign of the limit
-    assert "a wrong range or unit setting (deg for rad, g for m/s²" in answer
-    assert "Next step: check for a wrong range or unit setting" in answer
-
-
-def test_a_size_just_beyond_the_limit_is_no_multiple() -> None:
-    near = Refusal("implausible", "gravity_value", "g", "m/s2", value=9.95, limit=9.9)
-    found = unnamed(title=BEHAVIOUR, refusal=near)
-    written = located(explanation(found, verdict="unexplained"), (where(),)).findings[0]
-    assert "9.95 m/s², beyond 9.9 m/s²" in written.statement.en
-    assert "another cause with the same time history" in written.statement.en
-    assert "times larger" not in written.statement.en
-    assert "range or unit" not in written.next.en
-
-
 def test_no_setting_is_suspected_where_much_is_left_all_the_same() -> None:
     found = unnamed(title=BEHAVIOUR, refusal=REFUSALS["implausible"], channels=(0, 1, 2))
     left = np.array([728.0, 1.0, 1.0, 1.0, 1.0, 1.0])
@@ -91,43 +73,6 @@ def test_a_name_that_was_ordered_stands_and_is_not_refused() -> None:
     written = located(explanation(ordered), (where(),)).findings[0]
     assert written.effect == "axis_tilt"
     assert written.refused is None
-
-
-def test_what_changes_from_part_to_part_is_told_with_its_sizes() -> None:
-    found = refused("inhomogeneous")
-    assert "ranges from 8 ms to 9.4 ms between low and high rates" in found.statement.en
-    assert "由 8 ms 变到 9.4 ms" in found.statement.zh
-    assert "three or more speeds" in found.next.en
-
-
-def test_a_channel_that_gets_worse_is_named() -> None:
-    found = refused("channel_worse")
-    assert "makes the prediction of the accelerometer y worse" in (found.statement.en)
-    assert "accelerometer y" in found.next.en
-
-
-def test_what_the_errors_of_the_reference_would_make_asks_for_a_better_one() -> None:
-    found = refused("reference_noise")
-    assert "errors of the reference alone" in found.statement.en
-    assert "finer or smoother encoder" in found.next.en
-
-
-def test_a_name_beside_what_nothing_explains_says_how_much_that_is() -> None:
-    found = refused("overshadowed")
-    assert "up to 41.00, 7.2 times" in found.statement.en
-    assert "first find the cause of the residual" in found.next.en
-
-
-def test_what_is_no_larger_than_its_uncertainty_is_to_be_recorded_again() -> None:
-    found = refused("undetermined")
-    assert "gyro x = 2.06 °/h, U = 4.13 °/h" in found.statement.en
-    assert "magnetic shield" in found.next.en
-
-
-def test_a_title_says_how_it_behaves_and_in_which_channels() -> None:
-    title = refused("implausible").title
-    assert title.en == "unnamed: a change that follows the rate, in the gyros"
-    assert title.zh == "未命名：随角速率变化的偏差，通道：陀螺"
 
 
 def test_a_pattern_of_its_own_is_what_the_finding_is_called_by() -> None:

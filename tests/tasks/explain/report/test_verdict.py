@@ -1,7 +1,5 @@
 """The first sentence says how much is explained, how much is not, and what to look at first."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from made_report import BIAS, answer, explanation, finding, located, unnamed, where
@@ -9,7 +7,6 @@ from made_report import BIAS, answer, explanation, finding, located, unnamed, wh
 from schemas.discrepancy import Discrepancy, FoundParameter, HeldOut
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
-from tasks.model.effect import LOGGER
 
 
 def first_sentence(discrepancy: Discrepancy) -> str:
@@ -29,25 +26,6 @@ def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_fir
     text = answer(explanation(finding(share=0.2), left_over=left)).statement.en
     assert "look first at: the residual of the gyro y (χ² = 31.40 per degree of freedom)" in text
     assert "χ² per degree of freedom: gyro y 31.40, gyro z 2.00." in text
-
-
-def test_what_is_described_without_a_name_is_told_apart_from_what_is_explained() -> None:
-    both = explanation(finding(), unnamed(share=0.3), verdict="partly_explained")
-    text = first_sentence(answer(both))
-    assert "92 % of the mismatch above noise is accounted for (62 % by named effects, " in text
-    assert "30 % by unnamed patterns), 8 % is not" in text
-
-
-def test_where_nothing_has_a_name_the_first_sentence_says_so() -> None:
-    text = first_sentence(answer(explanation(unnamed(share=0.7), verdict="unexplained")))
-    assert text.startswith("No part of the mismatch above noise could be named: 70 % of it follows")
-    assert text.endswith("30 % follows none; look first at: a relaxation of 12 s after each move")
-
-
-def test_a_recording_whose_names_were_all_refused_says_what_is_left() -> None:
-    nothing = replace(explanation(), verdict="unexplained", left_over=np.full(6, 9.0))
-    text = answer(nothing).statement.en
-    assert text.startswith("0 % of the mismatch above noise is explained, 100 % is not; look first")
 
 
 def test_small_remainders_are_one_line() -> None:
@@ -91,42 +69,11 @@ def test_where_unseen_segments_go_is_said_as_it_is(before: float, after: float, 
         assert ("rms residual of the accelerometer x falls to 50 %" in text) == (ratio < 1.0)
 
 
-def test_a_fault_of_the_logger_is_looked_at_first() -> None:
-    fault = finding(family=LOGGER, share=0.0, held_out_gain=0.0)
-    both = explanation(fault, unnamed(share=0.9), verdict="partly_explained")
-    assert "look first at: Table not level" in first_sentence(answer(both))
-    assert "0 % by named effects" in first_sentence(answer(both))
-
-
-def test_a_finding_that_leaves_its_channels_high_says_so_and_what_counts() -> None:
-    left = np.array([50.0, 1.0, 1.0, 30.0, 1.0, 1.0])  # the finding touches no gyro
-    text = answer(explanation(finding(), left_over=left)).findings[0].statement
-    assert (
-        "of the accelerometer x remains at 30.00 (noise at rest and of the reference = 1)"
-        in text.en
-    )
-    assert "相对于剩余残差" in text.zh
-    assert "remains at" not in answer(explanation(finding())).findings[0].statement.en
-
-
 @pytest.mark.parametrize(("p", "words"), [(0.4, "agree between"), (1e-5, "to withhold the name")])
 def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words) -> None:
     written = answer(explanation(finding(homogeneity_p=p))).findings[0]
     assert words in written.statement.en
     assert written.homogeneity_p == p
-
-
-def test_a_pattern_that_differs_from_part_to_part_is_no_law() -> None:
-    written = answer(explanation(unnamed(homogeneity_p=1e-5), verdict="unexplained")).findings[0]
-    assert "no law of this form holds throughout" in written.statement.en
-    assert "name stands" not in written.statement.en
-
-
-def test_what_the_standards_parameters_absorb_is_told_as_that() -> None:
-    written = answer(explanation(finding(share=0.0, held_out_gain=1e-7))).findings[0].statement
-    assert "absorb it completely" in written.en
-    assert "times as probable" not in written.en
-    assert "全部吸收" in written.zh
 
 
 def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() -> None:
@@ -161,13 +108,6 @@ def test_what_others_take_back_is_told_of_the_set() -> None:
         written.findings[0].statement.en
     )
     assert written.consequences == (of_set,)
-
-
-def test_what_all_findings_move_is_told_together() -> None:
-    both = explanation(finding(share=0.4), finding(share=0.2))
-    written = answer(both, (BIAS,)).statement.en
-    assert "Taking all findings into account together changes 1 value" in written
-    assert "above all bias of the X accelerometer" in written
 
 
 def test_the_json_has_the_fields_of_the_contract() -> None:

@@ -81,11 +81,6 @@ def test_a_jump_is_tried_at_several_times_over_the_run() -> None:
     assert {one.trials for one in listed if one.name == "bias_step"} == {4 * STEP_TIMES}
 
 
-def test_terms_without_effect_are_no_candidates() -> None:
-    listed, _ = candidates_of([TIME_OFFSET, BIAS_RANDOM_WALK], RUN.taken(RUN.t < 10.0))
-    assert [one for one in listed if one.prior is None] == []
-
-
 def test_random_courses_share_their_columns() -> None:
     listed, columns = candidates_of([BIAS_RANDOM_WALK, TEMPERATURE_BIAS], RUN)
     courses = [one for one in listed if one.prior is not None]
@@ -98,11 +93,6 @@ def test_random_courses_share_their_columns() -> None:
         ("bias_random_walk", each),
         ("unnamed", 6 * each),
     }
-
-
-def test_slow_courses_without_the_walk_in_the_catalogue_are_unnamed() -> None:
-    listed, _ = candidates_of([TEMPERATURE_BIAS], RUN)
-    assert {one.name for one in listed if one.prior is not None} == {"unnamed"}
 
 
 def test_the_plausible_range_is_known_beforehand_but_not_that_of_random_courses() -> None:

@@ -16,8 +16,6 @@ from engine_run import (
     whitened,
     with_weight,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import columns_of
@@ -30,7 +28,6 @@ from tasks.explain.search.design import (
     with_columns,
 )
 from tasks.explain.search.stepwise import initial_noises
-from tasks.explain.whitening import Noise
 from tasks.model.regression import inverse
 from tasks.model.term import Column
 from tasks.model.terms.environment import TEMPERATURE_BIAS
@@ -131,11 +128,6 @@ def test_renewed_columns_and_readings_are_as_in_a_pool_built_anew(small: Small) 
         assert set(one) == set(two)
 
 
-def test_renewing_nothing_changes_nothing(small: Small) -> None:
-    again = with_columns(small.pool, {}, None)
-    assert normal_equations(again, NOISY).misfit == normal_equations(small.pool, NOISY).misfit
-
-
 def test_residuals_are_what_least_squares_leaves(small: Small) -> None:
     lever = [0, 1, 2]
     left = residuals(small.pool, lever, NOISY)
@@ -157,25 +149,6 @@ def test_the_noise_of_a_true_fit_is_that_which_was_made(small: Small) -> None:
     flicker = np.array([found[c].flicker / NOISY[c].flicker for c in full])
     assert np.abs(white - 1.0).max() < 0.05
     assert flicker.mean() == pytest.approx(1.0, abs=0.5)  # of 400 s
-
-
-@settings(max_examples=8, deadline=None)
-@given(st.integers(0, 5), st.sampled_from([1e-6, 1e-2, 57.3, 1e5]))
-def test_the_unit_of_a_channel_does_not_change_what_is_gained(channel: int, factor: float) -> None:
-    readings = read(RUN, (LEVER_ARM, LEVER)) + noise(len(RUN.t), 1, QUIET)
-    blocks = observed(readings, RUN)
-    plain = normal_equations(banded_design(blocks, readings, COLUMNS, FREE), QUIET)
-    scaled = readings.copy()
-    scaled[:, channel] *= factor
-    columns = [
-        {c: series * (factor if c == channel else 1.0) for c, series in column.items()}
-        for column in COLUMNS
-    ]
-    noises = [Noise(n.white * factor**2, 0.0) if c == channel else n for c, n in enumerate(QUIET)]
-    other = normal_equations(banded_design(blocks, scaled, columns, FREE), noises)
-    assert other.misfit == pytest.approx(plain.misfit, rel=1e-4)
-    np.testing.assert_allclose(other.normal, plain.normal, atol=1e-4)
-    np.testing.assert_allclose(other.right, plain.right, atol=1e-4 * abs(plain.right).max())
 
 
 def test_the_generalised_inverse_leaves_what_nothing_determines_alone() -> None:

@@ -17,9 +17,8 @@ from tasks.explain.search.empirical import (
     time_since,
     turning,
 )
-from tasks.explain.search.empirical_terms import scale_factor_drift, sinusoid, slow_drift
+from tasks.explain.search.empirical_terms import scale_factor_drift, sinusoid
 from tasks.model.term import Inputs, Term
-from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.table import TableAxes
 from tasks.words import LANGUAGES, texts
 
@@ -124,13 +123,6 @@ def test_a_wave_has_any_phase_in_each_of_its_channels() -> None:
     values, *_ = np.linalg.lstsq(pair, made, rcond=None)
     np.testing.assert_allclose(pair @ values, made, atol=1e-9)
     assert all("37 s" in text for text in title(term).values())
-
-
-def test_slow_waves_take_the_name_of_what_they_are_said_to_be() -> None:
-    assert slow_drift(None, 30).name == UNNAMED
-    walk = slow_drift(BIAS_RANDOM_WALK, 30)
-    assert (walk.name, walk.title) == (BIAS_RANDOM_WALK.name, BIAS_RANDOM_WALK.title)
-    assert len(walk.parameters) == 6 * 30
 
 
 def test_a_scale_factor_drift_is_the_channels_own_input_times_slow_waves() -> None:

@@ -38,6 +38,7 @@ def test_nothing_is_fitted_that_was_not_asked_for() -> None:
     assert {one.name for one in bent(5).selection.candidates} == {NAME}
 
 
+@pytest.mark.rehearsal
 def test_what_an_effect_reads_is_not_taken_for_noise() -> None:
     """Flicker looks the same without the effect and with it, and is that of the unit."""
     for seed in SEEDS[:2]:
@@ -49,6 +50,7 @@ def test_what_an_effect_reads_is_not_taken_for_noise() -> None:
     assert np.all((middle > 0.4) & (middle < 2.5))
 
 
+@pytest.mark.rehearsal
 def test_the_uncertainty_of_what_was_asked_for_is_that_of_its_errors() -> None:
     errors = []
     for seed in SEEDS:
@@ -59,6 +61,7 @@ def test_the_uncertainty_of_what_was_asked_for_is_that_of_its_errors() -> None:
     assert 0.4 < np.mean(np.square(errors)) < 2.0  # of 9
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize("share", [0.25, 0.6])
 def test_a_step_is_found_wherever_it_is(share: float) -> None:
     run = short_run(5)

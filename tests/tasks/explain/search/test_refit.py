@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY, NOISY, QUIET, motion, noise, observed, read, with_weight
 
-from tasks.explain.channels import GYROS
 from tasks.explain.search.candidates import Candidate, Prior
-from tasks.explain.search.empirical_terms import sinusoid
 from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
 from tasks.model.model import Model
 from tasks.model.simulate import predict
@@ -92,6 +90,7 @@ def test_in_noise_the_planted_parameters_come_back_within_their_uncertainty(seed
     assert 0.0 < tau_u < 0.1 * TAU
 
 
+@pytest.mark.rehearsal
 def test_the_stated_uncertainty_is_the_scatter_over_many_runs() -> None:
     """Of a delay and an arm in noise that drifts; eight runs tell a scatter within 15 %."""
     made = read(RUN, (LEVER_ARM, ARM), (TIME_OFFSET, DELAY))
@@ -104,17 +103,6 @@ def test_the_stated_uncertainty_is_the_scatter_over_many_runs() -> None:
         away.append([*((arm - ARM) / u_arm), *((delay - DELAY) / u_delay)])
     scatter = np.sqrt(np.mean(np.square(away)))
     assert scatter == pytest.approx(1.0, abs=0.3)
-
-
-def test_the_period_of_a_wave_is_fitted_too() -> None:
-    true = sinusoid(GYROS).shaped((61.0,))
-    sizes = (1e-5, 2e-5, -1e-5, 0.0, 2e-5, 1e-5)
-    blocks = observed(read(RUN, (true, sizes)) + noise(len(RUN.t), 13, QUIET), RUN)
-    model = fitted(model_of(chosen(true.shaped((59.26,))), blocks), blocks, QUIET)
-    u = model.shape_u[-1]
-    assert u is not None
-    assert u < 0.5
-    assert abs(model.terms[-1].at[0] - 61.0) < 3.0 * u
 
 
 def test_what_nothing_determines_stays_as_an_ideal_unit_has_it() -> None:

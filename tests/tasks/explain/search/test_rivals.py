@@ -47,6 +47,7 @@ def test_what_differs_in_the_motion_has_no_rivals() -> None:
     }  # fmt: skip
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.rehearsal)])
 def test_a_jump_between_two_positions_is_not_told_from_the_square_of_gravity(seed: int) -> None:
     """After +x and −x the square of the force jumps once as well, and no rest saw it happen."""
@@ -54,6 +55,7 @@ def test_a_jump_between_two_positions_is_not_told_from_the_square_of_gravity(see
     assert {found.effect, *found.indistinguishable} == {"bias_step", "gyro_g2_sensitivity"}
 
 
+@pytest.mark.rehearsal
 def test_a_jump_within_a_rest_is_no_square_of_gravity() -> None:
     (found,) = explain(jumping(2 * (REST + GAP) + 8.0, 1)).findings
     assert (found.effect, found.indistinguishable) == ("bias_step", ())

@@ -203,6 +203,7 @@ def test_a_wrong_start_is_exchanged_for_what_does_better(both: Asked) -> None:
     assert {one.candidate.name for one in found.selected} == {"lever_arm", "temperature_bias"}
 
 
+@pytest.mark.rehearsal
 @settings(max_examples=4, deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_the_order_of_the_candidates_does_not_matter(

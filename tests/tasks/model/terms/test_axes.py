@@ -16,7 +16,6 @@ from table_run import (
     motion,
     read,
     recording,
-    turns,
     undisturbed,
 )
 
@@ -87,9 +86,3 @@ def test_parallel_axes_have_no_angle_between_them() -> None:
     parallel = replace(run, axes=replace(run.axes, directions=twice))
     found = {term.name: term for term in candidates(recording(), parallel)}
     assert [p.name for p in found["axis_nonorthogonality"].parameters] == ["angle_2"]
-
-
-def test_the_made_up_run_is_consistent() -> None:
-    ideal = undisturbed()
-    assert ideal[INSIDE] == pytest.approx(read((), [])[INSIDE], abs=1e-4)
-    assert turns(np.zeros((1, 3)))[0] == pytest.approx(np.eye(3))

@@ -12,7 +12,6 @@ from tasks.model.terms.gyro import (
     GYRO_SCALE_G_DEPENDENCE,
     candidates,
     gyro_dead_band,
-    gyro_odd_quadratic,
     gyro_scale_nonlinearity,
     top_rate,
 )
@@ -35,20 +34,11 @@ def test_nonlinearity_is_a_share_of_the_reading_at_the_top_rate(order: int) -> N
     assert at_top == pytest.approx(4.0 * THREE * (W / 4.0) ** order)
 
 
-def test_an_odd_quadratic_is_a_share_of_the_reading_at_the_top_rate_with_its_sign() -> None:
-    at_top = added(gyro_odd_quadratic(4.0), THREE)
-    assert at_top == pytest.approx(THREE * np.sign(W) * W**2 / 4.0)
-
-
 def test_a_dead_band_takes_its_threshold_off_faster_rates() -> None:
     change = added(gyro_dead_band(0.2), THREE)
     assert change[W > 0.2] == pytest.approx((0.2 * np.ones_like(W) * THREE)[W > 0.2])
     assert change[np.abs(W) < 0.2] == pytest.approx((W * THREE)[np.abs(W) < 0.2])
     assert change[W < -0.2] == pytest.approx((-0.2 * np.ones_like(W) * THREE)[W < -0.2])
-
-
-def test_a_dead_band_adds_nothing() -> None:
-    assert all(one.plausible == (-1.0, 0.0) for one in gyro_dead_band(0.2).parameters)
 
 
 def test_asymmetry_is_half_the_difference_of_both_signs() -> None:

@@ -67,10 +67,3 @@ def test_axes_that_went_round_are_searched_for_what_comes_again_each_turn() -> N
     terms = candidates(recording(), motion())
     assert {t.at[1] for t in terms if t.name == "rate_ripple"} == {1.0}
     assert [t.at[0] for t in terms if t.name == "rate_ripple"] == list(range(2, 25))
-
-
-def test_an_encoder_scale_wrong_by_per_cents_is_plausible() -> None:
-    (scale,) = TABLE_SCALE.parameters
-    low, high = scale.plausible
-    assert low <= -0.05
-    assert high >= 0.05

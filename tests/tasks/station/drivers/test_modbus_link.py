@@ -60,19 +60,6 @@ def test_whole_numbers_survive_their_words(kind, data):
     assert decode(encode(value, kind), kind) == value
 
 
-def test_high_word_comes_first():
-    assert encode(1, "uint32") == [0, 1]
-    assert encode(1.0, "float32") == [0x3F80, 0]
-
-
-def test_what_is_written_is_read():
-    async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
-        await link.write(1, "holding", 8, [1234, 5678])
-        assert await link.read(1, "holding", 7, 4) == [0, 1234, 5678, 0]
-
-    on_a_server(use)
-
-
 @pytest.mark.parametrize("refused", [(), (READ_AND_WRITE,)], ids=["combined", "one after another"])
 def test_capture_works_with_and_without_the_combined_function(refused):
     async def use(link: ModbusLink, server: ModbusTcpServer) -> None:

@@ -1,13 +1,21 @@
 """The running virtual station as a client finds it: registers, ring, frames, clock, watchdog."""
 
 import socket
+import subprocess
+import sys
 import time
 
 import numpy as np
 import pytest
+from pymodbus.exceptions import ModbusIOException
 
-from tasks.station.virtual.config import VirtualStation
+from schemas.base import Unusable
+from tasks.station.drivers.modbus import host_and_port
+from tasks.station.virtual.config import VirtualStation, truth
+from tasks.station.virtual.faults import StationFault
+from tasks.station.virtual.process import running
 from tasks.station.virtual.protocol import CAPTURE_REGISTERS, MODES, TABLE_DEVICE, TABLE_REGISTERS
+from tasks.station.virtual.unit import draw_unit
 from tests.tasks.station.in_thread import serving
 
 SETTLED, MOVING, WATCHDOG = 4, 2, 64
@@ -68,15 +76,6 @@ def test_an_axis_goes_to_its_angle_and_says_so(console):
     console.until(lambda: console.has(SETTLED, 1))
     assert console.read("angle", 1) == pytest.approx(-45.0 / 360.0 * 3_600_000, abs=6)
     assert console.read("mode", 1) == MODES["angle"]
-
-
-def test_an_axis_holds_its_rate_and_stops(console):
-    console.go("rate", 2, rate=120.0)
-    console.until(lambda: console.has(SETTLED, 2))
-    assert console.read("rate", 2) == pytest.approx(120.0, rel=1e-4)
-    assert not console.write("mode", MODES["stop"], 2).isError()
-    console.until(lambda: not console.has(MOVING, 2))
-    assert console.read("rate", 2) == pytest.approx(0.0, abs=1e-3)
 
 
 def test_a_target_waits_for_the_mode(console):
@@ -159,37 +158,6 @@ def test_frames_come_whole_in_order_and_on_time(station, console, hear, whole):
     assert console.read("station_time") >= stamps[-1]
 
 
-def test_two_clients_hear_the_same_unit(station, hear, whole):
-    one = {frame[1]: frame for frame in whole(hear(station, 0.2))}
-    line = socket.create_connection(station.unit_link.url.removeprefix("socket://").split(":"))
-    with line:
-        two = whole(line.recv(42))
-    assert two[0][1] > max(one)
-
-
-def test_station_time_runs_at_its_speed(console):
-    wall, begin = time.monotonic(), console.read("station_time")
-    time.sleep(0.6)
-    passed = (console.read("station_time") - begin) / 1e6
-    # Never faster than stated, but for what it makes up after a pause (2 s at most); slower
-    # only where the machine is busy.
-    assert passed <= 20.0 * (time.monotonic() - wall) + 2.1
-    assert passed > 0.0
-
-
-def test_the_watchdog_stops_a_table_that_hears_nothing(console):
-    console.go("rate", 0, rate=30.0)
-    console.until(lambda: console.has(SETTLED, 0))
-    console.write("watchdog", 200)
-    time.sleep(1.0)
-    assert console.has(WATCHDOG)
-    assert console.read("mode", 0) == MODES["stop"]
-    console.until(lambda: not console.has(MOVING, 0))
-    console.write("watchdog", 0)
-    console.write("command", 1)
-    assert not console.has(WATCHDOG)
-
-
 def test_a_map_register_lies_where_no_other_does():
     places = [
         word
@@ -203,3 +171,50 @@ def test_the_station_file_says_what_a_certificate_needs(station):
     assert station.station.model_extra["clock_speed"] == 20.0
     assert station.unit.model == "V-MIMU"
     assert all("virtual" in each.name and "虚拟" in each.name_zh for each in station.equipment)
+
+
+# The virtual station in its own process: it starts, and ends in any case.
+
+
+def test_the_truth_is_that_of_the_unit():
+    true = truth(VirtualStation(unit=draw_unit(8)))
+    assert np.array(true["Kg"]) == pytest.approx(np.array(draw_unit(8).gyro.scale))
+    assert true["station"]["latitude_deg"] == 39.9
+
+
+def test_a_station_ends_when_its_starter_dies(tmp_path):
+    script = (
+        "import os\n"
+        "from tasks.station.virtual.config import VirtualStation\n"
+        "from tasks.station.virtual.process import running\n"
+        "with running(VirtualStation(), 1.0) as found:\n"
+        "    print(found.table.url.rpartition(':')[2], flush=True)\n"
+        "    os._exit(3)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    port = int(done.stdout)
+    for _ in range(6000):  # five minutes, on a busy machine
+        try:
+            socket.create_connection(("127.0.0.1", port), timeout=1).close()
+        except ConnectionRefusedError:
+            return
+        time.sleep(0.05)
+    raise AssertionError("the station went on without its starter")
+
+
+def test_a_speed_that_is_none_is_refused_in_one_sentence():
+    with pytest.raises(Unusable, match="cannot run at speed 0"), running(VirtualStation(), 0.0):
+        pass
+
+
+def test_a_station_ends_with_its_block_and_quietly_with_clients_on_the_line(consoles, capfd):
+    with running(VirtualStation(), 20.0, [StationFault("modbus_silent", 2.0)]) as found:
+        host, port = found.unit_link.url.removeprefix("socket://").split(":")
+        with socket.create_connection((host, int(port))) as line:
+            assert line.recv(42)
+            console = consoles(found, timeout=1.0)
+            with pytest.raises(ModbusIOException):
+                console.wait(5.0)
+    assert capfd.readouterr().err == ""
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(host_and_port(found.table.url), timeout=1)

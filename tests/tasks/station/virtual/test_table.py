@@ -89,24 +89,6 @@ def test_the_axis_lags_behind_a_step_of_acceleration_like_an_8_hz_servo():
     assert asked - angle == pytest.approx(lag, rel=1e-3)
 
 
-def test_encoder_runs_on_past_a_turn():
-    table = ordered("rate", rate=360.0)
-    table.advance(20_000)
-    assert table.counts(table.angle[1]) > 5 * 3_600_000
-    send(table, "angle", angle=0.0, rate=360.0)
-    table.advance(30_000)
-    assert table.counts(table.angle[1]) == 0
-
-
-def test_a_new_order_takes_the_axis_as_it_moves():
-    table = ordered("rate", rate=200.0)
-    table.advance(3000)
-    before = table.rate[1]
-    send(table, "angle", angle=0.0)
-    table.advance(1)
-    assert table.rate[1] == pytest.approx(before, rel=1e-3)
-
-
 @pytest.mark.parametrize("bit", ["emergency_stop", "interlock", "fault"])
 def test_a_tripped_table_ramps_to_rest_and_refuses_until_reset(bit):
     table = ordered("rate", rate=100.0)
