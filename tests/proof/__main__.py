@@ -31,7 +31,7 @@ from tests.proof.prove import (
     run_stops,
 )
 from tests.proof.throughput.run import run_throughput
-from tests.proof.trial.rough.run import run_rough
+from tests.proof.trial.rough import run_rough
 from tests.surroundings import leave_production
 
 UNUSABLE = 2

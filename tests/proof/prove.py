@@ -15,29 +15,26 @@ from tests.proof import load
 from tests.proof.faults.run_with_fault import DWELL_S, short_procedure
 from tests.proof.kills import resume
 from tests.proof.kills import run as kills
-from tests.proof.peers import page as peers_page
-from tests.proof.peers.installed import MISSING, peers_installed
-from tests.proof.peers.score import PeerScore, score_peers
-from tests.proof.peers.table import duties_of
-from tests.proof.real import page as real_page
+from tests.proof.peers import score as peers_page
+from tests.proof.peers.score import MISSING, PeerScore, duties_of, peers_installed, score_peers
+from tests.proof.real import run as real_page
 from tests.proof.real.run import Results, run_all
 from tests.proof.station import run as station
 from tests.proof.stops import run as stops
-from tests.proof.trial.draw import draw
 from tests.proof.trial.evidence import (
     SUMMARY,
     Trial,
     as_data,
     as_markdown,
     besides,
+    costs,
+    evidence_html,
+    figures,
     summary,
 )
-from tests.proof.trial.figures import costs, figures
-from tests.proof.trial.page import evidence_html
-from tests.proof.trial.pictures.headline import headline_svg
-from tests.proof.trial.run import explain_blind, prepare
-from tests.proof.trial.score import ANSWERS, score_all
-from tests.proof.trial.seal import SEALED, record_and_seal
+from tests.proof.trial.pictures import headline_svg
+from tests.proof.trial.score import score_all
+from tests.proof.trial.seal import ANSWERS, SEALED, draw, explain_blind, prepare, record_and_seal
 
 T = TypeVar("T")
 DEFAULT_OUT = "proof"

@@ -11,7 +11,7 @@ import numpy as np
 from tests.proof.peers.answer import PEERS
 from tests.proof.peers.observation import see
 from tests.proof.plant.simulate import simulate
-from tests.proof.trial.draw import conditions
+from tests.proof.trial.seal import conditions
 
 SEED = 7201
 

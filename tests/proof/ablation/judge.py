@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tests.proof.trial.certificate import UNNAMED
+from tests.proof.trial.blind import UNNAMED
 
 Answer = Mapping[str, Any]
 

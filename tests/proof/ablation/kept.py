@@ -12,24 +12,19 @@ from typing import Any
 
 from tests.proof.ablation.judge import Answer, Verdict, by_names
 from tests.proof.real.run import write
-from tests.proof.real.stated.judge import judged
-from tests.proof.real.stated.known import KNOWN
+from tests.proof.real.stated import KNOWN, judged
 from tests.proof.station import score as station
 from tests.proof.station.case import Case, cases
 from tests.proof.station.record import recording_of
-from tests.proof.trial.compare import compared
-from tests.proof.trial.draw import DWELLS, draw
-from tests.proof.trial.parameters import Truth
-from tests.proof.trial.rough.draw import draw_rough
-from tests.proof.trial.rough.score import scored_rough
-from tests.proof.trial.rough.seal import record_and_seal_rough
-from tests.proof.trial.seal import RECORDINGS, SEALED, record_and_seal
+from tests.proof.trial.parameters import Truth, compared
+from tests.proof.trial.rough import draw_rough, record_and_seal_rough, scored_rough
+from tests.proof.trial.seal import DWELLS, RECORDINGS, SEALED, draw, record_and_seal
 
 MOST_OF = {"faint": 12, "several": 30, "clean": 20}  # recordings of a kind; of others one each
 MOST_RATE = 100  # Hz
 STATION_CASES = 60
 # What is known to be true of a recording by those who reported it or by hand: names of the
-# catalogue; those in `tests.proof.real.stated.known` are not repeated. All
+# catalogue; those in `tests.proof.real.stated` are not repeated. All
 # of `field` turn with Earth.
 TRUE_OF: dict[str, set[str]] = {
     "bmi160_board1": {"code_fault"},

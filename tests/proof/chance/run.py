@@ -27,7 +27,7 @@ from tests.proof.chance.null import (
 )
 from tests.proof.chance.page import CLEAN, ORIGINAL, markdown
 from tests.proof.plant.simulate import simulate
-from tests.proof.trial.draw import DWELLS, draw
+from tests.proof.trial.seal import DWELLS, draw
 
 ANSWERS, PAGE = "chance.jsonl", "chance.md"
 EVIDENCE = Path(__file__).parents[1] / "evidence" / PAGE

@@ -7,9 +7,8 @@ import numpy as np
 from tasks.review.pool import ReviewedRun
 from tests.proof.plant.case import Case, Data, EffectCall
 from tests.proof.plant.effects import effects_of
-from tests.proof.plant.noise_free_case import without_noise
 from tests.proof.plant.procedures import plan_of
-from tests.proof.plant.visibility import at_visibility
+from tests.proof.plant.simulate import at_visibility, without_noise
 from tests.proof.plant.world import Setting
 
 Kind = Literal["clean", "station", "station_since", "unit", "model", "site"]

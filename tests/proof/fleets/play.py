@@ -6,8 +6,7 @@ from datetime import UTC, datetime, timedelta
 from schemas.recording import Manifest, Recording
 from tests.proof.fleets.draw import Fleet, FleetRun
 from tests.proof.plant.procedures import plan_of
-from tests.proof.plant.recording import manifest_of
-from tests.proof.plant.simulate import simulate
+from tests.proof.plant.simulate import manifest_of, simulate
 
 BEGINNING = datetime(2025, 3, 1, 8, tzinfo=UTC)
 

@@ -5,8 +5,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from tests.proof.plant.case import Grade
-from tests.proof.plant.unit import UnitErrors, draw_unit
+from tests.proof.plant.case import Grade, UnitErrors, draw_unit
 
 STATIONS, YEARS = 6, 3.0
 BEGINNING = datetime(2023, 11, 1, 8, tzinfo=UTC)

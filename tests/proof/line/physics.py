@@ -11,10 +11,8 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
 from tests.proof.line.draw import Line, LineUnit, Tilt
-from tests.proof.plant.case import Case, EffectCall, Grade
-from tests.proof.plant.grades import channel_noise
+from tests.proof.plant.case import Case, EffectCall, Grade, UnitErrors, channel_noise, draw_unit
 from tests.proof.plant.simulate import simulate
-from tests.proof.plant.unit import UnitErrors, draw_unit
 
 G = 9.80665  # m/s²
 AXES = "xyz"

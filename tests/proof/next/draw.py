@@ -3,8 +3,7 @@
 import numpy as np
 
 from tests.proof.plant.case import Case, EffectCall
-from tests.proof.plant.noise_free_case import without_noise
-from tests.proof.plant.visibility import at_visibility
+from tests.proof.plant.simulate import at_visibility, without_noise
 
 EFFECTS = (
     "lever_arm", "size_effect", "gyro_scale_nonlinearity", "gyro_scale_asymmetry",

@@ -24,8 +24,8 @@ from tasks.explain.search.special_case import HOLDS
 from tasks.stages.next_recording import next_recording
 from tests.proof.next.draw import draw, has_chamber
 from tests.proof.plant.case import Case
-from tests.proof.plant.chamber import STATED_K_S
 from tests.proof.plant.simulate import simulate
+from tests.proof.plant.world import STATED_K_S
 from tests.tasks.station.sample_stations import sample
 
 MINUTES = 15.0

@@ -12,8 +12,7 @@ from tests.proof.station.case import Case, cases
 from tests.proof.station.record import recording_of
 from tests.proof.station.score import Score, score
 from tests.proof.trial.blind import ANSWER
-from tests.proof.trial.run import RECORDINGS, explain_blind
-from tests.proof.trial.score import ANSWERS
+from tests.proof.trial.seal import ANSWERS, RECORDINGS, explain_blind
 
 COLUMNS = ("recording", "low-pass", "delay", "wrong names", "told", "s")
 

@@ -9,7 +9,7 @@ import typer
 from flows.progress import counting
 from tasks.explain.explain import explain
 from tasks.version import code_version
-from tests.proof.plant.unlisted.make import LAWS, case_of, recordings
+from tests.proof.plant.unlisted import LAWS, case_of, recordings
 from tests.proof.unlisted.judge import judged
 from tests.proof.unlisted.page import Answered, markdown
 from tests.surroundings import leave_production

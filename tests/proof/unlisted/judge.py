@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from tests.proof.plant.unlisted.law import Behaviour
+from tests.proof.plant.unlisted import Behaviour
 
 UNNAMED = "unnamed"
 NAMES: Mapping[Behaviour, frozenset[str]] = {

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tests.proof.plant.unlisted.law import BEHAVIOURS, Behaviour
+from tests.proof.plant.unlisted import BEHAVIOURS, Behaviour
 from tests.proof.report import table
 from tests.proof.unlisted.judge import OUTCOMES, Judged
 

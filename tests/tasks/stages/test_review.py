@@ -12,8 +12,7 @@ from storage.home import Home
 from tasks.review.run_statistics import VERSION
 from tasks.stages.review import review_runs
 from tests.proof.plant.case import Case
-from tests.proof.plant.files import write
-from tests.proof.plant.simulate import simulate
+from tests.proof.plant.simulate import simulate, write
 
 
 def nothing(done: int, total: int) -> None:

@@ -11,11 +11,19 @@ import pyarrow.parquet as pq
 import pytest
 
 from schemas.recording import ACCEL, GYRO
-from tests.proof.peers.page import COLUMNS, markdown, section
-from tests.proof.peers.score import METHODS, PEERS, PeerScore, holds_most, score_peers
-from tests.proof.peers.table import duties_of
+from tests.proof.peers.score import (
+    COLUMNS,
+    METHODS,
+    PEERS,
+    PeerScore,
+    duties_of,
+    holds_most,
+    markdown,
+    score_peers,
+    section,
+)
 from tests.proof.plant.case import Case
-from tests.proof.trial.table import Rate
+from tests.proof.trial.score import Rate
 
 CHANNELS = GYRO + ACCEL
 ROWS, BLOCK_ROWS = 400, 4  # 100 Hz, blocks of 25 Hz

@@ -5,7 +5,7 @@ import pytest
 
 from schemas.procedure import EnvironmentLimits, Position, Procedure
 from tests.proof.plant.case import Case
-from tests.proof.plant.weather import weather
+from tests.proof.plant.world import weather
 
 T = np.arange(0.0, 900.0, 1.0)
 

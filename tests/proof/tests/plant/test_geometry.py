@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.proof.plant.noise_free_case import NoiseFree
+from tests.proof.plant.simulate import NoiseFree
 from tests.proof.tests.plant.short_case import case_of, in_segment, noise_free
 
 G = 9.8015

@@ -7,7 +7,7 @@ import pytest
 
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.effects import CATALOGUE, EFFECTS, OUTSIDE
-from tests.proof.plant.noise_free_case import NoiseFree, without_noise
+from tests.proof.plant.simulate import NoiseFree, without_noise
 from tests.proof.tests.plant.short_case import case_of, in_segment, noise_free
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.proof.plant.rotations import about, product, turned, vector_of
+from tests.proof.plant.case import about, product, turned, vector_of
 from tests.proof.tests.plant.short_case import case_of, noise_free
 
 

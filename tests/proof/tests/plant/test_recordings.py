@@ -6,20 +6,17 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from schemas.recording import ACCEL as FORCES
-from schemas.recording import GYRO as RATES
+from schemas.recording import ACCEL_NOISE as FORCES
+from schemas.recording import GYRO_NOISE as RATES
 from storage.formats.folder import read_folder
-from tests.proof.plant.case import Case, Grade
-from tests.proof.plant.files import seal, write
-from tests.proof.plant.grades import ACCEL, GYRO
-from tests.proof.plant.noise import noise
-from tests.proof.plant.simulate import Simulated, simulate
+from tests.proof.plant.case import ACCEL_NOISE, GYRO_NOISE, Case, Grade
+from tests.proof.plant.simulate import Simulated, noise, seal, simulate, write
 from tests.proof.tests.plant.short_case import case_of
 
 
 @pytest.mark.parametrize("grade", ["consumer", "industrial", "tactical"])
 def test_noise_has_the_stated_density_over_four_decades(grade: Grade) -> None:
-    for model in (GYRO[grade], ACCEL[grade]):
+    for model in (GYRO_NOISE[grade], ACCEL_NOISE[grade]):
         made = noise(np.random.default_rng(3), model, 200_000, 100.0)
         frequency, density = welch(made, 100.0, nperseg=1 << 15)
         for low, high in ((0.01, 0.04), (0.04, 0.2), (0.2, 1.0), (1.0, 10.0), (10.0, 49.0)):
@@ -43,7 +40,7 @@ def test_a_clean_recording_fits_the_standard_s_model_to_its_noise(clean: Simulat
         gyro = np.hstack([rates, one, force])
         columns = gyro if channel < 3 else np.hstack([force, one, rates[:, others] ** 2])
         found, *_ = np.linalg.lstsq(columns, readings[:, channel], rcond=None)
-        model = (GYRO if channel < 3 else ACCEL)["industrial"]
+        model = (GYRO_NOISE if channel < 3 else ACCEL_NOISE)["industrial"]
         left = readings[:, channel] - columns @ found
         assert left.var() / (model.white**2 * 50.0) == pytest.approx(1.0, abs=0.02)
         moving = np.abs(np.gradient(rates, axis=0)).sum(axis=1) > 1e-3
@@ -70,7 +67,7 @@ def test_a_case_is_the_same_every_time_and_effects_do_not_touch_the_noise() -> N
     name = "gyro_x"
     assert np.array_equal(plain.recording.imu.columns[name], again.recording.imu.columns[name])
     noises = [made.recording.imu.columns[name] - made.truth[:, 0] for made in (plain, stepped)]
-    assert np.abs(noises[0] - noises[1]).max() < 2 * GYRO["industrial"].step
+    assert np.abs(noises[0] - noises[1]).max() < 2 * GYRO_NOISE["industrial"].step
 
 
 @pytest.mark.parametrize(

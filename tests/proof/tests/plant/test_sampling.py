@@ -6,7 +6,7 @@ import pytest
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.effects.electronics import Bandwidth
 from tests.proof.plant.procedures import plan_of
-from tests.proof.plant.sampling import at_times, filtered, mean_limited, mean_reading
+from tests.proof.plant.simulate import at_times, filtered, mean_limited, mean_reading
 from tests.proof.plant.world import Setting
 
 DEVIATION = 0.3

@@ -5,9 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from tests.proof.plant.noise_free_case import NoiseFree
-from tests.proof.plant.simulate import simulate
-from tests.proof.plant.weather import weather
+from tests.proof.plant.simulate import NoiseFree, simulate
+from tests.proof.plant.world import weather
 from tests.proof.tests.plant.short_case import case_of, in_segment, noise_free
 
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.proof.plant.grades import GYRO
-from tests.proof.plant.simulate import simulate
-from tests.proof.plant.visibility import at_visibility, visibility, visibility_of
+from tests.proof.plant.case import GYRO_NOISE
+from tests.proof.plant.simulate import at_visibility, simulate, visibility, visibility_of
 from tests.proof.tests.plant.short_case import case_of
 
 LINE = {"gyro": [3e-4, 0.0, 0.0], "accel": [0.0, 0.0, 0.0], "frequency": 9.0}
@@ -15,7 +14,7 @@ def test_a_line_in_the_white_band_is_as_visible_as_its_energy() -> None:
     made = simulate(case_of("x_beat_line", **LINE))
     found = visibility(made, "x_beat_line")
     energy = 3e-4**2 / 2.0 * len(made.truth)
-    density = GYRO["industrial"].density(np.array(9.0)) * 50.0
+    density = GYRO_NOISE["industrial"].density(np.array(9.0)) * 50.0
     assert found.z == pytest.approx(np.sqrt(energy / density), rel=0.01)
     assert found.concealment < 0.01
 

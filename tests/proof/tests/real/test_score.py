@@ -4,10 +4,9 @@ from typing import Any
 
 import pytest
 
-from tests.proof.real.cases import NOT_HIDDEN, Hidden, hidden_cases
+from tests.proof.real.hidden import NOT_HIDDEN, Hidden, Score, as_data, hidden_cases, scored
 from tests.proof.real.hide import TRANSFORMATIONS, Size
-from tests.proof.real.page import cells
-from tests.proof.real.score import Score, as_data, scored
+from tests.proof.real.run import cells
 from tests.proof.text import bilingual
 
 

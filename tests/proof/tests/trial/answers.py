@@ -3,8 +3,7 @@
 from typing import Any
 
 from tests.proof.plant.case import Case
-from tests.proof.trial.cost import Cost
-from tests.proof.trial.score import Score, scored
+from tests.proof.trial.score import Cost, Score, scored
 
 
 def declared(effects: dict[str, dict[str, Any]], **case: Any) -> dict[str, Any]:

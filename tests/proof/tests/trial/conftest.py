@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from tests.proof.plant.case import Case, EffectCall
-from tests.proof.trial.draw import Drawn
-from tests.proof.trial.seal import record_and_seal, set_seals
+from tests.proof.trial.seal import Drawn, record_and_seal, set_seals
 
 SHORT: dict[str, Any] = {
     "seed": 11,

@@ -10,8 +10,8 @@ from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
-from tests.proof.trial.certificate import certificate_less, certificate_of
-from tests.proof.trial.cost import cost_of
+from tests.proof.trial.blind import certificate_less, certificate_of
+from tests.proof.trial.score import cost_of
 
 CASE: dict[str, Any] = {"seed": 5, "rate_hz": 25, "dwell_s": 6.0, "rates_deg_s": (50.0, 200.0)}
 

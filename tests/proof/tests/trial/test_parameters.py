@@ -11,8 +11,7 @@ from tests.proof.plant.effects.table import RateRipple
 from tests.proof.plant.procedures import plan_of
 from tests.proof.plant.world import Setting
 from tests.proof.tests.trial.answers import declared
-from tests.proof.trial.compare import compared
-from tests.proof.trial.parameters import CONVERSIONS, Truth, known_parameters
+from tests.proof.trial.parameters import CONVERSIONS, Truth, compared, known_parameters
 
 
 def truth_of(declared: dict[str, Any]) -> Truth:

@@ -8,11 +8,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from schemas.recording import ACCEL, GYRO
-from tests.proof.plant.case import Case
-from tests.proof.plant.grades import channel_noise
+from tests.proof.plant.case import Case, channel_noise
 from tests.proof.tests.trial.answers import answered, declared
-from tests.proof.trial.score import Gap, misfits, scored
-from tests.proof.trial.table import Rate, row, rows_of, totals_of
+from tests.proof.trial.score import Gap, Rate, misfits, row, rows_of, scored, totals_of
 
 LEVER = {"lever_arm": {"r": [0.001, 0.002, 0.003]}}
 TILT = {"axis_tilt": {"east": 1e-4, "north": 0.0}}

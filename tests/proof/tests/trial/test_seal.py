@@ -9,8 +9,7 @@ import pytest
 from schemas.base import Unusable
 from storage.formats.folder import read_folder
 from tests.proof.plant.case import Case, EffectCall
-from tests.proof.trial.draw import Drawn
-from tests.proof.trial.seal import check_seals, set_seals, sized
+from tests.proof.trial.seal import Drawn, check_seals, set_seals, sized
 
 
 def test_recording_is_handed_out_without_its_truth(sealed: Path) -> None:

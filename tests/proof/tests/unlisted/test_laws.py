@@ -5,11 +5,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.proof.plant.noise_free_case import drive, motions_of
 from tests.proof.plant.procedures import plan_of
-from tests.proof.plant.unlisted.law import BEHAVIOURS, speed
-from tests.proof.plant.unlisted.make import LAWS, case_of, recordings
-from tests.proof.plant.visibility import visibility_beside
+from tests.proof.plant.simulate import drive, motions_of, visibility_beside
+from tests.proof.plant.unlisted import BEHAVIOURS, LAWS, case_of, recordings, speed
 from tests.proof.plant.world import Setting, World
 from tests.proof.unlisted.judge import Judged, judged
 from tests.proof.unlisted.page import Answered, markdown

@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO
-from tests.proof.plant.case import Case, EffectCall
-from tests.proof.plant.rough.case import Encoder, RoughCase, Tracking
+from tests.proof.plant.case import Case, EffectCall, draw_unit
 from tests.proof.plant.rough.play import Played, play
-from tests.proof.plant.unit import draw_unit
+from tests.proof.plant.rough.runs import Encoder, RoughCase, Tracking
 
 FINE = Encoder(rate_hz=100, step=1e-7, noise=0.0)
 CLEAR = Tracking(rate_hz=120, position_noise=0.0, attitude_noise=0.0)

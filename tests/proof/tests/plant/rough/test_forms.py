@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from tests.proof.plant.effects import CATALOGUE
-from tests.proof.plant.rough.effects import FORMS, KNOWN, catalogue_name
-from tests.proof.plant.rough.outside import RigMode
-from tests.proof.plant.rough.standing import LARGEST, at_standing, standing
+from tests.proof.plant.rough.forms import FORMS, KNOWN, RigMode, catalogue_name
+from tests.proof.plant.rough.play import LARGEST, at_standing, standing
 from tests.proof.tests.plant.rough.short_runs import excess, played, rough_of
 
 NEW = {

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from tests.proof.plant.grades import GYRO as GYRO_NOISE
+from tests.proof.plant.case import GYRO_NOISE
 from tests.proof.tests.plant.rough.short_runs import played, readings, rough_of
 
 STEP = GYRO_NOISE["industrial"].step

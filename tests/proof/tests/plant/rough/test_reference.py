@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from schemas.recording import Stream
-from tests.proof.plant.rotations import inverse, product, vector_of
-from tests.proof.plant.rough.case import Tracking
-from tests.proof.plant.rough.reference import scattered
+from tests.proof.plant.case import inverse, product, vector_of
+from tests.proof.plant.rough.runs import Tracking, scattered
 from tests.proof.tests.plant.rough.short_runs import played, rough_of
 
 DEGREE = np.pi / 180.0

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.proof.plant.rough.case import RoughCase
-from tests.proof.plant.rough.runs import felt, move_by_hand
+from tests.proof.plant.rough.runs import RoughCase, felt, move_by_hand
 from tests.proof.tests.plant.rough.short_runs import played, rough_of
 
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from tests.proof.plant.rough.play import play
-from tests.proof.plant.rough.standing import standing, without
+from tests.proof.plant.rough.play import play, standing, without
 from tests.proof.tests.plant.rough.short_runs import rough_of
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Recording
-from tests.proof.real.hand.lines import amplitude, prominence, strongest
-from tests.proof.real.hand.measured import Measured, batch_mean
+from tests.proof.real.hand.measured import Measured, amplitude, batch_mean, prominence, strongest
 from tests.proof.real.hand.rests import half_difference, means_of, misfit, wander
 from tests.proof.real.hand.shaft import (
     delay_by_angle,

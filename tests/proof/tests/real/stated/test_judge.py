@@ -2,9 +2,8 @@
 
 from typing import Any
 
-from tests.proof.real.fact import Claim
-from tests.proof.real.stated.judge import judged
-from tests.proof.real.stated.known import DELAYS, EVERYTHING, KNOWN, Known
+from tests.proof.real.facts import Claim
+from tests.proof.real.stated import DELAYS, EVERYTHING, KNOWN, Known, judged
 from tests.proof.text import bilingual
 
 FACTS = (

@@ -9,9 +9,8 @@ from typing import Any
 import pytest
 
 from tests.proof.plant.case import Case, EffectCall
-from tests.proof.plant.rough.case import Encoder, RoughCase
-from tests.proof.trial.rough.draw import RoughDrawn
-from tests.proof.trial.rough.seal import record_and_seal_rough
+from tests.proof.plant.rough.runs import Encoder, RoughCase
+from tests.proof.trial.rough import RoughDrawn, record_and_seal_rough
 from tests.proof.trial.seal import set_seals
 
 FINE = Encoder(rate_hz=100, step=1e-4, noise=1e-5)

@@ -6,9 +6,14 @@ import pytest
 
 from tests.proof.plant.case import Case
 from tests.proof.tests.trial.answers import finding
-from tests.proof.trial.rough.page import rough_markdown
-from tests.proof.trial.rough.score import RoughScore, scored_rough
-from tests.proof.trial.rough.table import agreement, cases, rows_rough
+from tests.proof.trial.rough import (
+    RoughScore,
+    agreement,
+    cases,
+    rough_markdown,
+    rows_rough,
+    scored_rough,
+)
 
 
 def scores(

@@ -1,15 +1,16 @@
 """What is hidden in which real recording, and what cannot be hidden there, and why."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from schemas.recording import Recording
 from storage.formats.folder import read_folder
+from tests.proof.real.facts import SHAFT, Answer, findings, parameter, total_delay
 from tests.proof.real.hand.measured import Measured
 from tests.proof.real.hand.shaft import delay_by_phase, scale_by_gravity, slip_at
 from tests.proof.real.hide import TRANSFORMATIONS, Size, drawn_sizes, first_part
-from tests.proof.real.on_shaft import SHAFT
 from tests.proof.text import Text, bilingual
 
 PART = 60.0  # s of the shaft, to be quick: seven strokes to and fro
@@ -124,3 +125,112 @@ def by_hand(case: Hidden, folder: Path) -> Measured | None:
     unit = 100.0 if case.name == "dropped_samples" else 1.0
     u = (before.u**2 + after.u**2) ** 0.5
     return Measured(unit * (after.value - before.value), unit * u, case.size.unit)
+
+
+# Scores of what was hidden: the answer beside that of the untouched recording.
+
+NORMAL_95 = 1.959964
+
+
+@dataclass(frozen=True)
+class Score:
+    """One hidden transformation. new: names beyond the untouched recording's, without `unnamed`.
+
+    stated: what the answer says beyond the untouched one. by_hand: the same by hand analysis.
+    """
+
+    case: Hidden
+    new: tuple[str, ...]
+    named: bool
+    stated: Measured | None
+    by_hand: Measured | None
+    seconds: float
+    failed: str | None
+
+    @property
+    def visible(self) -> bool:
+        """There is something hidden that can be seen."""
+        return self.case.why is None and self.case.size.value != 0.0
+
+    @property
+    def wrong(self) -> tuple[str, ...]:
+        """New names that are not what was hidden; where nothing can be seen, any."""
+        return tuple(name for name in self.new if not self.visible or name != self.case.name)
+
+    @property
+    def inside(self) -> bool:
+        """The stated change holds the hidden amount in its 95 % interval."""
+        if self.stated is None:
+            return False
+        return abs(self.stated.value - self.case.size.value) <= NORMAL_95 * self.stated.u
+
+    @property
+    def outcome(self) -> str:
+        """What became of it, the worst first."""
+        if self.failed:
+            return "explain failed"
+        if self.wrong:
+            return "a wrong name"
+        if not self.visible:
+            return "rightly nothing new"
+        if not self.named:
+            return "missed"
+        return "found, value right" if self.inside else "found, value off"
+
+
+def scored(case: Hidden, answer: Answer, base: Answer, by_hand: Measured | None) -> Score:
+    """The score of one answer; base: that of the untouched recording."""
+    names, before = _names(answer), _names(base)
+    new = tuple(sorted(names - before))
+    return Score(
+        case,
+        new,
+        case.name in names,
+        _stated(case, answer, base) if case.why is None else None,
+        by_hand,
+        float(answer["seconds"]),
+        answer.get("failed"),
+    )
+
+
+def as_data(score: Score) -> Mapping[str, Any]:
+    """A score as plain data."""
+    size = score.case.size
+    return {
+        "recording": score.case.recording,
+        "hidden": score.case.name,
+        "size": size.value,
+        "unit": size.unit,
+        "at": size.at,
+        "can_be_seen": score.case.why is None,
+        "new_names": list(score.new),
+        "stated": score.stated and vars(score.stated),
+        "by_hand": score.by_hand and vars(score.by_hand),
+        "outcome": score.outcome,
+        "seconds": score.seconds,
+    }
+
+
+def _names(answer: Answer) -> set[str]:
+    return {each["effect"] for each in answer.get("findings", ())} - {"unnamed"}
+
+
+def _stated(case: Hidden, answer: Answer, base: Answer) -> Measured | None:
+    after, before = _amount(case.name, answer), _amount(case.name, base)
+    if after is None:
+        return None
+    value, u = before or (0.0, 0.0)
+    return Measured(after[0] - value, (after[1] ** 2 + u**2) ** 0.5, case.size.unit)
+
+
+def _amount(name: str, answer: Answer) -> tuple[float, float] | None:
+    """How much of an effect an answer states, and its u: all delays, all lost samples together."""
+    if name == "time_offset":
+        return total_delay(answer)
+    response = findings(answer, name)
+    if not response:
+        return None
+    if name == "table_scale":
+        return parameter(response[0], "scale")
+    lost = [p for p in response[0]["parameters"] if p["name"].startswith("lost_")]
+    return sum(p["value"] for p in lost), sum(p["u"] ** 2 for p in lost) ** 0.5
