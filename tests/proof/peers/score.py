@@ -19,10 +19,10 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from schemas.recording import ACCEL, GYRO
+from schemas.text import Statement as Text
 from tasks.rendering import page
 from tests.proof.peers.observation import UNNAMED, block_numbers, means_of_blocks
-from tests.proof.report import table
-from tests.proof.text import Text, bilingual
+from tests.proof.study import bilingual, table
 from tests.proof.trial.evidence import rate_words
 from tests.proof.trial.score import Gap, Rate, Score, scored
 

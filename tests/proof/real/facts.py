@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from schemas.recording import ACCEL, Recording
+from schemas.text import Statement as Text
 from tests.proof.real.hand.measured import (
     Measured,
     amplitude,
@@ -38,7 +39,7 @@ from tests.proof.real.hand.shaft import (
     jump_at,
     line_shared,
 )
-from tests.proof.text import Text, bilingual
+from tests.proof.study import bilingual
 
 Answer = Mapping[str, Any]  # answer.json of tests.proof.trial.blind
 Recordings = Mapping[str, Recording]

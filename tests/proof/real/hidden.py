@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from schemas.recording import Recording
+from schemas.text import Statement as Text
 from storage.formats.folder import read_folder
 from tests.proof.real.facts import SHAFT, Answer, findings, parameter, total_delay
 from tests.proof.real.hand.measured import Measured
 from tests.proof.real.hand.shaft import delay_by_phase, scale_by_gravity, slip_at
 from tests.proof.real.hide import TRANSFORMATIONS, Size, drawn_sizes, first_part
-from tests.proof.text import Text, bilingual
+from tests.proof.study import bilingual
 
 PART = 60.0  # s of the shaft, to be quick: seven strokes to and fro
 VISIBLE_ON_SHAFT = ("time_offset", "table_scale", "dropped_samples")

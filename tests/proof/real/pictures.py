@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from schemas.text import Statement as Text
 from tasks.rendering.chart import AFTER, BEFORE, FINDINGS, PALE, draw
 from tests.proof.real.facts import FIRST, MEMS, RING_LASER, SECOND, SHAFT, Recordings
 from tests.proof.real.hand.measured import amplitude
@@ -24,7 +25,7 @@ from tests.proof.real.hand.rests import (
 from tests.proof.real.hand.shaft import alike, delay_by_angle, lag_series, transfer
 from tests.proof.real.hidden import Score
 from tests.proof.real.hide import Size, shifted_clock
-from tests.proof.text import Text, bilingual
+from tests.proof.study import bilingual
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

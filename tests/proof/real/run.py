@@ -1,19 +1,23 @@
 """Holding it: hand analysis first, then every recording explained blind in fresh processes."""
 
 import json
+import shutil
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
+import typer
 
 from schemas.base import Unusable
 from schemas.recording import Recording
+from schemas.text import Statement as Text
 from storage.formats.folder import read_folder
 from tasks.rendering import inline, page
+from tasks.version import code_version
 from tests.proof.real.facts import (
     RECORDINGS,
     SHAFT,
@@ -36,12 +40,10 @@ from tests.proof.real.hidden import (
     untouched,
 )
 from tests.proof.real.pictures import Picture, pictures_of
-from tests.proof.text import Text, bilingual
-from tests.proof.trial.blind import ANSWER
-from tests.proof.trial.seal import ANSWERS, explain_blind
-from tests.proof.trial.seal import RECORDINGS as RECORDINGS_OUT
+from tests.proof.study import Out, Seed, bilingual, folder_of, publish, table
+from tests.proof.trial.blind import ANSWER, ANSWERS, explain_blind
+from tests.proof.trial.blind import RECORDINGS as RECORDINGS_OUT
 
-Report = Callable[[int, int], None]
 Facts = tuple[tuple[Fact, tuple[Judged, ...]], ...]
 Claims = tuple[tuple[Claim, bool | None], ...]
 
@@ -63,7 +65,7 @@ class Results:
     explaining: float
 
 
-def run_all(folder: Path, out: Path, seed: int, code_version: str, report: Report) -> Results:
+def run_all(folder: Path, out: Path, seed: int) -> Results:
     """Everything, from the folder of the real recordings; writes recordings/ and answers/ to out.
 
     Raises Unusable where a recording is missing or not what it should be.
@@ -74,10 +76,10 @@ def run_all(folder: Path, out: Path, seed: int, code_version: str, report: Repor
     asked: dict[str, Recording] = {name: recordings[name] for name in reversed(RECORDINGS)}
     asked["part"] = untouched(folder, SHAFT)
     asked |= {str(number): case.made(folder) for number, case in enumerate(cases)}
-    answers = explained(asked, out, report)
+    answers = explained(asked, out)
     parts = judged(folder, recordings, cases, answers)
     spent = sum(float(each["seconds"]) for each in answers.values())
-    return Results(seed, code_version, *parts, time.perf_counter() - started, spent)
+    return Results(seed, code_version(), *parts, time.perf_counter() - started, spent)
 
 
 def judged(
@@ -100,7 +102,7 @@ def judged(
     )
 
 
-def explained(asked: Mapping[str, Recording], out: Path, report: Report) -> dict[str, Answer]:
+def explained(asked: Mapping[str, Recording], out: Path) -> dict[str, Answer]:
     """The answer to each recording, by processes that get its folder and nothing else.
 
     Their folders are numbered in the order asked, so that the name tells nothing, either.
@@ -108,7 +110,7 @@ def explained(asked: Mapping[str, Recording], out: Path, report: Report) -> dict
     labels = {name: f"{number:03d}" for number, name in enumerate(asked, start=1)}
     for name, label in labels.items():
         write(asked[name], out / RECORDINGS_OUT / label)
-    explain_blind(out, report)
+    explain_blind(out)
     return {
         name: json.loads((out / ANSWERS / label / ANSWER).read_text(encoding="utf-8"))
         for name, label in labels.items()
@@ -116,7 +118,8 @@ def explained(asked: Mapping[str, Recording], out: Path, report: Report) -> dict
 
 
 def write(recording: Recording, folder: Path) -> None:
-    """A recording as a `mimu-recording/1` folder."""
+    """A recording as a `mimu-recording/1` folder, in the place of what is there."""
+    shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     streams = recording.streams()
     for name, stream in streams.items():
@@ -353,5 +356,26 @@ def _of(count: int, of: int) -> str:
 
 
 def _rows(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
-    return [*lines, *(f"| {' | '.join(cell.replace('|', '/') for cell in r)} |" for r in rows), ""]
+    return [*table(head, rows), ""]
+
+
+def real(
+    recordings: Annotated[Path, typer.Argument(metavar="FOLDER", help="Of real recordings.")],
+    seed: Seed = 1, out: Out = None,
+) -> None:  # fmt: skip
+    """Real recordings, by hand and with known changes hidden in them."""
+    folder = folder_of("real", out)
+    publish("real", markdown(held(recordings, folder, seed)), folder)
+
+
+def held(recordings: Path, folder: Path, seed: int) -> Results:
+    """Hand analysis, known transformations hidden, explained blind and scored.
+
+    Writes recordings, answers, real.json and real.html to the folder. Raises Unusable where one of
+    the recordings is missing or broken.
+    """
+    results = run_all(recordings, folder, seed)
+    response = json.dumps(data(results), indent=1, ensure_ascii=False) + "\n"
+    (folder / "real.json").write_text(response, encoding="utf-8")
+    (folder / "real.html").write_text(real_html(results), encoding="utf-8")
+    return results

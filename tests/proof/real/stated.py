@@ -6,16 +6,16 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 
-from flows.progress import counting
 from storage.formats.folder import read_folder
 from tasks.version import code_version
 from tests.proof.real.facts import RECORDINGS, Answer, Claim, doubtful, in_words
-from tests.surroundings import leave_production
+from tests.proof.study import EVIDENCE, Minutes, Out, Write, answers, folder_of, publish, table
 
 RIG = "maker's register map, and the phase of the gyro against the encoder, by hand"
 POSES = "least squares of the readings on the poses and their derivatives, 10 to 12 Hz, by hand"
@@ -280,9 +280,9 @@ def markdown(every: Sequence[Answered], code_version: str) -> str:
         "what was measured on it by hand. A claim is wrong where the effect is not there, or where "
         "its size with U misses what was measured.", "",
         f"{len(claims)} claims: " + ", ".join(f"{n} {word}" for word, n in counts.items()) + ".",
-        "", *_table(HEAD, [_claim(claim) for claim in claims]), "",
+        "", *table(HEAD, [_claim(claim) for claim in claims]), "",
         "Processor time of one core and largest memory, start of the program included; before: "
-        "commit 230cf52.", "", *_table(COSTS, [_cost(one) for one in every]), "",
+        "commit 230cf52.", "", *table(COSTS, [_cost(one) for one in every]), "",
         f"{code_version}.", "",
     ])  # fmt: skip
 
@@ -326,50 +326,34 @@ def _cost(one: Answered) -> tuple[str, ...]:
     )
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
-    return [*lines, *(f"| {' | '.join(cell.replace('|', '/') for cell in r)} |" for r in rows)]
-
-
-# `python -m tests.proof.real.stated FOLDER... --out DIR`: the page of claims.
-
-
-def main(
+def stated(
     folders: Annotated[list[Path], typer.Argument(help="Folders that hold recordings.")],
-    out: Annotated[Path, typer.Option(metavar="DIR", help="For the page and the answers.")],
     before: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Costs of an older engine, a line of JSON each: recording, seconds, memory.",
-        ),
+        typer.Option(metavar="FILE", help="Costs of an older engine, a line of JSON each: "
+                     "recording, seconds, memory."),
     ] = None,
-) -> None:
-    """Explain every recording once, judge every claim, and write stated.md and stated.json."""
-    out.mkdir(parents=True, exist_ok=True)
+    out: Out = None, minutes: Minutes = None, write: Write = False,
+) -> None:  # fmt: skip
+    """Every claim of `explain` about real recordings, judged by what is known of them."""
+    own = folder_of("stated", out)
     found = sorted(path.parent for folder in folders for path in folder.glob("*/manifest.json"))
     by_name = {path.name: path for path in found}
     tried = doubtful({name: read_folder(by_name[name]) for name in RECORDINGS})
     older = {} if before is None else dict(map(_older_cost, before.read_text().splitlines()))
     every = []
-    with counting("explain") as report:
-        for number, (name, path) in enumerate(by_name.items()):
-            report(number, len(by_name))
-            answer, cost = explained(path, out)
-            own = [claim for claim in tried if claim.recording == name]
-            claims = tuple(judged(name, answer or {}, KNOWN, own))
-            every.append(Answered(name, answer, claims, cost, older.get(name)))
-            version = code_version()
-            (out / "stated.md").write_text(markdown(every, version), encoding="utf-8")
-            response = json.dumps(data(every, version), indent=1, ensure_ascii=False)
-            (out / "stated.json").write_text(response + "\n", encoding="utf-8")
+    explained_ = answers("stated", by_name, partial(explained, out=own), own, minutes=minutes)
+    for name, (answer, cost) in explained_.items():
+        claims = [claim for claim in tried if claim.recording == name]
+        every.append(Answered(name, answer, tuple(judged(name, answer or {}, KNOWN, claims)),
+                              cost, older.get(name)))  # fmt: skip
+    version = code_version()
+    response = json.dumps(data(every, version), indent=1, ensure_ascii=False) + "\n"
+    for place in (own, *([EVIDENCE] if write else [])):
+        (place / "stated.json").write_text(response, encoding="utf-8")
+    publish("stated", markdown(every, version), own, write)
 
 
 def _older_cost(line: str) -> tuple[str, Cost]:
     read = json.loads(line)
     return read["recording"], Cost(read["seconds"], read["memory"])
-
-
-if __name__ == "__main__":
-    leave_production()
-    typer.run(main)

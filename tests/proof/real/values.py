@@ -3,7 +3,6 @@
 Nothing of `tasks.explain` is used.
 """
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,7 +24,7 @@ from tests.proof.real.hand.measured import Measured, strongest
 from tests.proof.real.hand.poses import by_poses
 from tests.proof.real.hand.rests import vertical_earth_rate
 from tests.proof.real.hand.shaft import delay_by_angle, delay_by_phase
-from tests.surroundings import leave_production
+from tests.proof.study import EVIDENCE, Minutes, Out, Write, folder_of, hold
 
 UNKNOWN_SCALE = 0.01  # of accelerometers of which gravity was taken
 FIT = "least squares on the poses, four parts in four bands"
@@ -327,50 +326,24 @@ def _verdict(one: Explained) -> str:
     return f"| {one.name} | {answer['verdict']} | {share} | {'; '.join(unnamed) or '—'} |"
 
 
-# `python -m tests.proof.real.values FOLDER... --out DIR`: the page of values, real.md.
-
-
-def main(
+def values(
     folders: Annotated[list[Path], typer.Argument(help="Folders that hold recordings.")],
-    out: Annotated[Path, typer.Option(metavar="DIR", help="For the page and the answers.")],
-    kept_only: Annotated[
-        bool, typer.Option("--kept-only", help="Nothing but recordings with an answer in DIR.")
-    ] = False,
-) -> None:
-    """Explain every recording that has no answer in DIR yet, and write real.md after each."""
-    out.mkdir(parents=True, exist_ok=True)
-    found = sorted(path.parent for folder in folders for path in folder.glob("*/manifest.json"))
-    every = []
-    for path in found:
-        kept = out / f"{path.name}.json"
-        if not kept.exists():
-            if kept_only:
-                continue
-            answer = explained(read_folder(path))
-            kept.write_text(json.dumps(answer, indent=1, ensure_ascii=False) + "\n")
-        answer = json.loads(kept.read_text(encoding="utf-8"))
-        named = any(one["effect"] != "unnamed" for one in answer["findings"])
-        hand = _by_hand(path.name, read_folder(path), out) if named else {}
-        every.append(Explained(path.name, answer, hand, by_others(path.name)))
-        (out / "real.md").write_text(markdown(every, code_version()), encoding="utf-8")
+    out: Out = None, minutes: Minutes = None, write: Write = False,
+) -> None:  # fmt: skip
+    """What `explain` states of real recordings, beside the values by hand and those of others."""
+    found = (path.parent for folder in folders for path in folder.glob("*/manifest.json"))
+    work = {path.name: path for path in sorted(found)}
+    hold("real-values", work, _beside_hand, lambda every: markdown(every, code_version()), out,
+         minutes=minutes)  # fmt: skip
+    if write:
+        page = (folder_of("real-values", out) / "real-values.md").read_text(encoding="utf-8")
+        (EVIDENCE / "real.md").write_text(page, encoding="utf-8")
 
 
-def _by_hand(name: str, recording: Recording, out: Path) -> Mapping[Key, ByHand]:
-    """The values by hand, which take longer than an explanation; kept beside the answer."""
-    kept = out / f"{name}.hand.jsonl"
-    if not kept.exists():
-        rows = (
-            json.dumps([*key, one.value.value, one.value.u, one.value.unit, one.how])
-            for key, one in by_hand(name, recording).items()
-        )
-        kept.write_text("".join(f"{row}\n" for row in rows), encoding="utf-8")
-    found = {}
-    for row in kept.read_text(encoding="utf-8").splitlines():
-        effect, parameter, value, u, unit, how = json.loads(row)
-        found[effect, parameter] = ByHand(Measured(value, u, unit), how)
-    return found
-
-
-if __name__ == "__main__":
-    leave_production()
-    typer.run(main)
+def _beside_hand(path: Path) -> Explained:
+    """An answer beside the values by hand, which take longer than an explanation."""
+    recording = read_folder(path)
+    answer = explained(recording)
+    named = any(one["effect"] != "unnamed" for one in answer["findings"])
+    hand = by_hand(path.name, recording) if named else {}
+    return Explained(path.name, answer, hand, by_others(path.name))

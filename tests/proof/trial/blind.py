@@ -5,6 +5,7 @@ Imports nothing of the plant, and knows of the truth neither file nor form.
 
 import json
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import pyarrow.parquet as pq
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import Recording
+from storage.formats.folder import read_folder
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.adopt import adopt
@@ -22,6 +24,7 @@ from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation
 from tasks.specifications.register import specification_for
 from tasks.words import say
+from tests.proof.study import answers
 
 # What a certificate by the clauses states, of the readings as they are and less what was found.
 #
@@ -74,6 +77,7 @@ def _stated(calibration: Calibration) -> dict[str, Any]:
     return {"values": values, "scatter": sum(r.code == SCATTER for r in calibration.remarks)}
 
 
+RECORDINGS, ANSWERS = "recordings", "answers"  # in the folder of a trial
 ANSWER, PREDICTION = "answer.json", "prediction.parquet"
 
 
@@ -83,7 +87,7 @@ def answer(recording: Recording, folder: Path) -> None:
 
     A failure is an answer, too: it says what was raised.
     """
-    folder.mkdir(parents=True)
+    folder.mkdir(parents=True, exist_ok=True)
     explanation = None
     started = time.perf_counter()
     try:
@@ -142,3 +146,21 @@ def _write_prediction(explanation: Explanation, path: Path) -> None:
         columns[f"{channel}_nominal"] = explanation.nominal[:, i].astype(np.float32)
         columns[f"{channel}_found"] = explanation.found[:, i].astype(np.float32)
     pq.write_table(pa.table(columns), path, compression="zstd")
+
+
+def explain_blind(folder: Path, peers: bool = False) -> None:
+    """Answers every recording of a folder, in processes that know nothing else of it.
+
+    peers: whether the peers answer it, too; they need libraries of their own.
+    """
+    work = {each.name: each for each in sorted((folder / RECORDINGS).iterdir())}
+    answers("explain blind", work, partial(_answered, folder / ANSWERS, peers), folder)
+
+
+def _answered(own: Path, peers: bool, recording: Path) -> None:
+    read = read_folder(recording)
+    answer(read, own / recording.name)
+    if peers:
+        from tests.proof.peers.answer import answer_peers  # late: an extra that may be missing
+
+        answer_peers(read, own / recording.name)

@@ -9,10 +9,10 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from schemas.text import Statement as Text
 from tasks.rendering import inline, page
 from tasks.words import Sayable, clauses
-from tests.proof.report import table
-from tests.proof.text import Text, bilingual
+from tests.proof.study import bilingual, table
 from tests.proof.trial.blind import UNNAMED
 from tests.proof.trial.pictures import cases_svg, cost_svg, effects_svg, families_svg, headline_svg
 from tests.proof.trial.score import Rate, Row, Score, by_effect, rows_of, totals_of
@@ -373,7 +373,8 @@ class Trial:
     @property
     def command(self) -> str:
         """What holds this trial again."""
-        return f"make prove --seed {self.seed}{' --short' if self.short else ''}"
+        short = " --short" if self.short else ""
+        return f'make prove ARGS="trial --seed {self.seed}{short}"'
 
 
 def as_data(trial: Trial) -> dict[str, Any]:

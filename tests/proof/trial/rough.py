@@ -7,17 +7,17 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+import typer
 
-from flows.printing import print_rows, stdout
-from flows.progress import counting
 from schemas.base import Unusable
+from schemas.text import Statement as Text
 from tasks.rendering import page
 from tests.proof.plant.case import Case, Data, EffectCall
 from tests.proof.plant.effects.memory import BiasStep
@@ -26,13 +26,24 @@ from tests.proof.plant.rough.forms import FORMS, KNOWN
 from tests.proof.plant.rough.play import BY_SIZE, at_standing, play, standing, without
 from tests.proof.plant.rough.runs import Encoder, RoughCase, Run, Tracking
 from tests.proof.plant.simulate import seal, write
-from tests.proof.report import table
-from tests.proof.text import Text, bilingual
-from tests.proof.trial.blind import UNNAMED
+from tests.proof.study import (
+    EVIDENCE,
+    Minutes,
+    Out,
+    Seed,
+    Short,
+    Write,
+    answers,
+    bilingual,
+    folder_of,
+    publish,
+    table,
+)
+from tests.proof.trial.blind import RECORDINGS, UNNAMED
 from tests.proof.trial.evidence import rate_words
 from tests.proof.trial.parameters import Compared, Truth, compared
 from tests.proof.trial.score import Rate
-from tests.proof.trial.seal import RECORDINGS, SEALED, SEALS, check_seals, digest_of, prepare
+from tests.proof.trial.seal import SEALED, check_seals, sealed
 
 Kind = Literal["control", "listed", "form", "logger", "outside", "mixed"]
 Ask = tuple[Kind, tuple[str, ...], Run | None]
@@ -263,32 +274,15 @@ OWN = Path(sys.executable).parent / "mimucal"  # beside the Python that runs the
 ANSWER, COST, TROUBLE = "answer.json", "seconds.txt", "trouble.txt"
 LIMIT = 900.0  # s that one recording may take
 
-Report = Callable[[int, int], None]
+
+def explain_rough(folder: Path, own: Path, engine: Path, minutes: float | None = None) -> None:
+    """Answers the recordings of a trial's folder in `own`/<number>/."""
+    work = {each.name: each.resolve() for each in sorted((folder / RECORDINGS).iterdir())}
+    answers(own.name, work, partial(_answered, own, engine), folder, minutes=minutes)
 
 
-def explain_rough(
-    folder: Path, answers: Path, engine: Path, report: Report, minutes: float | None = None
-) -> None:
-    """Answers the recordings of a trial's folder in `answers`/<number>/.
-
-    What has an answer there keeps it. minutes: after these none is begun any more; the rest stays
-    without an answer.
-    """
-    end = None if minutes is None else time.monotonic() + 60.0 * minutes
-    recordings = sorted((folder / RECORDINGS).iterdir())
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        asked = [
-            pool.submit(_answered, each.resolve(), answers / each.name, engine, end)
-            for each in recordings
-        ]
-        for done, each in enumerate(as_completed(asked), start=1):
-            each.result()
-            report(done, len(recordings))
-
-
-def _answered(recording: Path, folder: Path, engine: Path, end: float | None) -> None:
-    if (folder / COST).exists() or (end is not None and time.monotonic() > end):
-        return
+def _answered(own: Path, engine: Path, recording: Path) -> None:
+    folder = own / recording.name
     folder.mkdir(parents=True, exist_ok=True)
     started = time.perf_counter()
     with tempfile.TemporaryDirectory() as home:
@@ -634,60 +628,35 @@ def _rows(scores: Sequence[RoughScore]) -> list[list[str]]:
 
 # Holding a rough trial: drawn, sealed, explained blind by one engine or several, scored.
 
-ANSWERS, DRAWN = "answers-", "drawn.json"
+ANSWERS_OF = "answers-"
 
 
-def run_rough(
-    seed: int, short: bool, out: Path | None, engine: Path | None, minutes: float | None
-) -> None:
-    """Draws and seals, or takes up the same trial again; explains with one engine and scores all.
+def rough(
+    seed: Seed = 1, short: Short = False, out: Out = None,
+    engine: Annotated[
+        Path, typer.Option(metavar="PATH", help="The mimucal command of another checkout; again "
+                           "with the same --out, its answers stand beside the others.")
+    ] = OWN,
+    minutes: Minutes = None, write: Write = False,
+) -> None:  # fmt: skip
+    """The sealed trial on rough recordings, in place of the catalogue's.
 
-    Raises Unusable for a folder that is in use, cannot be written or holds another trial, and
-    for an engine that is not there.
+    Raises Unusable for an engine that is not there, and as `sealed`.
     """
-    folder, engine = out or Path(f"proof-rough-{seed}"), (engine or OWN).absolute()
+    engine, folder = engine.absolute(), folder_of(f"rough-{seed}", out)
     if not engine.is_file():
         raise Unusable(f"--engine {engine} is not there; name a checkout's .venv/bin/mimucal")
-    _sealed(folder, seed, short)
-    answers = folder / f"{ANSWERS}{_name_of(engine)}"
-    with counting("explain blind") as report:
-        explain_rough(folder, answers, engine, report, minutes)
+    declared = {"seed": seed, "short": short}
+    seals = sealed(folder, declared, draw_rough(seed, short), record_and_seal_rough)
+    name = engine.parents[2].name  # the checkout's folder: <name>/.venv/bin/mimucal
+    explain_rough(folder, folder / f"{ANSWERS_OF}{name}", engine, minutes)
     by_engine = {
-        each.name.removeprefix(ANSWERS): score_rough(folder, each)
-        for each in sorted(folder.glob(f"{ANSWERS}*"))
+        each.name.removeprefix(ANSWERS_OF): score_rough(folder, each)
+        for each in sorted(folder.glob(f"{ANSWERS_OF}*"))
     }
     kept = {name: scores for name, scores in by_engine.items() if scores}
-    seals = digest_of(folder / SEALS)
-    (folder / "rough.md").write_text(rough_markdown(seed, seals, kept), encoding="utf-8")
     (folder / "rough.html").write_text(rough_html(seed, seals, kept), encoding="utf-8")
-    for name, scores in kept.items():
-        rows = [tuple(row.cells()) for row in rows_rough(scores)]
-        print_rows(f"Rough recordings, {name}: {len(scores)}", COLUMNS, rows)
-    for name in ("rough.md", "rough.html"):
-        stdout(markup=False).print(str(folder / name))
-
-
-def _sealed(folder: Path, seed: int, short: bool) -> None:
-    """The folder with this trial's recordings and seals, made if it is new."""
-    declared = {"seed": seed, "short": short}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if (folder / SEALS).exists():
-            if json.loads((folder / DRAWN).read_text(encoding="utf-8")) != declared:
-                raise Unusable(f"--out {folder} holds another trial; name a folder of its own")
-            check_seals(folder)
-            return
-        if any(folder.iterdir()):
-            raise Unusable(f"--out {folder} is not empty; a trial needs a folder of its own")
-    except OSError as error:
-        raise Unusable(
-            f"--out {folder} cannot be used ({error.strerror}); name a folder that can be written"
-        ) from error
-    with counting("record and seal") as report:
-        prepare(draw_rough(seed, short), folder, report, record_and_seal_rough)
-    (folder / DRAWN).write_text(json.dumps(declared), encoding="utf-8")
-
-
-def _name_of(engine: Path) -> str:
-    """The checkout's folder: <name>/.venv/bin/mimucal."""
-    return engine.parents[2].name
+    page = rough_markdown(seed, seals, kept)
+    publish("rough", page, folder)
+    if write:
+        (EVIDENCE / "rough" / f"seed-{seed}.md").write_text(page, encoding="utf-8")

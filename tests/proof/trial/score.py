@@ -14,9 +14,9 @@ from schemas.decision import Verdict
 from schemas.recording import ACCEL, GYRO
 from tasks.validation.coverage import interval_of_share
 from tests.proof.plant.case import channel_noise
-from tests.proof.trial.blind import ANSWER, CERTIFICATE, PREDICTION, UNNAMED
+from tests.proof.trial.blind import ANSWER, ANSWERS, CERTIFICATE, PREDICTION, UNNAMED
 from tests.proof.trial.parameters import Compared, Truth, compared, freedom_of
-from tests.proof.trial.seal import ABSORBED, ANSWERS, SEALED, check_seals
+from tests.proof.trial.seal import ABSORBED, SEALED, check_seals
 
 # What it costs to miss the physics: how wrong the certificate is without it and with it found.
 

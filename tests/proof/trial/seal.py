@@ -2,24 +2,22 @@
 
 import hashlib
 import json
-import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
-from multiprocessing import get_context
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, Protocol, TypeVar
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO
-from storage.formats.folder import read_folder
 from tests.proof.plant.case import Case, Data, EffectCall, Noise, channel_noise
 from tests.proof.plant.effects import CATALOGUE, OUTSIDE
 from tests.proof.plant.simulate import Simulated, at_visibility, seal, simulate, visibility, write
-from tests.proof.trial.blind import answer, certificate_of
+from tests.proof.study import answers
+from tests.proof.trial.blind import RECORDINGS, certificate_of
 
 # Which cases a trial has: drawn from its seed, nothing chosen by hand.
 
@@ -192,7 +190,7 @@ def _whitened(courses: np.ndarray, model: Noise, rate: float) -> np.ndarray:
     return np.asarray(irfft(rfft(mirrored, axis=0) / gain, length, axis=0)[:count])
 
 
-RECORDINGS, SEALED, ANSWERS, SEALS = "recordings", "sealed", "answers", "seals.txt"
+SEALED, SEALS, DRAWN = "sealed", "seals.txt", "drawn.json"
 
 
 def record_and_seal(drawn: Drawn, folder: Path) -> None:
@@ -274,7 +272,7 @@ def check_seals(folder: Path) -> None:
         if name not in there or digest_of(there[name]) != sealed.get(name):
             raise Unusable(
                 f"{folder / name} is not what was sealed in {folder / SEALS}; this trial proves "
-                "nothing any more: run `make prove` again into a new folder"
+                "nothing any more: hold it again in a new folder"
             )
 
 
@@ -283,65 +281,42 @@ def digest_of(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-# Holding a trial: every case is recorded and sealed, then every recording is explained blind.
+class Labelled(Protocol):
+    """Something with a label, the name of its folders."""
 
-Report = Callable[[int, int], None]
-Work = TypeVar("Work")
+    @property
+    def label(self) -> str: ...
 
 
-def prepare(
-    cases: Sequence[Work], folder: Path, report: Report, record: Callable[[Work, Path], None]
-) -> str:
-    """Records and seals every case; returns the SHA-256 of seals.txt.
+Work = TypeVar("Work", bound=Labelled)
 
-    record: plays one case, its recording and its truth to the folder. Raises what a case raises
-    that cannot be played.
+
+def sealed(
+    folder: Path, declared: Mapping[str, Any], cases: Sequence[Work],
+    record: Callable[[Work, Path], None],
+) -> str:  # fmt: skip
+    """Records and seals every case, and goes on where that broke off; the SHA-256 of seals.txt.
+
+    declared: what tells one trial from another. record: plays one case, its recording and its truth
+    to the folder. Raises Unusable for a folder that is in use or holds another trial, and for seals
+    that are broken.
     """
-    with _fresh_processes() as pool:
-        made = [pool.submit(record, drawn, folder) for drawn in cases]
-        for done, each in enumerate(as_completed(made), start=1):
-            each.result()
-            report(done, len(cases))
+    drawn = folder / DRAWN
+    if drawn.exists():
+        if json.loads(drawn.read_text(encoding="utf-8")) != declared:
+            raise Unusable(f"--out {folder} holds another trial; name a folder of its own")
+    elif any(folder.iterdir()):
+        raise Unusable(f"--out {folder} is not empty; a trial needs a folder of its own")
+    drawn.write_text(json.dumps(declared), encoding="utf-8")
+    if (folder / SEALS).exists():
+        check_seals(folder)
+        return digest_of(folder / SEALS)
+    work = {each.label: each for each in cases}
+    answers("record and seal", work, partial(_recorded, record, folder), folder)
     return set_seals(folder)
 
 
-def explain_blind(folder: Path, report: Report, peers: bool = False) -> None:
-    """Answers every recording of a folder, in processes that know nothing else of it.
-
-    peers: whether the peers answer it, too; they need libraries of their own.
-    """
-    recordings = sorted((folder / RECORDINGS).iterdir())
-    with _fresh_processes() as pool:
-        asked = [
-            pool.submit(_answered, each, folder / ANSWERS / each.name, peers) for each in recordings
-        ]
-        for done, each in enumerate(as_completed(asked), start=1):
-            each.result()
-            report(done, len(recordings))
-
-
-def _answered(recording: Path, folder: Path, peers: bool) -> None:
-    read = read_folder(recording)
-    answer(read, folder)
-    if peers:
-        from tests.proof.peers.answer import answer_peers  # late: an extra that may be missing
-
-        answer_peers(read, folder)
-
-
-@contextmanager
-def _fresh_processes() -> Iterator[ProcessPoolExecutor]:
-    """A process for each core, begun anew; one thread each, or they hinder one another."""
-    threads = os.environ.get("OPENBLAS_NUM_THREADS")
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    try:
-        with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-            try:
-                yield pool
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
-    finally:
-        os.environ.pop("OPENBLAS_NUM_THREADS")
-        if threads is not None:
-            os.environ["OPENBLAS_NUM_THREADS"] = threads
+def _recorded(record: Callable[[Work, Path], None], folder: Path, drawn: Work) -> None:
+    for room in (RECORDINGS, SEALED):
+        shutil.rmtree(folder / room / drawn.label, ignore_errors=True)
+    record(drawn, folder)

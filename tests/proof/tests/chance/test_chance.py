@@ -7,9 +7,18 @@ import pytest
 
 from tasks.explain.explain import explain
 from tasks.readings.lattice import quantiser_of
-from tests.proof.chance.null import CHANNELS, Accepted, flipped, null_recording, scrambled, torn
-from tests.proof.chance.page import markdown, upper_bound
-from tests.proof.chance.run import _answered, _reported
+from tests.proof.chance import (
+    CHANNELS,
+    Accepted,
+    _answered,
+    _reported,
+    flipped,
+    markdown,
+    null_recording,
+    scrambled,
+    torn,
+    upper_bound,
+)
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
 

@@ -5,10 +5,7 @@ from functools import cache
 from schemas.discrepancy import Detection
 from schemas.review import Carrier, PooledEvidence, Review, ReviewFinding
 from schemas.text import Statement
-from tests.proof.fleets.draw import Fleet, draw
-from tests.proof.fleets.judge import judged
-from tests.proof.fleets.page import Alone, Many, page
-from tests.proof.fleets.play import carrier_name, manifest_of_run
+from tests.proof.fleets import Alone, Fleet, Many, carrier_name, draw, judged, manifest_of_run, page
 
 WORDS = Statement(en="", zh="")
 EVIDENCE = PooledEvidence(delta_bic=50.0, per_run_z_median=3.0, runs_that_show_it=9, runs=9)

@@ -2,21 +2,21 @@
 
 import pytest
 
-from tests.proof.fuzz import answers, frames
-from tests.proof.fuzz.run import run_all
+from tests.proof import fuzz
+from tests.proof.fuzz import run_all
 
 COUNT = 2000
 
 
-@pytest.mark.parametrize("kind", frames.KINDS, ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", fuzz.KINDS, ids=lambda kind: kind.name)
 def test_no_frame_is_taken_whose_damage_the_check_sum_shows(kind):
-    tally = frames.feed(kind, COUNT, seed=2)
+    tally = fuzz.feed(kind, COUNT, seed=2)
     assert tally.fed == COUNT
     assert tally.wrong_though_shown == 0
     assert tally.lost == 0
 
 
-@pytest.mark.parametrize("feed", answers.KINDS.values(), ids=answers.KINDS)
+@pytest.mark.parametrize("feed", fuzz.KINDS.values(), ids=fuzz.KINDS)
 def test_answers_are_read_rightly_or_refused(feed):
     assert feed(COUNT, 3).wrong == 0
 

@@ -8,8 +8,7 @@ import sqlalchemy as sql
 from storage.catalogue import database, tables
 from storage.home import Home
 from tests import postgres
-from tests.proof.issue.at_once import checked_drafts, faults_of, issue_at_once, left_over
-from tests.proof.issue.kills import kill_issues
+from tests.proof.issue import checked_drafts, faults_of, issue_at_once, kill_issues, left_over
 
 
 @pytest.fixture

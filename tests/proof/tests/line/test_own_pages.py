@@ -10,9 +10,9 @@ import pytest
 
 from flows.pages.register import PAGES
 from storage.home import Home
-from tests.proof.line import own_pages
-from tests.proof.line.draw import Line
-from tests.proof.line.judge import same
+from tests.proof import line_pages
+from tests.proof.line import Line
+from tests.proof.line_pages import same
 
 
 def wrong(shown_of: Home, database: Path) -> list[str]:
@@ -23,7 +23,7 @@ def wrong(shown_of: Home, database: Path) -> list[str]:
         page = pages[name]
         return json.loads(page.data(page.question(**asked), shown_of).model_dump_json())
 
-    compared = own_pages.pairs(sqlite3.connect(database), ask)
+    compared = line_pages.pairs(sqlite3.connect(database), ask)
     return [what for what, declared, own in compared if not same(declared, own)]
 
 

@@ -10,11 +10,18 @@ from flows.pages.run.models import RunQuestion
 from storage import dataframes
 from storage.catalogue import database, tables
 from storage.home import Home
-from tests.proof.line.draw import Line, is_tilted, station_name
-from tests.proof.line.papers import tolerance_of
-from tests.proof.line.physics import Measured, measured_by_grade, true_values
-from tests.proof.line.store import recorded_runs
-from tests.proof.line.visits import LineRun, runs_of
+from tests.proof.line import (
+    Line,
+    LineRun,
+    Measured,
+    is_tilted,
+    measured_by_grade,
+    recorded_runs,
+    runs_of,
+    station_name,
+    tolerance_of,
+    true_values,
+)
 from tests.proof.plant.case import Grade
 
 TILTED = "accel_rate_sensitivity"

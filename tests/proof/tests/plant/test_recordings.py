@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from schemas.recording import ACCEL_NOISE as FORCES
-from schemas.recording import GYRO_NOISE as RATES
+from schemas.recording import ACCEL as FORCES
+from schemas.recording import GYRO as RATES
 from storage.formats.folder import read_folder
 from tests.proof.plant.case import ACCEL_NOISE, GYRO_NOISE, Case, Grade
 from tests.proof.plant.simulate import Simulated, noise, seal, simulate, write

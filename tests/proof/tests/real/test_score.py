@@ -7,7 +7,7 @@ import pytest
 from tests.proof.real.hidden import NOT_HIDDEN, Hidden, Score, as_data, hidden_cases, scored
 from tests.proof.real.hide import TRANSFORMATIONS, Size
 from tests.proof.real.run import cells
-from tests.proof.text import bilingual
+from tests.proof.study import bilingual
 
 
 def answer(*findings: tuple[str, str, float, float]) -> dict[str, Any]:

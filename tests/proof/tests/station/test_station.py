@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from tasks.explain.explain import explain
-from tests.proof.station.case import CORNERS_HZ, Case, cases
-from tests.proof.station.record import recording_of
-from tests.proof.station.score import score
+from tests.proof.station import CORNERS_HZ, Case, cases, recording_of, score
 from tests.proof.trial.blind import _response
 
 BOTH = Case(3, "jjf2003", True, True)

@@ -9,8 +9,7 @@ from tests.proof.plant.procedures import plan_of
 from tests.proof.plant.simulate import drive, motions_of, visibility_beside
 from tests.proof.plant.unlisted import BEHAVIOURS, LAWS, case_of, recordings, speed
 from tests.proof.plant.world import Setting, World
-from tests.proof.unlisted.judge import Judged, judged
-from tests.proof.unlisted.page import Answered, markdown
+from tests.proof.unlisted import Answered, Judged, judged, markdown
 
 
 @pytest.fixture(scope="module")

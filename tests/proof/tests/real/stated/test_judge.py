@@ -4,7 +4,7 @@ from typing import Any
 
 from tests.proof.real.facts import Claim
 from tests.proof.real.stated import DELAYS, EVERYTHING, KNOWN, Known, judged
-from tests.proof.text import bilingual
+from tests.proof.study import bilingual
 
 FACTS = (
     Known("rig", DELAYS, True, "late", "by hand", {"seconds": (0.010, 0.012)}),
