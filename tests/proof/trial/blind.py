@@ -95,7 +95,7 @@ def answer(recording: Recording, folder: Path) -> None:
     except Exception as failure:
         response: dict[str, Any] = {"failed": f"{type(failure).__name__}: {failure}"}
     else:
-        response = _response(explanation)
+        response = as_data(explanation)
         _write_prediction(explanation, folder / PREDICTION)
     response["seconds"] = time.perf_counter() - started
     _write_json(response, folder / ANSWER)
@@ -117,7 +117,7 @@ def _write_json(response: dict[str, Any], path: Path) -> None:
     path.write_text(json.dumps(response, indent=1, ensure_ascii=False), encoding="utf-8")
 
 
-def _response(explanation: Explanation) -> dict[str, Any]:
+def as_data(explanation: Explanation) -> dict[str, Any]:
     return {
         "verdict": explanation.verdict,
         "p_value": explanation.p_value,

@@ -8,7 +8,7 @@ import pytest
 
 from tasks.explain.explain import explain
 from tests.proof.station import CORNERS_HZ, Case, cases, recording_of, score
-from tests.proof.trial.blind import _response
+from tests.proof.trial.blind import as_data
 
 BOTH = Case(3, "jjf2003", True, True)
 LOW_PASS = Case(1, "jjf2003", True, False)
@@ -73,7 +73,7 @@ def test_a_low_pass_is_told_without_a_wrong_name_though_encoder_samples_were_los
     recording = recording_of(loaded)
     lost = np.diff(recording.table.t) > 0.1
     assert lost.sum() > 10
-    answer = _response(explain(recording)) | {"seconds": 0.0}
+    answer = as_data(explain(recording)) | {"seconds": 0.0}
     assert score(loaded, answer).is_right
 
 
@@ -81,7 +81,7 @@ def test_a_low_pass_is_told_without_a_wrong_name_though_encoder_samples_were_los
 @pytest.mark.timeout(120)
 def test_the_delay_of_an_ahrs_is_told_by_its_angles() -> None:
     late = Case(4, "jjf1536", True, True)
-    declared = score(late, _response(explain(recording_of(late))) | {"seconds": 0.0})
+    declared = score(late, as_data(explain(recording_of(late))) | {"seconds": 0.0})
     assert (declared.delay, declared.wrong) == ("group", ())
     assert declared.is_right
 
@@ -90,5 +90,5 @@ def test_the_delay_of_an_ahrs_is_told_by_its_angles() -> None:
 @pytest.mark.timeout(120)
 def test_of_an_ahrs_without_a_delay_none_is_told() -> None:
     clean = Case(2, "jjf1536", False, False)
-    declared = score(clean, _response(explain(recording_of(clean))) | {"seconds": 0.0})
+    declared = score(clean, as_data(explain(recording_of(clean))) | {"seconds": 0.0})
     assert (declared.names, declared.is_right) == (("earth_rotation",), True)
