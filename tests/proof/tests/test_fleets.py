@@ -5,7 +5,7 @@ from functools import cache
 from schemas.discrepancy import Detection
 from schemas.review import Carrier, PooledEvidence, Review, ReviewFinding
 from schemas.text import Statement
-from tests.proof.fleets import Alone, Fleet, Many, carrier_name, draw, judged, manifest_of_run, page
+from tests.proof.fleets import Fleet, carrier_name, draw, judged, manifest_of_run
 
 WORDS = Statement(en="", zh="")
 EVIDENCE = PooledEvidence(delta_bic=50.0, per_run_z_median=3.0, runs_that_show_it=9, runs=9)
@@ -67,12 +67,3 @@ def test_since_when_is_counted_in_runs_of_the_carrier() -> None:
     since = {"run": run, "at": "", "earliest": "", "latest": ""}
     finding = found(fleet.effect.name, "station", carrier_name(fleet), since=since)
     assert judged(fleet, review(finding)).since_off == 1
-
-
-def test_the_page_counts_them() -> None:
-    fleets = [of_kind("station"), of_kind("clean")]
-    outcomes = [judged(fleet, review()) for fleet in fleets]
-    text = page(1, outcomes, [Alone(named=True, among=True, wrong=False), None],
-                Many(10_000, 2.0, 5.0, 6.5, 68e3))  # fmt: skip
-    assert "| false alarms | 1 % | 1 | 0 % (0 of 1) |" in text
-    assert "the one right name in 1 of 1" in text

@@ -34,13 +34,6 @@ def test_eighty_hold_every_condition_with_both_procedures() -> None:
     assert 60.0 < max(corners) <= CORNERS_HZ[1]
 
 
-@pytest.mark.rehearsal
-def test_stamps_are_late_by_the_delay() -> None:
-    late, plain = (recording_of(Case(2, "jjf1536", False, has)) for has in (True, False))
-    shift = late.imu.t - plain.imu.t
-    np.testing.assert_allclose(shift, Case(2, "jjf1536", False, True).delay_s, atol=2e-9)
-
-
 def test_a_name_that_is_not_true_of_the_unit_is_wrong() -> None:
     assert scored(LOW_PASS, finding("gyro_angular_acceleration")).wrong == (
         "gyro_angular_acceleration",

@@ -5,13 +5,9 @@ from typing import Any
 import pytest
 
 from tests.proof.plant.case import Case
-from tests.proof.tests.trial.answers import finding
+from tests.proof.tests.test_trial import finding
 from tests.proof.trial.rough import (
     RoughScore,
-    agreement,
-    cases,
-    rough_markdown,
-    rows_rough,
     scored_rough,
 )
 
@@ -113,31 +109,3 @@ def test_parameters_are_compared_where_they_mean_the_same() -> None:
     played = ("hysteresis_play", "hysteresis", 40.0)
     bent = finding("hysteresis", angle=(0.1, 0.01, "rad"))
     assert scores([bent], played, parameters={"amplitude": [1e-3] * 3}).parameters == ()
-
-
-def test_table_counts_recordings_with_a_wrong_name_and_names_at_thirty() -> None:
-    listed = [
-        scores([finding("bias_step")], STEP),
-        scores([finding("hysteresis"), finding("bandwidth")], STEP),
-        scores([finding("unnamed")], ("bias_step", "bias_step", 29.0)),
-    ]
-    row = rows_rough(listed)[0]
-    assert (row.wrong.count, row.wrong.of) == (1, 3)
-    assert (row.named.count, row.named.of) == (1, 2)
-    assert (row.any_named.count, row.any_named.of) == (2, 3)
-    assert [each.name for each in rows_rough(listed)] == ["all", "hand", "mixed"]
-    assert cases(listed)[0][6] == "hysteresis, bandwidth"
-    assert "| all | 3 |" in rough_markdown(4, "f00d", {"own": listed})
-
-
-def test_what_is_left_stands_beside_the_errors_over_u() -> None:
-    response = finding("time_offset", seconds=(-4.3e-3, 1e-4, "s"))
-    rows = agreement([scores([response], left=30.0, time_offset={"seconds": -4e-3})])
-    assert [row[1] for row in rows] == ["0", "0", "1"]
-    assert rows[2][3] == "3"
-
-
-def test_no_answer_is_counted_as_that() -> None:
-    failed = scores([]).__class__(**(vars(scores([])) | {"failed": "it cannot"}))
-    row = rows_rough([failed, scores([])])[0]
-    assert (row.failed, row.wrong.of) == (1, 1)

@@ -10,11 +10,11 @@ from tasks.readings.lattice import quantiser_of
 from tests.proof.chance import (
     CHANNELS,
     Accepted,
-    _answered,
-    _reported,
+    answered,
     flipped,
     markdown,
     null_recording,
+    reported,
     scrambled,
     torn,
     upper_bound,
@@ -88,9 +88,9 @@ def test_a_null_recording_has_the_codes_of_the_recording(planted):
 
 def test_an_effect_that_survives_in_the_residual_is_counted_and_one_that_is_torn_is_not(planted):
     survives = null_recording(planted, lambda parts, _: parts, np.random.default_rng(6))
-    rows = [_answered({"kind": "flipped", "label": "made", "draw": 0}, survives, planted)]
+    rows = [answered({"kind": "flipped", "label": "made", "draw": 0}, survives, planted)]
     torn_ = null_recording(planted, flipped, np.random.default_rng(7))
-    rows.append(_answered({"kind": "flipped", "label": "made", "draw": 1}, torn_, planted))
+    rows.append(answered({"kind": "flipped", "label": "made", "draw": 1}, torn_, planted))
     assert [row["wrong"] for row in rows] == [[PLANTED], []]
     page = markdown(rows, "this")
     assert "| 2 | 1 | 1 | 90.5 % |" in page
@@ -100,9 +100,9 @@ def test_an_effect_that_survives_in_the_residual_is_counted_and_one_that_is_torn
 def test_a_name_of_the_accepted_model_is_not_wrong(planted):
     explanation = explain(planted.recording)
     named = frozenset({PLANTED})
-    assert _reported(explanation, planted)["wrong"] == [PLANTED]
-    assert _reported(explanation, replace(planted, names=named))["wrong"] == []
-    unreported = _reported(explanation, replace(planted, unreported=named))
+    assert reported(explanation, planted)["wrong"] == [PLANTED]
+    assert reported(explanation, replace(planted, names=named))["wrong"] == []
+    unreported = reported(explanation, replace(planted, unreported=named))
     assert (unreported["wrong"], unreported["returned"]) == ([], [PLANTED])
 
 

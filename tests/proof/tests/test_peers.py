@@ -12,18 +12,15 @@ import pytest
 
 from schemas.recording import ACCEL, GYRO
 from tests.proof.peers.score import (
-    COLUMNS,
     METHODS,
     PEERS,
     PeerScore,
-    duties_of,
     holds_most,
     markdown,
     score_peers,
     section,
 )
 from tests.proof.plant.case import Case
-from tests.proof.trial.score import Rate
 
 CHANNELS = GYRO + ACCEL
 ROWS, BLOCK_ROWS = 400, 4  # 100 Hz, blocks of 25 Hz
@@ -168,21 +165,3 @@ def test_channels_named_hold_the_largest_share() -> None:
     assert not holds_most(("gyro_x", "gyro_z"), power)
     assert not holds_most(("gyro_x",), power)
     assert not holds_most((), power)
-
-
-def test_table_has_a_row_for_each_kind_and_method(trial: Trial) -> None:
-    scores = trial(LEVER, stepwise_bic=_found("gyro_y", "lever_arm"))
-    rows = duties_of(scores)
-    assert [(one.kind, one.method) for one in rows] == [
-        ("one effect, z 10", method) for method in METHODS
-    ]
-    assert rows[2].name == rows[2].locate == rows[2].show == Rate(1, 1)
-    assert rows[1].name == Rate(0, 1)
-    assert rows[0].model == pytest.approx(1.0)
-    assert rows[0].abstain == Rate(0, 0)
-    assert rows[0].response()["locate"] == Rate(1, 1).response()
-    page, text = section(scores), markdown(scores)
-    assert page.count("<tr>") == 1 + len(METHODS)
-    assert "对比" in page
-    assert text.count("| one effect, z 10 |") == len(METHODS)
-    assert all(column in page for column in COLUMNS)

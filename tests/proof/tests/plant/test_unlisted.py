@@ -9,7 +9,7 @@ from tests.proof.plant.procedures import plan_of
 from tests.proof.plant.simulate import drive, motions_of, visibility_beside
 from tests.proof.plant.unlisted import BEHAVIOURS, LAWS, case_of, recordings, speed
 from tests.proof.plant.world import Setting, World
-from tests.proof.unlisted import Answered, Judged, judged, markdown
+from tests.proof.unlisted import Judged, judged
 
 
 @pytest.fixture(scope="module")
@@ -65,10 +65,3 @@ def test_a_name_of_another_kind_is_wrong_unless_it_lists_the_right_one() -> None
     assert judged("hysteresis", [("bias_step", ("hysteresis",))]).outcome == "right"
     assert judged("hysteresis", []) == Judged("silent", 0)
     assert judged(None, [("bias_step", ())]).outcome == "wrong"
-
-
-def test_the_page_counts_each_kind() -> None:
-    found = (("hysteresis", ()), ("unnamed", ()))
-    page = markdown([Answered("dead_band", "hysteresis", 30.0, found, Judged("right", 2))], "1")
-    assert "| hysteresis | 30 | 1 | 1 | 0 | 0 | 0 | 1 |" in page
-    assert "| dead_band | 30 | right | hysteresis; unnamed |" in page

@@ -1,15 +1,19 @@
 """The store of a line: its runs measure what the units are, and the tilt shifts what it shifts."""
 
+import json
+import shutil
+import sqlite3
 from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from flows.pages.run import data
-from flows.pages.run.models import RunQuestion
+from flows.pages.register import PAGES
 from storage import dataframes
-from storage.catalogue import database, tables
 from storage.home import Home
+from tests.proof import line_pages
 from tests.proof.line import (
     Line,
     LineRun,
@@ -18,10 +22,10 @@ from tests.proof.line import (
     measured_by_grade,
     recorded_runs,
     runs_of,
-    station_name,
     tolerance_of,
     true_values,
 )
+from tests.proof.line_pages import same
 from tests.proof.plant.case import Grade
 
 TILTED = "accel_rate_sensitivity"
@@ -82,16 +86,46 @@ def test_a_tilt_shifts_what_a_tilt_shifts(line_store, drawn, measured) -> None:
     assert (observation @ expected) / (expected @ expected) == pytest.approx(1.0, abs=0.3)
 
 
-def test_every_run_of_the_store_opens(line_store) -> None:
-    home, line = line_store
-    table = dataframes.runs(home)
-    assert len(table) == line.runs
-    shown = data(RunQuestion(id=table["id"].iloc[7]), home)
-    assert shown.elements
-    assert set(table["station"]) <= {station_name(k) for k in range(6)}
-    assert not database.rows(home, tables.outcomes.select().where(tables.outcomes.c.run.is_(None)))
-
-
 def _recording_ids(home: Home) -> list[str]:
     table = dataframes.runs(home).set_index("id")
     return [table.loc[run, "recording_id"] for run in recorded_runs(home)]
+
+
+# The judge of the pages: it agrees with them, and sees a number that is not the catalogue's.
+
+
+def wrong(shown_of: Home, database: Path) -> list[str]:
+    """What the pages of a home say otherwise than a catalogue."""
+    pages = {page.name: page for page in PAGES}
+
+    def ask(name: str, asked: dict[str, str]) -> Any:
+        page = pages[name]
+        return json.loads(page.data(page.question(**asked), shown_of).model_dump_json())
+
+    compared = line_pages.pairs(sqlite3.connect(database), ask)
+    return [what for what, declared, own in compared if not same(declared, own)]
+
+
+@pytest.fixture
+def catalogue(line_store: tuple[Home, Line], tmp_path: Path) -> Path:
+    """A copy that may be altered."""
+    shutil.copy(line_store[0].path / "catalog.sqlite", tmp_path)
+    return tmp_path / "catalog.sqlite"
+
+
+def test_every_number_is_the_catalogues(line_store, catalogue: Path) -> None:
+    assert wrong(line_store[0], catalogue) == []
+
+
+@pytest.mark.parametrize(("change", "page"), [
+    ("update elements set value = value + 1e-6 where item = 'gyro_bias'", "unit"),
+    ("update outcomes set verdict = 'invalid'", "runs"),
+    ("update certificates set due = '2027-01-01' where due is not null", "due"),
+    ("insert or replace into explained select id, imported_at, '1', 'explained' from runs",
+     "explained"),
+])  # fmt: skip
+def test_a_number_that_is_not_is_seen(line_store, catalogue: Path, change: str, page: str) -> None:
+    database = sqlite3.connect(catalogue)
+    database.execute(change)
+    database.commit()
+    assert any(what.startswith(page) for what in wrong(line_store[0], catalogue))
