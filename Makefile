@@ -33,7 +33,7 @@ bench: setup
 validate: setup
 	@$(BIN)/mimucal validate
 
-# Hold the sealed trial: make prove ARGS="--seed 2026 --real ../shared/data/real".
+# A study of the proof: make prove ARGS="trial --seed 2026"; without ARGS, which there are.
 prove: setup
 	@$(BIN)/python -m tests.proof $(ARGS)
 
@@ -43,7 +43,7 @@ rehearsal: setup
 
 # A whole line on this machine: make factory ARGS="--units 100 --out factory.md".
 factory: setup
-	@$(BIN)/python -m tests.proof.factory $(ARGS)
+	@$(BIN)/python -m tests.proof factory $(ARGS)
 
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:

@@ -32,9 +32,7 @@ from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
 from tests import ideal
 from tests.migrated import as_migrated
-from tests.proof.line.draw import Line, draw_line
-from tests.proof.line.recorded import Recorded
-from tests.proof.line.store import fill
+from tests.proof.line import Line, Recorded, draw_line, fill
 from tests.shared import ABSENT, shared_path
 from tests.surroundings import leave_production
 

@@ -60,7 +60,7 @@ def test_proof_and_measurements_leave_production_before_they_begin(
         "def begun(*_, **__):\n"
         "    print(*(n for n in os.environ if n.startswith(('MIMUCAL_', 'PREFECT_'))), 'begun')\n"
         "    raise SystemExit\n"
-        "typer.run = argparse.ArgumentParser.parse_args = begun\n"
+        "typer.Typer.__call__ = argparse.ArgumentParser.parse_args = begun\n"
         f"runpy.run_module({module!r}, run_name='__main__')\n"
     )
     done = subprocess.run(

@@ -19,10 +19,8 @@ from typing import TYPE_CHECKING
 
 from storage.home import Home
 from tests.bench.measure import RUNS, Figure, Section
-from tests.proof.line.draw import draw_line
-from tests.proof.line.recorded import Recorded
-from tests.proof.line.run import UNITS
-from tests.proof.line.store import fill
+from tests.proof.line import Recorded, draw_line, fill
+from tests.proof.line_pages import LINE_UNITS
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -52,7 +50,7 @@ def pages() -> Section:
     """What is asked is the first line; each other one is to be no more than its share of it."""
     with tempfile.TemporaryDirectory() as name:
         home = Home(Path(name) / "line")
-        fill(home, draw_line(SEED, COUNT, UNITS), Recorded(0), lambda *_: None)
+        fill(home, draw_line(SEED, COUNT, LINE_UNITS), Recorded(0), lambda *_: None)
         with dashboard(home) as address:
             figures = [*_in_browser(address), *_answers(address), _people(address)]
     return Section(

@@ -11,8 +11,7 @@ from tasks.review.pool import ReviewedRun, pooled
 from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.review.search import search
 from tests.bench.measure import Figure, Section, processor_s
-from tests.proof.fleets.draw import draw, drawn_runs
-from tests.proof.fleets.play import played
+from tests.proof.fleets import draw, drawn_runs, played
 
 MANY, MADE = 10_000, 6  # runs, and how many of each kind are made: the others repeat these
 FLEET = (2, 9)  # seed and number of one whose model has an effect

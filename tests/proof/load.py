@@ -6,19 +6,21 @@ record that is out of date; whether the shipped one is, is said.
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from tasks.validation.fingerprint import fingerprint
 from tasks.validation.record import shipped
 from tasks.version import code_version
-from tests.proof.report import table
+from tests.proof.study import Count, Out, Seed, Write, folder_of, hold, table
 
 LONGEST_S = 1800.0
 FALSE_U = 2.0  # this far off, by U with k = 2, is four standard uncertainties
@@ -52,17 +54,13 @@ class LoadedRun:
         return self.outcome in ("whole", "invalid")
 
 
-def run_all(folder: Path, count: int, report: Callable[[int, int], None]) -> list[LoadedRun]:
-    """Runs the demonstration, one seed after the other; load.md and load.json in the folder."""
-    found = []
+def load(count: Count = 20, seed: Seed = 1, out: Out = None, write: Write = False) -> None:
+    """Demonstrations while every core is busy: whole, or invalid and said so."""
+    folder = folder_of("load", out)
+    work = {f"{number:04d}": number for number in range(seed, seed + count)}
     with busy(os.cpu_count() or 1):
-        for number in range(1, count + 1):
-            found.append(_one(folder / f"{number:02d}", number))
-            report(number, count)
-            data = {"code_version": code_version(), "runs": list(map(asdict, found))}
-            (folder / "load.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-            (folder / "load.md").write_text(as_markdown(found), encoding="utf-8")
-    return found
+        hold("load", work, partial(_one, folder), as_markdown, out, write=write, at_once=0,
+             faults=lambda one: [] if one.holds else [f"{one.number}: {one.outcome}"])  # fmt: skip
 
 
 @contextmanager
@@ -77,7 +75,9 @@ def busy(cores: int) -> Iterator[None]:
             loop.wait()
 
 
-def _one(home: Path, number: int) -> LoadedRun:
+def _one(folder: Path, number: int) -> LoadedRun:
+    home = folder / f"{number:04d}"
+    shutil.rmtree(home, ignore_errors=True)
     _have_validated(home)
     began_s = time.monotonic()
     made, response = _mimucal(home, "demo", "--json", "--seed", str(number))

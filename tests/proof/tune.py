@@ -1,17 +1,16 @@
-"""Where the peers' thresholds come from: `python -m tests.proof.tune 0 250`.
+"""Where the peers' thresholds come from.
 
 Clean recordings are drawn as the trial draws them, from seeds [7201, number] that no trial has;
 the 99 % quantile of each peer's statistic is what about 1 % false alarms asks for.
 """
-
-import sys
 
 import numpy as np
 
 from tests.proof.peers.answer import PEERS
 from tests.proof.peers.observation import see
 from tests.proof.plant.simulate import simulate
-from tests.proof.trial.draw import conditions
+from tests.proof.study import Count, Out, Seed, hold, table
+from tests.proof.trial.seal import conditions
 
 SEED = 7201
 
@@ -23,8 +22,13 @@ def statistics(number: int) -> list[float]:
     return [float(peer(observation).statistic) for peer in PEERS.values()]
 
 
-if __name__ == "__main__":
-    every = np.array([statistics(number) for number in range(*map(int, sys.argv[1:3]))])
-    for name, series in zip(PEERS, every.T, strict=True):
-        quantiles = np.quantile(series, [0.5, 0.9, 0.99, 1.0])
-        print(name, len(series), *(f"{q:.2f}" for q in quantiles))
+def peer_thresholds(count: Count = 250, seed: Seed = 0, out: Out = None) -> None:
+    """Quantiles of each peer's statistic on clean recordings, of the numbers from --seed on."""
+    work = {f"{number}": number for number in range(seed, seed + count)}
+    hold("peer-thresholds", work, statistics, _page, out)
+
+
+def _page(found: list[list[float]]) -> str:
+    rows = zip(PEERS, np.quantile(found, [0.5, 0.9, 0.99, 1.0], axis=0).T, strict=True)
+    columns = ("peer", "50 %", "90 %", "99 %", "most")
+    return "\n".join(table(columns, ((name, *(f"{q:.2f}" for q in each)) for name, each in rows)))

@@ -13,7 +13,7 @@ from storage.catalogue import discrepancies, run_index
 from storage.home import Home
 from tests.flows.pages.test_discrepancy import discrepancy, review
 from tests.pages_server import served
-from tests.proof.line.draw import Line
+from tests.proof.line import Line
 from tests.watched_page import watched_page
 
 pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]

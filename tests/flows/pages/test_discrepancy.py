@@ -37,7 +37,7 @@ from storage import dataframes, last_review
 from storage.catalogue import discrepancies, results, run_index, runs
 from storage.home import Home
 from tests.drafts import calibration_of, recording_of
-from tests.proof.line.draw import Line
+from tests.proof.line import Line
 
 ANSWER = Statement(en="Said.", zh="说。")
 TILT = FoundParameter(name="east", value=1e-4, unit="rad", u=1e-5)

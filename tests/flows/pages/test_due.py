@@ -16,7 +16,7 @@ from storage.catalogue import certificates, equipment, reminders
 from storage.home import Home
 from tasks.reminders.send import pause
 from tasks.stages.remind import due_units
-from tests.proof.line.draw import Line
+from tests.proof.line import Line
 
 NOW = datetime(2026, 1, 10, tzinfo=UTC)
 

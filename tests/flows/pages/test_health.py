@@ -15,7 +15,7 @@ from storage.catalogue import database, tables, users
 from storage.home import Home
 from storage.station_lock import write_status
 from tests.pages_server import served
-from tests.proof.line.draw import Line
+from tests.proof.line import Line
 from tests.storage.test_stations import status
 
 PASSWORD = "correct horse battery"

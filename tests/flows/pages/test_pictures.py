@@ -9,8 +9,7 @@ import pytest
 from flows.pages import due, quality, signals, unit
 from flows.pages.page import Page, Theme, View
 from storage.home import Home
-from tests.proof.line.draw import Line
-from tests.proof.line.store import recorded_runs
+from tests.proof.line import Line, recorded_runs
 
 Figures = dict[str, go.Figure]
 

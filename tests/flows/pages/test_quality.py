@@ -26,7 +26,7 @@ from storage.catalogue import certificates, results, run_index, users
 from storage.home import Home
 from tasks.quality.golden import FEWEST
 from tests.drafts import DECIDED, UNDECIDED, draft
-from tests.proof.line.draw import Line
+from tests.proof.line import Line
 
 ELEMENT = {"item": "accel_rate_sensitivity", "element": "yz"}
 OF = QualityQuestion(model="MX-110", **ELEMENT)

@@ -18,7 +18,7 @@ from storage.home import Home
 from tasks.stages.remind import interval_advice, sentence
 from tasks.words import say
 from tests.drafts import draft, recording_of
-from tests.proof.line.draw import Line
+from tests.proof.line import Line
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import Errors, errors_of, interval_of_share, summarise
 from tests.proof.coverage.other_tables import OTHERS
-from tests.proof.report import EVIDENCE, line, table
+from tests.proof.study import EVIDENCE, line, table
 
 
 def errors_on(job: tuple[str, Method, int]) -> Errors:

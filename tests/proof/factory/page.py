@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from tests.proof.factory.judge import Row
 from tests.proof.factory.part import Part
 from tests.proof.factory.play import Played
-from tests.proof.report import table
+from tests.proof.study import table
 
 COLUMNS = ("promise", "expected", "got", "verdict")
 ABOUT = """# The factory

@@ -10,7 +10,7 @@ from schemas.station import StationFile
 from tasks.station.virtual.unit import draw_unit
 from tests.proof.factory.facts import Order
 from tests.proof.factory.works import Works
-from tests.proof.faults.outcome import comes_to_rest
+from tests.proof.virtual_runs import comes_to_rest
 
 WITHIN_S = 2.0  # from the press to the table's rest
 FROM_SEGMENT = 5  # of a run: what was measured before is to be there when it goes on

@@ -20,7 +20,7 @@ from tasks.station import procedures
 from tests import postgres
 from tests.proof.factory.draw import CLIENTS, EVERY_MONTH
 from tests.proof.factory.part import Part
-from tests.proof.history.watch import environment
+from tests.proof.study import environment
 
 STATIONS = ("HALL-A", "HALL-B")
 PERSONS = {"Li Na": "operator", "Zhao Min": "verifier", "Chen Jie": "issuer"}
@@ -144,7 +144,7 @@ class Works:
         """Everything but the deployments and their workers."""
         self.database.start()
         self.database.create("mimucal", "prefect", "restored")
-        bucket = (sys.executable, "-m", "tests.proof.history.bucket", self.objects, 0, 0)
+        bucket = (sys.executable, "-m", "tests.proof.factory.bucket", self.objects, 0, 0)
         sink = (sys.executable, "-m", "tests.proof.factory.mail_sink")
         parts = [
             self._part("S3", (*bucket, self.ports["s3"]), lambda: listens(self.ports["s3"])),

@@ -11,7 +11,7 @@ def loaded(*beginnings):
     return [name for name in sys.modules if name.startswith(beginnings)]
 
 import tests.proof.real.hide
-from tests.proof.real.hand import lines, rate_table, rests, rounding, shaft
+from tests.proof.real.hand import measured, rests, shaft
 judged = ("tasks.explain", "tasks.model", "tasks.motion", "tasks.segments", "tasks.specifications")
 hand = loaded(*judged)
 import tests.proof.peers.answer

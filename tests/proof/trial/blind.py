@@ -5,6 +5,7 @@ Imports nothing of the plant, and knows of the truth neither file nor form.
 
 import json
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,71 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from schemas.base import Unusable
+from schemas.calibration import Calibration
 from schemas.recording import Recording
+from storage.formats.folder import read_folder
+from tasks.calibrate.calibrate import calibrate
 from tasks.explain.channels import CHANNELS
+from tasks.explain.correction.adopt import adopt
 from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation
+from tasks.specifications.register import specification_for
 from tasks.words import say
-from tests.proof.trial.certificate import CERTIFICATE, certificate_less, certificate_of
+from tests.proof.study import answers
 
+# What a certificate by the clauses states, of the readings as they are and less what was found.
+#
+# Imports nothing of the plant: the processes that explain write it, too.
+
+CERTIFICATE = "certificate.json"
+UNNAMED = "unnamed"
+SCATTER = "excess_scatter"  # the remark of a residual beyond the noise, at 1 %
+
+
+def certificate_of(recording: Recording) -> dict[str, Any] | None:
+    """The clauses' items of a recording; None where it gives none.
+
+    values: [value, U] by item and element. scatter: how many remarks say that residuals are
+    beyond the noise, which is all that the clauses' own evaluation would notice.
+    """
+    try:
+        return _stated(_by_clauses(recording))
+    except Unusable:
+        return None
+
+
+def certificate_less(recording: Recording, explanation: Explanation) -> dict[str, Any] | None:
+    """The same with what was found and named taken off first, as `calibrate --terms` does.
+
+    What is unnamed cannot be ordered taken off, and stays. None where there is nothing to take
+    off, or no item.
+    """
+    named = [finding for finding in explanation.findings if finding.effect != UNNAMED]
+    if not named:
+        return None
+    try:
+        return _stated(adopt(recording, named, _by_clauses, explanation.determined))
+    except Unusable:
+        return None
+
+
+def _by_clauses(recording: Recording) -> Calibration:
+    specification = specification_for(recording.manifest.standard)
+    return calibrate(specification, recording, run="-", code_version="-")
+
+
+def _stated(calibration: Calibration) -> dict[str, Any]:
+    values = {
+        f"{name} {element}": [value, item.U.get(element)]
+        for name, item in calibration.items.items()
+        for element, value in item.value.items()
+        if value is not None and item.U.get(element)
+    }
+    return {"values": values, "scatter": sum(r.code == SCATTER for r in calibration.remarks)}
+
+
+RECORDINGS, ANSWERS = "recordings", "answers"  # in the folder of a trial
 ANSWER, PREDICTION = "answer.json", "prediction.parquet"
 
 
@@ -28,7 +87,7 @@ def answer(recording: Recording, folder: Path) -> None:
 
     A failure is an answer, too: it says what was raised.
     """
-    folder.mkdir(parents=True)
+    folder.mkdir(parents=True, exist_ok=True)
     explanation = None
     started = time.perf_counter()
     try:
@@ -36,7 +95,7 @@ def answer(recording: Recording, folder: Path) -> None:
     except Exception as failure:
         response: dict[str, Any] = {"failed": f"{type(failure).__name__}: {failure}"}
     else:
-        response = _response(explanation)
+        response = as_data(explanation)
         _write_prediction(explanation, folder / PREDICTION)
     response["seconds"] = time.perf_counter() - started
     _write_json(response, folder / ANSWER)
@@ -58,7 +117,7 @@ def _write_json(response: dict[str, Any], path: Path) -> None:
     path.write_text(json.dumps(response, indent=1, ensure_ascii=False), encoding="utf-8")
 
 
-def _response(explanation: Explanation) -> dict[str, Any]:
+def as_data(explanation: Explanation) -> dict[str, Any]:
     return {
         "verdict": explanation.verdict,
         "p_value": explanation.p_value,
@@ -87,3 +146,21 @@ def _write_prediction(explanation: Explanation, path: Path) -> None:
         columns[f"{channel}_nominal"] = explanation.nominal[:, i].astype(np.float32)
         columns[f"{channel}_found"] = explanation.found[:, i].astype(np.float32)
     pq.write_table(pa.table(columns), path, compression="zstd")
+
+
+def explain_blind(folder: Path, peers: bool = False) -> None:
+    """Answers every recording of a folder, in processes that know nothing else of it.
+
+    peers: whether the peers answer it, too; they need libraries of their own.
+    """
+    work = {each.name: each for each in sorted((folder / RECORDINGS).iterdir())}
+    answers("explain blind", work, partial(_answered, folder / ANSWERS, peers), folder)
+
+
+def _answered(own: Path, peers: bool, recording: Path) -> None:
+    read = read_folder(recording)
+    answer(read, own / recording.name)
+    if peers:
+        from tests.proof.peers.answer import answer_peers  # late: an extra that may be missing
+
+        answer_peers(read, own / recording.name)

@@ -6,11 +6,15 @@ the vibration above the unit's band, the found one's what folds into the band) a
 measured number (an order, a number of turns, the axis of a table).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.stats import chi2, ncx2
+
+from tasks.explain.search.stepwise import FALSE_ALARMS
+from tests.proof.plant.effects import EFFECTS
 
 AXES = "xyz"
 STANDARD_G = 9.80665  # m/s²
@@ -222,3 +226,108 @@ CONVERSIONS: Mapping[str, Callable[[Truth, Mapping[str, Any]], Known]] = {
     "timestamp_jitter": _jitter,
     "reference_frame": _frame,
 }  # fmt: skip
+
+
+# Stated parameters beside the true ones: how many of the stated 95 % intervals hold the truth.
+
+# What tells which form of an effect was found: parameters of another form mean something else.
+FORMS: Mapping[str, Mapping[str, str]] = {
+    "gyro_scale_nonlinearity": {"order": "order"},
+    "accel_nonlinearity": {"order": "order"},
+    "axis_wobble": {"per_turn": "order"},
+    "rate_ripple": {"per_turn": "per_turn"},
+}
+NORMAL_95 = 1.959964  # half the 95 % interval of a normal distribution, in u
+AXIS_OF_PLANT = 1.0  # the first table axis has the plant's ripple and eccentricity
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A parameter stated and true, in the unit of both; u: standard uncertainty stated."""
+
+    name: str
+    unit: str
+    found: float
+    u: float
+    true: float
+
+    @property
+    def inside(self) -> bool:
+        """Whether the stated 95 % interval holds the truth."""
+        return abs(self.found - self.true) <= NORMAL_95 * self.u
+
+
+def compared(
+    truth: Truth, effect: str, stated: Sequence[Mapping[str, Any]]
+) -> tuple[list[Compared], list[str]]:
+    """Stated parameters beside the true ones, and the names of those that have none beside them.
+
+    stated: name, value, unit and u of each, in the order stated. Left without: another unit,
+    another form of the effect, other numbers of lost runs or fixings than there are.
+    """
+    known = known_parameters(truth, effect)
+    pairs: list[Compared] = []
+    alone: list[str] = []
+    for block in _blocks(stated):
+        right = _same_form(truth, effect, block) and _same_count(known, effect, block)
+        for each in block:
+            true, unit = known.get(each["name"], (None, ""))
+            if each["u"] <= 0.0:  # a form, not a number
+                continue
+            if right and true is not None and unit == each["unit"]:
+                pairs.append(Compared(each["name"], unit, each["value"], each["u"], true))
+            else:
+                alone.append(each["name"])
+    return pairs, alone
+
+
+def _blocks(stated: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
+    """The parameters of each term: one that comes again begins another."""
+    blocks: list[list[Mapping[str, Any]]] = []
+    for each in stated:
+        if not blocks or any(each["name"] == other["name"] for other in blocks[-1]):
+            blocks.append([])
+        blocks[-1].append(each)
+    return blocks
+
+
+def _same_form(truth: Truth, effect: str, block: list[Mapping[str, Any]]) -> bool:
+    response = {each["name"]: each["value"] for each in block}
+    forms = FORMS.get(effect, {}).items()
+    if response.get("axis", AXIS_OF_PLANT) != AXIS_OF_PLANT:
+        return False
+    return all(response.get(name) == truth.effects[effect][true] for name, true in forms)
+
+
+def _same_count(known: Known, effect: str, block: list[Mapping[str, Any]]) -> bool:
+    """As many lost runs, or fixings, as there are: otherwise their numbers mean others."""
+    if effect not in ("dropped_samples", "remount_misalignment"):
+        return True
+    numbers = {each["name"].rsplit("_", 1)[1] for each in block if each["u"] > 0.0}
+    return numbers == {name.rsplit("_", 1)[1] for name in known}
+
+
+# What nobody can beat: the power of a detector that knows an effect's form.
+
+
+def freedom_of(truth: Truth, effect: str) -> int:
+    """How many numbers an effect's form leaves open, at least one."""
+    known = known_parameters(truth, effect)
+    if known:
+        return len(known)
+    own = truth.effects[effect]
+    return max(1, sum(_count(own.get(name, ())) for name in EFFECTS[effect].sized))
+
+
+def _count(value: object) -> int:
+    return sum(map(_count, value)) if isinstance(value, list | tuple) else 1
+
+
+def power(z: float, freedom: int) -> float:
+    """Probability that χ² of the form's own coordinates, whose mean is `freedom` without and
+    freedom + z² with the effect, exceeds what chance does in 1 % of clean recordings.
+
+    The form is known and nothing else is looked for; non-linear parameters count like linear ones.
+    """
+    bound = float(chi2.isf(FALSE_ALARMS, freedom))
+    return float(ncx2.sf(bound, freedom, z * z))

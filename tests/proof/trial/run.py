@@ -1,75 +1,66 @@
-"""Holding a trial: every case is recorded and sealed, then every recording is explained blind."""
+"""A sealed trial of `explain`, held from beginning to end."""
 
-import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
-from multiprocessing import get_context
-from pathlib import Path
-from typing import TypeVar
+import json
+import time
+from collections.abc import Sequence
+from typing import Annotated
 
-from storage.formats.folder import read_folder
-from tests.proof.trial.blind import answer
-from tests.proof.trial.score import ANSWERS
-from tests.proof.trial.seal import RECORDINGS, set_seals
+import typer
 
-Report = Callable[[int, int], None]
-Case = TypeVar("Case")
+from tasks.version import code_version
+from tests.proof.peers import score as peers_page
+from tests.proof.peers.score import MISSING, PeerScore, duties_of, peers_installed, score_peers
+from tests.proof.real import run as real_page
+from tests.proof.study import Out, Real, Seed, Short, folder_of
+from tests.proof.trial.blind import ANSWERS, explain_blind
+from tests.proof.trial.evidence import Trial, as_data, as_markdown, evidence_html
+from tests.proof.trial.pictures import headline_svg
+from tests.proof.trial.score import score_all
+from tests.proof.trial.seal import SEALED, draw, record_and_seal, sealed
+
+MISSING_HTML = f'<p><span lang="en">{MISSING.en}</span><span lang="zh">{MISSING.zh}</span></p>'
 
 
-def prepare(
-    cases: Sequence[Case], folder: Path, report: Report, record: Callable[[Case, Path], None]
-) -> str:
-    """Records and seals every case; returns the SHA-256 of seals.txt.
+def trial(
+    seed: Seed = 1, short: Short = False, real: Real = None, out: Out = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="evidence.json on standard output.")
+    ] = False,
+) -> None:  # fmt: skip
+    """The sealed trial: recordings of an independent plant, explained blind, held to the truth.
 
-    record: plays one case, its recording and its truth to the folder. Raises what a case raises
-    that cannot be played.
+    The peers answer the same recordings where their libraries are installed. --real: besides, a
+    folder of real recordings, by hand and with known changes hidden in them. Raises Unusable as
+    `sealed`, and where a real recording is missing or broken.
     """
-    with _fresh_processes() as pool:
-        made = [pool.submit(record, drawn, folder) for drawn in cases]
-        for done, each in enumerate(as_completed(made), start=1):
-            each.result()
-            report(done, len(cases))
-    return set_seals(folder)
+    folder, peers, started = folder_of(f"trial-{seed}", out), peers_installed(), time.perf_counter()
+    declared = {"seed": seed, "short": short}
+    seals = sealed(folder, declared, draw(seed, short), record_and_seal)
+    results = real_page.held(real, folder_of("real", folder / "real"), seed) if real else None
+    explain_blind(folder, peers)
+    scores = score_all(folder)
+    beside = score_peers(folder / SEALED, folder / ANSWERS) if peers else []
+    held = Trial(seed, short, code_version(), seals, time.perf_counter() - started, scores)
+    contents = _evidence(held, beside, peers, results)
+    for name, text in contents.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    print(contents["evidence.json" if as_json else "evidence.md"])
 
 
-def explain_blind(folder: Path, report: Report, peers: bool = False) -> None:
-    """Answers every recording of a folder, in processes that know nothing else of it.
-
-    peers: whether the peers answer it, too; they need libraries of their own.
-    """
-    recordings = sorted((folder / RECORDINGS).iterdir())
-    with _fresh_processes() as pool:
-        asked = [
-            pool.submit(_answered, each, folder / ANSWERS / each.name, peers) for each in recordings
-        ]
-        for done, each in enumerate(as_completed(asked), start=1):
-            each.result()
-            report(done, len(recordings))
-
-
-def _answered(recording: Path, folder: Path, peers: bool) -> None:
-    read = read_folder(recording)
-    answer(read, folder)
-    if peers:
-        from tests.proof.peers.answer import answer_peers  # late: an extra that may be missing
-
-        answer_peers(read, folder)
-
-
-@contextmanager
-def _fresh_processes() -> Iterator[ProcessPoolExecutor]:
-    """A process for each core, begun anew; one thread each, or they hinder one another."""
-    threads = os.environ.get("OPENBLAS_NUM_THREADS")
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    try:
-        with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-            try:
-                yield pool
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
-    finally:
-        os.environ.pop("OPENBLAS_NUM_THREADS")
-        if threads is not None:
-            os.environ["OPENBLAS_NUM_THREADS"] = threads
+def _evidence(
+    trial: Trial, beside: Sequence[PeerScore], peers: bool, results: real_page.Results | None
+) -> dict[str, str]:
+    """The files by name: the trial, what the peers answered, and the real recordings if any."""
+    response = as_data(trial) | {"peers": [each.response() for each in duties_of(beside)]}
+    more = [peers_page.section(beside) if peers else MISSING_HTML]
+    declared = peers_page.markdown(beside) if peers else f"{MISSING.en}\n"
+    if results is not None:
+        response |= {"real": real_page.data(results)}
+        more.append(real_page.section(results))
+        declared += "\n" + real_page.markdown(results)
+    return {
+        "evidence.json": json.dumps(response, indent=1, ensure_ascii=False) + "\n",
+        "evidence.md": as_markdown(trial) + "\n" + declared,
+        "evidence.html": evidence_html(trial, more),
+        "headline.svg": headline_svg(trial.scores),
+    }

@@ -10,8 +10,7 @@ import numpy as np
 from scipy.fft import dct
 
 from schemas.recording import ACCEL, GYRO, Recording
-from tests.proof.plant.case import Case
-from tests.proof.plant.grades import channel_noise
+from tests.proof.plant.case import Case, channel_noise
 from tests.proof.plant.simulate import simulate
 
 RATE = 50  # Hz

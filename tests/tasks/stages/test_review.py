@@ -21,8 +21,7 @@ from tasks.stages.explain_several import explain_together
 from tasks.stages.review import review_runs
 from tests.drafts import draft, recording_of
 from tests.proof.plant.case import Case
-from tests.proof.plant.files import write
-from tests.proof.plant.simulate import simulate
+from tests.proof.plant.simulate import simulate, write
 from tests.tasks.review.fleet import fleet, of
 
 

@@ -16,7 +16,7 @@ import pytest
 
 from schemas.station import StationFile
 from tasks.station.virtual.config import VirtualStation
-from tests.proof.fuzz.frames import KINDS, Kind
+from tests.proof.fuzz import KINDS, Kind
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import MEASURED, SPEED, over_sockets
 

@@ -4,9 +4,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from tests.proof.plant.case import generator
 from tests.proof.plant.effects.base import Effect, Parameters
 from tests.proof.plant.effects.gyro import STANDARD_G, signs
-from tests.proof.plant.seeds import generator
 from tests.proof.plant.world import Setting, World, on_accelerometers
 
 

@@ -9,8 +9,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from tests.proof.plant.case import EffectCall
-from tests.proof.plant.seeds import generator
+from tests.proof.plant.case import EffectCall, generator
 from tests.proof.plant.world import Setting, World
 
 Parameters = dict[str, Any]

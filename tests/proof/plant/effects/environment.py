@@ -5,8 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from tests.proof.plant.effects.base import Effect, Parameters, unit_vector
-from tests.proof.plant.weather import REFERENCE
-from tests.proof.plant.world import Setting, World, on_accelerometers, on_gyros
+from tests.proof.plant.world import REFERENCE, Setting, World, on_accelerometers, on_gyros
 
 DIPOLE = 31.2e-6  # T, of the Earth's field at the magnetic equator
 

@@ -4,8 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from tests.proof.plant.case import about, from_vector, product
 from tests.proof.plant.effects.base import Effect, Link, Parameters, insert_after, unit_vector
-from tests.proof.plant.rotations import about, from_vector, product
 from tests.proof.plant.world import Setting
 
 EAST = np.array([1.0, 0.0, 0.0])

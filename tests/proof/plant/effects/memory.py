@@ -5,9 +5,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from tests.proof.plant.case import generator
 from tests.proof.plant.effects.base import Effect, Parameters, unit_vector
 from tests.proof.plant.effects.environment import both
-from tests.proof.plant.seeds import generator
 from tests.proof.plant.world import Setting, World, on_gyros
 
 AT_REST = 1e-3  # rad/s: slower is not a motion (the Earth turns at 7e-5)

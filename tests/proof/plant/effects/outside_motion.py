@@ -5,9 +5,9 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import lfilter
 
+from tests.proof.plant.case import from_vector
 from tests.proof.plant.effects.base import Effect, Link, Parameters, insert_after, unit_vector
 from tests.proof.plant.effects.environment import both
-from tests.proof.plant.rotations import from_vector
 from tests.proof.plant.world import Setting, World, on_accelerometers, on_gyros
 
 

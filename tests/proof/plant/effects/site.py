@@ -4,8 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from tests.proof.plant.case import from_vector
 from tests.proof.plant.effects.base import EARTH, Effect, Link, Parameters
-from tests.proof.plant.rotations import from_vector
 from tests.proof.plant.world import Setting
 
 EARTH_RATE = 7.292115e-5  # rad/s

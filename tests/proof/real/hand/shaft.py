@@ -11,8 +11,7 @@ from scipy.optimize import least_squares, minimize_scalar
 from scipy.signal import csd, savgol_filter, welch
 
 from schemas.recording import GYRO, Recording
-from tests.proof.real.hand.lines import strongest
-from tests.proof.real.hand.measured import Measured
+from tests.proof.real.hand.measured import Measured, strongest
 
 RATE = 100.0  # Hz
 PER_WINDOW = 3000  # samples: 30 s

@@ -4,7 +4,7 @@ from functools import lru_cache
 from typing import Any
 
 from tests.proof.plant.case import Case, EffectCall
-from tests.proof.plant.noise_free_case import NoiseFree, without_noise
+from tests.proof.plant.simulate import NoiseFree, without_noise
 
 SHORT: dict[str, Any] = {"seed": 4, "dwell_s": 6.0, "rates_deg_s": (50.0, 200.0)}
 

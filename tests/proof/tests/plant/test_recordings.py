@@ -9,17 +9,30 @@ from scipy.signal import welch
 from schemas.recording import ACCEL as FORCES
 from schemas.recording import GYRO as RATES
 from storage.formats.folder import read_folder
-from tests.proof.plant.case import Case, Grade
-from tests.proof.plant.files import seal, write
-from tests.proof.plant.grades import ACCEL, GYRO
-from tests.proof.plant.noise import noise
-from tests.proof.plant.simulate import Simulated, simulate
+from tests.proof.plant.case import ACCEL_NOISE, GYRO_NOISE, Case, EffectCall, Grade
+from tests.proof.plant.effects.electronics import Bandwidth
+from tests.proof.plant.procedures import plan_of
+from tests.proof.plant.simulate import (
+    Simulated,
+    at_times,
+    at_visibility,
+    filtered,
+    mean_limited,
+    mean_reading,
+    noise,
+    seal,
+    simulate,
+    visibility,
+    visibility_of,
+    write,
+)
+from tests.proof.plant.world import Setting
 from tests.proof.tests.plant.short_case import case_of
 
 
 @pytest.mark.parametrize("grade", ["consumer", "industrial", "tactical"])
 def test_noise_has_the_stated_density_over_four_decades(grade: Grade) -> None:
-    for model in (GYRO[grade], ACCEL[grade]):
+    for model in (GYRO_NOISE[grade], ACCEL_NOISE[grade]):
         made = noise(np.random.default_rng(3), model, 200_000, 100.0)
         frequency, density = welch(made, 100.0, nperseg=1 << 15)
         for low, high in ((0.01, 0.04), (0.04, 0.2), (0.2, 1.0), (1.0, 10.0), (10.0, 49.0)):
@@ -43,7 +56,7 @@ def test_a_clean_recording_fits_the_standard_s_model_to_its_noise(clean: Simulat
         gyro = np.hstack([rates, one, force])
         columns = gyro if channel < 3 else np.hstack([force, one, rates[:, others] ** 2])
         found, *_ = np.linalg.lstsq(columns, readings[:, channel], rcond=None)
-        model = (GYRO if channel < 3 else ACCEL)["industrial"]
+        model = (GYRO_NOISE if channel < 3 else ACCEL_NOISE)["industrial"]
         left = readings[:, channel] - columns @ found
         assert left.var() / (model.white**2 * 50.0) == pytest.approx(1.0, abs=0.02)
         moving = np.abs(np.gradient(rates, axis=0)).sum(axis=1) > 1e-3
@@ -70,7 +83,7 @@ def test_a_case_is_the_same_every_time_and_effects_do_not_touch_the_noise() -> N
     name = "gyro_x"
     assert np.array_equal(plain.recording.imu.columns[name], again.recording.imu.columns[name])
     noises = [made.recording.imu.columns[name] - made.truth[:, 0] for made in (plain, stepped)]
-    assert np.abs(noises[0] - noises[1]).max() < 2 * GYRO["industrial"].step
+    assert np.abs(noises[0] - noises[1]).max() < 2 * GYRO_NOISE["industrial"].step
 
 
 @pytest.mark.parametrize(
@@ -103,3 +116,98 @@ def test_an_untold_site_is_not_in_the_manifest(tmp_path: Path) -> None:
 def test_without_a_thermometer_there_is_no_temperature() -> None:
     made = simulate(case_of(fields={"temperature_recorded": False}))
     assert "temperature" not in made.recording.imu.columns
+
+
+# Visibility: against a closed formula, and as a dial.
+
+LINE = {"gyro": [3e-4, 0.0, 0.0], "accel": [0.0, 0.0, 0.0], "frequency": 9.0}
+
+
+def test_a_line_in_the_white_band_is_as_visible_as_its_energy() -> None:
+    made = simulate(case_of("x_beat_line", **LINE))
+    found = visibility(made, "x_beat_line")
+    energy = 3e-4**2 / 2.0 * len(made.truth)
+    density = GYRO_NOISE["industrial"].density(np.array(9.0)) * 50.0
+    assert found.z == pytest.approx(np.sqrt(energy / density), rel=0.01)
+    assert found.concealment < 0.01
+
+
+def test_what_the_standard_absorbs_is_concealed() -> None:
+    found = visibility_of(case_of("gravity_value"), "gravity_value")
+    assert found.z < 1e-3
+    assert found.concealment > 0.999999
+    with pytest.raises(ValueError, match="cannot be seen"):
+        at_visibility(case_of("gravity_value"), "gravity_value", 10.0)
+
+
+def test_an_effect_is_judged_beside_the_others() -> None:
+    case = case_of("x_beat_line", **LINE)
+    both = case.model_copy(update={"effects": case.effects + case_of("lever_arm").effects})
+    alone, beside = visibility_of(case, "x_beat_line"), visibility_of(both, "x_beat_line")
+    assert beside.z == pytest.approx(alone.z, rel=1e-3)
+
+
+@pytest.mark.parametrize(("name", "z"), [
+    ("lever_arm", 60.0), ("bandwidth", 10.0), ("gyro_saturation", 60.0),
+    ("encoder_eccentricity", 10.0), ("coarse_quantisation", 10.0), ("x_cable_drag", 30.0),
+])  # fmt: skip
+def test_the_strength_is_set_to_a_visibility(name: str, z: float) -> None:
+    case = at_visibility(case_of(name, fields={"rate_hz": 25}), name, z)
+    assert visibility_of(case, name).z == pytest.approx(z, rel=0.05)
+
+
+def test_what_would_have_to_be_absurd_is_refused() -> None:
+    case = case_of("x_beat_line", **LINE)
+    with pytest.raises(ValueError, match="times its typical size"):
+        at_visibility(case, "x_beat_line", 1e5)
+
+
+def test_the_earth_is_not_turned_faster() -> None:
+    case = case_of("earth_rotation")
+    assert at_visibility(case, "earth_rotation", 100.0) == case
+
+
+# Converter and filter against brute force.
+
+DEVIATION = 0.3
+
+
+def noisy(signal: float) -> np.ndarray:
+    return signal + DEVIATION * np.random.default_rng(8).standard_normal(400_000)
+
+
+@pytest.mark.parametrize("signal", [0.0, 0.2, 0.45, 0.8])
+def test_the_mean_reading_of_coarse_steps_is_that_of_many_readings(signal: float) -> None:
+    declared = mean_reading(np.full((1, 1), signal), np.array([1.0]), np.array([DEVIATION]))
+    assert declared[0, 0] == pytest.approx(np.round(noisy(signal)).mean(), abs=3e-3)
+
+
+@pytest.mark.parametrize("signal", [-1.1, -0.7, 0.0, 0.9, 1.0, 1.4])
+def test_the_mean_reading_at_a_limit_is_that_of_many_readings(signal: float) -> None:
+    declared = mean_limited(np.full((1, 1), signal), np.array([1.0]), np.array([DEVIATION]))
+    assert declared[0, 0] == pytest.approx(np.clip(noisy(signal), -1.0, 1.0).mean(), abs=3e-3)
+
+
+def test_steps_below_the_noise_change_nothing() -> None:
+    signal = np.linspace(-1.0, 1.0, 50)[None]
+    assert np.allclose(mean_reading(signal, np.array([0.3]), np.array([0.3])), signal, atol=1e-6)
+
+
+def test_the_low_pass_lets_half_the_power_through_at_its_corner() -> None:
+    case = Case(seed=1)
+    call = EffectCall(name="bandwidth", parameters={"corner": 20.0})
+    effect = Bandwidth.of(call, Setting(case, plan_of(case)))
+    t = np.arange(0.0, 20.0, 0.002)
+    for frequency, passed in ((2.0, 1.0), (20.0, np.sqrt(0.5)), (80.0, 1.0 / 16.0)):
+        wave = np.sin(2.0 * np.pi * frequency * t)[None]
+        inner = filtered(wave, 0.002, [effect])[0, 2000:-2000]
+        assert inner.std() / wave[0, 2000:-2000].std() == pytest.approx(passed, rel=5e-3)
+
+
+def test_sampling_between_points_is_cubic_and_rests_at_the_ends() -> None:
+    grid = np.arange(0.0, 10.0)
+    cubic = np.stack([grid**3 - 4.0 * grid, 2.0 * grid])
+    times = np.array([1.5, 4.25, 7.9])
+    declared = at_times(cubic, 0.0, 1.0, times)
+    assert np.allclose(declared, [times**3 - 4.0 * times, 2.0 * times])
+    assert np.array_equal(at_times(cubic, 0.0, 1.0, np.array([-3.0, 30.0]))[1], [0.0, 18.0])

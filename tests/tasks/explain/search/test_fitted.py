@@ -8,7 +8,7 @@ from short_run import RATE, ShortRun, short_run
 
 from tasks.explain.explain import fitted_effects
 from tasks.explain.search.fitted import FittedSelection
-from tests.proof.plant.grades import channel_noise
+from tests.proof.plant.case import channel_noise
 
 SEEDS = (5, 6, 7)
 FLICKER = np.array(

@@ -24,7 +24,7 @@ from tasks.station import procedures
 from tasks.station.check_devices import check_station
 from tasks.station.virtual.config import TableDesign, truth, virtual_station
 from tasks.station.virtual.table import VirtualTable
-from tests.proof.station.record import shortened
+from tests.proof.station import shortened
 from tests.tasks.station.makers.colon_maker import ColonMaker
 from tests.tasks.station.makers.letters_maker import LettersMaker
 from tests.tasks.station.makers.modbus_maker import listening

@@ -1,1 +1,0 @@
-"""Each rule of `explain` switched off in turn, on kept recordings whose truth is known."""

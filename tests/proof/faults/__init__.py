@@ -1,1 +1,0 @@
-"""Runs on a station in which something fails at a random time, and what became of them."""

@@ -1,1 +1,0 @@
-"""Sealed fleets: many runs of many units on some stations, and who in them carries an effect."""

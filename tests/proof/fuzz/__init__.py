@@ -1,1 +1,0 @@
-"""Every parser of the station fed with damaged input: `make prove ARGS="--fuzz N"`."""

@@ -1,1 +1,0 @@
-"""Hostile calls of the pages and of the flows: none acts, and each is logged."""

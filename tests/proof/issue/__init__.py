@@ -1,1 +1,0 @@
-"""Many processes that issue certificates at once, and processes killed while they issue."""

@@ -1,1 +1,0 @@
-"""A laboratory with years behind it: its runs, their results and certificates as one store."""

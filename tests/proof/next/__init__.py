@@ -1,1 +1,0 @@
-"""Sealed cases that `explain` leaves open, and what `next` proposes for them."""

@@ -1,1 +1,0 @@
-"""The operations pages under what nobody asked for: random questions, a database that stops."""

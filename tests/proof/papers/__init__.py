@@ -1,1 +1,0 @@
-"""Certificates of every kind, made to be looked at."""

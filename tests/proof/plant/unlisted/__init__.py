@@ -1,1 +1,0 @@
-"""Laws of known kinds of behaviour in forms that no catalogue lists, by another hand."""

@@ -1,1 +1,0 @@
-"""Every parameter that `explain` states of a real recording, beside its value by hand."""

@@ -1,1 +1,0 @@
-"""The pictures of a trial, as text of SVG: `headline`, `power`, `cost`, `cases`."""

@@ -1,1 +1,0 @@
-"""What `explain` says of known kinds of behaviour in forms that nobody listed."""
