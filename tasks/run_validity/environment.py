@@ -10,11 +10,10 @@ from tasks.run_validity.remark import run_remark
 from tasks.segments.conditions import Conditions
 from tasks.segments.summarise import CHANNELS, SegmentMean
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.linear import solve
+from tasks.specifications.linear import last_shown
 
 COOLER, WARMER = 10.0, 40.0  # K from the air: a unit heats itself, and nothing cools it
 FOLLOWS = 1e-4  # that gain and zero of a channel follow the temperature as much by chance
-FEWEST_BEYOND = 3  # points beyond the four unknowns
 RIPPLE = 5e-4  # of a rate within a turn, Table 1 of JJF 2003-2022
 LARGEST_CHANGE = 15.0  # K while it is measured: what warming up leaves
 SUPPLY_STEADY = 0.05  # of the usual voltage, in either direction
@@ -143,30 +142,18 @@ def _followed(evidence: ClauseEvidence) -> Iterator[Remark]:
     Each is fitted with its own input, a zero, and both times the temperature: the rate about a
     gyro's own axis, gravity along an accelerometer's.
     """
-    from scipy.special import chdtrc  # late: a tenth of a start
-
     at = evidence.temperatures
     if not len(at) or not np.isfinite(at).all() or np.ptp(at) == 0.0:
         return
     for c, name in enumerate(CHANNELS):
         used, given, reference = _inputs(evidence, c)
-        if len(used) < 4 + FEWEST_BEYOND or not np.isfinite(evidence.means[used, c]).all():
+        if not used:
             continue
         warm = at[used] - at[used].mean()
         design = np.column_stack([given, np.ones(len(used)), given * warm, warm])
         spread = evidence.fast_covariance(c)[np.ix_(used, used)] + np.diag(reference)
-        if not np.diag(spread).all():
-            continue
-        root = np.linalg.cholesky(spread + 1e-9 * np.diag(np.diag(spread)))
-        solution = solve(np.linalg.solve(root, design))
-        if not solution.estimable.all():
-            continue
-        values = solution.operator @ np.linalg.solve(root, evidence.means[used, c])
-        chi2 = float(
-            values[2:]
-            @ np.linalg.solve(solution.operator[2:] @ solution.operator[2:].T, values[2:])
-        )
-        if chdtrc(2, chi2) < FOLLOWS:
+        values, chance = last_shown(design, evidence.means[used, c], spread, 2)
+        if chance < FOLLOWS:
             yield run_remark(
                 "follows_temperature", run="valid", channel=name, change=f"{np.ptp(at):.2g}",
                 gain=f"{1e6 * values[2] / values[0]:+.0f}", zero=f"{values[3]:+.2g}",
@@ -179,11 +166,8 @@ def _inputs(evidence: ClauseEvidence, channel: int) -> tuple[list[int], np.ndarr
     axis = AXES[channel % len(AXES)]
     if channel >= len(AXES):
         used = [i for i in evidence.of_kind("static") if (evidence.up[i] or "")[1:] == axis]
-        return (
-            used,
-            np.array([1.0 if (evidence.up[i] or "")[0] == "+" else -1.0 for i in used]),
-            (np.zeros(len(used))),
-        )
+        signs = [1.0 if (evidence.up[i] or "")[0] == "+" else -1.0 for i in used]
+        return used, np.array(signs), np.zeros(len(used))
     used = list(evidence.points[axis])
     rates = evidence.rate[used]
     turned = np.abs(rates) * [evidence.segments[i].seconds for i in used]

@@ -13,12 +13,11 @@ from tasks.segments.summarise import CHANNELS
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import DEG
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.linear import solve
+from tasks.specifications.linear import last_shown
 from tasks.words import message, remark
 
 Evidence = TypeVar("Evidence", bound=ClauseEvidence)
 COURSE, COURSE_LEVEL = 3, 1e-3  # degree of a zero's course in time, and how often noise makes one
-TINY = 1e-9  # of a variance: keeps a covariance invertible
 
 
 def with_course(
@@ -33,8 +32,6 @@ def with_course(
     what the points scatter. up: (n, 3) verticals; beside them north and east where they are known.
     channels: how many of the first, those that are calibrated.
     """
-    from scipy.special import chdtrc  # late: a tenth of a start
-
     t = np.array([0.5 * (s.t_start + s.t_end) for s in evidence.segments])
     rests = [i for i in evidence.of_kind("static") if np.isfinite(up[i]).all()]
     course = np.zeros((len(CHANNELS), len(t)))
@@ -49,20 +46,10 @@ def with_course(
         faces = [np.ones(len(rests)), *up[rests].T]
         faces += [each[:, c] for each in level if c < len(AXES)]
         design = np.column_stack([*faces, shapes[rests]])
-        means, block = evidence.means[rests, c], np.ix_(rests, rests)
-        covariance = (evidence.fast_covariance(c) + errors.covariance(c))[block]
-        if len(rests) <= design.shape[1] or not np.isfinite(means).all() or not covariance.any():
-            continue
-        sizes, ways = np.linalg.eigh(covariance)
-        white = ways / np.sqrt(np.maximum(sizes, TINY * sizes[-1]))
-        solution = solve(white.T @ design)
-        if not solution.estimable[-COURSE:].all():
-            continue
-        follows = solution.operator[-COURSE:]
-        found = follows @ (white.T @ means)
-        chi2 = float(found @ np.linalg.solve(follows @ follows.T, found))
-        if chdtrc(COURSE, chi2) < COURSE_LEVEL:
-            course[c] = shapes @ found
+        known = (evidence.fast_covariance(c) + errors.covariance(c))[np.ix_(rests, rests)]
+        found, chance = last_shown(design, evidence.means[rests, c], known, COURSE)
+        if chance < COURSE_LEVEL:
+            course[c] = shapes @ found[-COURSE:]
     return replace(evidence, course=course) if course.any() else evidence
 
 
