@@ -9,10 +9,12 @@ from numpy.polynomial import legendre
 
 from schemas.recording import AXES
 from schemas.text import Remark
+from tasks.motion.whole import Motion
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import DEG
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.specifications.horizontal_earth import level_covariance
 from tasks.specifications.linear import last_shown
 from tasks.words import message, remark
 
@@ -22,17 +24,19 @@ COURSE, COURSE_LEVEL = 3, 1e-3  # degree of a zero's course in time, and how oft
 
 def with_course(
     evidence: Evidence,
-    up: np.ndarray,
+    motion: Motion,
     errors: EquipmentErrors,
     channels: int = len(CHANNELS),
 ) -> Evidence:
     """The evidence with the course of each zero over the run, where its rests show one.
 
     Judged against white noise, flicker, rounding and the equipment, before anything is enlarged by
-    what the points scatter. up: (n, 3) verticals; beside them north and east where they are known.
+    what the points scatter. motion: mean of each segment; where north is not known, the level part
+    of Earth's rotation is no course.
     channels: how many of the first, those that are calibrated.
     """
     t = np.array([0.5 * (s.t_start + s.t_end) for s in evidence.segments])
+    up = motion.up
     rests = [i for i in evidence.of_kind("static") if np.isfinite(up[i]).all()]
     course = np.zeros((len(CHANNELS), len(t)))
     if not rests:
@@ -46,8 +50,11 @@ def with_course(
         faces = [np.ones(len(rests)), *up[rests].T]
         faces += [each[:, c] for each in level if c < len(AXES)]
         design = np.column_stack([*faces, shapes[rests]])
-        known = (evidence.fast_covariance(c) + errors.covariance(c))[np.ix_(rests, rests)]
-        found, chance = last_shown(design, evidence.means[rests, c], known, COURSE)
+        known = evidence.fast_covariance(c) + errors.covariance(c)
+        if c < len(AXES) and not level:
+            known = known + level_covariance(evidence, motion, c)
+        readings = evidence.means[rests, c]
+        found, chance = last_shown(design, readings, known[np.ix_(rests, rests)], COURSE)
         if chance < COURSE_LEVEL:
             course[c] = shapes @ found[-COURSE:]
     return replace(evidence, course=course) if course.any() else evidence
