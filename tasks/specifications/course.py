@@ -9,7 +9,7 @@ from numpy.polynomial import legendre
 
 from schemas.recording import AXES
 from schemas.text import Remark
-from tasks.motion.whole import Motion
+from tasks.motion.whole import Motion, attitude_stream
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import DEG
@@ -36,28 +36,41 @@ def with_course(
     channels: how many of the first, those that are calibrated.
     """
     t = np.array([0.5 * (s.t_start + s.t_end) for s in evidence.segments])
-    up = motion.up
-    rests = [i for i in evidence.of_kind("static") if np.isfinite(up[i]).all()]
+    held = [i for i in evidence.of_kind("static") if np.isfinite(motion.up[i]).all()]
     course = np.zeros((len(CHANNELS), len(t)))
-    if not rests:
+    if not held:
         return evidence
     first = min(s.t_start for s in evidence.segments)
     last = max(s.t_end for s in evidence.segments)
     shapes = legendre.legvander(2.0 * (t - first) / (last - first) - 1.0, COURSE)[:, 1:]
-    north = evidence.north[rests]
-    level = [north, np.cross(north, up[rests])] if np.isfinite(north).all() else []
+    pointed = bool(np.isfinite(evidence.north[held]).all())
     for c in range(channels):
-        faces = [np.ones(len(rests)), *up[rests].T]
-        faces += [each[:, c] for each in level if c < len(AXES)]
-        design = np.column_stack([*faces, shapes[rests]])
+        rests = comparable(evidence, held, c)
+        up, north = motion.up[rests], evidence.north[rests]
+        level = [north, np.cross(north, up)] if pointed and c < len(AXES) else []
+        columns = [np.ones(len(rests)), *up.T, *(each[:, c] for each in level)]
         known = evidence.fast_covariance(c) + errors.covariance(c)
         if c < len(AXES) and not level:
             known = known + level_covariance(evidence, motion, c)
-        readings = evidence.means[rests, c]
-        found, chance = last_shown(design, readings, known[np.ix_(rests, rests)], COURSE)
+        found, chance = last_shown(
+            np.column_stack([*columns, shapes[rests]]), evidence.means[rests, c],
+            known[np.ix_(rests, rests)], COURSE,
+        )  # fmt: skip
         if chance < COURSE_LEVEL:
             course[c] = shapes @ found[-COURSE:]
     return replace(evidence, course=course) if course.any() else evidence
+
+
+def comparable(evidence: ClauseEvidence, rests: list[int], channel: int) -> list[int]:
+    """The rests that repeat one another in a channel.
+
+    Where no encoder says how the unit lay, a level accelerometer reads how it was laid by hand: a
+    tilt of half a degree is 0.09 m/s² there, and 0.0004 m/s² on the axis that is vertical.
+    """
+    if channel < len(AXES) or attitude_stream(evidence.recording) is not None:
+        return rests
+    axis = AXES[channel - len(AXES)]
+    return [i for i in rests if (evidence.up[i] or "")[1:] == axis]
 
 
 def course_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
