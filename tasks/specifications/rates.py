@@ -68,9 +68,10 @@ def weights_about(
     Turned about a it reads K·a: a row of K follows from all directions. None: the unit stood too
     crooked for those.
     """
+    if axis not in readings:
+        return None
     design = np.array([direction(evidence, laid, rate, runs[laid]) for laid in readings])
-    solution = solve(np.where(np.abs(design) < SQUARE, 0.0, design.reshape(-1, len(AXES))))
-    place = AXES.index(axis)
+    solution, place = solve(np.where(np.abs(design) < SQUARE, 0.0, design)), AXES.index(axis)
     if not solution.estimable[place]:
         return None
     return np.asarray(solution.operator[place].round(12) @ np.array([*readings.values()]))
