@@ -19,6 +19,8 @@ from tasks.specifications.linear import last_shown
 from tasks.words import message, remark
 
 Evidence = TypeVar("Evidence", bound=ClauseEvidence)
+FOLLOWS = 1e-4  # that gain and zero of a channel follow the temperature as much by chance
+RIPPLE = 5e-4  # of a rate within a turn, Table 1 of JJF 2003-2022
 COURSE, COURSE_LEVEL = 3, 1e-3  # degree of a zero's course in time, and how often noise makes one
 
 
@@ -42,6 +44,13 @@ def with_course(
         return evidence
     first = min(s.t_start for s in evidence.segments)
     last = max(s.t_end for s in evidence.segments)
+    per_kelvin = np.zeros_like(course)
+    for c in range(channels):
+        used, given, values = following(evidence, c)
+        if values is not None:
+            per_kelvin[c, used] = values[2] * given
+    if per_kelvin.any():
+        evidence = replace(evidence, per_kelvin=per_kelvin)
     shapes = legendre.legvander(2.0 * (t - first) / (last - first) - 1.0, COURSE)[:, 1:]
     pointed = bool(np.isfinite(evidence.north[held]).all())
     for c in range(channels):
@@ -59,6 +68,33 @@ def with_course(
         if chance < COURSE_LEVEL:
             course[c] = shapes @ found[-COURSE:]
     return replace(evidence, course=course) if course.any() else evidence
+
+
+def following(
+    evidence: ClauseEvidence, channel: int
+) -> tuple[list[int], np.ndarray, np.ndarray | None]:
+    """Segments with a known input of a channel, the inputs (m,), and its gain, its zero, and the
+    change of both per K (4,), where its readings follow the recorded temperature of the unit.
+
+    The input: the rate about a gyro's own axis, gravity along an accelerometer's.
+    """
+    at, axis = evidence.temperatures, AXES[channel % len(AXES)]
+    if channel < len(AXES):
+        used = list(evidence.points[axis])
+        given = evidence.rate[used]
+        turned = np.abs(given) * [evidence.segments[i].seconds for i in used]
+        reference = (RIPPLE * given / np.maximum(turned, 1.0)) ** 2 / 3.0
+    else:
+        used = [i for i in evidence.of_kind("static") if (evidence.up[i] or "")[1:] == axis]
+        given = np.array([1.0 if (evidence.up[i] or "")[0] == "+" else -1.0 for i in used])
+        reference = np.zeros(len(used))
+    if not used or not np.isfinite(at).all() or np.ptp(at) == 0.0:
+        return used, given, None
+    warm = at[used] - at[used].mean()
+    design = np.column_stack([given, np.ones(len(used)), given * warm, warm])
+    spread = evidence.fast_covariance(channel)[np.ix_(used, used)] + np.diag(reference)
+    values, chance = last_shown(design, evidence.means[used, channel], spread, 2)
+    return used, given, values if chance < FOLLOWS else None
 
 
 def comparable(evidence: ClauseEvidence, rests: list[int], channel: int) -> list[int]:

@@ -38,7 +38,8 @@ class ClauseEvidence:
     neither latitude nor rests are known.
     channel_names: (6,) columns as they were recorded. may_stand_still: whether their resolution
     hides their noise at rest. course: (6, n) the course of each channel's zero about its mean over
-    the run, where the rests show one beside noise and equipment.
+    the run, where the rests show one beside noise and equipment. per_kelvin: (6, n) what 1 K does
+    to each mean through the channel's gain, where it follows the recorded temperature.
     """
 
     recording: Recording
@@ -52,6 +53,7 @@ class ClauseEvidence:
     channel_names: tuple[str, ...] = CHANNELS
     may_stand_still: bool = False
     course: np.ndarray | None = None
+    per_kelvin: np.ndarray | None = None
 
     @property
     def gravity(self) -> float | None:
@@ -152,10 +154,27 @@ class ClauseEvidence:
 
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
-        total = np.asarray(self.noise_covariances[channel] + self._rounding[channel])
-        if self.course is None:
-            return total
-        return np.asarray(total + np.outer(self.course[channel], self.course[channel]))
+        total = self.noise_covariances[channel] + self._by_temperature(channel)
+        if self.course is not None:
+            total = total + np.outer(self.course[channel], self.course[channel])
+        return np.asarray(total + self._rounding[channel])
+
+    def _by_temperature(self, channel: int) -> np.ndarray:
+        """(n, n): the gain of a channel that follows the temperature, about its mean in the run."""
+        if self.per_kelvin is None:
+            return np.zeros(2 * (len(self.segments),))
+        warmed = self.per_kelvin[channel] * (self.temperatures - self.temperatures.mean())
+        return np.outer(warmed, warmed)
+
+    def drift(self, channel: int, weights: np.ndarray) -> float:
+        """By how much o·U is off by the course of the channel's zero and, of what is not at one
+        temperature, of its gain; weights: o (n,).
+        """
+        shift = 0.0 if self.course is None else abs(float(weights @ self.course[channel]))
+        if self.per_kelvin is None or not (by_gain := weights * self.per_kelvin[channel]).any():
+            return shift
+        at = np.average(self.temperatures, weights=np.abs(by_gain))
+        return shift + abs(float(by_gain @ (self.temperatures - at)))
 
     @cached_property
     def temperatures(self) -> np.ndarray:
@@ -172,7 +191,8 @@ class ClauseEvidence:
     def fast_covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means without walk and trend: noise and rounding."""
         walk = np.tensordot(self.noise.drift[WALK:, channel], self.noise.shapes[WALK:], axes=1)
-        return np.asarray(self.noise_covariances[channel] - walk + self._rounding[channel])
+        fast = self.noise_covariances[channel] - walk + self._by_temperature(channel)
+        return np.asarray(fast + self._rounding[channel])
 
     @cached_property
     def noise_covariances(self) -> np.ndarray:
