@@ -77,6 +77,7 @@ def _drift(
     if len(rests) <= faces.shape[1] or not np.isfinite(means).all():
         return None
     variance = evidence.noise.white[rests, channel] / evidence.noise.seconds[rests]
+    variance += evidence.rounding_covariance(channel).diagonal()[rests]
     if evidence.accumulates:  # the two readings of an angle that make a short rest's mean rate
         variance = evidence.fast_covariance(channel).diagonal()[rests]
     noise = 2.0 * np.sqrt(variance)

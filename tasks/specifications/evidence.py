@@ -19,6 +19,7 @@ SAMPLES = 20  # times within a rest at which north is looked up
 COURSE = 4000  # samples of a turn, at most twice as many: a hundred a turn and more
 TERMS = range(1, 41)  # of the series of rounding: the rest of it is a per cent of q²/12
 DITHERED = 0.8  # noise in steps beyond which nothing of the steps is left in a mean
+FLIPS = 0.25  # steps²: most that going to and fro between two codes scatters
 SILENT, ONE_CODE = 0.1, 1e-3  # steps: noise that hardly leaves a code, means that are one
 NOISES = np.linspace(0.0, 1.0, 201)  # in steps, and the variance that rows rounded from it have
 SEEN = NOISES**2 + 1.0 / 12.0 - sum(
@@ -250,17 +251,21 @@ class ClauseEvidence:
         return np.array([self.rounding_covariance(c) for c in range(len(CHANNELS))])
 
     def _noise_over(self, q: float, channel: int) -> np.ndarray:
-        """Noise (n,) of a channel's rows in steps, of the rests pooled: one code shows none of it.
+        """Noise (n,) of a channel's rows in steps, of what is held pooled.
 
-        What varies in a turn by an angle is the turn itself. What rounding leaves of a deviation s
-        is s² + q²/12 less what it does to a mean.
+        One code shows none of it, and a mean between two codes shows their flips, however little
+        noise makes them. What varies in a turn by an angle is the turn itself. What rounding leaves
+        of a deviation s is s² + q²/12 less what it does to a mean.
         """
         if not q > 0.0:
             return np.full(len(self.segments), np.inf)
         square = (np.array([each.deviation[channel] for each in self.segments]) / q) ** 2
         rests = self.of_kind("static")
-        pooled = float(np.mean(square[rests])) if rests else 0.0
-        seen = np.where(np.isfinite(square), np.maximum(square, pooled), np.inf)
+        held = square[[*rests, *self.of_kind("rate")]]
+        usual = held[held <= FLIPS] if (held <= FLIPS).any() else square[rests]
+        pooled = float(np.mean(usual)) if len(usual) else 0.0
+        seen = np.where(square > pooled + FLIPS, square, pooled)
+        seen[~np.isfinite(square)] = np.inf
         seen[[*rests, *self.of_kind("rotation")]] = pooled
         return np.where(seen < SEEN[-1], np.interp(seen, SEEN, NOISES), np.sqrt(seen))
 
