@@ -9,13 +9,10 @@ from schemas.text import Remark
 from tasks.run_validity.remark import run_remark
 from tasks.segments.conditions import Conditions
 from tasks.segments.summarise import CHANNELS, SegmentMean
+from tasks.specifications.course import following
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.linear import solve
 
 COOLER, WARMER = 10.0, 40.0  # K from the air: a unit heats itself, and nothing cools it
-FOLLOWS = 1e-4  # that gain and zero of a channel follow the temperature as much by chance
-FEWEST_BEYOND = 3  # points beyond the four unknowns
-RIPPLE = 5e-4  # of a rate within a turn, Table 1 of JJF 2003-2022
 LARGEST_CHANGE = 15.0  # K while it is measured: what warming up leaves
 SUPPLY_STEADY = 0.05  # of the usual voltage, in either direction
 SUPPLY_V = (1.0, 60.0)  # V: nothing else supplies an inertial unit
@@ -138,53 +135,13 @@ def unit_temperature_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
 
 
 def _followed(evidence: ClauseEvidence) -> Iterator[Remark]:
-    """Channels whose readings follow the recorded temperature of the unit, and by how much in 1 K.
-
-    Each is fitted with its own input, a zero, and both times the temperature: the rate about a
-    gyro's own axis, gravity along an accelerometer's.
-    """
-    from scipy.special import chdtrc  # late: a tenth of a start
-
-    at = evidence.temperatures
-    if not len(at) or not np.isfinite(at).all() or np.ptp(at) == 0.0:
-        return
+    """Channels whose readings follow the recorded temperature of the unit, by how much in 1 K."""
     for c, name in enumerate(CHANNELS):
-        used, given, reference = _inputs(evidence, c)
-        if len(used) < 4 + FEWEST_BEYOND or not np.isfinite(evidence.means[used, c]).all():
-            continue
-        warm = at[used] - at[used].mean()
-        design = np.column_stack([given, np.ones(len(used)), given * warm, warm])
-        spread = evidence.fast_covariance(c)[np.ix_(used, used)] + np.diag(reference)
-        if not np.diag(spread).all():
-            continue
-        root = np.linalg.cholesky(spread + 1e-9 * np.diag(np.diag(spread)))
-        solution = solve(np.linalg.solve(root, design))
-        if not solution.estimable.all():
-            continue
-        values = solution.operator @ np.linalg.solve(root, evidence.means[used, c])
-        chi2 = float(
-            values[2:]
-            @ np.linalg.solve(solution.operator[2:] @ solution.operator[2:].T, values[2:])
-        )
-        if chdtrc(2, chi2) < FOLLOWS:
+        _, _, values = following(evidence, c)
+        if values is not None:
             yield run_remark(
-                "follows_temperature", run="valid", channel=name, change=f"{np.ptp(at):.2g}",
+                "follows_temperature", run="valid", channel=name,
+                change=f"{np.ptp(evidence.temperatures):.2g}",
                 gain=f"{1e6 * values[2] / values[0]:+.0f}", zero=f"{values[3]:+.2g}",
                 unit="rad/s" if c < len(AXES) else "m/s2",
             )  # fmt: skip
-
-
-def _inputs(evidence: ClauseEvidence, channel: int) -> tuple[list[int], np.ndarray, np.ndarray]:
-    """Segments with a known input of a channel, the inputs, and variances by what gives them."""
-    axis = AXES[channel % len(AXES)]
-    if channel >= len(AXES):
-        used = [i for i in evidence.of_kind("static") if (evidence.up[i] or "")[1:] == axis]
-        return (
-            used,
-            np.array([1.0 if (evidence.up[i] or "")[0] == "+" else -1.0 for i in used]),
-            (np.zeros(len(used))),
-        )
-    used = list(evidence.points[axis])
-    rates = evidence.rate[used]
-    turned = np.abs(rates) * [evidence.segments[i].seconds for i in used]
-    return used, rates, (RIPPLE * rates / np.maximum(turned, 1.0)) ** 2 / 3.0

@@ -8,9 +8,10 @@ from schemas.calibration import Item
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.motion.table import EARTH_RATE
-from tasks.motion.whole import attitude_stream, unit_vector
+from tasks.motion.whole import unit_vector
 from tasks.run_validity.remark import run_remark
 from tasks.segments.summarise import CHANNELS
+from tasks.specifications.course import comparable
 from tasks.specifications.evidence import ClauseEvidence
 
 # Standard deviation of the rows of a rest: noise of no unit that is worth a calibration.
@@ -28,7 +29,7 @@ def scatter_remarks(evidence: ClauseEvidence, items: Mapping[str, Item]) -> Iter
     """Channels whose rests disagree with one another by more than U covers, or a steady unit."""
     yield from _beyond_uncertainty(evidence, items)
     for channel, largest in enumerate(LARGEST_DRIFT):
-        rests = _comparable(evidence, _rests(evidence, None), channel)
+        rests = comparable(evidence, _rests(evidence, None), channel)
         alike = channel < len(AXES) and "ahrs_zero_offset" in items  # no model of g-sensitivity
         faces = np.ones((len(rests), 1)) if alike else _faces(evidence, rests)
         drift = _drift(evidence, rests, faces, channel, largest)
@@ -46,7 +47,7 @@ def _beyond_uncertainty(evidence: ClauseEvidence, items: Mapping[str, Item]) -> 
         for number, axis in enumerate(AXES if name in items else ()):
             item, U = items[name], items[name].U.get(axis)
             rests = _rests(evidence, axis if name == "ahrs_zero_offset" else None)
-            rests = _comparable(evidence, rests, first + number)
+            rests = comparable(evidence, rests, first + number)
             per_si = PER_SI[item.unit]
             faces = _faces(evidence, rests)
             drift = U and _drift(evidence, rests, faces, first + number, BEYOND * U / per_si)
@@ -64,18 +65,6 @@ def _rests(evidence: ClauseEvidence, axis: Axis | None) -> list[int]:
     return [i for i in rests if axis is None or evidence.labels[i].axis == axis]
 
 
-def _comparable(evidence: ClauseEvidence, rests: list[int], channel: int) -> list[int]:
-    """The rests that repeat one another in a channel.
-
-    Where no encoder says how the unit lay, a level accelerometer reads how it was laid by hand: a
-    tilt of half a degree is 0.09 m/s² there, and 0.0004 m/s² on the axis that is vertical.
-    """
-    if channel < len(AXES) or attitude_stream(evidence.recording) is not None:
-        return rests
-    axis = AXES[channel - len(AXES)]
-    return [i for i in rests if (evidence.up[i] or "")[1:] == axis]
-
-
 def _drift(
     evidence: ClauseEvidence, rests: list[int], faces: np.ndarray, channel: int, allowed: float
 ) -> tuple[str, float] | None:
@@ -88,6 +77,7 @@ def _drift(
     if len(rests) <= faces.shape[1] or not np.isfinite(means).all():
         return None
     variance = evidence.noise.white[rests, channel] / evidence.noise.seconds[rests]
+    variance += evidence.rounding_covariance(channel).diagonal()[rests]
     if evidence.accumulates:  # the two readings of an angle that make a short rest's mean rate
         variance = evidence.fast_covariance(channel).diagonal()[rests]
     noise = 2.0 * np.sqrt(variance)

@@ -9,61 +9,104 @@ from numpy.polynomial import legendre
 
 from schemas.recording import AXES
 from schemas.text import Remark
+from tasks.motion.whole import Motion, attitude_stream
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.error_sources import EquipmentErrors
 from tasks.specifications.estimate import DEG
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.linear import solve
+from tasks.specifications.horizontal_earth import level_covariance
+from tasks.specifications.linear import last_shown
 from tasks.words import message, remark
 
 Evidence = TypeVar("Evidence", bound=ClauseEvidence)
+FOLLOWS = 1e-4  # that gain and zero of a channel follow the temperature as much by chance
+RIPPLE = 5e-4  # of a rate within a turn, Table 1 of JJF 2003-2022
 COURSE, COURSE_LEVEL = 3, 1e-3  # degree of a zero's course in time, and how often noise makes one
-TINY = 1e-9  # of a variance: keeps a covariance invertible
 
 
 def with_course(
     evidence: Evidence,
-    up: np.ndarray,
+    motion: Motion,
     errors: EquipmentErrors,
     channels: int = len(CHANNELS),
 ) -> Evidence:
     """The evidence with the course of each zero over the run, where its rests show one.
 
     Judged against white noise, flicker, rounding and the equipment, before anything is enlarged by
-    what the points scatter. up: (n, 3) verticals; beside them north and east where they are known.
+    what the points scatter. motion: mean of each segment; where north is not known, the level part
+    of Earth's rotation is no course.
     channels: how many of the first, those that are calibrated.
     """
-    from scipy.special import chdtrc  # late: a tenth of a start
-
     t = np.array([0.5 * (s.t_start + s.t_end) for s in evidence.segments])
-    rests = [i for i in evidence.of_kind("static") if np.isfinite(up[i]).all()]
+    held = [i for i in evidence.of_kind("static") if np.isfinite(motion.up[i]).all()]
     course = np.zeros((len(CHANNELS), len(t)))
-    if not rests:
+    if not held:
         return evidence
     first = min(s.t_start for s in evidence.segments)
     last = max(s.t_end for s in evidence.segments)
-    shapes = legendre.legvander(2.0 * (t - first) / (last - first) - 1.0, COURSE)[:, 1:]
-    north = evidence.north[rests]
-    level = [north, np.cross(north, up[rests])] if np.isfinite(north).all() else []
+    per_kelvin = np.zeros_like(course)
     for c in range(channels):
-        faces = [np.ones(len(rests)), *up[rests].T]
-        faces += [each[:, c] for each in level if c < len(AXES)]
-        design = np.column_stack([*faces, shapes[rests]])
-        means, block = evidence.means[rests, c], np.ix_(rests, rests)
-        covariance = (evidence.fast_covariance(c) + errors.covariance(c))[block]
-        if len(rests) <= design.shape[1] or not np.isfinite(means).all() or not covariance.any():
-            continue
-        sizes, ways = np.linalg.eigh(covariance)
-        white = ways / np.sqrt(np.maximum(sizes, TINY * sizes[-1]))
-        solution = solve(white.T @ design)
-        if not solution.estimable[-COURSE:].all():
-            continue
-        follows = solution.operator[-COURSE:]
-        found = follows @ (white.T @ means)
-        chi2 = float(found @ np.linalg.solve(follows @ follows.T, found))
-        if chdtrc(COURSE, chi2) < COURSE_LEVEL:
-            course[c] = shapes @ found
+        used, given, values = following(evidence, c)
+        if values is not None:
+            per_kelvin[c, used] = values[2] * given
+    if per_kelvin.any():
+        evidence = replace(evidence, per_kelvin=per_kelvin)
+    shapes = legendre.legvander(2.0 * (t - first) / (last - first) - 1.0, COURSE)[:, 1:]
+    pointed = bool(np.isfinite(evidence.north[held]).all())
+    for c in range(channels):
+        rests = comparable(evidence, held, c)
+        up, north = motion.up[rests], evidence.north[rests]
+        level = [north, np.cross(north, up)] if pointed and c < len(AXES) else []
+        columns = [np.ones(len(rests)), *up.T, *(each[:, c] for each in level)]
+        known = evidence.fast_covariance(c) + errors.covariance(c)
+        if c < len(AXES) and not level:
+            known = known + level_covariance(evidence, motion, c)
+        found, chance = last_shown(
+            np.column_stack([*columns, shapes[rests]]), evidence.means[rests, c],
+            known[np.ix_(rests, rests)], COURSE,
+        )  # fmt: skip
+        if chance < COURSE_LEVEL:
+            course[c] = shapes @ found[-COURSE:]
     return replace(evidence, course=course) if course.any() else evidence
+
+
+def following(
+    evidence: ClauseEvidence, channel: int
+) -> tuple[list[int], np.ndarray, np.ndarray | None]:
+    """Segments with a known input of a channel, the inputs (m,), and its gain, its zero, and the
+    change of both per K (4,), where its readings follow the recorded temperature of the unit.
+
+    The input: the rate about a gyro's own axis, gravity along an accelerometer's.
+    """
+    at, axis = evidence.temperatures, AXES[channel % len(AXES)]
+    if channel < len(AXES):
+        used = list(evidence.points[axis])
+        given = evidence.rate[used]
+        turned = np.abs(given) * [evidence.segments[i].seconds for i in used]
+        reference = (RIPPLE * given / np.maximum(turned, 1.0)) ** 2 / 3.0
+    else:
+        used = [i for i in evidence.of_kind("static") if (evidence.up[i] or "")[1:] == axis]
+        given = np.array([1.0 if (evidence.up[i] or "")[0] == "+" else -1.0 for i in used])
+        reference = np.zeros(len(used))
+    if not used or not np.isfinite(at).all() or np.ptp(at) == 0.0:
+        return used, given, None
+    warm = at[used] - at[used].mean()
+    design = np.column_stack([given, np.ones(len(used)), given * warm, warm])
+    spread = evidence.fast_covariance(channel)[np.ix_(used, used)] + np.diag(reference)
+    values, chance = last_shown(design, evidence.means[used, channel], spread, 2)
+    return used, given, values if chance < FOLLOWS else None
+
+
+def comparable(evidence: ClauseEvidence, rests: list[int], channel: int) -> list[int]:
+    """The rests that repeat one another in a channel.
+
+    Where no encoder says how the unit lay, a level accelerometer reads how it was laid by hand: a
+    tilt of half a degree is 0.09 m/s² there, and 0.0004 m/s² on the axis that is vertical.
+    """
+    if channel < len(AXES) or attitude_stream(evidence.recording) is not None:
+        return rests
+    axis = AXES[channel - len(AXES)]
+    return [i for i in rests if (evidence.up[i] or "")[1:] == axis]
 
 
 def course_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:

@@ -188,9 +188,8 @@ def linear_estimate(
         return UNDETERMINED
     noise = float(o @ evidence.noise_covariances[channel][block] @ o)
     rounding, draws = evidence.rounding(channel, weights)
-    drifts: tuple[Contribution, ...] = ()
-    if evidence.course is not None and evidence.course[channel].any():
-        drifts = (drift_in_run(abs(float(weights @ evidence.course[channel]))),)
+    drift = evidence.drift(channel, weights)
+    drifts = (drift_in_run(drift),) if drift else ()
     operator = np.zeros((len(CHANNELS), len(weights)))
     operator[channel] = weights
     if excess.factor > 1.0:

@@ -19,6 +19,7 @@ SAMPLES = 20  # times within a rest at which north is looked up
 COURSE = 4000  # samples of a turn, at most twice as many: a hundred a turn and more
 TERMS = range(1, 41)  # of the series of rounding: the rest of it is a per cent of q²/12
 DITHERED = 0.8  # noise in steps beyond which nothing of the steps is left in a mean
+FLIPS = 0.25  # steps²: most that going to and fro between two codes scatters
 SILENT, ONE_CODE = 0.1, 1e-3  # steps: noise that hardly leaves a code, means that are one
 NOISES = np.linspace(0.0, 1.0, 201)  # in steps, and the variance that rows rounded from it have
 SEEN = NOISES**2 + 1.0 / 12.0 - sum(
@@ -38,7 +39,8 @@ class ClauseEvidence:
     neither latitude nor rests are known.
     channel_names: (6,) columns as they were recorded. may_stand_still: whether their resolution
     hides their noise at rest. course: (6, n) the course of each channel's zero about its mean over
-    the run, where the rests show one beside noise and equipment.
+    the run, where the rests show one beside noise and equipment. per_kelvin: (6, n) what 1 K does
+    to each mean through the channel's gain, where it follows the recorded temperature.
     """
 
     recording: Recording
@@ -52,6 +54,7 @@ class ClauseEvidence:
     channel_names: tuple[str, ...] = CHANNELS
     may_stand_still: bool = False
     course: np.ndarray | None = None
+    per_kelvin: np.ndarray | None = None
 
     @property
     def gravity(self) -> float | None:
@@ -152,10 +155,27 @@ class ClauseEvidence:
 
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
-        total = np.asarray(self.noise_covariances[channel] + self._rounding[channel])
-        if self.course is None:
-            return total
-        return np.asarray(total + np.outer(self.course[channel], self.course[channel]))
+        total = self.noise_covariances[channel] + self._by_temperature(channel)
+        if self.course is not None:
+            total = total + np.outer(self.course[channel], self.course[channel])
+        return np.asarray(total + self._rounding[channel])
+
+    def _by_temperature(self, channel: int) -> np.ndarray:
+        """(n, n): the gain of a channel that follows the temperature, about its mean in the run."""
+        if self.per_kelvin is None:
+            return np.zeros(2 * (len(self.segments),))
+        warmed = self.per_kelvin[channel] * (self.temperatures - self.temperatures.mean())
+        return np.outer(warmed, warmed)
+
+    def drift(self, channel: int, weights: np.ndarray) -> float:
+        """By how much o·U is off by the course of the channel's zero and, of what is not at one
+        temperature, of its gain; weights: o (n,).
+        """
+        shift = 0.0 if self.course is None else abs(float(weights @ self.course[channel]))
+        if self.per_kelvin is None or not (by_gain := weights * self.per_kelvin[channel]).any():
+            return shift
+        at = np.average(self.temperatures, weights=np.abs(by_gain))
+        return shift + abs(float(by_gain @ (self.temperatures - at)))
 
     @cached_property
     def temperatures(self) -> np.ndarray:
@@ -172,7 +192,8 @@ class ClauseEvidence:
     def fast_covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means without walk and trend: noise and rounding."""
         walk = np.tensordot(self.noise.drift[WALK:, channel], self.noise.shapes[WALK:], axes=1)
-        return np.asarray(self.noise_covariances[channel] - walk + self._rounding[channel])
+        fast = self.noise_covariances[channel] - walk + self._by_temperature(channel)
+        return np.asarray(fast + self._rounding[channel])
 
     @cached_property
     def noise_covariances(self) -> np.ndarray:
@@ -230,17 +251,21 @@ class ClauseEvidence:
         return np.array([self.rounding_covariance(c) for c in range(len(CHANNELS))])
 
     def _noise_over(self, q: float, channel: int) -> np.ndarray:
-        """Noise (n,) of a channel's rows in steps, of the rests pooled: one code shows none of it.
+        """Noise (n,) of a channel's rows in steps, of what is held pooled.
 
-        What varies in a turn by an angle is the turn itself. What rounding leaves of a deviation s
-        is s² + q²/12 less what it does to a mean.
+        One code shows none of it, and a mean between two codes shows their flips, however little
+        noise makes them. What varies in a turn by an angle is the turn itself. What rounding leaves
+        of a deviation s is s² + q²/12 less what it does to a mean.
         """
         if not q > 0.0:
             return np.full(len(self.segments), np.inf)
         square = (np.array([each.deviation[channel] for each in self.segments]) / q) ** 2
         rests = self.of_kind("static")
-        pooled = float(np.mean(square[rests])) if rests else 0.0
-        seen = np.where(np.isfinite(square), np.maximum(square, pooled), np.inf)
+        held = square[[*rests, *self.of_kind("rate")]]
+        usual = held[held <= FLIPS] if (held <= FLIPS).any() else square[rests]
+        pooled = float(np.mean(usual)) if len(usual) else 0.0
+        seen = np.where(square > pooled + FLIPS, square, pooled)
+        seen[~np.isfinite(square)] = np.inf
         seen[[*rests, *self.of_kind("rotation")]] = pooled
         return np.where(seen < SEEN[-1], np.interp(seen, SEEN, NOISES), np.sqrt(seen))
 

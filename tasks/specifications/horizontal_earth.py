@@ -14,6 +14,7 @@ import numpy as np
 
 from schemas.recording import AXES, Segment
 from tasks.motion.table import EARTH_RATE
+from tasks.motion.whole import Motion
 from tasks.segments.attitude import VERTICAL, attitude_vector
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.error_sources import ErrorSource
@@ -66,6 +67,25 @@ def _of_rests(evidence: ClauseEvidence) -> np.ndarray:
         effects[k, i, across] = math.cos(turn), -way * math.sin(turn)
         effects[k + 1, i, across] = way * math.sin(turn), math.cos(turn)
     return effects
+
+
+def level_covariance(evidence: ClauseEvidence, motion: Motion, gyro: int) -> np.ndarray:
+    """Covariance (n, n), (rad/s)², of one gyro's rests by a horizontal rate of unknown direction.
+
+    motion: mean of each segment. A gyro that lies level reads ωe·cos φ·cos(ψ + heading) with ψ
+    unknown: half the square of the amplitude, times the cosine of the turn between two headings of
+    one face. The mean of two headings 180° apart is free of it, and its scatter is not the unit's.
+    Without a latitude the whole of ωe is taken; without a heading a rest shares nothing with
+    another.
+    """
+    still = np.array([label.kind == "static" for label in evidence.labels], bool)
+    blind = still & ~np.isfinite(motion.north).all(axis=1)
+    level = blind * np.sqrt(np.clip(1.0 - np.nan_to_num(motion.up[:, gyro]) ** 2, 0.0, 1.0))
+    heading = np.radians(np.array([label.turn_deg for label in evidence.labels], float))
+    same = [[a == b for b in evidence.up] for a in evidence.up]
+    shared = np.nan_to_num(np.cos(heading[:, None] - heading)) * np.reshape(same, 2 * still.shape)
+    np.fill_diagonal(shared, 1.0)
+    return np.asarray(_quantity(evidence.latitude_deg).u ** 2 * np.outer(level, level) * shared)
 
 
 def _pointed(attitude: np.ndarray | None) -> bool:

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 RANK_TOLERANCE = 1e-9
+TINY = 1e-9  # of a variance: keeps a covariance invertible
 EXCESS_LEVEL = 0.01  # scatter that noise alone would give in one case of a hundred
 BLOCKING_EXCESS = 10.0  # beyond it no larger uncertainty makes up for what is wrong
 
@@ -46,6 +47,30 @@ def _solved(numbers: bytes, shape: tuple[int, int]) -> Solution:
     operator = np.linalg.pinv(design / scale, rcond=RANK_TOLERANCE) / scale[:, None]
     resolution = np.diag(operator @ design)
     return Solution(operator=operator, estimable=np.abs(resolution - 1.0) < 1e-6)
+
+
+def last_shown(
+    design: np.ndarray, readings: np.ndarray, covariance: np.ndarray, count: int
+) -> tuple[np.ndarray, float]:
+    """θ (p,) by generalised least squares, and how often noise alone makes the last ones so large.
+
+    1 where points or noise do not tell.
+    """
+    from scipy.special import chdtrc  # late: a tenth of a start
+
+    untold = np.full(design.shape[1], np.nan), 1.0
+    if len(readings) <= design.shape[1] or not np.isfinite(readings).all():
+        return untold
+    sizes, ways = np.linalg.eigh(covariance)
+    if not sizes[-1] > 0.0:
+        return untold
+    white = (ways / np.sqrt(np.maximum(sizes, TINY * sizes[-1]))).T
+    solution = solve(white @ design)
+    found, last = solution.of(white @ readings), solution.operator[-count:]
+    if not solution.estimable[-count:].all():
+        return untold
+    chi2 = found[-count:] @ np.linalg.solve(last @ last.T, found[-count:])
+    return found, float(chdtrc(count, chi2))
 
 
 @dataclass(frozen=True)

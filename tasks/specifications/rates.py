@@ -55,6 +55,7 @@ def fit_line(
 
 
 def weights_about(
+    evidence: ClauseEvidence,
     axis: Axis,
     rate: np.ndarray,
     runs: Mapping[Axis, Sequence[int]],
@@ -67,20 +68,26 @@ def weights_about(
     Turned about a it reads K·a: a row of K follows from all directions. None: the unit stood too
     crooked for those.
     """
-    rows = []
-    for laid in readings:
-        turned = rate[list(runs[laid])]
-        size = np.copysign(np.linalg.norm(turned, axis=1), turned[:, AXES.index(laid)])
-        known = np.isfinite(size) & (size != 0.0)
-        along = (
-            (turned[known] / size[known, None]).mean(axis=0)
-            if known.any()
-            else np.eye(3)[AXES.index(laid)]
-        )
-        rows.append(along)
-    design = np.array(rows)
-    solution = solve(np.where(np.abs(design) < SQUARE, 0.0, design))
-    place = AXES.index(axis)
+    if axis not in readings:
+        return None
+    design = np.array([direction(evidence, laid, rate, runs[laid]) for laid in readings])
+    solution, place = solve(np.where(np.abs(design) < SQUARE, 0.0, design)), AXES.index(axis)
     if not solution.estimable[place]:
         return None
     return np.asarray(solution.operator[place].round(12) @ np.array([*readings.values()]))
+
+
+def direction(
+    evidence: ClauseEvidence, laid: Axis, rate: np.ndarray, turns: Sequence[int]
+) -> np.ndarray:
+    """Mean direction (3,) in the unit's axes of turns about the table's, per rate about it.
+
+    Where nobody knows it, that of the axis that was laid along it.
+    """
+    turned, held = rate[list(turns)], np.abs(evidence.rate[list(turns)])
+    size = np.where(np.isfinite(held), held, np.linalg.norm(turned, axis=1))
+    signed = np.copysign(size, turned[:, AXES.index(laid)])
+    known = np.isfinite(turned).all(axis=1) & (signed != 0.0)
+    if not known.any():
+        return np.eye(3)[AXES.index(laid)]
+    return np.asarray((turned[known] / signed[known, None]).mean(axis=0))

@@ -216,7 +216,7 @@ def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution
 
 
 def drift_in_run(half_width: float) -> Contribution:
-    """What the course of a zero over the run does to a value, in the value's unit.
+    """What the course of zero and gain over the run does to a value, in the value's unit.
 
     half_width: by how much a fitted course would shift it; it is not corrected.
     """

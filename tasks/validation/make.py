@@ -47,6 +47,7 @@ def make_record(
         methods_made[method] = MethodValidation(
             fingerprint=fingerprint(method), sources=names, text=text_digest(names), items=items
         )
+    scenarios = study_scenarios(methods, max(1, units // FEWER), seed, report)
     return ValidationRecord.model_validate(
         {
             "made_on": date.today(),
@@ -54,6 +55,6 @@ def make_record(
             "seed": seed,
             "seconds": round(time.monotonic() - began, 1),
             "methods": methods_made,
-            "scenarios": study_scenarios(methods, max(1, units // FEWER), seed, report),
+            "scenarios": scenarios,
         }
     )

@@ -3,6 +3,7 @@
 What makes it (`tasks.validation.make`) is not imported here: a certificate starts at once.
 """
 
+from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,8 +34,8 @@ SHIPPED = "record.json"
 G_SENSITIVITY = "gyro_g_sensitivity"
 # What a result says of itself (code of a remark, setting, symbol of a line), as a condition.
 CONDITIONS = {
-    "table_by_labels": "labels", "coarse_step": "coarse steps", "one_heading": "one heading",
-    "number_of_rates": "few rates", "follows_temperature": "warming", "drift_in_run": "drift",
+    "table_by_labels": "labels", "coarse_step": "coarse-steps", "one_heading": "one-heading",
+    "number_of_rates": "few-rates", "follows_temperature": "warming", "drift_in_run": "drift",
     "mount": "mount", "τ": "polled", "α6": "base",
 }  # fmt: skip
 WITHOUT_EARTH = "gyro_g_sensitivity_without_earth_rotation"
@@ -176,9 +177,14 @@ def _walked(record: ValidationRecord, calibration: Calibration) -> Message:
     """In which scenarios a result's conditions lie; that they lie in none."""
     within = scenarios_of(record, calibration)
     if within:
-        return message("validation-within", scenarios=", ".join(within))
-    own = ", ".join(sorted(conditions_of(calibration)))
-    return message("validation-within.none", conditions=own)
+        return message("validation-within", scenarios=_named(within))
+    return message("validation-within.none", conditions=_named(sorted(conditions_of(calibration))))
+
+
+def _named(scenarios: Iterable[str]) -> Sayable:
+    """Scenarios, or conditions, by what people call them."""
+    each = [message("validation-scenario", name=name) for name in scenarios]
+    return clauses(each, "validation-within.list")
 
 
 def validation_html(record: ValidationRecord) -> str:
@@ -198,6 +204,12 @@ def validation_html(record: ValidationRecord) -> str:
         long=sum(len(coverage.too_long) for _, coverage in covered),
         asked=[f"{100 * share:.0f}" for share in TARGET_SHARE],
         evidence=EVIDENCE,
+        walked=[
+            (name, method, item, coverage, scenario.invalid)
+            for name, scenario in record.scenarios.items()
+            for method, items in scenario.items.items()
+            for item, coverage in items.items()
+        ],
         picture=inline(_picture(covered)) if covered else "",
     )
 

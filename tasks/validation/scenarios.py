@@ -215,15 +215,15 @@ def coarsely(recording: Recording, truth: Truth, random: np.random.Generator) ->
 
 MIMU: tuple[Method, ...] = ("jjf2003", "joint")
 SCENARIOS: dict[str, Scenario] = {
-    "in order": Scenario(frozenset(), (*MIMU, "jjf1536"), ()),
+    "in-order": Scenario(frozenset(), (*MIMU, "jjf1536"), ()),
     "mount": Scenario(frozenset({"mount"}), MIMU, (mounted_askew,)),
     "labels": Scenario(frozenset({"labels"}), MIMU, (by_labels,)),
-    "labels, mount": Scenario(frozenset({"labels", "mount"}), MIMU, (mounted_askew, by_labels)),
+    "labels-mount": Scenario(frozenset({"labels", "mount"}), MIMU, (mounted_askew, by_labels)),
     "polled": Scenario(frozenset({"polled"}), MIMU, (by_polls,)),
-    "one heading": Scenario(frozenset({"one heading"}), MIMU, (at_one_heading,)),
-    "two rates": Scenario(frozenset({"few rates"}), MIMU, (at_two_rates,)),
-    "1/f": Scenario(frozenset(), MIMU, (with_slow_noise,)),
+    "one-heading": Scenario(frozenset({"one-heading"}), MIMU, (at_one_heading,)),
+    "few-rates": Scenario(frozenset({"few-rates"}), MIMU, (at_two_rates,)),
+    "flicker": Scenario(frozenset(), MIMU, (with_slow_noise,)),
     "warming": Scenario(frozenset({"warming"}), MIMU, (warming,)),
     "drift": Scenario(frozenset({"drift"}), MIMU, (drifting,)),
-    "coarse steps": Scenario(frozenset({"coarse steps"}), MIMU, (coarsely,)),
+    "coarse-steps": Scenario(frozenset({"coarse-steps"}), MIMU, (coarsely,)),
 }

@@ -1,6 +1,8 @@
 """Ordering an evaluation of uncertainty, a laboratory's own limits, and the budgets in print."""
 
+import json
 import re
+import shutil
 from pathlib import Path
 
 import pypdfium2
@@ -73,6 +75,18 @@ def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_interva
     )
     assert "propagation of distributions by Monte Carlo" in printed
     assert "drawn from their distributions" in printed
+
+
+def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared, tmp_path) -> None:
+    """Of a table whose encoders were not recorded, and that holds its rates as it states."""
+    recorded = shared / "real/vn200_imu0_rate_table"
+    manifest = json.loads((recorded / "manifest.json").read_text())
+    bound = {"half_width": 1e-5, "distribution": "rectangular"}
+    stated = json.dumps(manifest | {"table_time": {"commanded_rate": bound}})
+    (tmp_path / "manifest.json").write_text(stated)
+    shutil.copyfile(recorded / "imu.parquet", tmp_path / "imu.parquet")
+    printed = mimucal("calibrate", tmp_path).out
+    assert re.search(r"Gyro scale factor[^\n]*│ +4\.53 │", printed)
 
 
 @pytest.mark.rehearsal

@@ -1,6 +1,7 @@
 """JJF 1536-2015, clause 7: scale factor, zero offset and misalignment of an AHRS."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -85,8 +86,8 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     rate = mean_rates(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
     if not (evidence.hidden_by_steps or evidence.loses_steady_rates):
-        held = np.where(np.isfinite(evidence.north), motion.up, np.nan)
-        evidence = with_course(evidence, held, ideal, len(AXES))
+        pointed = replace(motion, up=np.where(np.isfinite(evidence.north), motion.up, np.nan))
+        evidence = with_course(evidence, pointed, ideal, len(AXES))
     scale, zero = scale_items(evidence, rate, ideal), zero_items(evidence, ideal)
     offset = zero.items[ZERO_OFFSET].elements
     misalignment = misalignment_items(evidence, rate, scale.items[SCALE_FACTOR].elements, offset)

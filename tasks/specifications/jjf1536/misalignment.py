@@ -74,7 +74,7 @@ def misalignment_items(
         ratios = list[Estimate]()
         for i in range(3):
             readings = {a: _ratio(evidence, i, every[a], zero[AXES[i]]) for a in runs}
-            weights = weights_about(axis, rate, runs, readings)
+            weights = weights_about(evidence, axis, rate, runs, readings)
             if weights is None:
                 return message("jjf1536-crooked", axis=axis)
             ratio = linear_estimate(evidence, i, weights)

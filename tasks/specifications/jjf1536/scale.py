@@ -44,9 +44,8 @@ def scale_items(evidence: AhrsEvidence, rate: np.ndarray, errors: EquipmentError
         line = _line(evidence, channel, axis, errors)
         lines = {a: line if a == axis else _line(evidence, channel, a, errors) for a in turned}
         slopes = {a: each.estimates[0].operator for a, each in lines.items()}
-        weights = weights_about(
-            axis, rate, evidence.points, {a: o[channel] for a, o in slopes.items() if o is not None}
-        )
+        read = {a: o[channel] for a, o in slopes.items() if o is not None}
+        weights = weights_about(evidence, axis, rate, evidence.points, read)
         if weights is None:
             return message("jjf1536-crooked", axis=axis)
         estimate = linear_estimate(evidence, channel, weights, line.excess)

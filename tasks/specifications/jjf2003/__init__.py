@@ -67,7 +67,7 @@ def estimate(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """The eight items of Table 2 and the fit offset of eq. (4)."""
     motion, _ = mean_motion(evidence)
     ideal = errors_of_unit(evidence, motion, equipment)
-    evidence = with_course(evidence, motion.up, ideal)
+    evidence = with_course(evidence, motion, ideal)
     turning = turning_items(evidence, motion.rate, ideal)
     result = merged(
         (

@@ -20,6 +20,7 @@ from tasks.specifications.estimate import (
 )
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
+from tasks.specifications.rates import direction
 from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 2003-2022, 7.2.5.2 eq. (12), (13)"
@@ -49,24 +50,22 @@ def rate_sensitivity_item(evidence: ClauseEvidence, rate: np.ndarray) -> ClauseR
     """
     runs_about = {axis: _runs(evidence, axis) for axis in AXES}
     known = {a: runs for a, runs in runs_about.items() if not isinstance(runs, Message)}
-    part = {axis: _part_of_square(evidence, rate, runs) for axis, runs in known.items()}
+    part = {}  # (3,) of ω² that is about each axis of the unit
+    for axis, runs in known.items():
+        turning = [i for run in runs for i in run.turning]
+        part[axis] = (direction(evidence, axis, rate, turning) ** 2).round(SQUARE)
 
     def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
         runs = runs_about[axis]
         if isinstance(runs, Message):
             return message("specifications-of-axis", axis=axis, reason=runs)
         elements = {}
-        for i in range(3):
-            if i == j:
-                continue
+        for i in (k for k in range(3) if k != j):
             about = [k for k, other in enumerate(AXES) if other in known and k != i]
             squares = np.array([part[AXES[k]][about] for k in about])
             shares = np.linalg.inv(squares)[about.index(j)]
-            elements[AXES[i] + axis] = _difference(
-                evidence,
-                i,
-                [(share, known[AXES[k]]) for share, k in zip(shares, about, strict=True)],
-            )
+            each = [(share, known[AXES[k]]) for share, k in zip(shares, about, strict=True)]
+            elements[AXES[i] + axis] = _difference(evidence, i, each)
         return elements, _one_sided(evidence, axis, runs)
 
     item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
@@ -95,15 +94,6 @@ def _runs(evidence: ClauseEvidence, axis: Axis) -> tuple[TurningWithRests, ...] 
     return tuple(runs)
 
 
-def _part_of_square(
-    evidence: ClauseEvidence, rate: np.ndarray, runs: tuple[TurningWithRests, ...]
-) -> np.ndarray:
-    """Which part (3,) of ω² is about each axis of the unit."""
-    turning = [i for run in runs for i in run.turning]
-    parts = (rate[turning] / evidence.rate[turning, None]) ** 2
-    return np.asarray(parts.mean(axis=0).round(SQUARE))
-
-
 def _difference(
     evidence: ClauseEvidence,
     channel: int,
@@ -117,13 +107,13 @@ def _difference(
     rest, turning = np.zeros((2, len(evidence.segments)))
     for run, part in ((run, part / len(runs)) for part, runs in weighted if part for run in runs):
         directions = _directions(evidence, run)
-        square = np.mean([np.mean(evidence.rate[direction] ** 2) for direction in directions])
+        square = np.mean([np.mean(evidence.rate[each] ** 2) for each in directions])
         share = part / square
         for i in run.rests:
             rest[i] += share / len(run.rests)
-        for direction in directions:
-            for i in direction:
-                turning[i] += share / len(directions) / len(direction)
+        for each in directions:
+            for i in each:
+                turning[i] += share / len(directions) / len(each)
     column = ACCEL_COLUMNS.start + channel
     difference = linear_estimate(evidence, column, rest - turning)
     repeated = u_of_means(evidence, column, np.array([rest, turning]))
@@ -132,7 +122,7 @@ def _difference(
 
 def _directions(evidence: ClauseEvidence, run: TurningWithRests) -> list[list[int]]:
     both = [[i for i in run.turning if evidence.rate[i] * sign > 0] for sign in (1, -1)]
-    return [direction for direction in both if direction]
+    return [each for each in both if each]
 
 
 def _one_sided(

@@ -1,5 +1,7 @@
 """7.2.1 and 7.2.3: gyro scale factor, cross coupling and fit offset from steady turning."""
 
+from itertools import product
+
 import numpy as np
 
 from schemas.recording import AXES, Axis
@@ -21,12 +23,11 @@ from tasks.specifications.estimate import (
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS
 from tasks.specifications.linear import BirgeRatio
-from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
+from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks, weights_about
 from tasks.words import Sayable, clauses, message, remark
 
 CLAUSE_SCALE = "JJF 2003-2022, 7.2.1.2 eq. (3)-(5)"
 CLAUSE_CROSS = "JJF 2003-2022, 7.2.3.2"
-SQUARE = 9  # decimals of a direction cosine: what rounding leaves of a right angle
 Responses = list[tuple[Estimate, BirgeRatio]]  # of the three gyros, per rate about one axis
 
 
@@ -53,7 +54,14 @@ def turning_items(
         elif column := _fit_turns(evidence, axis):
             lines_about[axis] = [(estimate, NO_EXCESS) for estimate in column]
             by_angle = True
-    scale = _along_axes(evidence, rate, lines_about)
+    scale = undetermined(MATRIX_ELEMENTS)
+    runs = {axis: evidence.points[axis] or evidence.turns[axis] for axis in lines_about}
+    for i, axis in product(range(3), lines_about):
+        read = {a: o[i] for a, by in lines_about.items() if (o := by[i][0].operator) is not None}
+        weights = weights_about(evidence, axis, rate, runs, read)
+        if weights is not None:
+            excess = lines_about[axis][i][1]
+            scale[AXES[i] + axis] = linear_estimate(evidence, i, weights, excess)
     for axis in AXES:
         if not scale[axis * 2].determined:
             points = [i for i in evidence.points[axis] if evidence.segments[i].has_gyro]
@@ -64,41 +72,6 @@ def turning_items(
         readings += ("jjf2003.turned_angle",)
         remarks.append(remark("turned_angle", message("jjf2003-turned-angle"), blocks_pass=True))
     return _as_result(scale, offset, readings, missing, remarks)
-
-
-def _along_axes(
-    evidence: ClauseEvidence, rate: np.ndarray, about: dict[Axis, Responses]
-) -> Estimates:
-    """K (3, 3) from what each gyro reads per rate about the axes that turned.
-
-    Those are the table's, as they lie in the unit: K = C·W⁻¹ with a column of W for each, which is
-    the unit matrix where a turn is about one axis of the unit alone.
-    """
-    turned = [AXES.index(axis) for axis in about]
-    ways = np.array([_direction(evidence, rate, axis) for axis in about]).reshape(-1, 3)
-    shares = np.linalg.inv(ways[:, turned]).round(SQUARE)
-    scale = undetermined(MATRIX_ELEMENTS)
-    for i in range(3):
-        lines = [responses[i] for responses in about.values()]
-        operators = [estimate.operator for estimate, _ in lines]
-        weights = np.array([each[i] for each in operators if each is not None])
-        if len(weights) < len(lines):
-            continue
-        for place, k in enumerate(turned):
-            share = shares[place]
-            _, excess = lines[int(np.abs(share).argmax())]
-            scale[AXES[i] + AXES[k]] = linear_estimate(evidence, i, share @ weights, excess)
-    return scale
-
-
-def _direction(evidence: ClauseEvidence, rate: np.ndarray, axis: Axis) -> np.ndarray:
-    """Mean direction (3,) of the turns about an axis of the table, along the unit's axes."""
-    turns = [*(evidence.points[axis] or evidence.turns[axis])]
-    speed = np.linalg.norm(rate[turns], axis=1)
-    if evidence.points[axis]:  # also where what turns with them is left out of the rate
-        speed = np.abs(evidence.rate[turns])
-    signed = speed * np.sign(rate[turns, AXES.index(axis)])
-    return np.asarray((rate[turns] / signed[:, None]).mean(axis=0))
 
 
 def _fit_turns(evidence: ClauseEvidence, axis: Axis) -> list[Estimate]:

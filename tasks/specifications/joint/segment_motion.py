@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import AXES
-from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import Motion
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf2003.positions import is_paired
@@ -104,23 +103,3 @@ def _beside_pairs(evidence: ClauseEvidence, unknown: np.ndarray) -> np.ndarray:
     faces = [up for up, indices in evidence.positions.items() if is_paired(evidence, indices)]
     of_such = np.array([up in faces for up in evidence.up], bool)
     return unknown & of_such & ~_paired(evidence)
-
-
-def level_covariance(evidence: ClauseEvidence, motion: SegmentMotion, gyro: int) -> np.ndarray:
-    """Covariance (n, n), (rad/s)², of one gyro's rests by a horizontal rate of unknown direction.
-
-    A gyro that lies level reads ωe·cos φ·cos(ψ + heading) with ψ unknown: half the square of the
-    amplitude, times the cosine of the turn between two headings of one face. The mean of two
-    headings 180° apart is free of it, and its scatter is not the unit's. Without a latitude the
-    whole of ωe is taken; without a heading a rest shares nothing with another.
-    """
-    n, latitude = len(evidence.segments), evidence.latitude_deg
-    amplitude = EARTH_RATE * (1.0 if latitude is None else np.cos(np.radians(latitude)))
-    still = np.array([label.kind == "static" for label in evidence.labels], bool)
-    blind = still & motion.gyro & ~np.isfinite(motion.mean.north).all(axis=1)
-    level = blind * np.sqrt(np.clip(1.0 - np.nan_to_num(motion.mean.up[:, gyro]) ** 2, 0.0, 1.0))
-    heading = np.radians(np.array([label.turn_deg for label in evidence.labels], float))
-    same = np.array([[a == b for b in evidence.up] for a in evidence.up]).reshape(n, n)
-    shared = np.nan_to_num(np.cos(heading[:, None] - heading)) * same
-    np.fill_diagonal(shared, 1.0)
-    return np.asarray(0.5 * amplitude**2 * np.outer(level, level) * shared)

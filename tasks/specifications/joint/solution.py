@@ -28,8 +28,9 @@ from tasks.specifications.estimate import (
     linear_estimate,
 )
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.specifications.horizontal_earth import level_covariance
 from tasks.specifications.joint.mean_operator import Operator, operator_of
-from tasks.specifications.joint.segment_motion import SegmentMotion, level_covariance
+from tasks.specifications.joint.segment_motion import SegmentMotion
 from tasks.specifications.linear import BirgeRatio
 from tasks.uncertainty.budget import Contribution, observed
 from tasks.uncertainty.equipment import Equipment
@@ -81,14 +82,14 @@ def solve_jointly(
 
     values = ideal = nominal_values(terms)
     errors = equipment_errors(evidence, motion.mean, terms_at, ideal, equipment)
-    evidence = with_course(evidence, motion.mean.up, errors)
+    evidence = with_course(evidence, motion.mean, errors)
     by_errors = np.array([errors.covariance(c) for c in range(CHANNEL_COUNT)])
     if not evidence.has_table:  # weights that trust labels on what the means share cancel too much
         by_errors *= np.eye(errors.segments)
     noise = [np.nan_to_num(evidence.covariance(c)) for c in range(CHANNEL_COUNT)]
     covariances = np.array(noise) + by_errors
     for c in range(len(AXES)):
-        covariances[c] += level_covariance(evidence, motion, c)
+        covariances[c] += level_covariance(evidence, motion.mean, c)
     earth = np.zeros_like(evidence.means)
     for _ in range(MAX_ROUNDS):
         design = linearise(terms, motion.mean, values)

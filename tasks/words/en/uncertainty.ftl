@@ -1,7 +1,7 @@
 ## Input quantities of the uncertainty budgets.
 
 uncertainty-repeatability = repeatability
-uncertainty-drift-in-run = drift of the zero in the run
+uncertainty-drift-in-run = drift of zero and gain in the run
 uncertainty-resolution = resolution
 uncertainty-turned-angle = { $limit } (of a turn)
 uncertainty-creep = { $limit } (while held)

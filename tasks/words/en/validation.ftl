@@ -8,6 +8,21 @@ validation-record = Estimation validated by the record of { $record }: { $valid 
     .in-part = Estimation validated by the record of { $record }: { $valid } of { $items } items in full; not validated: { $elements }
 validation-within = the conditions of this run lie in the validated scenarios: { $scenarios }
     .none = the conditions of this run ({ $conditions }) lie in none of the validated scenarios
+    .list = { $first }, { $rest }
+validation-scenario = { $name ->
+    [mount] a stated mount off square
+    [labels] labels alone with the limit of their rates stated
+    [labels-mount] labels alone and a stated mount off square
+    [polled] polled encoders whose times are stated
+    [one-heading] positions at one heading
+    [few-rates] few rates
+    [flicker] noise that is still 1/f over hours
+    [warming] a unit that warms
+    [drift] zeros that drift
+    [coarse-steps] steps that hide the noise
+    [base] tilt of the unit's base
+   *[in-order] everything in order
+}
 validation-elements = { $item } { $elements }
 validation-coverage = { $share } of { $values } values of { $units } simulated units lie within the stated 95 % interval; the target is { $low } % to { $high } % over at least { $fewest } units
     .too-long = { $share } of { $values } values of { $units } simulated units lie within the stated 95 % interval; the target is { $low } % to { $high } % over at least { $fewest } units; the uncertainty is larger than necessary

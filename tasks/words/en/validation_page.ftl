@@ -23,3 +23,7 @@ validation-page-in-words = In words
 validation-page-by-element = Element by element
 validation-page-outside = { $short } elements are not validated: their intervals contain the truth in less than { $least } % of cases, and no unit passes on them. The intervals of { $long } elements contain it in more than { $most } %: longer than they need be, and valid.
 validation-page-column-element = element
+validation-page-by-scenario = Where laboratories are
+validation-page-walked = Fewer units each, under conditions other than those of a run in which everything is in order; the last column counts sound runs, by any method, that were called invalid.
+validation-page-column-scenario = scenario
+validation-page-column-invalid = falsely invalid

@@ -1,7 +1,7 @@
 ## Input quantities of the uncertainty budgets.
 
 uncertainty-repeatability = 测量重复性
-uncertainty-drift-in-run = 测量期间零位的漂移
+uncertainty-drift-in-run = 测量期间零位和增益的漂移
 uncertainty-resolution = 分辨力
 uncertainty-turned-angle = { $limit }（整周转角）
 uncertainty-creep = { $limit }（保持期间）

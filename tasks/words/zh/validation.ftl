@@ -8,6 +8,21 @@ validation-record = 估计方法经验证，记录 { $record }：{ $items } 项�
     .in-part = 估计方法经验证，记录 { $record }：{ $items } 项中 { $valid } 项全部通过；未经验证：{ $elements }
 validation-within = 本次测量的条件属于经验证的情形：{ $scenarios }
     .none = 本次测量的条件（{ $conditions }）不属于任何经验证的情形
+    .list = { $first }、{ $rest }
+validation-scenario = { $name ->
+    [mount] 给出的安装姿态不正交
+    [labels] 仅有标注并给出其速率的误差极限
+    [labels-mount] 仅有标注且给出的安装姿态不正交
+    [polled] 编码器为轮询读取并给出其时刻的误差
+    [one-heading] 各位置仅一个航向
+    [few-rates] 速率点少
+    [flicker] 数小时内仍为 1/f 的噪声
+    [warming] 被校对象升温
+    [drift] 零位漂移
+    [coarse-steps] 分辨力掩盖噪声
+    [base] 基面的倾斜
+   *[in-order] 一切正常
+}
 validation-elements = { $item } { $elements }
 validation-coverage = { $units } 台仿真单元的 { $values } 个值中，{ $share } 位于所给 95 % 区间内；目标为至少 { $fewest } 台、{ $low } %～{ $high } %
     .too-long = { $units } 台仿真单元的 { $values } 个值中，{ $share } 位于所给 95 % 区间内；目标为至少 { $fewest } 台、{ $low } %～{ $high } %；不确定度偏大

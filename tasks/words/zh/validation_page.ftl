@@ -23,3 +23,7 @@ validation-page-in-words = 文字说明
 validation-page-by-element = 各元素
 validation-page-outside = { $short } 个元素未经验证：其区间包含真值的比例低于 { $least } %，不得据以判为合格。{ $long } 个元素的区间包含真值的比例高于 { $most } %：区间偏宽，但有效。
 validation-page-column-element = 元素
+validation-page-by-scenario = 实验室的各种情形
+validation-page-walked = 各情形的仿真单元较少，其条件不同于一切正常的测量；最后一列为各方法合计被误判为无效的测量数。
+validation-page-column-scenario = 情形
+validation-page-column-invalid = 误判无效

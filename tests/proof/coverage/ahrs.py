@@ -1,22 +1,25 @@
 """Coverage of JJF 1536 where laboratories are: an AHRS on a one-axis table, re-fixed by hand.
 
 `python -m tests.proof.coverage.ahrs UNITS [SCENARIO …]` makes recordings with numpy alone, has
-`mimucal` calibrate them, and prints for each item how many true values lie within U, and the rms of
-error/(U/2). Nothing of the program makes the recordings, and none of its noise models.
+the program calibrate them, and prints for each item how many true values lie within U, and the rms
+of error/(U/2). Nothing of the program makes the recordings, and none of its noise models.
 """
 
 import json
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import mimucal
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+
+from schemas.calibration import Calibration
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.register import specification_for
+from tasks.stages import import_checks
 
 DEG, G = np.pi / 180.0, 9.8015
 EARTH, LATITUDE = 7.292115e-5, 39.9 * DEG  # rad/s
@@ -251,7 +254,8 @@ def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
     K = np.eye(3) * (1.0 + random.uniform(-5e-3, 5e-3, 3)) + DEG * random.uniform(-0.5, 0.5, (3, 3))
     bias = random.uniform(-0.01, 0.01, 3) * DEG
     gravity = random.normal(0.0, 3e-4, (3, 3)) * DEG
-    noise = np.exp(random.uniform(*np.log(s.noise), 3)) * DEG
+    least, most = np.log(s.noise).tolist()
+    noise = np.exp(random.uniform(least, most, 3)) * DEG
     flicker = random.uniform(*s.flicker, 3) * DEG
     scale_k, bias_k = random.normal(0.0, 1e-4, 3), random.normal(0.0, 1e-3, 3) * DEG
     run = journey(s, random, off)
@@ -314,7 +318,14 @@ def estimated(read: np.ndarray, dt: float, seconds: float) -> np.ndarray:
     return out
 
 
-def judge(name: str, units: int, first: int, calibrate: Callable = mimucal.calibrate) -> dict:
+def calibrated(folder: Path) -> Calibration:
+    """By the program, of the recording as it lies on disk."""
+    recording = import_checks.read(folder)
+    specification = specification_for(recording.manifest.standard)
+    return calibrate(specification, recording, run="proof", code_version="-")
+
+
+def judge(name: str, units: int, first: int) -> dict:
     """Errors over U/2 by item and axis, the codes of remarks, and how many runs are invalid."""
     ratios: dict[str, list[float]] = {}
     codes: Counter[str] = Counter()
@@ -322,14 +333,13 @@ def judge(name: str, units: int, first: int, calibrate: Callable = mimucal.calib
     for seed in range(first, first + units):
         with tempfile.TemporaryDirectory() as folder:
             truth = make(name, seed, Path(folder))
-            made = calibrate(mimucal.open(folder))
+            made = calibrated(Path(folder))
         codes.update({each.code for each in made.remarks})
         invalid += any(each.run == "invalid" for each in made.remarks)
         for key, elements in truth.items():
             for element, true in elements.items():
                 value, U = made.items[key].value[element], made.items[key].U[element]
-                known = value is not None and U is not None
-                error = (value - true) / (0.5 * U) if known else np.nan
+                error = np.nan if value is None or U is None else (value - true) / (0.5 * U)
                 ratios.setdefault(f"{key}.{element}", []).append(error)
     return {"ratios": ratios, "codes": codes, "invalid": invalid}
 

@@ -123,7 +123,7 @@ def record(  # noqa: C901, PLR0915 - one recording, from the journey to the stre
     # Journey in the table's own angles.
     segments: list[dict[str, Any]] = []
     errors_at: dict[tuple[int, float], float] = {}
-    off, last = np.zeros(3), [None, None, None]
+    off, last = np.zeros(3), np.full(3, np.nan)
     pieces: list[np.ndarray] = []
     state, error = np.zeros(3), np.zeros(3)
 

@@ -5,7 +5,7 @@ from collections import Counter, defaultdict
 
 import numpy as np
 
-from schemas.calibration import Calibration
+from schemas.calibration import Calibration, Method
 from schemas.recording import Manifest, Recording, Stream
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
@@ -13,7 +13,7 @@ from tasks.specifications.register import SPECIFICATIONS
 from tests.proof.coverage.bench import SCENARIOS, record
 
 GOOD, R = 0.93, (0.8, 1.15)
-METHODS = ("jjf2003", "joint")
+METHODS: tuple[Method, ...] = ("jjf2003", "joint")
 
 
 def recording_of(manifest: dict, streams: dict) -> Recording:
@@ -41,7 +41,7 @@ def errors(made: Calibration, truth: dict) -> dict[str, list[tuple[float, float 
             if e in truth["mean over the run"].get(key, {}):
                 extra = truth["mean over the run"][key][e]
                 found[f"{key} (run)"].append((value - true[e] - extra, item.U[e]))
-        if not joint and item.value_without_earth_rotation:
+        if not joint and item.value_without_earth_rotation and item.U_without_earth_rotation:
             for e, value in item.value_without_earth_rotation.items():
                 if value is not None:
                     error = value - truth["gyro_g_sensitivity_without"][e]
@@ -52,7 +52,9 @@ def errors(made: Calibration, truth: dict) -> dict[str, list[tuple[float, float 
 def main(units: int, seed: int, names: list[str]) -> None:
     for name in names or list(SCENARIOS):
         for method in METHODS:
-            pooled, codes, invalid = defaultdict(list), Counter(), 0
+            pooled: dict[str, list[tuple[float, float | None]]] = defaultdict(list)
+            codes: Counter[str] = Counter()
+            invalid = 0
             for i in range(units):
                 manifest, streams, truth = record(SCENARIOS[name], seed + i)
                 recording = recording_of(manifest, streams)
