@@ -57,8 +57,7 @@ def codes_put_right(recording: Recording) -> Recording:
     for triad in TRIADS:  # what is no whole number may wrap, too
         stepless = recorded.intersection(triad) - lattices.keys()
         sizes = {c: jumps(imu.columns[CHANNELS[c]]) for c in sorted(stepless)}
-        comes_back = max(map(len, sizes.values()), default=0) > 1  # as what wraps does
-        period = period_of(np.concatenate([*sizes.values(), []])) if comes_back else None
+        period = period_of(list(sizes.values()))
         if period is not None:
             for c in (c for c, sized in sizes.items() if len(sized)):
                 numbers[c], steps[c], faults[c] = imu.columns[CHANNELS[c]], 1.0, [wrap(period)]

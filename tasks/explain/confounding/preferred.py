@@ -26,9 +26,9 @@ def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> Fit
         if not parts:
             continue  # replaced with another part
         found = Combination(tuple(part.candidate for part in parts), fit)
-        rivals = list(_asking_for_less(one, found, candidates))
-        without = fit.without(parts) if rivals else fit
-        for rival in rivals:
+        for rival in _asking_for_less(one, found, candidates):
+            beside = [each for each in fit.selection.selected if each.candidate.name == rival.name]
+            without = fit.without([*parts, *beside])
             instead = Combination.of((rival,), (rival.name,), without)
             dearer = price_of(fit) * (instead.fitted_count - found.fitted_count)
             worse = (instead.chi2 - found.chi2) / dispersion_of(fit)

@@ -11,6 +11,7 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.readings.label_shift import LabelShift
+from tasks.readings.standing import steps
 from tasks.segments.find import up_of
 from tasks.segments.rates import OFF_LINE, OFF_LINE_LEAST, TurningPoint, turning_points
 from tasks.segments.summarise import (
@@ -18,7 +19,6 @@ from tasks.segments.summarise import (
     CHANNELS,
     MIN_ROWS,
     far_rows,
-    steps,
     summarise_all,
     widened,
 )

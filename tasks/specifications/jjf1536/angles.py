@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from schemas.recording import ANGLE, GYRO, Recording, Segment, Stream
+from tasks.readings.standing import steps
 from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import one_pass
 from tasks.segments.summarise import (
@@ -18,7 +19,6 @@ from tasks.segments.summarise import (
     SegmentMean,
     far_rows,
     longest_run,
-    steps,
     summarise,
 )
 

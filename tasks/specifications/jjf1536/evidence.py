@@ -5,7 +5,6 @@ from functools import cached_property
 
 import numpy as np
 
-from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
 from tasks.readings.stamps import with_instants
 from tasks.segments.attitude import attitude_vector, with_attitude
@@ -20,7 +19,6 @@ from tasks.segments.summarise import (
     rows_of,
     summarise_all,
 )
-from tasks.segments.units import wrong_rate_unit
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
@@ -134,10 +132,7 @@ def is_zero_position(segment: SegmentMean) -> bool:
 
 
 def gather_ahrs(recording: Recording) -> AhrsEvidence:
-    """Summarise a recording's segments, labelled or found, and sort them.
-
-    Raises Unusable where rates and labels are in different units.
-    """
+    """Summarise a recording's segments, labelled or found, and sort them."""
     recording = with_instants(recording)
     by_angle = has_angles(recording)
     rates = as_rates(recording) if by_angle else recording
@@ -155,9 +150,6 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
     else:
         segments = summarise_all(rates, measured, origin)
     segments = tuple(s for s in segments if s.has_gyro)
-    wrong = wrong_rate_unit(segments, *(("angle columns", "rad") if by_angle else ()))
-    if wrong is not None:
-        raise Unusable(f"{recording.manifest.recording_id}: {wrong}")
     points = turning_points(rates, segments)
     rate = np.array([points[i].rate if i in points else np.nan for i in range(len(segments))])
     attitudes = tuple(
