@@ -11,7 +11,6 @@ from tasks.calibrate.evaluation import EXAMPLE, Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.readings.codes import codes_put_right
 from tasks.readings.implausible import KINDS
-from tasks.readings.offset_binary import offset_taken_off
 from tasks.run_validity.judge import run_remarks
 from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
@@ -40,7 +39,7 @@ def calibrate(
     joined wrongly are put right first. Raises Unusable for a recording that the specification's
     method cannot use.
     """
-    recording = codes_put_right(offset_taken_off(recording))
+    recording = codes_put_right(recording)
     specification.check(recording)
     evidence = specification.gather(recording)
     made = without_information(

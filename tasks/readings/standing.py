@@ -35,6 +35,17 @@ def longest_repeat(values: np.ndarray) -> tuple[int, int]:
     return int(edges[longest]), int(lengths[longest])
 
 
+def longest_run(flags: np.ndarray) -> int:
+    """Length of the longest run of True in (n,) flags."""
+    return int(np.diff(runs(flags), axis=1).max(initial=0))
+
+
+def runs(flags: np.ndarray) -> np.ndarray:
+    """First row of each run of True in (n,) flags, and the row after its last; (runs, 2)."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
+    return edges.reshape(-1, 2)
+
+
 def standing(recording: Recording, segment: Segment) -> Iterator[tuple[int, int, int]]:
     """The channels that stand at one value for long in a segment, with the first row of the
     recording and the number of rows."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, TRIADS, Recording, Segment, Stream
 from tasks.readings.robust import TO_SIGMA, median
-from tasks.readings.standing import steps
+from tasks.readings.standing import longest_run, steps
 from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import Pass, extreme_steps, one_pass
 
@@ -142,17 +142,6 @@ def _samples(values: Sequence[np.ndarray]) -> np.ndarray:
         return np.array(values)
     rows = _evenly_placed(len(values[0]), SAMPLE_ROWS)
     return np.array([channel[rows] for channel in values])
-
-
-def longest_run(flags: np.ndarray) -> int:
-    """Length of the longest run of True in (n,) flags."""
-    return int(np.diff(runs(flags), axis=1).max(initial=0))
-
-
-def runs(flags: np.ndarray) -> np.ndarray:
-    """First row of each run of True in (n,) flags, and the row after its last; (runs, 2)."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-    return edges.reshape(-1, 2)
 
 
 def widened(corrupt: np.ndarray) -> np.ndarray:

@@ -16,11 +16,10 @@ from storage.formats.convert import Changes
 from storage.verify import StoreFault
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.codes import codes_put_right
-from tasks.readings.offset_binary import offset_taken_off
 from tasks.readings.plausibility import on_sight
 from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
-from tasks.segments.find import segments_of, up_of
+from tasks.segments.find import segments_of, shown_instead
 from tasks.words import argument, say
 
 MIXED_UP = ("deg/s", "57.2958rad/s", "g")  # of columns in rad/s and m/s²: nothing is estimated
@@ -102,11 +101,11 @@ def _rows_shared(imu: Stream, first: Segment, second: Segment) -> int:
 def _contradicted_positions(recording: Recording) -> tuple[str, ...]:
     """A sentence that names the labelled positions in which gravity shows another axis up."""
     rests = [s for s in recording.manifest.segments or () if s.kind == "static" and s.up]
-    shown = [up_of(read) for read in segment_means(recording, rests).accel]
+    means = segment_means(recording, rests).accel
     wrong = [
-        f"{rest.name} (labelled {rest.up} up; gravity shows {up or 'none'})"
-        for rest, up in zip(rests, shown, strict=True)
-        if up != rest.up
+        f"{rest.name} (labelled {rest.up} up; gravity shows {shown})"
+        for rest, read in zip(rests, means, strict=True)
+        if (shown := shown_instead(rest, read)) is not None
     ]
     if not wrong:
         return ()
@@ -139,7 +138,7 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
 
 
 def _on_sight(recording: Recording) -> OnSight:
-    right = as_mean_rates(codes_put_right(offset_taken_off(with_instants(recording))))
+    right = as_mean_rates(codes_put_right(with_instants(recording)))
     return right, (*right.put_right, *on_sight(right, segments_of(right)))
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from tasks.explain.confounding.combinations import Combination, chi2_of, dispersion_of, price_of
 from tasks.explain.confounding.linear_forms import marked
+from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.odds import as_likely_within
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
@@ -26,19 +27,30 @@ def with_preferred(fit: FittedSelection, candidates: Sequence[Candidate]) -> Fit
         if not parts:
             continue  # replaced with another part
         found = Combination(tuple(part.candidate for part in parts), fit)
+        left = None
         for rival in _asking_for_less(one, found, candidates):
+            left = left or _dispersion(one, fit)
             beside = [each for each in fit.selection.selected if each.candidate.name == rival.name]
             without = fit.without([*parts, *beside])
             instead = Combination.of((rival,), (rival.name,), without)
             dearer = price_of(fit) * (instead.fitted_count - found.fitted_count)
-            worse = (instead.chi2 - found.chi2) / dispersion_of(fit)
-            gain = (chi2_of(without.model, without) - instead.chi2) / dispersion_of(fit)
+            worse = (instead.chi2 - found.chi2) / left
+            gain = (chi2_of(without.model, without) - instead.chi2) / left
             if instead.plausible and worse + dearer < as_likely_within(gain):
                 tried = one.candidate.name, *one.rivals
                 others = tuple(name for name in tried if name != rival.name)
                 fit = marked(instead, (), others)
                 break
     return fit
+
+
+def _dispersion(one: Selected, fit: FittedSelection) -> float:
+    """Of what is left, in all readings or between the parts of the recording that tell of it."""
+    evidence, key = Evidence.of(fit), one.candidate.term.key
+    number = next(
+        n for n, group in enumerate(evidence.groups) if key in {term.key for term in group.terms}
+    )
+    return max(dispersion_of(fit), evidence.scatter.dispersion(number))
 
 
 def _asking_for_less(

@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from schemas.recording import ANGLE, GYRO, Recording, Segment, Stream
-from tasks.readings.standing import steps
+from tasks.readings.standing import longest_run, steps
 from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import one_pass
 from tasks.segments.summarise import (
@@ -18,7 +18,6 @@ from tasks.segments.summarise import (
     Origin,
     SegmentMean,
     far_rows,
-    longest_run,
     summarise,
 )
 

@@ -10,6 +10,8 @@ from schemas.discrepancy import Discrepancy, FoundParameter, HeldOut
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
 from tasks.model.effect import LOGGER
+from tasks.readings.implausible import found_on_sight
+from tasks.words import message
 
 
 def first_sentence(discrepancy: Discrepancy) -> str:
@@ -48,6 +50,20 @@ def test_a_recording_whose_names_were_all_refused_says_what_is_left() -> None:
     nothing = replace(explanation(), verdict="unexplained", left_over=np.full(6, 9.0))
     text = answer(nothing).statement.en
     assert text.startswith("0 % of the mismatch above noise is explained, 100 % is not; look first")
+
+
+@pytest.mark.parametrize(
+    ("run", "first"),
+    [
+        ("invalid", "As it was imported, this run is invalid: The encoders turn"),
+        ("remarks", "No physics"),
+    ],
+)
+def test_what_makes_a_run_invalid_on_sight_stands_before_no_mismatch(run: str, first: str) -> None:
+    sentence = message("plausibility-table-unit", ratio="57", option="--units table=deg")
+    seen = found_on_sight("table_unit", sentence, run=run)
+    answered = answer(explanation(verdict="no_mismatch", remarks=(seen,)))
+    assert answered.statement.en.startswith(first)
 
 
 def test_small_remainders_are_one_line() -> None:
