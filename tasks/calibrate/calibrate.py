@@ -21,7 +21,6 @@ from tasks.calibrate.information import information
 from tasks.motion.table import squared
 from tasks.readings.codes import codes_put_right
 from tasks.readings.implausible import KINDS
-from tasks.readings.offset_binary import offset_taken_off
 from tasks.run_validity.judge import run_remarks
 from tasks.run_validity.site import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
@@ -51,7 +50,7 @@ def calibrate(
     joined wrongly are put right first. Raises Unusable for a recording that the specification's
     method cannot use.
     """
-    recording = codes_put_right(offset_taken_off(recording))
+    recording = codes_put_right(recording)
     specification.check(recording)
     evaluation = evaluation or evaluation_for(recording)
     if evaluation.settings.get("axes") == "fixture":

@@ -11,7 +11,7 @@ from schemas.recording import Mount, Recording, Station
 from schemas.station import StationFile
 from tasks.motion.samples import sample_interval
 from tasks.motion.whole import TableAxes, whole_motion
-from tasks.segments.summarise import runs
+from tasks.readings.standing import runs
 
 RATE_DEG_S, ACCELERATION_DEG_S2 = 90.0, 120.0  # of a station file that states no limit
 SMOOTH_S = 0.1  # over which the encoders tell an acceleration

@@ -215,7 +215,7 @@ def _unsigned(numbers: np.ndarray) -> Fault | None:
 
 def _wrapped(numbers: np.ndarray) -> Fault | None:
     """A number that begins again where it is full."""
-    found = period_of(jumps(numbers))
+    found = period_of([jumps(numbers)])
     if found is None:
         return None
     usual = min(PERIODS, key=lambda one: abs(one - found))
@@ -240,10 +240,13 @@ def jumps(numbers: np.ndarray) -> np.ndarray:
     return size[size >= (1.0 - SAME) * (most - least)] if most > least else size[:0]
 
 
-def period_of(sizes: np.ndarray) -> float | None:
-    """What numbers begin again after, by their jumps (k,); None where no two are alike."""
-    if len(sizes) < 2:
+def period_of(of_channels: Sequence[np.ndarray]) -> float | None:
+    """What numbers begin again after, by the jumps (k,) of each channel; None where no two are
+    alike, or where no channel comes back as what wraps does.
+    """
+    if max(map(len, of_channels), default=0) < 2:
         return None
+    sizes = np.concatenate(of_channels)
     alike = sizes[np.abs(sizes - np.median(sizes)) <= SAME * np.median(sizes)]
     return float(alike.mean()) if len(alike) > 1 else None
 

@@ -13,6 +13,7 @@ from tasks.readings.code_faults import PERIODS, TRIADS, Fault, faults_of, jumps,
 from tasks.readings.judge import CERTAIN, ROUNDING, in_course, in_motion
 from tasks.readings.lattice import code_lattices
 from tasks.readings.line import Course, Line
+from tasks.readings.offset_binary import offset_taken_off
 from tasks.readings.resolved import resolved
 from tasks.readings.stuck_bits import put_back
 from tasks.words import Message, message, remark
@@ -40,12 +41,14 @@ class Repair:
 
 
 def codes_put_right(recording: Recording) -> Recording:
-    """The recording with wrong codes put right, and which they were (`Recording.wrong_codes`).
+    """The recording with offset binary and wrong codes put right, and which these were
+    (`Recording.wrong_codes`).
 
     What one channel's numbers and its motion make likely counts for the others, too: one loop of
     the firmware joins them all. A fault that is not certain is said in a remark, and nothing is
     changed. The same recording where none is wrong, and where they were put right before.
     """
+    recording = offset_taken_off(recording)
     if recording.wrong_codes or any(one.code == SUSPECTED for one in recording.put_right):
         return recording
     imu = recording.imu  # by columns: all side by side are a copy of the recording
@@ -57,8 +60,7 @@ def codes_put_right(recording: Recording) -> Recording:
     for triad in TRIADS:  # what is no whole number may wrap, too
         stepless = recorded.intersection(triad) - lattices.keys()
         sizes = {c: jumps(imu.columns[CHANNELS[c]]) for c in sorted(stepless)}
-        comes_back = max(map(len, sizes.values()), default=0) > 1  # as what wraps does
-        period = period_of(np.concatenate([*sizes.values(), []])) if comes_back else None
+        period = period_of(list(sizes.values()))
         if period is not None:
             for c in (c for c, sized in sizes.items() if len(sized)):
                 numbers[c], steps[c], faults[c] = imu.columns[CHANNELS[c]], 1.0, [wrap(period)]

@@ -4,9 +4,9 @@ from schemas.text import Remark, RunVerdict
 from tasks.words import Message, remark
 
 # What makes everything else that a recording shows doubtful, and comes first.
-KINDS = ("time_unit", "gravity_removed", "force_unit", "rate_unit", "table_unit", "axes", "mount",
-         "column_exchanged", "column_copied", "labels_shifted", "rate_setting", "force_setting",
-         "clock_set", "restarted", "no_data", "held_rows",
+KINDS = ("time_unit", "gravity_removed", "force_unit", "rate_unit", "table_unit", "label_unit",
+         "axes", "mount", "column_exchanged", "column_copied", "labels_shifted",
+         "rate_setting", "force_setting", "clock_set", "restarted", "no_data", "held_rows",
          "coarse_log")  # fmt: skip
 
 

@@ -38,6 +38,7 @@ from tasks.readings.wrong_time import ways, wrong_time
 from tasks.readings.wrong_units import (
     GAINS,
     wrong_forces,
+    wrong_labels,
     wrong_rates,
     wrong_rates_by_ways,
     wrong_table,
@@ -94,7 +95,11 @@ def _impossible(
     is_removed = removed is not None and removed.code == "gravity_removed"
     accel = None if is_removed else matrix_of_directions(direction[still], means.up[still])
     between_rests = partial(ways, recording, used, means)
-    if not _is_usual(gyro) and (wrong := wrong_table(recording, means, between_rests)) is not None:
+    usual = _is_usual(gyro)
+    wrong = wrong_labels(used, means) if usual or gyro is None else None
+    if wrong is None and not usual:
+        wrong = wrong_table(recording, means, between_rests)
+    if wrong is not None:
         return (wrong,)
     source = "labels" if recording.table is None else "table"
     rates = wrong_rates(recording, responses(gyro), sizes_by_rates(means), scales[0], source)

@@ -15,6 +15,7 @@ from tasks.readings.code_faults import TRIADS
 from tasks.readings.codes import CHANNELS
 from tasks.readings.line import Course
 from tasks.readings.robust import TO_SIGMA, deviation
+from tasks.readings.standing import runs
 from tasks.words import Message, message
 
 GYRO_LIMIT, ACCEL_LIMIT = 200.0, 5000.0  # rad/s, m/s²: units that read more are read so throughout
@@ -101,8 +102,9 @@ def corrupted(readings: np.ndarray) -> np.ndarray:
     step = np.where(np.isfinite(step), step, 0.0)
     odd = _odd(own, step)
     found = np.zeros(own.shape)
-    for run in runs(odd):
-        if run.stop - run.start <= LONGEST and held[run].sum() <= HELD:
+    for start, stop in runs(odd).tolist():
+        run = slice(start, stop)
+        if stop - start <= LONGEST and held[run].sum() <= HELD:
             found[run] = _off(own, odd, run, step)
     if np.mean(np.any(found[number], axis=1)) <= MAX_SHARE:
         size[rows] = found[number]
@@ -142,9 +144,3 @@ def _off(own: np.ndarray, odd: np.ndarray, run: slice, step: np.ndarray) -> np.n
     quick = np.maximum(np.abs(steps).max(axis=0), np.abs(right[0] - left[-1]))
     least = ZERO_FAR if (own[run] == 0.0).all() else FAR
     return np.where((off > least * scatter) & (off > QUICKER * quick), off, 0.0)
-
-
-def runs(flags: np.ndarray) -> list[slice]:
-    """The runs of True in flags (n,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-    return [slice(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

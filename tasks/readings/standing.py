@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, TRIADS, Recording, Segment
+from schemas.recording import ACCEL, GYRO, TRIADS, Recording, Segment, Stream
 from schemas.text import Remark
 from tasks.readings.implausible import found_on_sight
 from tasks.readings.robust import median
@@ -33,6 +33,17 @@ def longest_repeat(values: np.ndarray) -> tuple[int, int]:
     lengths = np.diff(edges)
     longest = int(lengths.argmax())
     return int(edges[longest]), int(lengths[longest])
+
+
+def longest_run(flags: np.ndarray) -> int:
+    """Length of the longest run of True in (n,) flags."""
+    return int(np.diff(runs(flags), axis=1).max(initial=0))
+
+
+def runs(flags: np.ndarray) -> np.ndarray:
+    """First row of each run of True in (n,) flags, and the row after its last; (runs, 2)."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
+    return edges.reshape(-1, 2)
 
 
 def standing(recording: Recording, segment: Segment) -> Iterator[tuple[int, int, int]]:
@@ -68,7 +79,7 @@ def coarse_where_it_moves(recording: Recording, segments: Sequence[Segment]) -> 
     ]
     if not parts:
         return np.zeros(len(CHANNELS), bool)
-    step = _steps(np.hstack(parts))
+    step = steps(imu)
     deviation = np.array([part.std(axis=1) for part in parts])
     moves = deviation > 1e-6 * step
     hidden = (deviation < step / np.sqrt(3.0)) & moves  # Sheppard: noise of less than half a step
@@ -83,8 +94,7 @@ def coarse_remarks(recording: Recording, segments: Sequence[Segment]) -> Iterato
     if not any(stood.values()):
         return
     coarse = coarse_where_it_moves(recording, segments)
-    some = recording.imu.at(slice(None, None, len(recording.imu) // STEP_ROWS + 1))
-    step = _steps(some.stack(CHANNELS).T)
+    step = steps(recording.imu)
     for k, triad in enumerate(TRIADS):
         own = {c for c in range(3 * k, 3 * k + 3) if coarse[c]}
         names = tuple(name for name, channels in stood.items() if channels & own)
@@ -148,11 +158,15 @@ def _again(values: np.ndarray, later: int) -> np.ndarray:
     return np.asarray((values[:, later:] == values[:, :-later]).mean(axis=1))
 
 
-def _steps(values: np.ndarray) -> np.ndarray:
-    """(c,) the smallest difference between two readings of channels (c, n); 0 where all are one."""
-    found = np.zeros(len(values))
-    for c, channel in enumerate(values[:, :: values.shape[1] // STEP_ROWS + 1]):
-        apart = np.diff(np.sort(channel[np.isfinite(channel)]))
-        least = 8 * np.finfo(float).eps * np.abs(channel[np.isfinite(channel)]).max(initial=0.0)
-        found[c] = apart[apart > least].min(initial=np.inf)
-    return np.where(np.isfinite(found), found, 0.0)
+def steps(imu: Stream) -> np.ndarray:
+    """(6,) the smallest difference between two readings of each channel, 0 where all are one."""
+    every = max(1, len(imu.t) // STEP_ROWS)
+    smallest = np.zeros(len(CHANNELS))
+    for channel, name in enumerate(CHANNELS):
+        if name in imu.columns:
+            sample = imu.columns[name][::every]
+            sample = np.sort(sample[np.isfinite(sample)])  # rows without the triad say nothing
+            apart = np.diff(sample)
+            resolution = 8 * np.finfo(float).eps * np.abs(sample).max(initial=0.0)
+            smallest[channel] = apart[apart > resolution].min(initial=np.inf)
+    return np.where(np.isfinite(smallest), smallest, 0.0)

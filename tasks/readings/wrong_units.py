@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, Recording
+from schemas.recording import ACCEL, AXES, GYRO, Recording, Segment
 from schemas.text import Remark
 from tasks.motion.whole import STANDARD_GRAVITY, gravity_of
 from tasks.readings.implausible import found_on_sight, ratio_text
@@ -112,6 +112,25 @@ def wrong_table(
     option = "--units table=deg"
     sentence = message("plausibility-table-unit", ratio=ratio_text(1.0 / ratio), option=option)
     return found_on_sight("table_unit", sentence) if is_right else None
+
+
+def wrong_labels(segments: Sequence[Segment], means: SegmentMeans) -> Remark | None:
+    """Labels of rates that gyros read as if they, or the gyros, were in the other of rad and °."""
+    stated = {
+        k: abs(means.gyro[k, AXES.index(s.axis)]) / (DEG * abs(s.rate_deg_s))
+        for k, s in enumerate(segments)
+        if s.kind == "rate" and s.axis and s.rate_deg_s and np.isfinite(means.gyro[k]).all()
+    }
+    for factor in (DEG, 1.0 / DEG):
+        off = [k for k, ratio in stated.items() if abs(ratio / factor - 1.0) < NEAR]
+        if len(off) > 0.5 * len(stated):
+            names, label = tuple(segments[k].name for k in off), segments[off[0]].rate_deg_s or 0.0
+            sentence = message(
+                "plausibility-label-unit", count=len(off), segment=names[0], label=f"{label:g}",
+                read=f"{abs(label) * stated[off[0]]:.4g}",
+            )  # fmt: skip
+            return found_on_sight("label_unit", sentence, names)
+    return None
 
 
 def wrong_rates(

@@ -11,7 +11,7 @@ from tasks.motion.table import mean_rate
 from tasks.motion.whole import attitude_stream
 from tasks.run_validity.remark import run_remark
 from tasks.segments.conditions import Conditions
-from tasks.segments.find import up_of
+from tasks.segments.find import shown_instead
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS, SegmentMean
 from tasks.specifications.evidence import ClauseEvidence
@@ -48,17 +48,14 @@ def _no_reference(evidence: ClauseEvidence) -> Iterator[Remark]:
 
 def _position(segment: SegmentMean) -> Iterator[Remark]:
     """A labelled position that gravity contradicts."""
-    label = segment.segment.up
-    if segment.segment.kind != "static" or label is None or not segment.has_accel:
-        return
     accel = segment.mean[ACCEL_COLUMNS]
-    shown = up_of(accel)
-    if shown == label:
+    name, label = segment.segment.name, segment.segment.up or ""
+    shown, axis = shown_instead(segment.segment, accel), label[1:]
+    if shown is None:
         return
-    name, axis = segment.segment.name, label[1]
     yield run_remark(
         "position_contradicted", name, run="invalid", segment=name, label=label, axis=axis,
-        reading=f"{accel[AXES.index(axis)]:+.3f}", shown=shown or "none",
+        reading=f"{accel[AXES.index(axis)]:+.3f}", shown=shown,
     )  # fmt: skip
 
 

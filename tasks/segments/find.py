@@ -4,7 +4,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Segment, Stream, Up
 from tasks.motion.table import mean_rate
-from tasks.segments.summarise import runs
+from tasks.readings.standing import runs
 
 WINDOW = 0.5  # s over which quiet is judged
 SHORTEST = 1.0  # s: a rest shorter than this is the turning point of a movement
@@ -126,3 +126,13 @@ def up_of(accel: np.ndarray, within: float = ALIGNED) -> Up | None:
         return None
     sign = "+" if accel[axis] > 0 else "-"
     return f"{sign}{AXES[axis]}"  # type: ignore[return-value]
+
+
+def shown_instead(label: Segment, accel: np.ndarray) -> str | None:
+    """The axis that gravity shows up in a rest labelled otherwise, `none` for no axis, by a (3,)
+    mean specific force; None where they agree, or one of them tells nothing.
+    """
+    if label.kind != "static" or label.up is None or not np.isfinite(accel).all():
+        return None
+    shown = up_of(accel)
+    return None if shown == label.up else shown or "none"

@@ -9,6 +9,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, TRIADS, Recording, Segment, Stream
 from tasks.readings.robust import TO_SIGMA, median
+from tasks.readings.standing import longest_run, steps
 from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import Pass, extreme_steps, one_pass
 
@@ -27,7 +28,6 @@ CENTRAL = (0.02, 0.98)
 CENTRAL_SIGMAS = 4.1  # of a normal distribution between them
 MOST_WIDENED = 0.5  # of the rows: more beside bursts are not left out for their sake
 NEAR_STEPS = 4.5  # steps of a coarse channel that its noise can reach
-STEP_ROWS = 8000  # rows that the step is looked for in
 MIN_ROWS = 4  # a segment with fewer has no mean to speak of
 FEW_LOST = 0.1  # of a segment in one stretch without a triad: else its mean is of another time
 LONGEST_BURST = 3  # rows: a corrupted frame or two; anything longer moved
@@ -95,20 +95,6 @@ def coarsely_quantised(segment: SegmentMean) -> np.ndarray:
     return segment.deviation < segment.step / np.sqrt(3.0)
 
 
-def steps(imu: Stream) -> np.ndarray:
-    """Smallest difference (6,) between two readings of each channel, 0 where all are one."""
-    every = max(1, len(imu.t) // STEP_ROWS)
-    smallest = np.zeros(len(CHANNELS))
-    for channel, name in enumerate(CHANNELS):
-        if name in imu.columns:
-            sample = imu.columns[name][::every]
-            sample = np.sort(sample[np.isfinite(sample)])  # rows without the triad say nothing
-            apart = np.diff(sample)
-            resolution = 8 * np.finfo(float).eps * np.abs(sample).max(initial=0.0)
-            smallest[channel] = apart[apart > resolution].min(initial=np.inf)
-    return np.where(np.isfinite(smallest), smallest, 0.0)
-
-
 def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
     """Which entries of a channel (n,) lie far from its bulk, (n,) bool; None where none does.
 
@@ -156,17 +142,6 @@ def _samples(values: Sequence[np.ndarray]) -> np.ndarray:
         return np.array(values)
     rows = _evenly_placed(len(values[0]), SAMPLE_ROWS)
     return np.array([channel[rows] for channel in values])
-
-
-def longest_run(flags: np.ndarray) -> int:
-    """Length of the longest run of True in (n,) flags."""
-    return int(np.diff(runs(flags), axis=1).max(initial=0))
-
-
-def runs(flags: np.ndarray) -> np.ndarray:
-    """First row of each run of True in (n,) flags, and the row after its last; (runs, 2)."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-    return edges.reshape(-1, 2)
 
 
 def widened(corrupt: np.ndarray) -> np.ndarray:

@@ -19,7 +19,6 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.model.catalogue import catalogue
 from tasks.motion.angle_rates import gives_angles
 from tasks.readings.codes import codes_put_right
-from tasks.readings.offset_binary import offset_taken_off
 from tasks.specifications.register import specification_for
 from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
 from tasks.stages.stage import stage
@@ -69,7 +68,7 @@ def calibration_of(
     )
     if how.terms is None:
         return calibrated(recording)
-    return _with_terms(codes_put_right(offset_taken_off(recording)), how.terms, calibrated)
+    return _with_terms(codes_put_right(recording), how.terms, calibrated)
 
 
 def how_made(calibration: Calibration) -> Estimation:

@@ -16,17 +16,15 @@ from storage.formats.convert import Changes
 from storage.verify import StoreFault
 from tasks.motion.angle_rates import as_mean_rates
 from tasks.readings.codes import codes_put_right
-from tasks.readings.offset_binary import offset_taken_off
 from tasks.readings.plausibility import on_sight
 from tasks.readings.segment_means import segment_means
 from tasks.readings.stamps import with_instants
-from tasks.segments.find import segments_of, up_of
-from tasks.segments.summarise import summarise_all
-from tasks.segments.units import wrong_rate_unit
+from tasks.segments.find import segments_of, shown_instead
 from tasks.words import argument, say
 
 MIXED_UP = ("deg/s", "57.2958rad/s", "g")  # of columns in rad/s and m/s²: nothing is estimated
 LISTED = 5  # positions named in one sentence
+OnSight = tuple[Recording, tuple[Remark, ...]]  # put right, with rates; all that is found of it
 
 
 def read(
@@ -45,19 +43,26 @@ def read(
     recording = recordings.read(
         path, manifest=manifest, salvage=salvage, by_log_time=by_log_time, changes=changes
     )
-    fault = (
-        _unreadable_moment(recording.manifest)
-        or _missing_triad(recording.manifest, recording.imu)
-        or _wrong_unit(recording)
-    )
-    if fault is not None:
-        raise Unusable(f"{path}: {fault}")
+    sight_of_usable(path, recording)
     return recording
 
 
-def doubts_of(recording: Recording) -> tuple[str, ...]:
+def sight_of_usable(path: Path, recording: Recording) -> OnSight | None:
+    """What was found of a recording on sight, None where it has no labels and nothing was looked
+    for; raises Unusable for one of no use.
+    """
+    fault = _unreadable_moment(recording.manifest)
+    fault = fault or _missing_triad(recording.manifest, recording.imu)
+    sight = None if fault or not recording.manifest.segments else _on_sight(recording)
+    fault = fault or (_wrong_unit(sight[1]) if sight else None)
+    if fault is not None:
+        raise Unusable(f"{path}: {fault}")
+    return sight
+
+
+def doubts_of(recording: Recording, sight: OnSight | None) -> tuple[str, ...]:
     """Sentences on what a recording cannot be."""
-    rates, found = _on_sight(recording)
+    rates, found = sight or _on_sight(recording)
     return (*map(say, found), *label_doubts(rates, found))
 
 
@@ -96,11 +101,11 @@ def _rows_shared(imu: Stream, first: Segment, second: Segment) -> int:
 def _contradicted_positions(recording: Recording) -> tuple[str, ...]:
     """A sentence that names the labelled positions in which gravity shows another axis up."""
     rests = [s for s in recording.manifest.segments or () if s.kind == "static" and s.up]
-    shown = [up_of(read) for read in segment_means(recording, rests).accel]
+    means = segment_means(recording, rests).accel
     wrong = [
-        f"{rest.name} (labelled {rest.up} up; gravity shows {up or 'none'})"
-        for rest, up in zip(rests, shown, strict=True)
-        if up != rest.up
+        f"{rest.name} (labelled {rest.up} up; gravity shows {shown})"
+        for rest, read in zip(rests, means, strict=True)
+        if (shown := shown_instead(rest, read)) is not None
     ]
     if not wrong:
         return ()
@@ -132,21 +137,17 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
     return None
 
 
-def _wrong_unit(recording: Recording) -> str | None:
-    """A sentence where rates or forces are in another of the two units that are mixed up most."""
-    labels = recording.manifest.segments or ()
-    right, found = _on_sight(recording) if labels else (recording, ())
-    mixed_up = next((say(one) for one in found if argument(one, "unit") in MIXED_UP), None)
-    if mixed_up is not None:
-        return mixed_up
-    rates = tuple(s for s in labels if s.kind == "rate")
-    return wrong_rate_unit(summarise_all(right, rates, "label"))
-
-
-def _on_sight(recording: Recording) -> tuple[Recording, tuple[Remark, ...]]:
-    """The recording put right, with rates, and all that is found of it on sight."""
-    right = as_mean_rates(codes_put_right(offset_taken_off(with_instants(recording))))
+def _on_sight(recording: Recording) -> OnSight:
+    right = as_mean_rates(codes_put_right(with_instants(recording)))
     return right, (*right.put_right, *on_sight(right, segments_of(right)))
+
+
+def _wrong_unit(found: Sequence[Remark]) -> str | None:
+    """A sentence where rates, forces or labels are in another of the units mixed up most."""
+    for one in found:
+        if one.code == "label_unit" or argument(one, "unit") in MIXED_UP:
+            return say(one)
+    return None
 
 
 def _missing_triad(manifest: Manifest, imu: Stream) -> str | None:

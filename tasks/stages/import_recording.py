@@ -7,6 +7,7 @@ from pathlib import Path
 from schemas.base import Unusable
 from storage.catalogue import run_index, runs
 from storage.catalogue.run_index import Run
+from storage.formats import recordings
 from storage.formats.convert import Changes
 from storage.home import Home
 from tasks.stages.stage import stage
@@ -48,14 +49,15 @@ def import_recording(
         return Imported(known, is_new=False)
     from tasks.stages import import_checks  # late: most commands name a run that is there
 
-    recording = import_checks.read(
+    recording = recordings.read(
         path, manifest=manifest, salvage=salvage, changes=changes, by_log_time=by_log_time
     )
+    sight = import_checks.sight_of_usable(path, recording)
     run, is_new = runs.add(recording, home, source=path if plain else None)
     if path.absolute().parent == home.acquired.absolute():  # it waited for this
         path.unlink(missing_ok=True)
     left_out = recording.extra.get("left_out", ())
-    return Imported(run, is_new, left_out, import_checks.doubts_of(recording))
+    return Imported(run, is_new, left_out, import_checks.doubts_of(recording, sight))
 
 
 def run_of(reference: str, home: Home) -> Run:

@@ -23,6 +23,7 @@ from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion
 from tasks.readings.lattice import Quantiser
+from tasks.readings.standing import runs
 from tasks.words import message
 
 ZERO = 1e-9  # of the largest reading: what counts as set to zero
@@ -223,9 +224,7 @@ def _rests(motion: Motion) -> list[np.ndarray]:
     rows = max(1, round(CALM / max(motion.interval, 1e-9)))
     mean = uniform_filter1d(np.nan_to_num(motion.rate), rows, axis=0)  # an encoder's noise is rough
     still = (np.linalg.norm(mean, axis=1) < STILL) & np.isfinite(motion.rate).all(axis=1)
-    edges = np.flatnonzero(np.diff(still.astype(int), prepend=0, append=0))
-    runs = [(a, b) for a, b in edges.reshape(-1, 2).tolist() if b - a >= MIN_REST]
-    return [np.arange(a, b) for a, b in runs]
+    return [np.arange(a, b) for a, b in runs(still).tolist() if b - a >= MIN_REST]
 
 
 def _zeroed(

@@ -17,7 +17,7 @@ from tasks.explain.inputs.full_rate import FullRate
 from tasks.motion.pose import Tracking
 from tasks.motion.samples import bridged, longest_step
 from tasks.motion.whole import Motion
-from tasks.segments.summarise import runs
+from tasks.readings.standing import runs
 
 MIN_BLOCKS = 200
 MIN_OF_POSES = 30  # blocks as long as poses ask for: half a minute of a body that moves slowly

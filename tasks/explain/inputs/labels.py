@@ -11,14 +11,14 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.readings.label_shift import LabelShift
-from tasks.segments.find import up_of
+from tasks.readings.standing import steps
+from tasks.segments.find import shown_instead
 from tasks.segments.rates import OFF_LINE, OFF_LINE_LEAST, TurningPoint, turning_points
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,
     MIN_ROWS,
     far_rows,
-    steps,
     summarise_all,
     widened,
 )
@@ -48,7 +48,9 @@ def with_usable_labels(recording: Recording) -> tuple[Recording, tuple[Sayable, 
     means = tuple(one for one in summaries if one.rows >= MIN_ROWS)
     points = turning_points(recording, means)
     by_gravity = _if_few({
-        (mean.segment.up[1], mean.segment.name): up_of(mean.mean[ACCEL_COLUMNS]) != mean.segment.up
+        (mean.segment.up[1], mean.segment.name): shown_instead(
+            mean.segment, mean.mean[ACCEL_COLUMNS]
+        ) is not None
         for mean in means
         if mean.segment.kind == "static" and mean.segment.up is not None and mean.has_accel
     })  # fmt: skip

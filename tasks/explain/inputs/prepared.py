@@ -34,10 +34,10 @@ from tasks.readings.plausibility import on_sight
 from tasks.readings.rows import (
     empty_remarks,
     rows_without_readings,
-    runs,
     without_readings_removed,
 )
 from tasks.readings.stamps import with_instants
+from tasks.readings.standing import longest_run
 from tasks.segments.find import segments_of
 from tasks.words import Sayable, say
 
@@ -166,8 +166,7 @@ def _rows_of_both(recording: Recording) -> Recording:
     """
     lost = [np.isnan(recording.imu.columns[c]) for c in CHANNELS if c in recording.imu.columns]
     read = ~np.any(lost, axis=0) if lost else np.ones(len(recording.imu), bool)
-    longest = max((run.stop - run.start for run in runs(~read)), default=0)
-    is_thin = THINNED < read.mean() < 1.0 - THINNED and longest < SCATTERED
+    is_thin = THINNED < read.mean() < 1.0 - THINNED and longest_run(~read) < SCATTERED
     return replace(recording, imu=recording.imu.at(read)) if is_thin else recording
 
 

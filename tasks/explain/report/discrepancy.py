@@ -13,6 +13,7 @@ from schemas.discrepancy import (
     VerdictChange,
     Where,
 )
+from schemas.text import Remark
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.explanation import UNNAMED, Explanation, Finding, Refusal
@@ -77,7 +78,8 @@ def discrepancy_of(
         remarks=tuple(map(statement, explanation.remarks)),
         statement=NOT_WRITTEN,
     )
-    written = verdict_statement(draft, explanation.recording)
+    seen = [one for one in explanation.remarks if isinstance(one, Remark) and one.run == "invalid"]
+    written = verdict_statement(draft, explanation.recording, seen)
     return draft.model_copy(update={"statement": written})
 
 

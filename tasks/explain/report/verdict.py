@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.discrepancy import Detection, Discrepancy, HeldOut, ReportedFinding
 from schemas.recording import MEASURED, TRIADS, Recording
-from schemas.text import Statement
+from schemas.text import Remark, Statement
 from tasks.explain.correction.consequences import OVERALL, moved_by
 from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.explanation import UNNAMED
@@ -27,17 +27,24 @@ from tasks.words.quantities import chi2, percent, plain, probability
 CLEAR_GAIN = 0.95  # what a residual falls to where it is worth stating
 
 
-def verdict_statement(discrepancy: Discrepancy, recording: Recording) -> Statement:
-    """A discrepancy as one paragraph; its first sentence says how much of it is explained.
+def verdict_statement(
+    discrepancy: Discrepancy, recording: Recording, invalid: Sequence[Remark] = ()
+) -> Statement:
+    """A discrepancy as one paragraph; its first sentence says how much of it is explained, after
+    what was found on sight that makes the run invalid.
 
     discrepancy: all but this statement. recording: what it is of.
     """
+    first = [message("report-invalid"), *invalid] if invalid else []
     if discrepancy.verdict == "no_mismatch":
         left = chi2(discrepancy.held_out.chi2_per_dof_before)
         nothing = message("report-nothing-found", chi2=left)
-        return statement(sentences([nothing, tested(recording), detected(discrepancy.detection)]))
+        return statement(
+            sentences([*first, nothing, tested(recording), detected(discrepancy.detection)])
+        )
     named = [finding for finding in discrepancy.findings if finding.effect != UNNAMED]
     parts = [
+        *first,
         _summary(discrepancy) if discrepancy.findings or discrepancy.left_over else "",
         _left_out(named) if named else "",
         "" if discrepancy.verdict == "explained" else _unnamed(discrepancy),

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import ANGLE, GYRO, Recording, Segment, Stream
+from tasks.readings.standing import longest_run, steps
 from tasks.segments.block_allan import allan_variances
 from tasks.segments.one_pass import one_pass
 from tasks.segments.summarise import (
@@ -16,8 +17,6 @@ from tasks.segments.summarise import (
     Origin,
     SegmentMean,
     far_rows,
-    longest_run,
-    steps,
     summarise,
 )
 

@@ -5,7 +5,6 @@ from functools import cached_property
 
 import numpy as np
 
-from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
 from tasks.motion.table import EARTH_RATE
 from tasks.readings.stamps import with_instants
@@ -23,7 +22,6 @@ from tasks.segments.summarise import (
     rows_of,
     summarise_all,
 )
-from tasks.segments.units import wrong_rate_unit
 from tasks.specifications.earth_gain import REFUTED, EarthRotationGain
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.gather import steady_gain
@@ -188,10 +186,7 @@ def is_zero_position(segment: SegmentMean) -> bool:
 
 
 def gather_ahrs(recording: Recording) -> AhrsEvidence:
-    """Summarise a recording's segments, labelled or found, and sort them.
-
-    Raises Unusable where rates and labels are in different units.
-    """
+    """Summarise a recording's segments, labelled or found, and sort them."""
     recording = with_instants(recording)
     by_angle = has_angles(recording)
     rates = as_rates(recording) if by_angle else recording
@@ -209,9 +204,6 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
     else:
         segments = summarise_all(rates, measured, origin)
     segments = tuple(s for s in segments if s.has_gyro)
-    wrong = wrong_rate_unit(segments, *(("angle columns", "rad") if by_angle else ()))
-    if wrong is not None:
-        raise Unusable(f"{recording.manifest.recording_id}: {wrong}")
     points = turning_points(rates, segments)
     rate = np.array([points[i].rate if i in points else np.nan for i in range(len(segments))])
     attitudes = tuple(

@@ -19,7 +19,6 @@ from storage.home import Home
 from storage.whole_files import writing_in_home
 from tasks.readings.breaks import Break, across_breaks
 from tasks.readings.codes import codes_put_right
-from tasks.readings.offset_binary import offset_taken_off
 from tasks.readings.plausibility import on_sight
 from tasks.readings.stamps import with_instants
 from tasks.readings.turns import steady_turns
@@ -108,7 +107,7 @@ def understand(
         notes.append("no protocol: rests and turns were found; rates are proposals")
     recording = understood.recording
     labels = recording.manifest.segments or ()
-    right = codes_put_right(offset_taken_off(with_instants(recording)))
+    right = codes_put_right(with_instants(recording))
     doubts = (*right.put_right, *on_sight(right, labels))
     notes += _missing_positions(recording)
     if changes.commanded_rate is None and any(label.kind == "rate" for label in labels):

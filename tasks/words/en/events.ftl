@@ -28,7 +28,7 @@ events-constant = the { $channels } read one value throughout and are not used: 
 events-empty-rows = { $count ->
     [one] One row holds
    *[other] { $count } rows hold
- } no readings (zero, or values far from the rows on either side that no unit reads), at t = { $times } s; not used.
+ } zeros, or values far from those of the rows on either side (a frame that was corrupted, or a shock shorter than the time between rows), at t = { $times } s; not used.
 events-settling-start = For { $seconds } s from the start, the { $channels } read values far from those that follow; these readings are not used.
 events-settling-end = For the last { $seconds } s, the { $channels } read values far from those before; these readings are not used.
 events-spikes = { $count } isolated readings in the { $channels } deviate from their neighbours by more than { $threshold } times the noise

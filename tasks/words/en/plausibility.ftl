@@ -32,6 +32,10 @@ plausibility-rate-unit = The gyros read { $ratio } of the { $source ->
        *[no] no usual unit of rate is that with such numbers; look at their range, their counts and their columns
     }.
 plausibility-table-unit = The encoders turn { $ratio } times as far as the gyros: they look like degrees; import them with { $option }.
+plausibility-label-unit = rate_deg_s of { $count } { $count ->
+        [one] segment
+       *[other] segments
+    } is in the wrong unit: { $segment } says { $label } deg/s, and the gyros read { $read } deg/s, a factor of 57.3; write rate_deg_s in deg/s and the gyros in rad/s, or import with --units.
 plausibility-axes = The axes are not those of the labels or the table: { $reads } ({ $value }); import it with { $option }.
 plausibility-inverted = { $triad ->
         [gyro] gyro { $axes } inverted

@@ -147,6 +147,7 @@ report-partly_explained = partly explained
     .headline = Partly explained: one part was identified, another remains unnamed
 report-unexplained = unexplained
     .headline = Unexplained: model and recording differ, and nothing in the catalogue accounts for the difference
+report-invalid = As it was imported, this run is invalid:
 report-nothing-found = No physics missing from the standard's model was found. On segments withheld from the fit, χ² per degree of freedom is { $chi2 } (noise alone: 1). Effects below the noise, or fully absorbed by the standard's parameters, cannot be seen in this recording.
 report-tested = { $channels } channels were tested over { $minutes } min at { $rate } Hz{ $kinds ->
         [0] {""}

@@ -22,7 +22,7 @@ events-lost-samples-at = { $time } s 处 { $lost } 个
 events-gaps = 时间戳有 { $gaps } 处间断，共缺 { $missing } 个采样间隔；其余时间戳正确，故不属模型不符
 events-cut-off = { $channel }的读数仅为运动应有值的 { $share } %，噪声不到同组其他轴的一半：请检查是否被量程限幅
 events-constant = { $channels }自始至终为同一读数，未予采用：请检查接线、记录程序及固件的抑制功能
-events-empty-rows = 有 { $count } 行不含读数（为零，或远离前后各行、单元不可能输出的数值），t = { $times } s，不予采用。
+events-empty-rows = 有 { $count } 行为零，或远离前后各行（数据帧受损，或短于采样间隔的冲击），t = { $times } s，不予采用。
 events-settling-start = 开始的 { $seconds } s 内读数与其后相差甚远，不予采用；通道：{ $channels }。
 events-settling-end = 最后的 { $seconds } s 内读数与其前相差甚远，不予采用；通道：{ $channels }。
 events-spikes = { $count } 个孤立读数偏离相邻读数超过噪声的 { $threshold } 倍，通道：{ $channels }

@@ -32,6 +32,7 @@ plausibility-rate-unit = 陀螺读数为{ $source ->
        *[no] 没有一种常用的角速率单位与此值及其数字相符；请检查量程、计数当量和各列
     }。
 plausibility-table-unit = 编码器转过的角度为陀螺所示的 { $ratio } 倍：其单位似为度；请以 { $option } 导入。
+plausibility-label-unit = { $count } 段的 rate_deg_s 单位有误：{ $segment } 标注为 { $label } °/s，而陀螺读数为 { $read } °/s，相差 57.3 倍；请将 rate_deg_s 改为 °/s、陀螺改为 rad/s，或以 --units 导入。
 plausibility-axes = 各轴与标注或转台不符：{ $reads }（{ $value }）；请以 { $option } 导入。
 plausibility-inverted = { $triad ->
         [gyro] 陀螺 { $axes } 轴方向相反

@@ -145,6 +145,7 @@ report-partly_explained = 部分查明
     .headline = 部分查明：找到了部分遗漏因素，其余尚无名称
 report-unexplained = 未查明
     .headline = 未查明：模型与记录不符，目录中无任何效应可以解释
+report-invalid = 按导入的内容，本次运行无效：
 report-nothing-found = 未发现规范模型遗漏的物理因素。在未参与拟合的区段上，每自由度 χ² = { $chi2 }（仅有噪声时为 1）。小于噪声可分辨程度的效应，或被规范参数完全吸收的效应，本次记录无法显示。
 report-tested = 检验了 { $channels } 个通道、{ $minutes } min、{ $rate } Hz 的数据{ $kinds ->
         [0] {""}

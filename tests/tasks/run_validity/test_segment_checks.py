@@ -12,8 +12,7 @@ from schemas.recording import GYRO, Manifest, Recording, Stream
 from schemas.text import Remark
 from storage.catalogue import runs
 from storage.home import Home
-from tasks.segments.summarise import summarise_all
-from tasks.segments.units import wrong_rate_unit
+from tasks.readings.plausibility import on_sight
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.items_only import items_only
 
@@ -196,15 +195,9 @@ def test_rates_in_the_wrong_unit_are_refused_with_the_factor(ideal_run, factor: 
         s.model_copy(update={"rate_deg_s": s.rate_deg_s * factor}) if s.kind == "rate" else s
         for s in recording.manifest.segments
     )
-    sentence = wrong_rate_unit(summarise_all(recording, segments, "label"))
-    assert "30 segments" in sentence
-    assert "57.3" in sentence
-
-
-def test_right_units_are_not_refused(ideal_run, real) -> None:
-    for recording in (ideal_run(), real("vn200_imu0_rate_table")):
-        labels = recording.manifest.segments
-        assert wrong_rate_unit(summarise_all(recording, labels, "label")) is None
+    (remark,) = on_sight(recording, segments)
+    assert (remark.code in ("label_unit", "rate_unit"), remark.run) == (True, "invalid")
+    assert "57.3" in remark.en
 
 
 def test_overlapping_segments_are_named(ideal_run) -> None:

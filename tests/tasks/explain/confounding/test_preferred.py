@@ -62,6 +62,16 @@ def test_a_lever_arm_stands_before_nine_factors_of_the_angular_acceleration(
     assert preferred(made, RUN, NINE_FACTORS, LEVER_ARM)[0] == "lever_arm"
 
 
+@pytest.mark.parametrize(("off", "name"), [(0.04, "lever_arm"), (0.4, UNNAMED)])
+def test_a_lever_arm_stands_where_factors_are_off_its_own_by_no_more_than_forms_are(
+    off: float, name: str
+) -> None:
+    """A lever arm of 3 m/s² in 0.01, and one factor that is off by a share of its own."""
+    made = read(RUN, (LEVER_ARM, (0.12, -0.18, 0.07))) + noise(len(RUN.t), 7, NOISY)
+    made[:, 3] += off * 0.18 * RUN.acceleration[:, 2]
+    assert preferred(made, RUN, NINE_FACTORS, LEVER_ARM)[0] == name
+
+
 @pytest.mark.parametrize("entry", [(0, 0), (0, 1), (2, 1)])
 def test_factors_of_the_angular_acceleration_that_no_place_has_are_no_lever_arm(
     entry: tuple[int, int],

@@ -7,6 +7,9 @@ from made_report import BIAS, answer, explanation, finding, located, unnamed, wh
 from schemas.discrepancy import Discrepancy, FoundParameter, HeldOut
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
+from tasks.model.effect import LOGGER
+from tasks.readings.implausible import found_on_sight
+from tasks.words import message
 
 
 def first_sentence(discrepancy: Discrepancy) -> str:
@@ -26,6 +29,20 @@ def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_fir
     text = answer(explanation(finding(share=0.2), left_over=left)).statement.en
     assert "look first at: the residual of the gyro y (χ² = 31.40 per degree of freedom)" in text
     assert "χ² per degree of freedom: gyro y 31.40, gyro z 2.00." in text
+
+
+@pytest.mark.parametrize(
+    ("run", "first"),
+    [
+        ("invalid", "As it was imported, this run is invalid: The encoders turn"),
+        ("remarks", "No physics"),
+    ],
+)
+def test_what_makes_a_run_invalid_on_sight_stands_before_no_mismatch(run: str, first: str) -> None:
+    sentence = message("plausibility-table-unit", ratio="57", option="--units table=deg")
+    seen = found_on_sight("table_unit", sentence, run=run)
+    answered = answer(explanation(verdict="no_mismatch", remarks=(seen,)))
+    assert answered.statement.en.startswith(first)
 
 
 def test_small_remainders_are_one_line() -> None:
