@@ -3,6 +3,9 @@
 from collections.abc import Iterator
 from contextlib import suppress
 from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from sqlalchemy import Connection
 
 from schemas.base import Unusable
 from schemas.production import ProductionOrder, ProductionState
@@ -14,6 +17,7 @@ from tasks.stages.alert import alert
 from tasks.words import Message, Sayable, cause_of, message
 
 LINE = "line"  # the person of what the program itself enters in the trail
+UNSENT = "alert not sent"
 FAILED: tuple[ProductionState, ...] = ("failed",)
 RECENT = timedelta(days=1)  # an older outcome is no news
 LATE = timedelta(minutes=15)  # a person mounts a unit, a computer starts, within that
@@ -36,17 +40,33 @@ def tell(home: Home) -> None:
 
 
 def say_once(order: ProductionOrder, outcome: str, cause: Sayable, home: Home) -> None:
-    """Alert the operators, where the home names any and nobody did it for this attempt before."""
+    """Alert the operators, where the home names any and nobody did it for this attempt before.
+
+    A channel by which it could not be sent is tried once more, by whoever comes next.
+    """
     asked = settings.reminders(home)
     if asked is None or asked.operators is None:
         return
+    about = {"outcome": outcome, "attempt": order.attempts}
     with database.changing(home) as connection:
-        is_new = trail.add_once(
-            connection, LINE, "alert", order.number, outcome=outcome, attempt=order.attempts
-        )
-    if not is_new:
-        return
-    alert(home, sentence_of(order, outcome, cause))
+        due = [
+            channel
+            for channel in asked.operators.channels
+            if _is_due(connection, order.number, **about, channel=channel)
+        ]
+    sent = alert(home, sentence_of(order, outcome, cause), only=due) if due else []
+    if unsent := [each.channel for each in sent if each.fault]:
+        with database.changing(home) as connection:
+            for channel in unsent:
+                trail.add(connection, LINE, UNSENT, order.number, **about, channel=channel)
+
+
+def _is_due(connection: Connection, number: str, **alert_: Any) -> bool:
+    """Whether an alert is to be sent by a channel now, of which the trail has that it was."""
+    if trail.add_once(connection, LINE, "alert", number, **alert_):
+        return True
+    again = trail.has(connection, UNSENT, number, **alert_)
+    return again and trail.add_once(connection, LINE, "alert again", number, **alert_)
 
 
 def sentence_of(order: ProductionOrder, outcome: str, cause: Sayable) -> Message:

@@ -20,7 +20,7 @@ from flows.orders.order_files import client_order_named, request_of
 from flows.orders.signed_orders import carry_out_signed
 from flows.pages.do.models import GivenOrder, OrderState
 from schemas.access import MAY, Action, Visitor
-from schemas.base import Unusable
+from schemas.base import NotAllowed, Unusable
 from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder
 from schemas.orders import ReprocessOrder, order_of
 from storage import settings
@@ -205,10 +205,10 @@ class Orders:
 
 
 def check_may(action: Action, visitor: Visitor, subject: str, home: Home) -> None:
-    """Raises Unusable, and logs it, for whom the role does not allow an action."""
+    """Raises NotAllowed, and logs it, for whom the role does not allow an action."""
     if not visitor.may(action):
         refused(home, action, subject, person=visitor.name or UNKNOWN, why=visitor.role)
-        raise Unusable(
+        raise NotAllowed(
             f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not do this: "
             f"{action} is for {' and '.join(MAY[action])}",
             message("cause-may", action=message(f"pages-action.{action}"), roles=roles_of(action)),

@@ -11,7 +11,7 @@ from flows.orders.outcomes import LATE, shown_cause
 from flows.pages.line.models import Acknowledged, AlarmShown, FlowRun, Flows, StationNow
 from schemas.production import ProductionOrder, ProductionState
 from schemas.run_log import Alarm
-from storage.catalogue import database, orders, reminders, trail
+from storage.catalogue import orders, reminders, trail
 from storage.catalogue.reminders import Reminder
 from storage.home import Home
 from tasks.words import Sayable, cause_of, known, message, statement
@@ -19,6 +19,7 @@ from tasks.words import Sayable, cause_of, known, message, statement
 SHOWN = 20
 FAILED: tuple[ProductionState, ...] = ("failed",)
 ACKNOWLEDGE = "acknowledge alarm"
+NO_SERVER = message("station-cause.no-server")
 RECENT = timedelta(days=7)  # how long a failed order or a stopped run is shown
 
 
@@ -39,17 +40,6 @@ def with_acknowledgement(found: Iterable[AlarmShown], home: Home) -> list[AlarmS
         for each in trail.of_action(ACKNOWLEDGE, since, home)
     }
     return [each.model_copy(update={"acknowledged": known.get(each.key)}) for each in found]
-
-
-def acknowledge(alarm: AlarmShown, person: str, home: Home) -> Acknowledged:
-    """Enters in the audit trail that a person saw to an alarm."""
-    now = datetime.now(UTC)
-    with database.changing(home) as connection:
-        trail.add(
-            connection, person, ACKNOWLEDGE, alarm.key, at=now, station=alarm.station,
-            about=alarm.about, cause=alarm.cause.en,
-        )  # fmt: skip
-    return Acknowledged(by=person, at=now)
 
 
 def of_station(now: StationNow) -> Iterator[AlarmShown]:
@@ -83,7 +73,7 @@ def of_file(name: str, fault: str) -> AlarmShown:
 def of_flows(flows: Flows) -> Iterator[AlarmShown]:
     """A server that does not answer, and runs whose time has passed."""
     if flows.fault is not None:
-        yield _alarm(None, "", "Prefect", cause_of(flows.fault), message("pages-line-todo.server"))
+        yield _alarm(None, "", "Prefect", NO_SERVER, message("pages-line-todo.server"))
     for run in flows.runs:
         if run.is_late:
             yield _late(run)

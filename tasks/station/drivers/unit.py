@@ -184,7 +184,7 @@ class UnitDriver:
         if self._silent_s > SILENCE_S and not self.is_off:
             raise Unusable(self._silence(), self._cause())
         if self._line.broken:
-            raise Unusable(self._line.broken)
+            raise Unusable(self._line.broken, message("station-cause.line", unit=self.link.url))
         return no_samples(self.link.frame), no_samples(self.link.frame)
 
     def stream(self, samples: np.ndarray, shift_us: int = 0) -> Stream:
@@ -209,7 +209,8 @@ class UnitDriver:
             raise Unusable(
                 f"the unit's time stamp went back from {before[back[-1]] / 1e6:.6f} s to "
                 f"{stamps[back[-1]] / 1e6:.6f} s, as after a restart: check its supply and "
-                f"start again"
+                f"start again",
+                message("station-cause.unit-restarted", unit=self.link.url),
             )
         self._may_restart = False
         return int(back[0])
