@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import Connection
 
 from schemas.base import Unusable
-from schemas.production import ProductionOrder, ProductionState
+from schemas.production import ENDED, OPEN, ProductionOrder, ProductionState
 from storage import settings
 from storage.catalogue import database, orders, trail
 from storage.home import Home
@@ -83,17 +83,14 @@ def shown_cause(order: ProductionOrder) -> Sayable:
 
 def _never_begun(now: datetime, home: Home) -> Iterator[ProductionOrder]:
     """The next order of each station where none is carried out, or kept from beginning."""
-    begun = {each.station for each in orders.running(home)}
-    next_of: dict[str, ProductionOrder] = {}
-    hindered = set()
-    for each in orders.waiting(home):
+    next_of: dict[str, ProductionOrder | None] = {}
+    for each in orders.listed(home, states=OPEN):
         next_of.setdefault(each.station, each)
-        if each.fault:
-            hindered.add(each.station)
-    for station, order in next_of.items():
-        if station in begun | hindered or lockout_of(station, home):
-            continue
-        last = orders.listed(home, station, ("done", "failed", "cancelled"), last=1)
+        if each.state == "running" or each.fault:
+            next_of[each.station] = None
+    for order in filter(None, next_of.values()):
+        last = orders.listed(home, order.station, ENDED, last=1)
         ended = [each.ended_at for each in last if each.ended_at]
-        if now - max((order.ordered_at, *ended)) > LATE:
+        is_late = now - max((order.ordered_at, *ended)) > LATE
+        if is_late and not lockout_of(order.station, home):
             yield order
