@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import Connection
 
 from schemas.base import Unusable
-from schemas.production import ENDED, OPEN, ProductionOrder, ProductionState
+from schemas.production import ENDED, OPEN, ProductionOrder
 from storage import settings
 from storage.catalogue import database, orders, trail
 from storage.home import Home
@@ -18,7 +18,6 @@ from tasks.words import Message, Sayable, cause_of, message
 
 LINE = "line"  # the person of what the program itself enters in the trail
 UNSENT = "alert not sent"
-FAILED: tuple[ProductionState, ...] = ("failed",)
 RECENT = timedelta(days=1)  # an older outcome is no news
 LATE = timedelta(minutes=15)  # a person mounts a unit, a computer starts, within that
 
@@ -31,10 +30,9 @@ def tell(home: Home) -> None:
     """
     now = datetime.now(UTC)
     with suppress(Unusable):  # without the catalogue nobody knows what was said
-        for order in orders.listed(home, states=FAILED, last=orders.MANY):
-            if order.ended_at is not None and now - order.ended_at < RECENT:
-                outcome = "failed" if order.attempts else "refused"
-                say_once(order, outcome, shown_cause(order), home)
+        for order in failed_since(now - RECENT, home):
+            outcome = "failed" if order.attempts else "refused"
+            say_once(order, outcome, shown_cause(order), home)
         for order in _never_begun(now, home):
             say_once(order, "never-begun", message("order-outcome.nothing-takes-it"), home)
 
@@ -67,6 +65,12 @@ def _is_due(connection: Connection, number: str, **alert_: Any) -> bool:
         return True
     again = trail.has(connection, UNSENT, number, **alert_)
     return again and trail.add_once(connection, LINE, "alert again", number, **alert_)
+
+
+def failed_since(moment: datetime, home: Home) -> list[ProductionOrder]:
+    """The orders that failed since then, of the last ones."""
+    failed = orders.listed(home, states=("failed",), last=orders.MANY)
+    return [each for each in failed if each.ended_at and each.ended_at > moment]
 
 
 def sentence_of(order: ProductionOrder, outcome: str, cause: Sayable) -> Message:
