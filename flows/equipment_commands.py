@@ -1,6 +1,8 @@
 """The register of the laboratory's measurement standards: `mimucal equipment`."""
 
+from collections.abc import Callable
 from datetime import date
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -20,13 +22,9 @@ app = typer.Typer(help="The laboratory's measurement standards, their certificat
 @app.command(epilog='Example: mimucal equipment add turntable.toml --by "Wang Li"')
 def add(file: options.EquipmentFile, by: options.By = None) -> None:
     """Add the measurement standards in a file to the register."""
-    from schemas.equipment import EquipmentFile
-    from storage import settings
     from storage.catalogue import equipment
 
-    given = settings.read(file, EquipmentFile).equipment
-    equipment.add(given, home(), _person(by))
-    print(f"{len(given)} taken into the register")
+    print(f"{_kept(equipment.add, file, by)} taken into the register")
 
 
 @app.command(epilog='Example: mimucal equipment renew turntable.toml --by "Wang Li"')
@@ -35,13 +33,9 @@ def renew(file: options.EquipmentFile, by: options.By = None) -> None:
 
     Earlier ones are kept: a run uses the certificate that was valid on its day.
     """
-    from schemas.equipment import EquipmentFile
-    from storage import settings
     from storage.catalogue import equipment
 
-    given = settings.read(file, EquipmentFile).equipment
-    equipment.renew(given, home(), _person(by))
-    print(f"{len(given)} renewed")
+    print(f"{_kept(equipment.renew, file, by)} renewed")
 
 
 @app.command(
@@ -96,7 +90,7 @@ def check(
         )
     except ValidationError as fault:
         raise Unusable(f"the check of {serial}: {first_fault(fault)}; correct it.") from fault
-    checked = equipment.add_check(serial, made, home(), _person(by))
+    checked = equipment.add_check(serial, made, home(), options.person(by))
     found = "passed" if made.passed else "FAILED: nothing passes with this standard"
     print(f"{serial}, certificate {checked.certificate}: {found}")
 
@@ -133,7 +127,11 @@ def _state(standard: "MeasurementStandard", late: bool) -> str:
     return ", ".join(["PAST DUE"] * late + ["CHECK FAILED"] * failed)
 
 
-def _person(by: str | None) -> str:
-    if not by or not by.strip():
-        raise Unusable("The register records who changes it; give --by NAME, or set MIMUCAL_USER.")
-    return by
+def _kept(keep: Callable[..., None], file: Path, by: str | None) -> int:
+    """How many standards of a file were kept in the register."""
+    from schemas.equipment import EquipmentFile
+    from storage import settings
+
+    given = settings.read(file, EquipmentFile).equipment
+    keep(given, home(), options.person(by))
+    return len(given)

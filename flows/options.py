@@ -7,6 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
+from schemas.base import Unusable
+
 MAX_DAYS = 36_500
 LAST_PORT = 65_534  # the unit uses the next port
 
@@ -292,3 +294,10 @@ AbleStation = Annotated[
     Path | None,
     _option("FILE", "Station file; default: the motions made by the run's own table.", "--station"),
 ]
+
+
+def person(by: str | None) -> str:
+    """Who does what is entered in the audit trail; Unusable where nobody is named."""
+    if not by or not by.strip():
+        raise Unusable("Say who does it: give --by NAME, or let MIMUCAL_USER name the person.")
+    return by.strip()

@@ -48,7 +48,7 @@ def add(
         procedure=procedure,
         client_order=client_order_named(client_order or "", Path()),
     )
-    _print_given([give(request, _person(by), home())], as_json)
+    _print_given([give(request, options.person(by), home())], as_json)
 
 
 @app.command(name="import", epilog="Example: mimucal order import orders.csv")
@@ -63,7 +63,7 @@ def import_(
     from flows.orders.order_files import read_orders
     from flows.orders.order_queue import give_all
 
-    person = _person(by)
+    person = options.person(by)
     requests, faults = read_orders(file, person, home())
     if faults:
         for fault in faults[:-1]:
@@ -84,7 +84,7 @@ def scan(
     from flows.orders.order_files import scanned
     from flows.orders.order_queue import give
 
-    person, given, refused = _person(by), [], 0
+    person, given, refused = options.person(by), [], 0
     for line in filter(str.strip, sys.stdin):
         try:
             given.append(give(scanned(line, station, home()), person, home()))
@@ -146,7 +146,7 @@ def cancel(
     from flows.orders.order_queue import GivenProduction
     from flows.orders.order_queue import cancel as cancel_order
 
-    order = cancel_order(number, _person(by), home())
+    order = cancel_order(number, options.person(by), home())
     _print_given([GivenProduction(order, is_new=False)], as_json)
 
 
@@ -164,7 +164,7 @@ def retry(
     """
     from flows.orders.order_queue import retry as retry_order
 
-    _print_given([retry_order(number, _person(by), home(), reason)], as_json)
+    _print_given([retry_order(number, options.person(by), home(), reason)], as_json)
 
 
 def _print_given(given: "Sequence[GivenProduction]", as_json: bool) -> None:
@@ -185,9 +185,3 @@ def _print_given(given: "Sequence[GivenProduction]", as_json: bool) -> None:
             print(f"order {order.number}: {shown}{there * (order.state == 'waiting')}", flush=True)
     for fault in faults:
         print(fault, file=sys.stderr)
-
-
-def _person(by: str | None) -> str:
-    if not by or not by.strip():
-        raise Unusable("Say who orders: give --by NAME, or let MIMUCAL_USER name the person.")
-    return by

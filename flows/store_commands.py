@@ -114,13 +114,12 @@ def prune(
     from schemas.history import Pruned
     from storage import retention
 
-    if delete and not (by or "").strip():
-        raise Unusable("Say who deletes: --by NAME, or set MIMUCAL_USER to the person's name.")
+    deleting = delete and options.person(by)
     found = retention.dispensable(before.date(), home())
     pruned = Pruned(before=before.date(), deleted=delete, found=tuple(found))
-    if delete:
+    if deleting:
         with counting("deleting") as report:
-            gone, refused = retention.delete(found, str(by).strip(), home(), report)
+            gone, refused = retention.delete(found, deleting, home(), report)
         if not gone and len({each.why for each in refused}) == 1:  # all for one reason
             raise Unusable(refused[0].why)
         pruned = pruned.model_copy(update={"found": tuple(gone), "refused": tuple(refused)})

@@ -31,7 +31,7 @@ def add(name: options.UserName, role: options.UserRole, by: options.By = None) -
             f"{name[:LONGEST]!r} is not a valid user name; give 1 to {LONGEST} characters that "
             "neither begin nor end with a space."
         )
-    users.add(name, chosen, hashed(_password(name)), home(), _person(by))
+    users.add(name, chosen, hashed(_password(name)), home(), options.person(by))
     print(f"{name}: {chosen}")
 
 
@@ -55,7 +55,7 @@ def remove(name: options.UserName, by: options.By = None) -> None:
     """Remove a user and end that user's sessions."""
     from storage.catalogue import users
 
-    users.remove(name, home(), _person(by))
+    users.remove(name, home(), options.person(by))
     print(f"{name} removed")
 
 
@@ -69,9 +69,3 @@ def _password(name: str) -> str:
     if len(given) < SHORTEST:
         raise Unusable(f"The password has {len(given)} characters; give at least {SHORTEST}.")
     return given
-
-
-def _person(by: str | None) -> str:
-    if not by or not by.strip():
-        raise Unusable("The trail records who changes users; give --by NAME, or set MIMUCAL_USER.")
-    return by

@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
 
 from schemas.secret_urls import shown
 
@@ -39,13 +40,25 @@ class NotThere(Unusable):
     """What is named does not exist."""
 
 
+class NotAllowed(Unusable):
+    """The role of whoever asks does not allow it."""
+
+
 class BrokenOff(Worded):
     """The operator or the machine ended a run; the sentence says where its recording is."""
 
 
 def first_fault(error: ValidationError) -> str:
     """The first fault of a validation error as “field.path: what is wrong (found value)”."""
-    fault = error.errors(include_url=False)[0]
+    return faults(error)[0]
+
+
+def faults(error: ValidationError) -> list[str]:
+    """Every fault of a validation error as `first_fault` has it."""
+    return list(map(_fault, error.errors(include_url=False)))
+
+
+def _fault(fault: ErrorDetails) -> str:
     place = ".".join(str(part) for part in fault["loc"]) or "document"
     if fault["type"] == "missing":
         return f"{place} is missing"

@@ -31,6 +31,7 @@ MARKUP = set("<>&\"'`\\")
 Serial = Annotated[Name, AfterValidator(_is_serial)]
 ProductionState = Literal["waiting", "running", "done", "failed", "cancelled"]
 OPEN: tuple[ProductionState, ...] = ("waiting", "running")
+ENDED: tuple[ProductionState, ...] = ("done", "failed", "cancelled")
 
 
 class OrderedUnit(Frozen):

@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import AwareDatetime, Field
 
 from schemas.base import Finite, Frozen
+from schemas.text import Statement
 
 
 class StopRequest(Frozen):
@@ -42,8 +43,8 @@ class Stopped(Frozen):
 
     at_rest: whether the table was read to be at rest. axes: as read last. way: whether the run's
     own process stopped the table, or the stop itself on a connection of its own. recordings: what
-    the run had recorded. fault: why it could not be confirmed. seconds: since the button was
-    pressed.
+    the run had recorded. fault: why it could not be confirmed; cause: the same for the
+    pages. seconds: since the button was pressed.
     """
 
     format: Literal["mimu-stopped/1"] = "mimu-stopped/1"
@@ -54,4 +55,5 @@ class Stopped(Frozen):
     way: Literal["run", "directly"]
     recordings: tuple[str, ...] = ()
     fault: str = ""
+    cause: Statement | None = None
     seconds: Finite

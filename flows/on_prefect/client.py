@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from schemas.base import Unusable
 from storage.environment import environment
 from tasks.stages.prefect_api import CLIENT_AUTH, SERVER_AUTH, is_refusal
+from tasks.words import message
 
 if TYPE_CHECKING:
     from prefect.client.orchestration import SyncPrefectClient
@@ -31,5 +32,6 @@ def prefect_client(otherwise: str) -> "Iterator[SyncPrefectClient]":
             else f"did not answer ({error}): start it, or mend PREFECT_API_URL"
         )
         raise Unusable(
-            f"Prefect's server {environment().prefect_server} {why}; {otherwise}"
+            f"Prefect's server {environment().prefect_server} {why}; {otherwise}",
+            message("station-cause.no-server"),
         ) from error

@@ -3,9 +3,12 @@
 from collections.abc import Iterator
 from contextlib import suppress
 from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from sqlalchemy import Connection
 
 from schemas.base import Unusable
-from schemas.production import ProductionOrder, ProductionState
+from schemas.production import ENDED, OPEN, ProductionOrder
 from storage import settings
 from storage.catalogue import database, orders, trail
 from storage.home import Home
@@ -14,7 +17,7 @@ from tasks.stages.alert import alert
 from tasks.words import Message, Sayable, cause_of, message
 
 LINE = "line"  # the person of what the program itself enters in the trail
-FAILED: tuple[ProductionState, ...] = ("failed",)
+UNSENT = "alert not sent"
 RECENT = timedelta(days=1)  # an older outcome is no news
 LATE = timedelta(minutes=15)  # a person mounts a unit, a computer starts, within that
 
@@ -27,26 +30,47 @@ def tell(home: Home) -> None:
     """
     now = datetime.now(UTC)
     with suppress(Unusable):  # without the catalogue nobody knows what was said
-        for order in orders.listed(home, states=FAILED, last=orders.MANY):
-            if order.ended_at is not None and now - order.ended_at < RECENT:
-                outcome = "failed" if order.attempts else "refused"
-                say_once(order, outcome, shown_cause(order), home)
+        for order in failed_since(now - RECENT, home):
+            outcome = "failed" if order.attempts else "refused"
+            say_once(order, outcome, shown_cause(order), home)
         for order in _never_begun(now, home):
             say_once(order, "never-begun", message("order-outcome.nothing-takes-it"), home)
 
 
 def say_once(order: ProductionOrder, outcome: str, cause: Sayable, home: Home) -> None:
-    """Alert the operators, where the home names any and nobody did it for this attempt before."""
+    """Alert the operators, where the home names any and nobody did it for this attempt before.
+
+    A channel by which it could not be sent is tried once more, by whoever comes next.
+    """
     asked = settings.reminders(home)
     if asked is None or asked.operators is None:
         return
+    about = {"outcome": outcome, "attempt": order.attempts}
     with database.changing(home) as connection:
-        is_new = trail.add_once(
-            connection, LINE, "alert", order.number, outcome=outcome, attempt=order.attempts
-        )
-    if not is_new:
-        return
-    alert(home, sentence_of(order, outcome, cause))
+        due = [
+            channel
+            for channel in asked.operators.channels
+            if _is_due(connection, order.number, **about, channel=channel)
+        ]
+    sent = alert(home, sentence_of(order, outcome, cause), only=due) if due else []
+    if unsent := [each.channel for each in sent if each.fault]:
+        with database.changing(home) as connection:
+            for channel in unsent:
+                trail.add(connection, LINE, UNSENT, order.number, **about, channel=channel)
+
+
+def _is_due(connection: Connection, number: str, **alert_: Any) -> bool:
+    """Whether an alert is to be sent by a channel now, of which the trail has that it was."""
+    if trail.add_once(connection, LINE, "alert", number, **alert_):
+        return True
+    again = trail.has(connection, UNSENT, number, **alert_)
+    return again and trail.add_once(connection, LINE, "alert again", number, **alert_)
+
+
+def failed_since(moment: datetime, home: Home) -> list[ProductionOrder]:
+    """The orders that failed since then, of the last ones."""
+    failed = orders.listed(home, states=("failed",), last=orders.MANY)
+    return [each for each in failed if each.ended_at and each.ended_at > moment]
 
 
 def sentence_of(order: ProductionOrder, outcome: str, cause: Sayable) -> Message:
@@ -63,17 +87,14 @@ def shown_cause(order: ProductionOrder) -> Sayable:
 
 def _never_begun(now: datetime, home: Home) -> Iterator[ProductionOrder]:
     """The next order of each station where none is carried out, or kept from beginning."""
-    begun = {each.station for each in orders.running(home)}
-    next_of: dict[str, ProductionOrder] = {}
-    hindered = set()
-    for each in orders.waiting(home):
+    next_of: dict[str, ProductionOrder | None] = {}
+    for each in orders.listed(home, states=OPEN):
         next_of.setdefault(each.station, each)
-        if each.fault:
-            hindered.add(each.station)
-    for station, order in next_of.items():
-        if station in begun | hindered or lockout_of(station, home):
-            continue
-        last = orders.listed(home, station, ("done", "failed", "cancelled"), last=1)
+        if each.state == "running" or each.fault:
+            next_of[each.station] = None
+    for order in filter(None, next_of.values()):
+        last = orders.listed(home, order.station, ENDED, last=1)
         ended = [each.ended_at for each in last if each.ended_at]
-        if now - max((order.ordered_at, *ended)) > LATE:
+        is_late = now - max((order.ordered_at, *ended)) > LATE
+        if is_late and not lockout_of(order.station, home):
             yield order

@@ -5,12 +5,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from flask import Blueprint, Response, request
-from pydantic import ValidationError
 from pydantic.json_schema import models_json_schema
 from werkzeug.exceptions import HTTPException
 
 from flows.pages import orders_api
-from flows.pages.json_answers import Unanswered, json_answer, refusal
+from flows.pages.json_answers import Unanswered, json_answer, refusal, refuse_what_is_raised
+from flows.pages.line.data import acknowledge
 from flows.pages.line.models import (
     Acknowledged,
     AlarmPressed,
@@ -18,10 +18,12 @@ from flows.pages.line.models import (
     StopPressed,
     StopShown,
 )
+from flows.pages.line.stops import let_go_on, press
 from flows.pages.numbers import Row, csv_of
-from flows.pages.page import Page, View
+from flows.pages.page import Page, View, view_of_request
 from flows.pages.register import PAGES
-from schemas.base import Frozen, Unusable, first_fault
+from schemas.access import Visitor
+from schemas.base import Frozen, NotThere
 from schemas.production import (
     OrderRequest,
     OrdersQuestion,
@@ -29,33 +31,32 @@ from schemas.production import (
     ProductionOrders,
     RetriedOrder,
 )
-from storage.catalogue.connection import Busy
 from storage.home import Home
 from tasks.version import code_version
 
 PREFIX = "/api/v1"
 REFUSALS = {
-    400: "The query cannot be answered as it stands.",
+    400: "The query or document cannot be answered as it stands; every fault of it is named.",
     401: "Nobody said who is asking (HTTP basic authentication, or a session).",
     503: "The catalogue cannot be reached just now.",
 }
-PRESS_REFUSALS = {
-    400: "The document names neither station nor alarm.",
-    404: "There is no such station or alarm.",
-    403: "The role does not allow it.",
-    401: REFUSALS[401],
-}
-PRESSES = (  # on the card of a station
-    ("stop", "Stop a station's table now", StopShown, StopPressed),
-    ("release", "Let the orders of a stopped station go on", Released, StopPressed),
-    ("acknowledge", "Say that somebody saw to an alarm", Acknowledged, AlarmPressed),
-)
+OF_ROLES = REFUSALS | {403: "The role does not allow it."}
+OF_NAMES = OF_ROLES | {404: "There is no such order, station or alarm."}
+SENT = (  # documents that act: what they do, and what became of it
+    ("retry", "Carry out an order again that failed or was cancelled",
+     RetriedOrder, ProductionOrder, orders_api.retry),
+    ("stop", "Stop a station's table now", StopPressed, StopShown, press),
+    ("release", "Let the orders of a stopped station go on", StopPressed, Released, let_go_on),
+    ("acknowledge", "Say that somebody saw to an alarm",
+     AlarmPressed, Acknowledged, acknowledge),
+)  # fmt: skip
 REFERENCE = "#/components/schemas/{model}"
 
 
 def endpoints(home: Home) -> Blueprint:
     """GET /api/v1/NAME for each page, NAME/PART.csv for its numbers, orders and openapi.json."""
     made = Blueprint("api", __name__, url_prefix=PREFIX)
+    refuse_what_is_raised(made)
     for page in PAGES:
         made.add_url_rule(f"/{page.name}", page.name, _answering(page, home), methods=["GET"])
         for part, rows in page.numbers.items():
@@ -63,7 +64,8 @@ def endpoints(home: Home) -> Blueprint:
             made.add_url_rule(f"/{page.name}/{part}.csv", f"{page.name}-{part}", answer)
     made.add_url_rule("/orders", "orders", lambda: orders_api.listed(home), methods=["GET"])
     made.add_url_rule("/orders", "order", lambda: orders_api.give(home), methods=["POST"])
-    made.add_url_rule("/retry", "retry", lambda: orders_api.retry(home), methods=["POST"])
+    for name, _, takes, _, act in SENT:
+        made.add_url_rule(f"/{name}", name, _acting(takes, act, home), methods=["POST"])
     made.add_url_rule("/openapi.json", "openapi", lambda: json_answer(json.dumps(openapi())))
     return made
 
@@ -84,19 +86,26 @@ def _answering(
     """Answers as JSON; with rows, with those of them as CSV."""
 
     def answer() -> Response:
+        found = page.data(page.question.model_validate(request.args.to_dict()), home)
+        if rows is not None:
+            attached = {"Content-Disposition": "attachment"}
+            return Response(csv_of(rows(found)), mimetype="text/csv", headers=attached)
+        return json_answer(found.model_dump_json())
+
+    return answer
+
+
+def _acting(
+    takes: type[Frozen], act: Callable[[Any, Visitor, Home], Frozen], home: Home
+) -> Callable[[], Response]:
+    """Does what a document asks for, in the name of whoever is logged in."""
+
+    def answer() -> Response:
+        asked = takes.model_validate_json(request.get_data())
         try:
-            question = page.question.model_validate(request.args.to_dict())
-            found = page.data(question, home)
-            if rows is not None:
-                attached = {"Content-Disposition": "attachment"}
-                return Response(csv_of(rows(found)), mimetype="text/csv", headers=attached)
-            return json_answer(found.model_dump_json())
-        except ValidationError as error:
-            return refusal(400, first_fault(error))
-        except Busy as error:
-            return refusal(503, str(error))
-        except Unusable as error:
-            return refusal(400, str(error))
+            return json_answer(act(asked, view_of_request().visitor, home).model_dump_json())
+        except NotThere as fault:
+            return refusal(404, str(fault))
 
     return answer
 
@@ -119,10 +128,6 @@ def openapi() -> dict[str, Any]:
         201: ("The order is in the queue of its station.", ProductionOrder),
         200: ("It was there already: the same content under the same number.", ProductionOrder),
     }
-    refused = {
-        400: "The order cannot be carried out; every fault of the document is named.",
-        403: "The role does not allow orders.",
-    }
     paths[f"{PREFIX}/orders"] = {
         "get": _operation(
             "orders", "Production orders, the oldest first, and what became of them", listed,
@@ -130,29 +135,17 @@ def openapi() -> dict[str, Any]:
         ),
         "post": _operation(
             "order", "Order the calibration of a unit, by HTTP basic authentication", given,
-            REFUSALS | refused, takes=OrderRequest,
+            OF_ROLES, takes=OrderRequest,
         ),
     }  # fmt: skip
-    again = {200: ("The order waits again.", ProductionOrder)}
-    paths[f"{PREFIX}/retry"] = {
-        "post": _operation(
-            "retry", "Carry out an order again that failed or was cancelled", again,
-            REFUSALS | refused | {404: "There is no such order."}, takes=RetriedOrder,
-        ),
-    }  # fmt: skip
-    for name, what, answer, takes in PRESSES:
+    for name, what, takes, answer, _ in SENT:
         became = {200: ("What became of it.", answer)}
-        pressed = _operation(name, what, became, PRESS_REFUSALS, takes=takes)
-        paths[f"{PREFIX}/{name}"] = {"post": pressed}
-    answers: list[type[Frozen]] = [page.answer for page in PAGES]
-    answers += [ProductionOrders, ProductionOrder, StopShown, Released, Acknowledged, Unanswered]
+        sent = _operation(name, what, became, OF_NAMES, takes=takes)
+        paths[f"{PREFIX}/{name}"] = {"post": sent}
+    answers = [page.answer for page in PAGES] + [each[3] for each in SENT]
+    answers += [ProductionOrders, ProductionOrder, Unanswered]
     models: list[tuple[type[Frozen], Any]] = [(model, "serialization") for model in answers]
-    models += [
-        (OrderRequest, "validation"),
-        (RetriedOrder, "validation"),
-        (StopPressed, "validation"),
-        (AlarmPressed, "validation"),
-    ]
+    models += [(model, "validation") for model in (OrderRequest, *(each[2] for each in SENT))]
     _, schemas = models_json_schema(models, ref_template=REFERENCE)
     return {
         "openapi": "3.1.0",

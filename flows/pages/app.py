@@ -13,7 +13,6 @@ from flows.pages import api, health, shell
 from flows.pages.access import guard, log_in, log_out, passed
 from flows.pages.compressed import compress
 from flows.pages.files import files as certificate_files
-from flows.pages.line.stop_button import stop_presses
 from flows.pages.page import view_of_request
 from flows.pages.passwords import Gate
 from flows.pages.register import FIRST, PAGES
@@ -85,7 +84,6 @@ def make_app(home: Home) -> Application:
     shell.add_callbacks(app, home)
     app.server.register_blueprint(api.endpoints(home))
     app.server.register_blueprint(certificate_files(home))
-    app.server.register_blueprint(stop_presses(home))
     app.server.before_request(_to_first_page)
     _keep_at_home(app, is_https=settings.pages(home).https)
     gate = guard(app.server, home)

@@ -98,13 +98,20 @@ def _fact(value: Cell) -> Component:
 
 
 def grid(
-    id_: str, columns: Sequence[Any], rows: Sequence[Any], view: View, height: str, min_width: int
-) -> Component:
-    """Rows that are sorted and filtered as somebody looks at them. min_width: of a column, px."""
+    id_: str, group: str, names: str, rows: Sequence[Any], view: View, height: str, min_width: int,
+    own: Mapping[str, Mapping[str, Any]],
+) -> Component:  # fmt: skip
+    """Rows that are sorted and filtered as somebody looks at them. group, names: as of a table;
+    own: what a column has of its own. min_width: of a column, px.
+    """
+    columns = [
+        {"field": name, "headerName": view.text(f"{group}.{name}"), **own.get(name, {})}
+        for name in names.split()
+    ]
     return dag.AgGrid(
         id=id_, columnDefs=columns, rowData=rows,
         defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": min_width,
-                       "filter": True, "floatingFilter": True},
+                       "filter": "agTextColumnFilter", "floatingFilter": True},
         dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
         style={"height": height},
     )  # fmt: skip

@@ -194,6 +194,26 @@ def _is_invalid(runs: Sequence[str], home: Home) -> bool:
     return "invalid" in last.values()
 
 
+def measured_for(run: str, home: Home) -> tuple[str, int] | None:
+    """The number of the order that a run was measured for, and which of its measurements it is: 1,
+    or more where an invalid one was repeated; None where no order has the run.
+    """
+    entry, named = tables.trail.c, f'"{run}"'
+    again = sql.select(entry.subject, entry.details).where(
+        entry.action == "order acquire", entry.details.contains('"runs"')
+    )
+    before = [
+        (row.subject, row.details) for row in database.rows(home, again.order_by(entry.number))
+    ]
+    has_run = ORDER.runs.contains(named, autoescape=True)
+    last = database.rows(home, sql.select(ORDER.number).where(has_run))
+    numbers = [number for number, runs in before if named in runs] + [row.number for row in last]
+    if not numbers:
+        return None
+    repeated = [named in runs for number, runs in before if number == numbers[0]]
+    return numbers[0], [*repeated, True].index(True) + 1
+
+
 def put_back(station: str, home: Home) -> list[ProductionOrder]:
     """Put orders of a station whose process died back into the queue; returns them.
 

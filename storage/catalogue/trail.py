@@ -74,15 +74,21 @@ def add_once(
     **details: Any,
 ) -> bool:
     """Adds an entry unless there is one of this action, subject and details; whether it was new."""
-    end, entry = tables.trail_end, tables.trail.c
+    end = tables.trail_end
     connection.execute(sql.update(end).values(number=end.c.number))  # others wait from here
-    alike = (
-        entry.action == action, entry.subject == subject, entry.details == _canonical(details),
-    )  # fmt: skip
-    if connection.execute(sql.select(entry.number).where(*alike).limit(1)).first():
+    if has(connection, action, subject, **details):
         return False
     add(connection, person, action, subject, at=at, **details)
     return True
+
+
+def has(connection: sql.Connection, action: str, subject: str, **details: Any) -> bool:
+    """Whether there is an entry of this action, subject and details."""
+    entry = tables.trail.c
+    alike = (
+        entry.action == action, entry.subject == subject, entry.details == _canonical(details),
+    )  # fmt: skip
+    return connection.execute(sql.select(entry.number).where(*alike).limit(1)).first() is not None
 
 
 def of_action(action: str, since: datetime, home: Home) -> list[Entry]:

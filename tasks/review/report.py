@@ -163,7 +163,7 @@ def _words(
     parts: list[Sayable] = [
         message("review-carried", effect=effect, carrier=own, runs=evidence.runs),
         message("review-evidence", runs=evidence.runs, z=plain(evidence.per_run_z_median, 2),
-                shown=evidence.runs_that_show_it, gain=plain(best.gain)),
+                shown=evidence.runs_that_show_it, p=probability(best.p_value)),
         message("review-sizes", sizes=sizes),
     ]  # fmt: skip
     parts += [_changed(".since", since)] if since else []

@@ -1,5 +1,6 @@
 """Stage: a sentence to whoever operates the line, by the channels of recall.toml."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from schemas.base import Unusable
@@ -21,8 +22,16 @@ class Sent:
     fault: str | None
 
 
-def alert(home: Home, sentence: Sayable, send: Send = sending.send) -> list[Sent]:
+def alert(
+    home: Home,
+    sentence: Sayable,
+    send: Send = sending.send,
+    *,
+    only: Collection[str] | None = None,
+) -> list[Sent]:
     """Sends a sentence to the operators on each of their channels, in silent hours too.
+
+    only: the channels, by name, in the place of all.
 
     Raises Unusable where recall.toml names no operators, and for an invalid channel.
     """
@@ -32,7 +41,9 @@ def alert(home: Home, sentence: Sayable, send: Send = sending.send) -> list[Sent
             f"{home.path / settings.REMINDERS} names no operators; add [operators] with channels."
         )
     urls = {
-        name: sending.check_channel(name, url) for name, url in asked.operators.channels.items()
+        name: sending.check_channel(name, url)
+        for name, url in asked.operators.channels.items()
+        if only is None or name in only
     }
     language = asked.operators.language
     title, sentence = say(message("alert-title"), language), say(sentence, language)

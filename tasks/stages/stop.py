@@ -30,7 +30,7 @@ from storage.station_stop import (
     request_stop,
     take_back,
 )
-from tasks.words import statement
+from tasks.words import cause_of, message, statement
 
 ANSWER_S = 1.0  # time allowed for the run's process to command every axis
 LOOK_S = 0.02
@@ -140,17 +140,18 @@ def _directly(file: StationFile, by: str) -> Stopped:
     # late: the drivers take longer to import than a run's process needs to answer
     from tasks.station.stopping import axes_of, is_at_rest, stop_directly
 
-    id_, state, fault = file.station.id, None, ""
+    id_, state, fault, cause = file.station.id, None, "", None
     try:
         state = stop_directly(file)
     except Unusable as silent:
-        fault = str(silent)
+        fault, cause = str(silent), cause_of(silent)
     at_rest = state is not None and is_at_rest(state)
     if state is not None and not at_rest:
+        cause = statement(message("station-cause.still-turns"))
         fault = "the table still turns although it was commanded to stop"
     return Stopped(
         station=id_, by=by, at_rest=at_rest, axes=axes_of(file, state), way="directly",
-        fault=fault, seconds=0.0,
+        fault=fault, cause=cause, seconds=0.0,
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import asyncio
 from collections import deque
 
 from schemas.base import Unusable
+from tasks.words import message
 
 WINDOW = 200
 CLOCK_TIMEOUT_S = 5.0  # wall time for which it may stand still
@@ -70,10 +71,12 @@ class StationClock:
         if self.station_s < before_s:
             raise Unusable(
                 f"the station's clock jumped back from {before_s:.3f} s to {self.station_s:.3f} s, "
-                f"as after a restart: start the run again"
+                f"as after a restart: start the run again",
+                message("station-cause.clock"),
             )
         if self._readings[-1][1] - self._moved_wall_s > CLOCK_TIMEOUT_S:
             raise Unusable(
                 f"the station's clock has stood at {self.station_s:.3f} s for "
-                f"{CLOCK_TIMEOUT_S:g} s: restart the controller"
+                f"{CLOCK_TIMEOUT_S:g} s: restart the controller",
+                message("station-cause.clock"),
             )

@@ -5,9 +5,11 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Literal
 
+from schemas.base import Unusable
 from schemas.procedure import Oscillation, Position, Procedure, RateRun, Refix, Sweep, Turns
 from schemas.recording import Axis, Mount, Segment, Up
 from tasks.station.ports import AxisState, TableState
+from tasks.words import message
 
 # How near a reading has to be before “settled” is believed: the report may still be that of the
 # set-point before. Whether the rate is right to the specification is for the encoders to say.
@@ -41,13 +43,14 @@ class SetPoint:
         unit = {"angle": "deg", "rate": "deg/s"}.get(self.kind)
         return f"at {self.value:g} {unit}" if unit else "at rest"
 
-    def lateness(self, names: Sequence[str], state: TableState, limit_s: float) -> str:
-        """The message about a table, by its axes' names, that has not arrived in time (s)."""
+    def lateness(self, names: Sequence[str], state: TableState, limit_s: float) -> Unusable:
+        """The fault of a table, by its axes' names, that has not arrived in time (s)."""
         axis = state.axes[self.axis]
-        return (
+        return Unusable(
             f"axis {names[self.axis]} of the table has not settled {self.text} within "
             f"{limit_s:.0f} s (angle {axis.angle_deg:.4f} deg, rate {axis.rate_deg_s:.4f} deg/s): "
-            f"check its load, its balance and its servo"
+            f"check its load, its balance and its servo",
+            message("station-cause.not-settled", axis=names[self.axis], seconds=f"{limit_s:.0f}"),
         )
 
 

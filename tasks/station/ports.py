@@ -11,6 +11,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.procedure import Refix
+from tasks.words import message
 
 # What makes a table refuse to move, by the names that a driver reports, and the way out of it.
 TRIPS = {
@@ -163,9 +164,9 @@ class Line(Protocol):
 
 def check_trips(state: TableState, names: tuple[str, ...]) -> None:
     """Raises Unusable, naming axis and trip, if a state shows that the table will not move."""
+    of_axes = {f"axis {n} of the table": a.trips for n, a in zip(names, state.axes, strict=True)}
     for trip, way_out in TRIPS.items():
-        for name, axis in zip(names, state.axes, strict=True):
-            if trip in axis.trips:
-                raise Unusable(f"axis {name} of the table reports {trip}: {way_out}")
-        if trip in state.trips:
-            raise Unusable(f"the table reports {trip}: {way_out}")
+        for what, trips in (of_axes | {"the table": state.trips}).items():
+            if trip in trips:
+                cause = message(f"station-cause.{trip.replace('_', '-')}")
+                raise Unusable(f"{what} reports {trip}: {way_out}", cause)

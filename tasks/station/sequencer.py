@@ -4,7 +4,6 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from schemas.base import Unusable
 from schemas.procedure import Oscillation, Procedure, Refix
 from schemas.station import StationFile
 from tasks.station.anomalies import Anomaly
@@ -222,7 +221,7 @@ class Sequencer:
             if not late:
                 return
             if state.station_s - began_s > limit_s:
-                raise Unusable(late[0].lateness(self._table.names, state, limit_s))
+                raise late[0].lateness(self._table.names, state, limit_s)
             await asyncio.sleep(self.clock.wall(POLL_STATION_S, 0.005, 0.1))
             state = await self._watch()
 

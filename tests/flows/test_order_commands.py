@@ -62,7 +62,7 @@ def test_without_a_number_a_unit_that_is_in_the_queue_is_not_ordered_again(mimuc
         (("LINE-1", "--serial", "S1", "--procedure", "none"), "there is no procedure 'none'"),
         (("LINE-1", "--serial", "S1", "--serial", "S2"), "has 1 places, not 2"),
         (("LINE-1", "--serial", "S1", "--client-order", "none.toml"), "none.toml cannot be read"),
-        (("LINE-1", "--serial", "S1", "--by", " "), "Say who orders"),
+        (("LINE-1", "--serial", "S1", "--by", " "), "Say who does it"),
     ],
 )
 def test_what_cannot_be_carried_out_is_refused_before_it_is_kept(

@@ -22,7 +22,7 @@ from flows.pages.states import Kind, badge, decision_state, stated
 from schemas.access import MAY, Action
 from schemas.base import Unusable
 from schemas.certificate import LIVE
-from schemas.production import OPEN, ProductionOrder, ProductionState
+from schemas.production import ENDED, OPEN, ProductionOrder
 from schemas.run_log import ENDED as RUN_ENDED
 from schemas.text import texts_of
 from storage.catalogue import certificates, database, orders, tables
@@ -37,7 +37,6 @@ SHOWN = 500  # certificates to choose from, the last ones
 STEP_OF: dict[Action, str] = {
     "check": "draft", "issue": "checked", "amend": "issued", "withdraw": "issued",
 }  # fmt: skip
-ENDED: tuple[ProductionState, ...] = ("done", "failed", "cancelled")
 ENDED_SHOWN = 50  # production orders that ended, the last ones
 KINDS: dict[str, Kind] = {
     "waiting": "none", "running": "open", "done": "good", "failed": "bad", "cancelled": "none",

@@ -8,19 +8,21 @@ log in the home, and outlives the server of the pages.
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from flows import run_orders
 from flows.access_log import UNKNOWN, refused
 from flows.orders import order_queue
-from flows.orders.order_files import client_order_named, request_of
+from flows.orders.order_files import request_of
 from flows.orders.signed_orders import carry_out_signed
 from flows.pages.do.models import GivenOrder, OrderState
 from schemas.access import MAY, Action, Visitor
-from schemas.base import Unusable
+from schemas.base import NotAllowed, Unusable
+from schemas.certificate import Order
 from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder
 from schemas.orders import ReprocessOrder, order_of
 from storage import settings
@@ -45,6 +47,10 @@ REQUIRED: Mapping[Action, tuple[str, ...]] = {
     "acquire": ("station", "serial"), "certify": ("run",), "check": ("certificate",),
     "issue": ("certificate",), "amend": ("certificate", "reason"),
     "withdraw": ("certificate", "reason"),
+}  # fmt: skip
+STEPS: Mapping[Action, tuple[Any, Callable[[Any], Any]]] = {  # of a certificate, taken at once
+    "check": (CheckOrder, run_orders.check), "issue": (IssueOrder, run_orders.issue),
+    "withdraw": (WithdrawOrder, run_orders.withdraw),
 }  # fmt: skip
 Fields = Mapping[str, str]
 
@@ -98,32 +104,27 @@ class Orders:
             if name not in kept:
                 label = message(f"pages-do-field.{name}")
                 raise Unusable(f"{name} is empty", message("cause-empty", field=label))
-        steps: dict[Action, Callable[[Fields, str], str]] = {
+        if action in STEPS:
+            return self._step(action, kept, visitor.name)
+        begin: dict[Action, Callable[[Fields, str], str]] = {
             "acquire": self._acquire, "reprocess": self._reprocess, "certify": self._certify,
-            "check": self._check, "issue": self._issue, "amend": self._amend,
-            "withdraw": self._withdraw,
+            "amend": self._amend,
         }  # fmt: skip
-        return steps[action](kept, visitor.name)
+        return begin[action](kept, visitor.name)
 
-    def _check(self, fields: Fields, person: str) -> str:
-        order = order_of(CheckOrder, home=str(self._home.path), by=person, **fields)
-        return carry_out_signed(run_orders.check, order).certificate.number
-
-    def _issue(self, fields: Fields, person: str) -> str:
-        order = order_of(IssueOrder, home=str(self._home.path), by=person, **fields)
-        return carry_out_signed(run_orders.issue, order).certificate.number
-
-    def _withdraw(self, fields: Fields, person: str) -> str:
-        given = {"why": fields.get("reason", "")} | {"certificate": fields.get("certificate", "")}
-        order = order_of(WithdrawOrder, home=str(self._home.path), by=person, **given)
-        return carry_out_signed(run_orders.withdraw, order).certificate.number
+    def _step(self, action: Action, fields: Fields, person: str) -> str:
+        """A step of a certificate, by the order and the function of its name."""
+        kind, work = STEPS[action]
+        why = "why" if "why" in kind.model_fields else "reason"
+        given = {why if name == "reason" else name: value for name, value in fields.items()}
+        order = order_of(kind, home=str(self._home.path), by=person, **given)
+        return carry_out_signed(work, order).certificate.number
 
     def _certify(self, fields: Fields, person: str) -> str:
         """A run of the store, and no recording that lies elsewhere."""
         run = find(fields.get("run", ""), self._home).id
         options = [run, *self._limits(fields)]
-        if name := self._client_order(fields):
-            options.append(f"--order={order_queue.client_order_folder(self._home) / name}")
+        options += [f"--order={each}" for each in self._client_order(fields)]
         options += [f"--{name}={fields[name]}" for name in ("operator", "report") if name in fields]
         return self._begin("certify", run, person, options)
 
@@ -135,37 +136,24 @@ class Orders:
 
     def _limits(self, fields: Fields) -> list[str]:
         """The option that names limits of the home."""
-        name = fields.get("tolerance")
-        if name is None:
-            return []
-        if name not in tolerance_files(self._home):
-            raise Unusable(
-                f"there are no limits {name!r} in {self._home.tolerances}",
-                message("cause-none.file", name=name),
-            )
-        return [f"--tolerance={self._home.tolerances / name}"]
+        known, folder = tolerance_files(self._home), self._home.tolerances
+        return [f"--tolerance={each}" for each in _file_in(folder, known, fields.get("tolerance"))]
 
-    def _client_order(self, fields: Fields) -> str:
-        """The file name of a client's order of the home; empty without one."""
-        name = fields.get("client_order", "")
-        if name and name not in order_queue.client_orders_of(self._home):
-            folder = order_queue.client_order_folder(self._home)
-            raise Unusable(
-                f"there is no client's order {name!r} in {folder}",
-                message("cause-none.file", name=name),
-            )
-        return name
+    def _client_order(self, fields: Fields) -> list[Path]:
+        """The file of a client's order of the home; none without one."""
+        known = order_queue.client_orders_of(self._home)
+        folder = order_queue.client_order_folder(self._home)
+        return _file_in(folder, known, fields.get("client_order"))
 
     def _acquire(self, fields: Fields, person: str) -> str:
         """An order for the queue of a station, by a procedure that comes with the program."""
         procedures.load(fields.get("procedure", "jjf2003"))
-        folder = order_queue.client_order_folder(self._home)
         named = {each: fields[each] for each in ("manufacturer", "model") if each in fields}
         serials = [each.strip() for each in fields.get("serial", "").split(",")]
         request = request_of(
             station=fields.get("station", ""),
             units=[named | {"serial": serial} for serial in serials],
-            client_order=client_order_named(self._client_order(fields), folder),
+            client_order=next((settings.read(f, Order) for f in self._client_order(fields)), None),
             **({"procedure": fields["procedure"]} if "procedure" in fields else {}),
         )
         given = order_queue.give(request, person, self._home)
@@ -204,11 +192,20 @@ class Orders:
         return subject
 
 
+def _file_in(folder: Path, known: Sequence[str], name: str | None) -> list[Path]:
+    """The file of a folder of the home that is named, as a list; empty where none is."""
+    if name and name not in known:
+        raise Unusable(
+            f"there is no file {name!r} in {folder}", message("cause-none.file", name=name)
+        )
+    return [folder / name] if name else []
+
+
 def check_may(action: Action, visitor: Visitor, subject: str, home: Home) -> None:
-    """Raises Unusable, and logs it, for whom the role does not allow an action."""
+    """Raises NotAllowed, and logs it, for whom the role does not allow an action."""
     if not visitor.may(action):
         refused(home, action, subject, person=visitor.name or UNKNOWN, why=visitor.role)
-        raise Unusable(
+        raise NotAllowed(
             f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not do this: "
             f"{action} is for {' and '.join(MAY[action])}",
             message("cause-may", action=message(f"pages-action.{action}"), roles=roles_of(action)),

@@ -19,6 +19,12 @@ from tasks.words import cause_of
 HORIZONS = (0, 30, 60, 90, 180, 365)  # days
 EVERY = "pages-due-all"
 MESSAGE_KINDS: dict[str, Kind] = {"sent": "good", "failed": "bad", "waiting": "open"}
+OWN: dict[str, dict[str, Any]] = {
+    "name": {"cellRenderer": "UnitLink", "flex": 2, "minWidth": 190},
+    "client": {"minWidth": 150}, "certificate": {"minWidth": 165},
+    "state": {"cellRenderer": "State", "sortable": False, "minWidth": 175},
+    "messages": {"filter": "agNumberColumnFilter"},
+}  # fmt: skip
 ROW_PX, FRAME_PX, MOST_PX = 38, 115, 560
 
 
@@ -71,24 +77,10 @@ def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component
     text = dmc.Text(counts, size="sm")
     if not shown.units:
         return [text]
-    names = ("name", "client", "due", "state", "certificate", "messages")
-    columns = [_column(name, view) for name in names]
+    names = "name client due state certificate messages"
     rows = [_row(each, shown, view) for each in shown.units]
     height = f"{min(FRAME_PX + ROW_PX * len(rows), MOST_PX)}px"
-    return [text, grid("due-units", columns, rows, view, height, 130)]
-
-
-def _column(name: str, view: View) -> dict[str, Any]:
-    heading = view.text(f"pages-due-column.{name}")
-    of_column: dict[str, dict[str, Any]] = {
-        "name": {"cellRenderer": "UnitLink", "flex": 2, "minWidth": 190},
-        "client": {"minWidth": 150},
-        "certificate": {"minWidth": 165},
-        "state": {"cellRenderer": "State", "sortable": False, "minWidth": 175},
-        "messages": {"filter": "agNumberColumnFilter"},
-    }
-    more = of_column.get(name, {})
-    return {"field": name, "headerName": heading, "filter": "agTextColumnFilter", **more}
+    return [text, grid("due-units", "pages-due-column", names, rows, view, height, 130, OWN)]
 
 
 def _row(each: UnitDue, shown: DueShown, view: View) -> dict[str, Any]:

@@ -7,18 +7,18 @@ from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
 from hashlib import sha256
 
-from flows.orders.outcomes import LATE, shown_cause
+from flows.orders.outcomes import LATE, failed_since, shown_cause
 from flows.pages.line.models import Acknowledged, AlarmShown, FlowRun, Flows, StationNow
-from schemas.production import ProductionOrder, ProductionState
+from schemas.production import ProductionOrder
 from schemas.run_log import Alarm
-from storage.catalogue import database, orders, reminders, trail
+from storage.catalogue import orders, reminders, trail
 from storage.catalogue.reminders import Reminder
 from storage.home import Home
 from tasks.words import Sayable, cause_of, known, message, statement
 
 SHOWN = 20
-FAILED: tuple[ProductionState, ...] = ("failed",)
 ACKNOWLEDGE = "acknowledge alarm"
+NO_SERVER = message("station-cause.no-server")
 RECENT = timedelta(days=7)  # how long a failed order or a stopped run is shown
 
 
@@ -39,17 +39,6 @@ def with_acknowledgement(found: Iterable[AlarmShown], home: Home) -> list[AlarmS
         for each in trail.of_action(ACKNOWLEDGE, since, home)
     }
     return [each.model_copy(update={"acknowledged": known.get(each.key)}) for each in found]
-
-
-def acknowledge(alarm: AlarmShown, person: str, home: Home) -> Acknowledged:
-    """Enters in the audit trail that a person saw to an alarm."""
-    now = datetime.now(UTC)
-    with database.changing(home) as connection:
-        trail.add(
-            connection, person, ACKNOWLEDGE, alarm.key, at=now, station=alarm.station,
-            about=alarm.about, cause=alarm.cause.en,
-        )  # fmt: skip
-    return Acknowledged(by=person, at=now)
 
 
 def of_station(now: StationNow) -> Iterator[AlarmShown]:
@@ -83,7 +72,7 @@ def of_file(name: str, fault: str) -> AlarmShown:
 def of_flows(flows: Flows) -> Iterator[AlarmShown]:
     """A server that does not answer, and runs whose time has passed."""
     if flows.fault is not None:
-        yield _alarm(None, "", "Prefect", cause_of(flows.fault), message("pages-line-todo.server"))
+        yield _alarm(None, "", "Prefect", NO_SERVER, message("pages-line-todo.server"))
     for run in flows.runs:
         if run.is_late:
             yield _late(run)
@@ -98,25 +87,20 @@ def _late(run: FlowRun) -> AlarmShown:
 def of_catalogue(home: Home) -> Iterator[AlarmShown]:
     """Orders that failed, and messages to clients that could not be sent."""
     now = datetime.now(UTC)
-    for order in orders.listed(home, states=FAILED, last=SHOWN):
-        if order.ended_at is None or now - order.ended_at > RECENT:
-            continue
-        known_by = (order.number, order.ended_at)
-        yield _of_order(order, order.ended_at, message("pages-line-todo.order"), known_by)
+    for order in failed_since(now - RECENT, home):
+        yield _of_order(order, order.ended_at or now, "order")
     for order in orders.waiting(home):
         if order.fault is not None and now - order.ordered_at > LATE:
-            todo = message("pages-line-todo.waits")
-            yield _of_order(order, order.ordered_at, todo, (order.number, order.ordered_at))
+            yield _of_order(order, order.ordered_at, "waits")
     for each in reminders.all_reminders(home):
         if each.sent_at is None and each.fault is not None:
             yield _unsent(each)
 
 
-def _of_order(
-    order: ProductionOrder, at: datetime, todo: Sayable, known_by: tuple[object, ...]
-) -> AlarmShown:
+def _of_order(order: ProductionOrder, at: datetime, todo: str) -> AlarmShown:
     cause = message("pages-line-cause.order", number=order.number, fault=shown_cause(order))
-    return _alarm(at, order.station, order.serials, cause, todo, known_by)
+    what = message(f"pages-line-todo.{todo}")
+    return _alarm(at, order.station, order.serials, cause, what, (order.number, at))
 
 
 def _unsent(reminder: Reminder) -> AlarmShown:

@@ -9,9 +9,12 @@ import sqlalchemy as sql
 
 from flows.orders import order_queue
 from flows.orders.outcomes import shown_cause
+from flows.pages.do.orders import check_may
 from flows.pages.line import alarms
 from flows.pages.line.flow_runs import flow_runs
 from flows.pages.line.models import (
+    Acknowledged,
+    AlarmPressed,
     LineNow,
     LineQuestion,
     Output,
@@ -19,14 +22,15 @@ from flows.pages.line.models import (
     StationNow,
     StationState,
 )
-from flows.pages.line.stops import stops_of
+from flows.pages.line.stops import last_stop
 from flows.pages.local_time import today
-from schemas.base import Unusable
+from schemas.access import Visitor
+from schemas.base import NotThere, Unusable
 from schemas.production import OPEN, ProductionOrder
 from schemas.run_log import RunStatus, State
 from schemas.station import StationFile
 from storage import settings
-from storage.catalogue import database, orders, tables
+from storage.catalogue import database, orders, tables, trail
 from storage.catalogue.connection import Busy
 from storage.catalogue.run_states import Condition, run_list
 from storage.home import Home
@@ -80,6 +84,25 @@ def data(_: LineQuestion, home: Home) -> LineNow:
     )  # fmt: skip
 
 
+def acknowledge(asked: AlarmPressed, visitor: Visitor, home: Home) -> Acknowledged:
+    """Enters in the audit trail that a person saw to an alarm that stands.
+
+    Raises NotAllowed where the role does not allow it, NotThere where the alarm is over.
+    """
+    check_may("stop", visitor, asked.alarm, home)
+    standing = data(LineQuestion(), home).alarms
+    alarm = next((each for each in standing if each.key == asked.alarm), None)
+    if alarm is None:
+        raise NotThere(f"there is no alarm {asked.alarm} any more; look at the page again")
+    now = datetime.now(UTC)
+    with database.changing(home) as connection:
+        trail.add(
+            connection, visitor.name, alarms.ACKNOWLEDGE, alarm.key, at=now, station=alarm.station,
+            about=alarm.about, cause=alarm.cause.en,
+        )  # fmt: skip
+    return Acknowledged(by=visitor.name, at=now)
+
+
 def _station_now(home: Home, named: Sequence[str], queued: Sequence[Queued]) -> list[StationNow]:
     """Every station with a file, a status or an order, in the order of their ids."""
     now = datetime.now(UTC)
@@ -90,7 +113,7 @@ def _station_now(home: Home, named: Sequence[str], queued: Sequence[Queued]) -> 
         run, is_dead = last.get(station, (None, False))
         bare = StationNow(
             station=station, state=_state(run, is_dead, now), run=run, alarm=None,
-            stopped=stops_of(home).last(station), lockout=lockout_of(station, home),
+            stopped=last_stop(station, home), lockout=lockout_of(station, home),
             waiting=tuple(each for each in queued if each.station == station),
         )  # fmt: skip
         of_run = alarms.newest(alarms.of_station(bare))

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
+from flows.pages.line.alarms import NO_SERVER
 from flows.pages.line.card import card
 from flows.pages.line.models import AlarmShown, Flows, LineNow, LineQuestion, Output, Queued, Waits
 from flows.pages.line.stop_button import acknowledgement
@@ -12,7 +13,6 @@ from flows.pages.local_time import hour_of
 from flows.pages.page import View
 from flows.pages.parts import Cell, facts, heading, notice, table
 from flows.pages.states import Kind, StepState, badge, stated
-from tasks.words import cause_of
 
 WAITS: dict[Waits, Kind] = {"running": "good", "waiting": "open"}
 COLUMNS = 3  # of cards on a wide screen; more would be too small to be read from three metres
@@ -83,7 +83,7 @@ def _flows(flows: Flows, view: View) -> Component:
     if not flows.server:
         return dmc.Text(view.text("pages-line-no-server"), size="sm")
     if flows.fault is not None:
-        return dmc.Alert(view.say(cause_of(flows.fault)), color="red")
+        return dmc.Alert(view.say(NO_SERVER), color="red")
     rows = [
         (
             each.deployment,

@@ -65,13 +65,15 @@ class Released(Frozen):
 class StopShown(Frozen):
     """The last stop that was pressed for a station, and what became of it.
 
-    is_at_rest: whether the table was read to stand still. fault: why that is not known.
+    is_at_rest: whether the table was read to stand still. fault: why that is not
+    known; cause: the same as the page shows it.
     """
 
     by: str
     at: AwareDatetime
     is_at_rest: bool
     fault: str
+    cause: Statement | None = None
 
 
 class Queued(Frozen):

@@ -1,24 +1,15 @@
-"""The Stop button of a station: one press, no question asked; and the address that it calls."""
+"""The Stop button of a station: one press, no question asked."""
 
-from collections.abc import Callable
 from typing import Any
 
 from dash import html
 from dash.development.base_component import Component
-from flask import Blueprint, Response, request
-from pydantic import ValidationError
 
 from flows.pages.do.orders import roles_of
-from flows.pages.json_answers import json_answer, refusal
-from flows.pages.line.models import AlarmPressed, AlarmShown, StationNow, StopPressed
-from flows.pages.line.stops import stops_of
+from flows.pages.line.models import AlarmShown, StationNow
 from flows.pages.local_time import hour_of, second_of
-from flows.pages.page import View, view_of_request
+from flows.pages.page import View
 from flows.pages.parts import asking
-from schemas.access import Visitor
-from schemas.base import Frozen, NotThere, Unusable, first_fault
-from storage.home import Home
-from tasks.words import cause_of
 
 
 def stop_button(station: str, view: View) -> Component:
@@ -81,38 +72,6 @@ def _outcome_of_stop(now: StationNow, view: View) -> list[Component]:
         return []
     rest = "at-rest" if stop.is_at_rest else "not-at-rest"
     words = view.text(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))
-    fault = [html.Div(view.say(cause_of(stop.fault)))] if stop.fault else []
+    fault = [html.Div(view.say(stop.cause))] if stop.cause else []
     color = "good" if stop.is_at_rest else "bad"
     return [html.Div(words, className=f"at-rest alarm-{color}"), *fault]
-
-
-def stop_presses(home: Home) -> Blueprint:
-    """POST /api/v1/stop and /api/v1/release with a station: stops it in the name of whoever is
-    logged in, and lets its orders go on. POST /api/v1/acknowledge with the key of an alarm.
-    """
-    made = Blueprint("stop", __name__)
-
-    @made.post("/api/v1/stop")
-    def press() -> Response:
-        return _done(lambda station, visitor: stops_of(home).press(station, visitor))
-
-    @made.post("/api/v1/release")
-    def release() -> Response:
-        return _done(lambda station, visitor: stops_of(home).release(station, visitor))
-
-    @made.post("/api/v1/acknowledge")
-    def acknowledge() -> Response:
-        return _done(lambda key, visitor: stops_of(home).acknowledge(key, visitor), AlarmPressed)
-
-    return made
-
-
-def _done(act: Callable[[str, Visitor], Frozen], pressed: type[Frozen] = StopPressed) -> Response:
-    """What an act with the station or the alarm of the request gave, or why it was refused."""
-    try:
-        (about,) = pressed.model_validate_json(request.get_data()).model_dump().values()
-        return json_answer(act(about, view_of_request().visitor).model_dump_json())
-    except ValidationError as error:
-        return refusal(400, first_fault(error))
-    except Unusable as error:
-        return refusal(404 if isinstance(error, NotThere) else 403, str(error))

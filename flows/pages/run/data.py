@@ -23,7 +23,7 @@ from schemas.decision import LimitDecision
 from schemas.recording import Manifest, Segment
 from schemas.run_log import LogEntry
 from schemas.text import Statement, texts_of
-from storage.catalogue import certificates, database, results, runs, tables
+from storage.catalogue import certificates, database, orders, results, runs, tables
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.run_index import find
 from storage.catalogue.run_states import Condition, run_list
@@ -48,6 +48,7 @@ def data(question: RunQuestion, home: Home) -> RunShown:
     return RunShown(
         run=line,
         digest=run.digest,
+        order=orders.measured_for(run.id, home),
         validity=validity.verdict if validity else None,
         reasons=texts_of(validity, "reasons") if validity else (),
         segments=tuple(_segments(manifest, made)),

@@ -77,11 +77,14 @@ def _reasons(
 def _facts(shown: RunShown, view: View) -> Component:
     run = shown.run
     unit = f"{run.manufacturer} {run.model} {run.serial}"
+    number, count = shown.order or (None, 1)
+    again = view.text("pages-run-again", number=number or "", count=count)
     return facts(
         {
             "pages-column-id": run.id,
             "pages-line-unit": link(unit, "/unit", id=str(run.unit)),
             "pages-column-station": run.station,
+            **({"pages-run-order": again if count > 1 else number} if number else {}),
             "pages-column-recorded-on": str(run.recorded_on or day_of(run.imported_at)),
             "pages-column-validity": badge(validity_state(run.validity), view),
             "pages-column-result-state": badge(result_state(run), view),

@@ -152,6 +152,7 @@ class StandardUsed(Frozen):
 
 class RunShown(Frozen):
     """A run. validity: by the newest result, null without one; unavailable: items not determined.
+    order: number of the order that it was measured for, and which of its measurements it is.
     undecided: why the certificate of `limits_of` decides on nothing, whatever its limits say.
 
     limits_of: the certificate whose decision stands beside the items; null where none prints the
@@ -160,6 +161,7 @@ class RunShown(Frozen):
 
     run: RunLine
     digest: str
+    order: tuple[str, int] | None = None
     validity: RunVerdict | None
     reasons: tuple[Statement, ...]
     segments: tuple[SegmentShown, ...]

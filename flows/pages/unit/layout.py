@@ -28,6 +28,11 @@ from tasks.words.quantities import Scale, common_scales, quantity, unit_text
 from tasks.words.rounding import exact
 
 Scales = dict[str, Scale]  # by the unit of the values
+OWN: dict[str, dict[str, Any]] = {
+    "serial": {"cellRenderer": "UnitLink"}, "certificate": {"minWidth": 165},
+    "runs": {"filter": "agNumberColumnFilter"},
+    **{each: {"cellRenderer": "State", "minWidth": 140} for each in ("verdict", "due")},
+}  # fmt: skip
 ACROSS, PANEL_PX, GAP = 3, 230, 0.08
 COLORS: dict[AsMeasured, str] = {"found": BLUE, "left": ORANGE, "invalid": GREY}
 SYMBOLS: dict[AsMeasured, str] = {"found": "circle", "left": "diamond", "invalid": "x"}
@@ -52,22 +57,13 @@ def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
 
 
 def _list(shown: UnitShown, view: View) -> Component:
-    names = ("serial", "model", "manufacturer", "runs", "last-run", "certificate", "verdict", "due")
-    columns = [_column(name, view) for name in names]
+    names = "serial model manufacturer runs last-run certificate verdict due"
     rows = [_row(each, view) for each in shown.units]
-    shown_units = grid("units", columns, rows, view, "calc(100vh - 190px)", 120)
+    shown_units = grid(
+        "units", "pages-unit-column", names, rows, view, "calc(100vh - 190px)", 120, OWN
+    )
     count = view.text("pages-unit-count", count=shown.total)
     return dmc.Stack([dmc.Text(count), shown_units], gap="xs")
-
-
-def _column(name: str, view: View) -> dict[str, Any]:
-    kind = {"runs": "agNumberColumnFilter"}.get(name, "agTextColumnFilter")
-    return {
-        "field": name, "headerName": view.text(f"pages-unit-column.{name}"), "filter": kind,
-        **({"cellRenderer": "UnitLink"} if name == "serial" else {}),
-        **({"minWidth": 165} if name == "certificate" else {}),
-        **({"cellRenderer": "State", "minWidth": 140} if name in ("verdict", "due") else {}),
-    }  # fmt: skip
 
 
 def _row(line: UnitLine, view: View) -> dict[str, Any]:

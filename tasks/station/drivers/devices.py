@@ -25,6 +25,7 @@ from tasks.station.drivers.modbus_device import ModbusBackend
 from tasks.station.drivers.table import DescribedTable
 from tasks.station.drivers.text_device import TextBackend, TextLink
 from tasks.station.ports import Chamber, Climate, Fixture, Table
+from tasks.words import message
 
 POLL_S = 0.02
 TURN_TIMEOUT_S = 30.0  # wall time
@@ -92,7 +93,8 @@ class DescribedFixture:
             await asyncio.sleep(POLL_S)
         raise Unusable(
             f"the fixture has not arrived at {refix.name} within {TURN_TIMEOUT_S:.0f} s: look "
-            f"whether it is blocked"
+            f"whether it is blocked",
+            message("station-cause.fixture", turn=refix.name),
         )
 
 

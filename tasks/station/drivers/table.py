@@ -20,6 +20,7 @@ from tasks.station.drivers.encoders import (
 )
 from tasks.station.drivers.modbus_device import ModbusBackend
 from tasks.station.ports import TRIPS, AxisState, EncoderBlock, TableState, check_trips
+from tasks.words import message
 
 MOVING_DEG_S = 0.01  # where a table does not say itself whether it moves
 POLL_S = 0.1
@@ -129,7 +130,8 @@ class DescribedTable:
         await self._stop_every_axis("stop")
         raise Unusable(
             f"the table at {self._backend.url} has not found its home within "
-            f"{self._described.home_timeout_s:g} s: check whether an axis is blocked"
+            f"{self._described.home_timeout_s:g} s: check whether an axis is blocked",
+            message("station-cause.no-home"),
         )
 
     async def state(self) -> TableState:

@@ -80,7 +80,8 @@ class TextLink:
                 return None
             raise Unusable(
                 f"“{line}” cannot be sent to the device at {self.url} ({error}): check that it is "
-                f"switched on, and url in the station file"
+                f"switched on, and url in the station file",
+                message("station-cause.silent", device=self.url),
             ) from error
 
     def _answer(self, port: Any, line: str) -> str | None:

@@ -4,7 +4,6 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import Stream
-from schemas.text import Message
 from schemas.unit_link import AnyFrame, BinaryFrame, UnitLink
 from tasks.station.clock import wall_s
 from tasks.station.drivers.frames import find_binary, find_text
@@ -182,9 +181,9 @@ class UnitDriver:
             restart = self._restart_in(samples["stamp"])
             return samples[:restart], samples[restart:]
         if self._silent_s > SILENCE_S and not self.is_off:
-            raise Unusable(self._silence(), self._cause())
+            raise self._silent()
         if self._line.broken:
-            raise Unusable(self._line.broken)
+            raise Unusable(self._line.broken, message("station-cause.line", unit=self.link.url))
         return no_samples(self.link.frame), no_samples(self.link.frame)
 
     def stream(self, samples: np.ndarray, shift_us: int = 0) -> Stream:
@@ -209,27 +208,23 @@ class UnitDriver:
             raise Unusable(
                 f"the unit's time stamp went back from {before[back[-1]] / 1e6:.6f} s to "
                 f"{stamps[back[-1]] / 1e6:.6f} s, as after a restart: check its supply and "
-                f"start again"
+                f"start again",
+                message("station-cause.unit-restarted", unit=self.link.url),
             )
         self._may_restart = False
         return int(back[0])
 
-    def _cause(self) -> Message:
-        """For the pages."""
-        shown = {"unit": self.link.url, "seconds": f"{SILENCE_S:g}"}
-        return message(
-            f"station-cause.{'no-frame' if self._bytes_since else 'nothing-sent'}", **shown
-        )
-
-    def _silence(self) -> str:
-        unit = f"the unit on {self.link.url}"
+    def _silent(self) -> Unusable:
+        kind, what, look = "nothing-sent", "nothing", "its supply"
         if self._bytes_since:
-            return (
-                f"{unit} has sent {self._bytes_since} bytes and no whole frame for "
-                f"{SILENCE_S:g} s: check unit_link.frame of the station file, its baud rate and "
-                f"the cable"
-            )
-        return f"{unit} has sent nothing for {SILENCE_S:g} s: check its supply and the cable"
+            kind, what = "no-frame", f"{self._bytes_since} bytes and no whole frame"
+            look = "unit_link.frame of the station file, its baud rate"
+        seconds = f"{SILENCE_S:g}"
+        return Unusable(
+            f"the unit on {self.link.url} has sent {what} for {seconds} s: check {look} and the "
+            f"cable",
+            message(f"station-cause.{kind}", unit=self.link.url, seconds=seconds),
+        )
 
 
 def find_frames(data: bytes, frame: AnyFrame) -> FrameSearch:

@@ -13,6 +13,7 @@ import serial
 from schemas.base import Unusable
 from schemas.unit_link import UnitLink
 from tasks.station.drivers.modbus import host_and_port
+from tasks.words import message
 
 LOG = logging.getLogger("mimucal.station.unit")
 READ_BYTES = 4096
@@ -41,7 +42,8 @@ class UnitLine:
         except (OSError, ValueError) as error:  # pyserial's own is an OSError
             raise Unusable(
                 f"the unit's line {link.url} cannot be opened ({error}): check the cable "
-                f"and unit_link.url of the station file"
+                f"and unit_link.url of the station file",
+                message("station-cause.line", unit=link.url),
             ) from error
         LOG.info("opened", extra={"of": link.url})
         self._thread = threading.Thread(target=self._read, name="unit", daemon=True)

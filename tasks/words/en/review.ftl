@@ -22,11 +22,11 @@ review-nothing = { $runs } runs of { $units ->
        *[other] { $stations } stations
     } have nothing in common beyond chance and the spread between units ({ $p }, corrected for the number of tests; 1 clean fleet in 100 would raise a false alarm)
 review-evidence = { $runs ->
-        [one] One run gives χ² = { $gain }; the effect is { $z } times its standard deviation, and the run { $shown ->
+        [one] One run shows it (by chance alone: { $p }, corrected for the number of tests); the effect is { $z } times its standard deviation, and the run { $shown ->
             [0] does not favour it
            *[other] favours it
         }
-       *[other] { $runs } runs together give χ² = { $gain }; in a single run the effect is { $z } times its standard deviation (median), and { $shown ->
+       *[other] { $runs } runs together show it (by chance alone: { $p }, corrected for the number of tests); in a single run the effect is { $z } times its standard deviation (median), and { $shown ->
             [0] none of them favours it
             [one] one of them favours it
            *[other] { $shown } of them favour it

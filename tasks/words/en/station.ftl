@@ -113,6 +113,18 @@ station-cause =
     .nothing-sent = The unit at { $unit } has sent nothing for { $seconds } s: check its supply and its cable.
     .died = The process that carried it out ended without a word.
     .no-frame = The unit at { $unit } has sent bytes and no whole frame for { $seconds } s: check its frame in the station file, its baud rate and its cable.
+    .fault = The table reports a fault: read it at the controller, clear it there and start again.
+    .emergency-stop = The emergency stop of the table is pressed: make the table safe, release it, reset the table and start again.
+    .interlock = The interlock of the table is open: close the guard, reset the table and start again.
+    .watchdog = The table heard nothing for too long and stopped itself: check the network, reset the table and start again.
+    .not-settled = Axis { $axis } of the table has not settled within { $seconds } s: check its load, its balance and its servo.
+    .clock = The clock of the station stands or jumped back, as after a restart: restart the controller, then begin the run again.
+    .line = The line of the unit at { $unit } broke or cannot be opened: check the unit and its cable.
+    .unit-restarted = The time of the unit at { $unit } went back, as after a restart: check its supply, then begin again.
+    .no-home = The table has not found its home: check whether an axis is blocked.
+    .fixture = The fixture has not arrived at { $turn }: look whether it is blocked.
+    .still-turns = The table still turns although it was commanded to stop.
+    .no-server = Prefect’s server does not answer: see that it runs.
 
 ## What became of an order, for whoever operates the line.
 

@@ -13,11 +13,11 @@ review-carried = { $carrier } 的{ $runs ->
 review-summary = 这些测量中发现 { $count } 项效应：{ $findings }
 review-nothing = { $stations } 个工位上 { $units } 台被校对象的 { $runs } 次测量，除偶然因素或被校对象之间的分散所能造成者外，未见共同之处（{ $p }，已按全部检验次数修正；100 个无异常的机群中会有 1 个误报）
 review-evidence = { $runs ->
-        [1] 1 次测量的 χ² = { $gain }；该效应为其自身标准偏差的 { $z } 倍，该次测量{ $shown ->
+        [1] 1 次测量显示该效应（仅由偶然造成的概率：{ $p }，已按全部检验次数修正）；该效应为其自身标准偏差的 { $z } 倍，该次测量{ $shown ->
             [0] 不倾向于存在该效应
            *[other] 倾向于存在该效应
         }
-       *[other] { $runs } 次测量合计 χ² = { $gain }；单次测量中为其自身标准偏差的 { $z } 倍（中位数），其中 { $shown } 次倾向于存在该效应
+       *[other] { $runs } 次测量合计显示该效应（仅由偶然造成的概率：{ $p }，已按全部检验次数修正）；单次测量中为其自身标准偏差的 { $z } 倍（中位数），其中 { $shown } 次倾向于存在该效应
     }
 review-sizes = { $sizes }
 review-changed =

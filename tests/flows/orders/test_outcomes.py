@@ -7,14 +7,14 @@ import pytest
 
 from flows.orders import outcomes
 from flows.orders.order_queue import give, submit
-from flows.pages.line.data import data
-from flows.pages.line.models import LineQuestion
-from flows.pages.line.stops import Stops
+from flows.pages.line.data import acknowledge, data
+from flows.pages.line.models import AlarmPressed, LineQuestion
 from schemas.access import Visitor
 from schemas.base import NotThere, Unusable
 from schemas.production import OrderRequest
 from storage.catalogue import orders, trail
 from storage.home import Home
+from tasks.stages.alert import Sent
 from tasks.words import cause_of, message
 from tests.flows.order_homes import add_station, no_workers
 
@@ -33,7 +33,12 @@ def sent(home: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     add_station(home)
     no_workers(monkeypatch)
     (home / "recall.toml").write_text(OPERATORS, encoding="utf-8")
-    monkeypatch.setattr(outcomes, "alert", lambda home, sentence: sentences.append(sentence))
+
+    def alert(_: Home, sentence: str, only: list[str]) -> list[Sent]:
+        sentences.append(sentence)
+        return [Sent(channel, None) for channel in only]
+
+    monkeypatch.setattr(outcomes, "alert", alert)
     for number in "12":
         fields = {"number": number, "station": "LINE-1", "units": [{"serial": f"S{number}"}]}
         give(OrderRequest.model_validate(fields), "Li", Home(home))
@@ -67,6 +72,25 @@ def test_an_order_that_failed_is_said_once_for_each_attempt(home: Path, sent) ->
     assert len(sent) == 2
 
 
+def test_an_alert_that_could_not_be_sent_is_sent_once_more_by_that_channel(
+    home: Path, sent, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried: list[list[str]] = []
+
+    def alert(_: Home, sentence: str, only: list[str]) -> list[Sent]:
+        tried.append(only)
+        return [Sent(each, "refused" if each == "desk" else None) for each in only]
+
+    monkeypatch.setattr(outcomes, "alert", alert)
+    two = OPERATORS.replace("desk =", 'wall = "json://localhost/wall", desk =')
+    (home / "recall.toml").write_text(two, encoding="utf-8")
+    failed(home)
+    for _ in range(3):
+        submit(Home(home))
+    assert tried == [["wall", "desk"], ["desk"]]
+    assert actions(home).count(("line", "alert not sent", "1")) == 2
+
+
 def test_an_order_that_nothing_takes_is_said_and_one_that_waits_its_turn_is_not(
     home: Path, sent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -88,10 +112,9 @@ def test_a_person_acknowledges_an_alarm_and_another_failure_is_another_alarm(
     (alarm,) = data(LineQuestion(), Home(home)).alarms
     assert alarm.acknowledged is None
     assert "另一次采集" in alarm.cause.zh
-    stops = Stops(Home(home))
     with pytest.raises(NotThere):
-        stops.acknowledge("0" * 16, LI)
-    stops.acknowledge(alarm.key, LI)
+        acknowledge(AlarmPressed(alarm="0" * 16), LI, Home(home))
+    acknowledge(AlarmPressed(alarm=alarm.key), LI, Home(home))
     (alarm,) = data(LineQuestion(), Home(home)).alarms
     assert alarm.acknowledged is not None
     assert alarm.acknowledged.by == "Li"

@@ -188,6 +188,9 @@ def test_after_an_invalid_run_an_order_is_measured_again_under_its_number(
     orders.note("1", line, runs=("r2",))
     orders.finish("1", "failed", line, "no paper")
     assert retry("1", "Li", line, "paper is there").order.runs == ("r2",)  # is not repeated
+    assert [orders.measured_for(each, line) for each in ("r1", "r2", "r3")] == [
+        ("1", 1), ("1", 2), None,
+    ]  # fmt: skip
 
 
 def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> None:

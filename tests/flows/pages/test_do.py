@@ -254,5 +254,5 @@ def test_an_issued_certificate_is_amended_by_limits_of_the_home(
     limits = f"--tolerance={tmp_path / 'tolerances' / 'new.toml'}"
     assert command[-5:] == ["amend", "--json", number, "--why=--by", limits]
     assert environment["MIMUCAL_USER"] == "Li"
-    with pytest.raises(Unusable, match=r"there are no limits '\.\./own.toml'"):
+    with pytest.raises(Unusable, match=r"there is no file '\.\./own.toml'"):
         given.give("amend", form | {"tolerance": "../own.toml"}, operator)

@@ -14,10 +14,9 @@ import pytest
 from flows.pages import access, local_time
 from flows.pages.app import make_app
 from flows.pages.line import PAGE, flow_runs
-from flows.pages.line.alarms import acknowledge
 from flows.pages.line.card import KINDS, card
-from flows.pages.line.data import SILENT, output
-from flows.pages.line.models import LineNow, LineQuestion, StationNow
+from flows.pages.line.data import SILENT, acknowledge, output
+from flows.pages.line.models import AlarmPressed, LineNow, LineQuestion, StationNow
 from flows.pages.page import View
 from schemas.access import ROLES, Visitor
 from schemas.base import Unusable
@@ -325,9 +324,9 @@ def test_an_alarm_is_acknowledged_on_the_page_by_whoever_may_stop(tmp_path: Path
     (alarm,) = line_of(home).alarms
     assert f'"data-acknowledge": "{alarm.key}"' in shown(home)
     assert "data-acknowledge" not in shown(home, View(visitor=Visitor(name="Wu", role="viewer")))
-    acknowledge(alarm, "Zhao", home)
+    acknowledge(AlarmPressed(alarm=alarm.key), OPERATOR, home)
     assert "data-acknowledge" not in shown(home)
-    assert "Zhao, " in shown(home)
+    assert f"{OPERATOR.name}, " in shown(home)
 
 
 ANSWERS: dict[str, list[dict[str, Any]]] = {

@@ -13,6 +13,7 @@ from tasks.station.progress import Progress
 from tasks.station.sequencer import GUARD_WALL_S, Sequencer
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
+from tasks.words import cause_of
 from tests.tasks.station.in_memory import InMemoryStation
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import (
@@ -71,6 +72,7 @@ def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name,
         station.acquire(long, kept)
     kept_until(stop, kept, 20.0)  # 25 s of the station, which began with the run; a flush is 4 s
     assert station.table.has_been_left
+    assert "原因见日志" not in cause_of(stop.value).zh  # on the pages it is told, too
 
 
 @pytest.mark.real_time
