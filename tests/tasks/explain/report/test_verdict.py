@@ -7,7 +7,6 @@ from made_report import BIAS, answer, explanation, finding, located, unnamed, wh
 from schemas.discrepancy import Discrepancy, FoundParameter, HeldOut
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
-from tasks.model.effect import LOGGER
 from tasks.readings.implausible import found_on_sight
 from tasks.words import message
 
