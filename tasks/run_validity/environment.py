@@ -137,7 +137,7 @@ def unit_temperature_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
 def _followed(evidence: ClauseEvidence) -> Iterator[Remark]:
     """Channels whose readings follow the recorded temperature of the unit, by how much in 1 K."""
     for c, name in enumerate(CHANNELS):
-        _, _, values = following(evidence, c)
+        values = following(evidence, c)
         if values is not None:
             yield run_remark(
                 "follows_temperature", run="valid", channel=name,

@@ -46,9 +46,10 @@ def with_course(
     last = max(s.t_end for s in evidence.segments)
     per_kelvin = np.zeros_like(course)
     for c in range(channels):
-        used, given, values = following(evidence, c)
+        values = following(evidence, c)
         if values is not None:
-            per_kelvin[c, used] = values[2] * given
+            felt = motion.rate[:, c] if c < len(AXES) else motion.up[:, c - len(AXES)]
+            per_kelvin[c] = values[2] * np.nan_to_num(felt)
     if per_kelvin.any():
         evidence = replace(evidence, per_kelvin=per_kelvin)
     shapes = legendre.legvander(2.0 * (t - first) / (last - first) - 1.0, COURSE)[:, 1:]
@@ -70,13 +71,12 @@ def with_course(
     return replace(evidence, course=course) if course.any() else evidence
 
 
-def following(
-    evidence: ClauseEvidence, channel: int
-) -> tuple[list[int], np.ndarray, np.ndarray | None]:
-    """Segments with a known input of a channel, the inputs (m,), and its gain, its zero, and the
-    change of both per K (4,), where its readings follow the recorded temperature of the unit.
+def following(evidence: ClauseEvidence, channel: int) -> np.ndarray | None:
+    """A channel's gain, its zero, and the change of both per K (4,), where its readings follow the
+    recorded temperature of the unit.
 
-    The input: the rate about a gyro's own axis, gravity along an accelerometer's.
+    Of the segments with a known input: the rate about a gyro's own axis, gravity along that of an
+    accelerometer.
     """
     at, axis = evidence.temperatures, AXES[channel % len(AXES)]
     if channel < len(AXES):
@@ -89,12 +89,12 @@ def following(
         given = np.array([1.0 if (evidence.up[i] or "")[0] == "+" else -1.0 for i in used])
         reference = np.zeros(len(used))
     if not used or not np.isfinite(at).all() or np.ptp(at) == 0.0:
-        return used, given, None
+        return None
     warm = at[used] - at[used].mean()
     design = np.column_stack([given, np.ones(len(used)), given * warm, warm])
     spread = evidence.fast_covariance(channel)[np.ix_(used, used)] + np.diag(reference)
     values, chance = last_shown(design, evidence.means[used, channel], spread, 2)
-    return used, given, values if chance < FOLLOWS else None
+    return values if chance < FOLLOWS else None
 
 
 def comparable(evidence: ClauseEvidence, rests: list[int], channel: int) -> list[int]:

@@ -215,15 +215,13 @@ def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution
     return Contribution(quantity, sensitivity)
 
 
-def drift_in_run(half_width: float) -> Contribution:
+def drift_in_run(shift: float) -> Contribution:
     """What the course of zero and gain over the run does to a value, in the value's unit.
 
-    half_width: by how much a fitted course would shift it; it is not corrected.
+    shift: by how much; it is not corrected, and so its own standard uncertainty.
     """
     name = message("uncertainty-drift-in-run")
-    u = half_width / math.sqrt(3.0)
-    quantity = InputQuantity("d", name, "", u, "A", "rectangular", half_width=half_width)
-    return Contribution(quantity, 1.0)
+    return Contribution(InputQuantity("d", name, "", shift, "A", "normal"), 1.0)
 
 
 def _line(contribution: Contribution, share: float) -> BudgetInput:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from schemas.calibration import Method
+from schemas.calibration import Calibration, Method
 from schemas.equipment import EquipmentLimit, LimitName
 from schemas.recording import ACCEL, GYRO, Recording, Stream
 from schemas.validation import ScenarioValidation
@@ -33,7 +33,9 @@ MOUNT_DEG = 1.0
 RATE_OFF = 2e-4  # relative, of rates that labels alone state
 POLLED_S, POLLS_HZ = 2e-3, 10.0  # within which a polled angle's time is known, and how often
 LONGEST_S, FLICKER = 3e4, np.array([4e-6] * 3 + [6e-5] * 3)  # s; √h in rad/s, m/s²
-WARM_K, WARM_S = 3.0, 600.0
+WARM_K, WARM_S, AIR_DEGC = 3.0, 600.0, 25.0
+PER_KELVIN = "per kelvin"  # beside the items of a truth: by scale factor and axis, 1/K
+SCALE_FACTORS = ("gyro_scale_factor", "accel_scale_factor")
 OF_TEMPERATURE = np.array([2e-4] * 3 + [1e-4] * 3)  # 1/K, of the scale factors
 DRIFT = np.array([1e-4] * 3 + [2e-3] * 3)  # rad/s, m/s²: 5 % of a bias's range
 COARSE = (0.05, 0.5)  # noise of a row over the step
@@ -89,7 +91,19 @@ def _errors_in(job: tuple[str, Method, Calibrate, int]) -> tuple[str, Method, Er
     evaluation = evaluation_for(recording, own=SCENARIOS[name].own)
     made = calibrate(recording, run="simulated", code_version="-", evaluation=evaluation)
     invalid = any(one.run == "invalid" for one in made.remarks)
-    return name, method, errors_of(made, truth), invalid
+    return name, method, errors_of(made, _where_it_holds(made, truth)), invalid
+
+
+def _where_it_holds(made: Calibration, truth: Truth) -> Truth:
+    """The truth at the temperature at which each element is said to hold."""
+    slopes, moved = truth.get(PER_KELVIN, {}), dict(truth)
+    for name in SCALE_FACTORS if slopes else ():
+        at = made.items[name].temperature_degc or {}
+        moved[name] = {
+            e: true * (1.0 + slopes[name + e] * ((at.get(e) or slopes["mean"]) - slopes["mean"]))
+            for e, true in truth[name].items()
+        }
+    return moved
 
 
 def _stated(recording: Recording, **fields: object) -> Recording:
@@ -184,15 +198,14 @@ def with_slow_noise(recording: Recording, truth: Truth, random: np.random.Genera
 
 
 def warming(recording: Recording, truth: Truth, random: np.random.Generator) -> Made:
-    """The unit warms, its scale factors with it, and its temperature is recorded.
-
-    The truth is that at the mean temperature of the run's segments.
-    """
+    """The unit warms, its scale factors with it, and its temperature is recorded."""
     t = recording.imu.t
     warm = WARM_K * (1.0 - np.exp(-t / WARM_S))
-    gain = 1.0 + np.outer(warm - warm.mean(), OF_TEMPERATURE * random.choice([-1.0, 1.0], 6))
-    values = recording.imu.stack(GYRO + ACCEL) * gain
-    return _read(recording, values, temperature=25.0 + warm), truth
+    slopes = OF_TEMPERATURE * random.choice([-1.0, 1.0], 6)
+    values = recording.imu.stack(GYRO + ACCEL) * (1.0 + np.outer(warm - warm.mean(), slopes))
+    names = (name + axis for name in SCALE_FACTORS for axis in "xyz")
+    per_kelvin = dict(zip(names, slopes.tolist(), strict=True), mean=AIR_DEGC + float(warm.mean()))
+    return _read(recording, values, temperature=AIR_DEGC + warm), truth | {PER_KELVIN: per_kelvin}
 
 
 def drifting(recording: Recording, truth: Truth, random: np.random.Generator) -> Made:

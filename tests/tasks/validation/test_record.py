@@ -11,6 +11,7 @@ from schemas.validation import (
     Coverage,
     ItemValidation,
     MethodValidation,
+    ScenarioValidation,
     ValidationRecord,
 )
 from tasks.calibrate.calibrate import calibrate
@@ -23,7 +24,7 @@ from tasks.validation.fingerprint import (
     sources,
     text_digest,
 )
-from tasks.validation.record import doubts_of, named, shipped, validation_html
+from tasks.validation.record import conditions_of, doubts_of, named, shipped, validation_html
 from tasks.version import code_version
 from tasks.words import say, texts
 
@@ -208,3 +209,24 @@ def test_the_page_shows_every_item_and_what_is_open(calibration) -> None:
     assert all(name in text for name in calibration.items)
     assert "8 of 9 items are validated" in text
     assert "http" not in text
+
+
+def test_scenarios_stand_on_the_page_and_a_certificate_names_those_of_its_run(calibration) -> None:
+    cover = Coverage(
+        units=200, elements=600, inside_95=0.944, confidence=(0.93, 0.96), inside_expanded=0.96,
+        rms_z=1.03, by_element={"x": 0.944},
+    )  # fmt: skip
+    walked = ScenarioValidation(
+        conditions=tuple(conditions_of(calibration)), units=200, invalid=3,
+        items={"jjf2003": {"gyro_bias": cover}},
+    )  # fmt: skip
+    record = record_of(calibration, fingerprint("jjf2003"))
+    record = record.model_copy(update={"scenarios": {"in-order": walked}})
+    page = validation_html(record)
+    assert '<td class="number">94.4 %</td><td class="number">1.03</td>' in page
+    assert "一切正常" in page
+    assert say(named(record, calibration), "en").endswith("scenarios: everything in order")
+    aslant = calibration.model_copy(update={"settings": {**calibration.settings, "mount": 1.0}})
+    assert say(named(record, aslant), "en").endswith(
+        ", a stated mount off square) lie in none of the validated scenarios"
+    )
