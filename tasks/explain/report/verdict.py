@@ -35,7 +35,7 @@ def verdict_statement(
 
     discrepancy: all but this statement. recording: what it is of.
     """
-    first = [message("report-invalid"), *invalid] if invalid else []
+    first: list[Sayable] = [message("report-invalid"), *invalid] if invalid else []
     if discrepancy.verdict == "no_mismatch":
         left = chi2(discrepancy.held_out.chi2_per_dof_before)
         nothing = message("report-nothing-found", chi2=left)
