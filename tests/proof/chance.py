@@ -191,10 +191,7 @@ def markdown(rows: Sequence[Row], code: str) -> str:
         "None."
     ]
     lines += ["", "## Each real recording", ""]
-    lines += table(
-        ("recording", "found in the original", "null recordings", "wrong", "unreported"), ()
-    )
-    lines += map(line, _originals(rows))
+    lines += table(OF_REAL, _originals(rows))
     return "\n".join(lines) + "\n"
 
 

@@ -266,6 +266,15 @@ def faults(count: Count = 200, seed: Seed = 1, out: Out = None, write: Write = F
          faults=lambda one: (f"{one.fault}: {each}" for each in one.violations))  # fmt: skip
 
 
+def resumes(count: Count = 10, seed: Seed = 1, out: Out = None, write: Write = False) -> None:
+    """Acquisitions that are killed at random moments and go on, against an uninterrupted run."""
+    rng = np.random.default_rng(seed)
+    moments = (round(rng.uniform(0.0, LATEST_IN_REAL_TIME_S), 1) for _ in range(count))
+    work = {f"{seed}-{n:04d}": StationFault("client_killed", at) for n, at in enumerate(moments)}
+    hold("resumes", work, run_one, partial(page, seed=seed), out, write=write, at_once=AT_ONCE,
+         faults=lambda one: (f"{one.fault}: {each}" for each in one.violations))  # fmt: skip
+
+
 def run_one(fault: StationFault) -> Ended:
     """One run with a fault, and how it is judged."""
     try:

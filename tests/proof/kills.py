@@ -9,24 +9,19 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration, Item
 from schemas.procedure import Procedure
-from schemas.recording import ACCEL, GYRO, MEASURED, Recording
+from schemas.recording import ACCEL, GYRO, Recording
 from schemas.station import StationFile
-from storage.catalogue import runs
 from storage.catalogue.run_index import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
-from tasks.specifications.register import specification_for
 from tasks.stages.acquire import acquire_run
 from tasks.stages.left_run import left_runs
 from tasks.station import procedures
@@ -35,7 +30,7 @@ from tasks.station.run_manifest import interrupted
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tests.proof.study import Count, Out, Seed, Write, folder_of, hold, table
-from tests.proof.virtual_runs import Sent, Tap, comes_to_rest, run_in_memory, short_procedure
+from tests.proof.virtual_runs import Sent, Tap, comes_to_rest
 from tests.tasks.station.over_sockets import ignore
 
 BOUND_S = 2.0  # wall time: what a kill or a power cut may cost
@@ -170,7 +165,7 @@ COLUMNS = ("seed", "kill after (s)", "sent", "recovered", "lost (s)", "wrong")
 def kills(count: Count = 100, seed: Seed = 1, out: Out = None, write: Write = False) -> None:
     """Acquisitions killed at random moments: what is recovered is what the unit sent."""
     folder = folder_of("kills", out)
-    hold("kills", seeds(count, seed), partial(kill, folder=folder), kills_page, out, write=write,
+    hold("kills", seeds(count, seed), partial(kill, folder=folder), as_markdown, out, write=write,
          at_once=AT_ONCE, faults=lambda one: one.faults)  # fmt: skip
 
 
@@ -178,7 +173,7 @@ def seeds(count: int, first: int) -> dict[str, int]:
     return {f"{seed:04d}": seed for seed in range(first, first + count)}
 
 
-def kills_summary(killed: Sequence[Killed]) -> str:
+def summary(killed: Sequence[Killed]) -> str:
     """One sentence."""
     wrong = sum(bool(each.faults) for each in killed)
     with_rows = [each.lost_s for each in killed if each.recovered]
@@ -189,7 +184,7 @@ def kills_summary(killed: Sequence[Killed]) -> str:
     )
 
 
-def kills_page(killed: Sequence[Killed]) -> str:
+def as_markdown(killed: Sequence[Killed]) -> str:
     """The summary, how it was held, and a row for each kill."""
     rows = [
         (seed, f"{after:.2f}", sent, recovered, f"{lost:.2f}", "; ".join(wrong))
@@ -198,7 +193,7 @@ def kills_page(killed: Sequence[Killed]) -> str:
     return "\n".join([
         "# Kills",
         "",
-        f"{kills_summary(killed)}.",
+        f"{summary(killed)}.",
         "",
         f"Each on a virtual station of its own at {SPEED:g} times the clock, with a log of the",
         "unit's line beside it. What is recovered must be what was sent, reading by reading and",
@@ -254,134 +249,3 @@ def _standing(station: StationFile, procedure: Procedure, home: Home) -> int | N
     except Unusable:
         return None
     return len(interrupted(left.recording, station.unit_link).measured())
-
-
-# An acquisition that is killed and goes on: its values against those of an uninterrupted run.
-
-DWELL_S = 31.0  # what the specification asks, and a little more
-LATEST = 0.9  # of the time that an uninterrupted run takes at least
-WARM_UP_S = 600.0  # of JJF 2003: a unit that is still cold has other biases
-RESUMES_COLUMNS = (
-    "seed", "kill after (s)", "segments kept", "measured then", "run", "largest difference (U)",
-    "of",
-)  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Resumed:
-    """One run that was killed and went on.
-
-    kept: measured segments that stood after the kill; again: those that were then measured.
-    validity: the verdict on the run. worst: its largest difference from the uninterrupted run, by
-    the U of that difference, and of which element.
-    """
-
-    seed: int
-    after_s: float
-    kept: int
-    again: int
-    validity: str
-    worst: float = 0.0
-    element: str = ""
-
-    @property
-    def holds(self) -> bool:
-        return self.worst <= 1.0
-
-
-def resumes(count: Count = 10, seed: Seed = 1, out: Out = None, write: Write = False) -> None:
-    """Acquisitions that are killed and go on, against an uninterrupted run."""
-    folder = folder_of("resumes", out)
-    hold("resumes", seeds(count, seed), partial(_resumed, folder=folder), resumes_page, out,
-         write=write, at_once=AT_ONCE,
-         faults=lambda one: [] if one.holds else [f"seed {one.seed}: {one.element}"])  # fmt: skip
-
-
-@cache
-def _uninterrupted() -> tuple[Calibration, float, Procedure]:
-    """The values of a whole run, how long it takes (s of the wall clock), and its procedure."""
-    procedure = short_procedure(DWELL_S, "x", WARM_UP_S)
-    whole = run_in_memory(procedure, VirtualStation()).recording
-    assert whole is not None
-    return _calibrated(whole), float(whole.imu.t[-1]) / RESUMES_SPEED, procedure
-
-
-def _resumed(seed: int, folder: Path) -> Resumed:
-    whole, whole_s, procedure = _uninterrupted()
-    after_s = random.Random(seed).uniform(WARM_UP_S / RESUMES_SPEED, LATEST * whole_s)
-    home = Home(folder / f"{seed:03d}")
-    with running(VirtualStation(), RESUMES_SPEED) as station:
-        run, acquired, kept = killed_and_resumed(station, procedure, home, after_s)
-    resumed = _calibrated(runs.load(run, home))
-    segments = sum(each.kind in MEASURED for each in acquired.manifest.segments or ())
-    validity = resumed.validity.verdict
-    worst, element = worst_difference(resumed, whole)
-    return Resumed(seed, after_s, kept, segments - kept, validity, worst, element)
-
-
-def _calibrated(recording: Recording) -> Calibration:
-    return calibrate(
-        specification_for(recording.manifest.standard), recording, run="", code_version="",
-        evaluation=evaluation_for(recording),
-    )  # fmt: skip
-
-
-def worst_difference(one: Calibration, other: Calibration) -> tuple[float, str]:
-    """The largest difference of a value in units of that of its two U, and of which element it is.
-
-    A value that only one of them has differs without bound.
-    """
-    worst, where = 0.0, ""
-    for name, item in one.items.items():
-        for element, value in item.value.items():
-            against, reach = (
-                other.items[name].value[element],
-                _reach(item, other.items[name], element),
-            )
-            if (value is None) != (against is None):
-                return float("inf"), f"{name}.{element}"
-            if value is not None and against is not None and reach:
-                worst, where = max(
-                    (worst, where), (abs(value - against) / reach, f"{name}.{element}")
-                )
-    return worst, where
-
-
-def _reach(one: Item, other: Item, element: str) -> float:
-    """Expanded uncertainty of the difference of two independent values, as in E_n."""
-    return float(np.hypot(one.U.get(element) or 0.0, other.U.get(element) or 0.0))
-
-
-def resumes_summary(found: Sequence[Resumed]) -> str:
-    """One sentence."""
-    return (
-        f"{len(found)} acquisitions killed at random moments and gone on with: "
-        f"{sum(each.holds for each in found)} have the values of an uninterrupted run within "
-        f"U; the largest difference is {max(each.worst for each in found):.2f} U"
-    )
-
-
-def resumes_page(found: Sequence[Resumed]) -> str:
-    """The summary, how it was held, and a row for each run."""
-    rows = [
-        (seed, f"{after:.1f}", kept, again, validity, f"{worst:.2f}", element)
-        for seed, after, kept, again, validity, worst, element in map(
-            astuple, sorted(found, key=lambda each: each.seed)
-        )
-    ]
-    return "\n".join([
-        "# Runs that were killed and went on",
-        "",
-        f"{resumes_summary(found)}.",
-        "",
-        f"Each on a virtual station of its own, with the same unit, at {RESUMES_SPEED:g} times the",
-        f"clock: after the warm-up of {WARM_UP_S:g} s the acquisition is killed (SIGKILL), the",
-        "watchdog brings the table to rest, and `acquire --resume` warms up and measures what is",
-        "missing.",
-        "The uninterrupted run is of the same procedure, in simulated time. Differences are",
-        "counted in the expanded uncertainty U of a difference of two such values,",
-        "√(U₁² + U₂²), as E_n does.",
-        "",
-        *table(RESUMES_COLUMNS, rows),
-        "",
-    ])  # fmt: skip

@@ -1,11 +1,13 @@
-"""The numbers of the Quality page a second time: plain SQL on the catalogue, and numpy."""
+"""Whether the pages say what a line's store holds: plain SQL and numpy a second time.
+
+Numbers of Line, Runs, Unit, Due and Mismatch, and the station that is tilted.
+"""
 
 import json
 import os
 import sqlite3
 import time
 import urllib.request
-from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import date, datetime, timedelta
@@ -36,157 +38,6 @@ from tests.proof.line import (
     station_name,
 )
 from tests.proof.study import Count, Out, Seed, Write, folder_of, publish
-
-Counts = dict[str, tuple[int, int]]  # passed, of
-RUNS = """
-with told as (
-    select r.id as run, u.model, u.serial, r.station, r.recorded_on as day, r.imported_at as at,
-        julianday(r.recorded_on) - lag(julianday(r.recorded_on)) over (
-            partition by r.unit order by r.recorded_on, r.imported_at, r.id) as pause,
-        (select o.result from outcomes o where o.run = r.id
-            order by o.made_at desc limit 1) as result,
-        (select c.number from certificates c where c.run = r.id
-            order by c.kept_at desc limit 1) as paper
-    from runs r join units u on u.id = r.unit
-)
-select t.run, t.model, t.serial, t.station, t.day, t.pause is null or t.pause > 7 as first,
-    o.verdict as validity, o.missing, c.verdict, c.number, e.value, e.expanded
-from told t
-left join outcomes o on o.result = t.result
-left join certificates c on c.number = t.paper
-left join elements e on e.result = t.result and e.item = :item and e.element = :element
-where t.day >= :since and t.day <= :until
-order by t.day, t.at, t.run
-"""
-BAD = """
-select d.item, count(distinct d.certificate), count(distinct case when d.verdict <> 'pass'
-    then d.certificate end)
-from decisions d where d.certificate in (select value from json_each(:papers)) group by d.item
-"""
-LIMITS = """
-select d.lower, d.upper from decisions d join certificates c on c.number = d.certificate
-where c.number in (select value from json_each(:papers)) and d.item = :item
-    and d.element = :element order by c.kept_at desc limit 1
-"""
-
-
-@dataclass(frozen=True)
-class Own:
-    """As QualityShown has them. values: by run, those on the chart."""
-
-    counted: dict[str, int]
-    by_station: Counts
-    by_model: Counts
-    by_week: Counts
-    by_item: Counts
-    capability: dict[str, float | None]
-    indices: dict[str, float | None]
-    chart: dict[str, float | None]
-    values: dict[str, float]
-
-
-def own_numbers(database: sqlite3.Connection, shown: dict[str, Any], asked: dict[str, str]) -> Own:
-    """What an answer should say. shown: the answer, of which model and element are taken."""
-    names = {"item": shown["item"], "element": shown["element"]}
-    span = {"since": asked.get("since", "0001-01-01"), "until": asked.get("until", "9999-12-31")}
-    database.row_factory = sqlite3.Row
-    rows = database.execute(RUNS, names | span).fetchall()
-    of_model = [row for row in rows if row["model"] == shown["model"]]
-    station = asked.get("station")
-    here = [row for row in of_model if station in (None, row["station"])]
-    first = [row for row in here if row["first"]]
-    decided = list(filter(_is_decided, first))
-    everywhere = [
-        r for r in rows if r["first"] and _is_decided(r) and station in (None, r["station"])
-    ]
-    papers = json.dumps([row["number"] for row in decided if row["number"]])
-    invalid = [row for row in decided if row["validity"] == "invalid"]
-    per_item = database.execute(BAD, {"papers": papers}).fetchall()
-    by_item = {item: (of - bad, of + len(invalid)) for item, of, bad in per_item}
-    valued = [row for row in here if row["validity"] != "invalid" and row["value"] is not None]
-    values = {row["run"]: row["value"] for row in valued}
-    able = [row for row in valued if row["first"]]
-    limits = database.execute(LIMITS, names | {
-        "papers": json.dumps([row["number"] for row in able if row["number"]])
-    }).fetchone()  # fmt: skip
-    return Own(
-        counted={
-            "runs": len(here), "first": len(first), "retests": len(here) - len(first),
-            "undecided": len(first) - len(decided), "invalid": len(invalid),
-        },
-        by_station=_counts([r for r in of_model if r["first"] and _is_decided(r)], "station"),
-        by_model=_counts(everywhere, "model"),
-        by_week=_counts(decided, "day", _week),
-        by_item=by_item,
-        **_statistics(able, valued, (limits["lower"], limits["upper"]) if limits else (None, None)),
-        values=values,
-    )  # fmt: skip
-
-
-def _is_decided(row: sqlite3.Row) -> bool:
-    return row["verdict"] is not None or row["validity"] == "invalid"
-
-
-def _has_passed(row: sqlite3.Row) -> bool:
-    return bool(row["validity"] in ("valid", "remarks") and not row["missing"]
-                and row["verdict"] == "pass")  # fmt: skip
-
-
-def _week(day: str) -> str:
-    year, week, _ = date.fromisoformat(day).isocalendar()
-    return f"{year}-W{week:02d}"
-
-
-def _counts(rows: list[sqlite3.Row], by: str, named: Any = str) -> Counts:
-    of = Counter(named(row[by]) for row in rows)
-    passed = Counter(named(row[by]) for row in rows if _has_passed(row))
-    return {name: (passed[name], count) for name, count in of.items()}
-
-
-def _statistics(
-    able: list[sqlite3.Row], charted: list[sqlite3.Row],
-    limits: tuple[float | None, float | None],
-) -> dict[str, Any]:  # fmt: skip
-    """Capability of first runs and the chart of all, by the definitions."""
-    x, (lower, upper) = np.array([row["value"] for row in able]), limits
-    mean, overall = x.mean(), x.std(ddof=1)
-    within = np.mean(np.abs(x[1:] - x[:-1])) * np.sqrt(np.pi) / 2.0
-    two = None if lower is None or upper is None else upper - lower
-    sides = _known(None if upper is None else upper - mean, None if lower is None else mean - lower)
-    y = np.array([row["value"] for row in charted])
-    ranges = np.abs(y[1:] - y[:-1])
-    sigma = ranges.mean() * np.sqrt(np.pi) / 2.0
-    share = sorted(_consumed(row, lower, upper) for row in able)
-    return {
-        "capability": {
-            "n": len(x), "lower": lower, "upper": upper, "mean": mean, "within": within,
-            "overall": overall, "over": sum(each > 1.0 for each in share),
-            "margin_median": share[int(np.ceil(0.5 * len(share))) - 1],
-        },
-        "indices": {
-            "cp": two and two / 6 / within, "pp": two and two / 6 / overall,
-            "cpk": min(sides) / 3 / within, "ppk": min(sides) / 3 / overall,
-        },
-        "chart": {
-            "centre": y.mean(), "sigma": sigma, "lower": y.mean() - 3 * sigma,
-            "upper": y.mean() + 3 * sigma, "mean_range": ranges.mean(),
-        },
-    }  # fmt: skip
-
-
-def _known(*values: float | None) -> list[float]:
-    return [value for value in values if value is not None]
-
-
-def _consumed(row: sqlite3.Row, lower: float | None, upper: float | None) -> float:
-    value = row["value"]
-    margin = min(
-        _known(None if upper is None else upper - value, None if lower is None else value - lower)
-    )
-    return float(row["expanded"] / margin) if margin > 0 else float("inf")
-
-
-# Numbers of Line, Runs, Unit, Due and Mismatch a second time: plain SQL, and numpy.
 
 Asking = Callable[[str, dict[str, str]], dict[str, Any]]  # page and question
 Pair = tuple[str, Any, Any]  # what, as the page says, as counted here
@@ -429,13 +280,6 @@ TILTED = ("accel_rate_sensitivity", "xy")
 OFF_IN_U = 2.0  # U (k = 2) of a station's difference, from which it counts as off
 SEEN_IN_U = 3.0  # U of what the tilt makes of it: then 98 of 100 comparisons find the station off
 WITHIN_U = 2.0  # U of the size found: how far it may be off
-ASKED: tuple[dict[str, str], ...] = (
-    {}, {"model": "MX-400"}, {"model": "MX-210", "station": "ST-02"},
-    {"model": "MX-120", "item": "accel_bias", "element": "z", "until": "2025-03-31"},
-    {"model": "MX-110", "item": "gyro_g_sensitivity", "element": "zx", "since": "2025-01-01"},
-    {"model": "MX-400", "item": "gyro_scale_factor", "element": "y", "station": "ST-05",
-     "since": "2024-06-01", "until": "2026-06-01"},
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -450,23 +294,14 @@ def judge(home: Home, answer: dict[str, Any]) -> Judged:
     """Asks the pages of a home, and holds what they answer against the truth."""
     database = sqlite3.connect(home.path / "catalog.sqlite")
     with served(home) as address:
-        quality = [(asked, _get(address, "quality", asked)) for asked in ASKED]
         mismatch = _get(address, "mismatch", {})
         tilted = _get(address, "quality", dict(zip(("item", "element"), TILTED, strict=True)))
-        others = list(pairs(database, partial(_get, address)))
-    compared = [
-        (f"{asked} {name}", declared, own)
-        for asked, shown in quality
-        for name, declared, own in _pairs(shown, own_numbers(database, shown, asked))
+        compared = list(pairs(database, partial(_get, address)))
+    wrong = [
+        f"{what}: {declared} and not {own}"
+        for what, declared, own in compared
+        if not same(declared, own)
     ]
-    wrong, wrong_elsewhere = (
-        [
-            f"{what}: {declared} and not {own}"
-            for what, declared, own in each
-            if not same(declared, own)
-        ]
-        for each in (compared, others)
-    )
     carried, faults = _carried(mismatch, answer, database)
     off = [each["station"] for each in tilted["stations"]
            if each["U"] and abs(each["difference"]) > OFF_IN_U * each["U"]]  # fmt: skip
@@ -480,9 +315,8 @@ def judge(home: Home, answer: dict[str, Any]) -> Judged:
         "power": f"{power:.1f}",
         "size_truth": f"{1e6 * answer['east_rad']:.0f}, {1e6 * answer['north_rad']:.0f}",
         "named": named, "others": elsewhere, **carried,
-        "same_others": len(others) - len(wrong_elsewhere), "numbers_others": len(others),
     }  # fmt: skip
-    return Judged(declared, (*wrong[:5], *wrong_elsewhere[:5], *faults, *false))
+    return Judged(declared, (*wrong[:5], *faults, *false))
 
 
 def _power(
@@ -505,28 +339,6 @@ def same(declared: Any, own: Any) -> bool:
 def _get(address: str, page: str, asked: dict[str, str]) -> dict[str, Any]:
     with urllib.request.urlopen(f"{address}/api/v1/{page}?{urlencode(asked)}") as answered:
         found: dict[str, Any] = json.loads(answered.read())
-    return found
-
-
-def _pairs(shown: dict[str, Any], own: Own) -> list[tuple[str, float | None, float | None]]:
-    """Each number that the page shows beside the same one counted again."""
-    found: list[tuple[str, float | None, float | None]] = []
-    found += [(name, shown["counted"][name], own.counted[name]) for name in own.counted]
-    for part in ("by_station", "by_model", "by_week", "by_item"):
-        yields = {each["name"]: each for each in shown[part]}
-        counted = getattr(own, part)
-        found.append((f"{part} groups", len(yields), len(counted)))
-        for name, (passed, of) in counted.items():
-            declared = yields.get(name, {})
-            found += [(f"{part} {name} passed", declared.get("passed"), passed),
-                      (f"{part} {name} of", declared.get("of"), of)]  # fmt: skip
-    chart, ability = shown["chart"], shown["capability"]
-    found += [(name, ability[name], value) for name, value in own.capability.items()]
-    found += [(name, ability[name]["value"], value) for name, value in own.indices.items()]
-    found += [(name, chart[name], value) for name, value in own.chart.items()]
-    declared = {point["run"]: point["value"] for point in chart["points"]}
-    found.append(("points", len(declared), len(own.values)))
-    found += [(f"value of {run}", declared.get(run), value) for run, value in own.values.items()]
     return found
 
 
@@ -610,8 +422,7 @@ independent plant; `mimucal review` pools these, and `mimucal explain` answers {
 
 | what | answered | held against |
 |---|---:|---|
-| numbers of the Quality page that the catalogue has, too | {same} of {numbers} | SQL, and numpy |
-| numbers of Line, Runs, Unit, Due and Mismatch | {same_others} of {numbers_others} | the same |
+| numbers of Line, Runs, Unit, Due and Mismatch | {same} of {numbers} | SQL, and numpy |
 | the tilted station on the Mismatch page | {found} | {truth} |
 | since | {since} | {since_truth} |
 | size, east and north (µrad) | {size} | {size_truth} |

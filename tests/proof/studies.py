@@ -4,19 +4,19 @@ from typing import Annotated
 
 import typer
 
-from tests.proof.ablation import ablation
 from tests.proof.chance import chance
 from tests.proof.factory.__main__ import main as factory
 from tests.proof.factory.kills import main as line_kills
-from tests.proof.faults import faults
+from tests.proof.faults import faults, resumes
 from tests.proof.fleets import fleets
 from tests.proof.fuzz import fuzz
 from tests.proof.history import history
 from tests.proof.hostile import hostile
 from tests.proof.issue import issue
-from tests.proof.kills import kills, resumes
+from tests.proof.kills import kills
 from tests.proof.line_pages import line
 from tests.proof.load import load
+from tests.proof.names import names
 from tests.proof.next import next_, next_station
 from tests.proof.pages import pages, screens
 from tests.proof.papers import papers
@@ -32,7 +32,7 @@ from tests.proof.tune import peer_thresholds
 from tests.proof.unlisted import unlisted
 
 OF_EXPLAIN = (
-    trial, rough, real, stated, values, unlisted, chance, ablation, station, fleets, next_,
+    trial, rough, real, stated, values, unlisted, chance, names, station, fleets, next_,
     next_station, peer_thresholds,
 )  # fmt: skip
 OF_THE_LINE = (

@@ -1,6 +1,6 @@
 """A line whose worker, engine, server, database and station are killed again and again.
 
-`python -m tests.proof.kills.line --each 20`: the factory's production and its judge, with these
+`python -m tests.proof line-kills --each 20`: the factory's production and its judge, with these
 kills in the place of its own: no order is stuck for a minute once all is up again, and none
 is measured twice.
 """

@@ -4,7 +4,7 @@ The inputs, their block means and the folds are those of `explain` itself, so th
 better ones.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement
@@ -57,8 +57,6 @@ RECORDED = {"supply_voltage": "V", "humidity": "H", "pressure": "p", "vibration"
 SQUARED = ("ω", "u")
 WARM_UPS = (60.0, 300.0, 900.0)  # s
 LEAST = 1e-9  # spread of a course that says something
-
-Library = Mapping[str, np.ndarray]
 
 
 def library(motion: Motion) -> dict[str, np.ndarray]:

@@ -132,7 +132,6 @@ def silent(answer: Answer) -> Judged:
 # Units at rest, up and down: Earth's rotation, and lines in the spectrum.
 
 RING_LASER, MEMS = "ln100_two_position", "adi_mems_two_position"
-ALIASED_MAINS = 40.0  # Hz: 60 Hz, sampled at 100 Hz
 NEAR_NYQUIST = (28.0, 31.9)  # Hz
 
 

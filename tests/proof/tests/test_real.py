@@ -1,7 +1,6 @@
 """A shaft by plain algebra: a unit that swings to and fro beside its encoder."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -76,12 +75,6 @@ def shaft() -> Recording:
     )
     table = Stream(t, {"shaft_angle": angle(t)})
     return Recording(manifest, Stream(t, columns), table=table)
-
-
-@pytest.fixture(scope="session")
-def shared_real(shared: Path) -> Path:
-    """The folder of the real recordings."""
-    return shared / "real"
 
 
 # What is hidden does to the data what the physics would have done, and nothing else.
