@@ -22,15 +22,21 @@ SPEED = 100.0
 
 def main(
     each: Annotated[int, typer.Option(min=1, help="Kills of each part.")] = 20,
-    units: Annotated[int, typer.Option(min=4, help="Units that are ordered.")] = 40,
+    units: Annotated[int, typer.Option(min=4, help="Units that are ordered.")] = 100,
     seed: Annotated[int, typer.Option(min=0, help="Draws units, faults and kills.")] = 1,
     minutes: Annotated[float, typer.Option(help="Production is broken off after so long.")] = 120.0,
     out: Annotated[Path | None, typer.Option(help="The table is written here.")] = None,
 ) -> None:
-    """Kill each part so often; exits with 1 if a promise broke."""
+    """Kill each part so often; exits with 1 if a promise broke.
+
+    A kill takes as long as an order: with fewer units the last runs end before their kills.
+    """
     station = STATIONS[0]
     parts = ("PostgreSQL", "Prefect server", OF_A_RUN, f"worker station-{station}", station)
-    settings = Settings(units, seed, SPEED, out, minutes * 60, is_busy=False, parts=parts * each)
+    longest_s = minutes * 60
+    settings = Settings(
+        units, seed, SPEED, out, longest_s, is_busy=False, parts=parts * each, within_s=longest_s
+    )
     sys.exit(guarded(partial(run, settings)))
 
 
