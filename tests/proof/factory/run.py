@@ -38,7 +38,7 @@ SHARED = Path("/dev/shm")
 class Settings:
     """What is played, and where it is written down. longest_s: after which production ends.
     is_busy: whether other programs want every core meanwhile. parts: what is killed. within_s: what
-    production may take.
+    production may take. about: the text before the table.
     """
 
     units: int
@@ -49,6 +49,7 @@ class Settings:
     is_busy: bool
     parts: tuple[str, ...] = PARTS
     within_s: float = LONGEST_S
+    about: str = ABOUT
 
 
 def run(settings: Settings) -> int:
@@ -149,7 +150,7 @@ def _named(process: psutil.Process) -> str:
 
 def written(rows: list[Row], played: Played | None, works: Works, settings: Settings) -> None:
     """The table, on standard output and where it is asked for."""
-    about = ABOUT.format(
+    about = settings.about.format(
         units=settings.units, seed=settings.seed, speed=settings.speed,
         machine=f"on a machine with {os.cpu_count()} cores",
         minutes=played.seconds / 60 if played else 0.0, full=min(FULL, settings.units),

@@ -18,6 +18,13 @@ from tests.proof.factory.run import Settings, run
 from tests.proof.factory.works import STATIONS
 
 SPEED = 100.0
+ABOUT = """# A line whose parts are killed again and again
+
+`python -m tests.proof.kills.line --units {{units}} --each {each} --seed {{seed}}`, {{machine}}:
+[the factory](../../../deploy/factory.md), {{units}} units in {{minutes:.1f}} min, with SIGKILL
+{each} times each for the database, Prefect's server, the process of a run, a station and its
+worker, one kill at a time and at a random moment, the next once its part answers again.
+"""
 
 
 def main(
@@ -35,7 +42,15 @@ def main(
     parts = ("PostgreSQL", "Prefect server", OF_A_RUN, f"worker station-{station}", station)
     longest_s = minutes * 60
     settings = Settings(
-        units, seed, SPEED, out, longest_s, is_busy=False, parts=parts * each, within_s=longest_s
+        units,
+        seed,
+        SPEED,
+        out,
+        longest_s,
+        is_busy=False,
+        parts=parts * each,
+        within_s=longest_s,
+        about=ABOUT.format(each=each),
     )
     sys.exit(guarded(partial(run, settings)))
 
