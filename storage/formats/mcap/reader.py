@@ -68,8 +68,8 @@ def read_mcap(
     own = [record.metadata for record in file.metadata if record.name == FORMAT]
     try:
         imu = file.topic(_imu_topic(file))
-    except NothingWhole as fault:
-        fault.manifest = _manifest(file, own, salvage=True)
+    except NothingWhole as nothing:
+        nothing.manifest = _manifest(file, own, salvage=True)
         raise
     if file.damage and not salvage:
         since = imu.stamps - _origin(own, [imu.stamps])
