@@ -17,7 +17,7 @@ from storage.catalogue.results import calibration_of, result_id
 from storage.catalogue.run_index import Run, all_runs
 from storage.catalogue.runs import from_columns
 from storage.formats.content import fingerprint
-from storage.formats.mcap.reader import CutOff, read_mcap
+from storage.formats.mcap.reader import CutOff, has_readings, read_mcap
 from storage.home import Home
 from storage.left_drafts import age_s, is_of_draft
 from storage.whole_files import is_as_kept
@@ -217,7 +217,7 @@ def _left_over(where: str, age_s: float) -> Iterator[Found]:
 
 def _abandoned(home: Home) -> Iterator[Found]:
     for path in sorted(home.acquiring.glob("*.mcap")):
-        if age_s(path) > SILENT_S and path.stat().st_size:  # the next run removes empty ones
+        if age_s(path) > SILENT_S and has_readings(path):  # the next run removes the others
             yield (
                 str(path),
                 "an acquisition that was broken off; `mimucal import --salvage` takes in what "

@@ -1,4 +1,4 @@
-"""Catching up: of the overdue runs of a schedule, only the newest is carried out."""
+"""Catching up: of the overdue runs of a schedule, one is carried out."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from uuid import UUID
 
 WAITING_OR_RUNNING = [StateType.SCHEDULED, StateType.PENDING, StateType.RUNNING]
-MISSED: State[Any] = Cancelled(
-    message="a newer run of the same schedule is due: it does what this one would"
-)
+MISSED: State[Any] = Cancelled(message="another run of the same schedule does what this one would")
 
 
-def newest_only(body: Callable[..., Any]) -> Callable[..., Any]:
-    """The body of a flow, carried out unless a newer run of the same schedule is due.
+def one_of_those_due(body: Callable[..., Any]) -> Callable[..., Any]:
+    """The body of a flow, carried out for all runs of its schedule that are due and wait, which are
+    cancelled; not at all where a newer one was taken.
 
-    Runs that somebody ordered are always carried out.
+    Whichever begins carries it out: one that gave way to those that wait would never be carried out
+    where a run begins later than its schedule repeats. Runs that somebody ordered always are.
     """
 
     @wraps(body)
@@ -47,12 +47,12 @@ def _is_superseded() -> bool:
     if not isinstance(run, FlowRun) or run.deployment_id is None or not run.auto_scheduled:
         return False
     with suppress(HTTPError):  # no other run is known while the server is down
-        return bool(_cancel_older(run, run.deployment_id))
+        return not _cancelled_others(run, run.deployment_id)
     return False
 
 
-def _cancel_older(run: FlowRun, deployment: "UUID") -> list[FlowRun]:
-    """Cancels what waits and is not the newest; gives what is newer than this run."""
+def _cancelled_others(run: FlowRun, deployment: "UUID") -> bool:
+    """Cancels what waits; False, and nothing is done, where a newer run was taken."""
     now = datetime.now(UTC)
     due = FlowRunFilter(
         deployment_id=FlowRunFilterDeploymentId(any_=[deployment]),
@@ -65,12 +65,12 @@ def _cancel_older(run: FlowRun, deployment: "UUID") -> list[FlowRun]:
             for each in client.read_flow_runs(flow_run_filter=due)
             if each.id != run.id and each.auto_scheduled and each.created_by == run.created_by
         ]
-        newest = max((*others, run), key=_due_at)
-        for each in others:
-            is_waiting = each.state_type is StateType.SCHEDULED
-            if is_waiting and each.id != newest.id:
-                client.set_flow_run_state(each.id, MISSED)
-    return [each for each in others if _due_at(each) > _due_at(run)]
+        waiting = [each for each in others if each.state_type is StateType.SCHEDULED]
+        if any(_due_at(each) > _due_at(run) for each in others if each not in waiting):
+            return False
+        for each in waiting:
+            client.set_flow_run_state(each.id, MISSED)
+    return True
 
 
 def _due_at(run: FlowRun) -> datetime:

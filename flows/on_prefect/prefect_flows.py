@@ -28,7 +28,7 @@ from flows.on_prefect.artifacts import (
 )
 from flows.on_prefect.hooks import free_station
 from flows.on_prefect.lasting_output import lasting_output
-from flows.on_prefect.late_runs import newest_only
+from flows.on_prefect.late_runs import one_of_those_due
 from flows.on_prefect.prefect_queue import POOL, pool_of
 from flows.orders import order_queue
 from flows.orders.production import station_of
@@ -81,7 +81,7 @@ def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
     on_crashed=[free_station],
     on_cancellation=[free_station],
 )
-@newest_only
+@one_of_those_due
 def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
 
@@ -109,7 +109,7 @@ def reprocess(order: ReprocessOrder) -> Reprocessing:
 
 
 @flow(name="remind", flow_run_name="reminders within {order.within_days} days")
-@newest_only
+@one_of_those_due
 def remind(order: RemindOrder) -> list[DueUnit]:
     """Send the reminders that are due now, and list the units due within so many days.
 
@@ -125,7 +125,7 @@ def remind(order: RemindOrder) -> list[DueUnit]:
 
 
 @flow(name="submit", flow_run_name="orders that wait")
-@newest_only
+@one_of_those_due
 def submit(order: SubmitOrder) -> None:
     """Give every order that waits to Prefect, where it has none or lost it.
 
@@ -172,7 +172,7 @@ def _ordered(
         show(lambda: show_answer(answer))
         return answer
 
-    body = newest_only(carried_out) if work in SCHEDULED else carried_out
+    body = one_of_those_due(carried_out) if work in SCHEDULED else carried_out
     return flow(name=name or work.__name__, flow_run_name=run_name)(body)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import Connection
 
 from schemas.base import Unusable
-from schemas.production import ENDED, OPEN, ProductionOrder
+from schemas.production import ENDED, OPEN, ProductionOrder, ProductionState
 from storage import settings
 from storage.catalogue import database, orders, trail
 from storage.home import Home
@@ -45,7 +45,7 @@ def say_once(order: ProductionOrder, outcome: str, cause: Sayable, home: Home) -
     asked = settings.reminders(home)
     if asked is None or asked.operators is None:
         return
-    about = {"outcome": outcome, "attempt": order.attempts}
+    about: dict[str, Any] = {"outcome": outcome, "attempt": order.attempts}
     with database.changing(home) as connection:
         due = [
             channel
@@ -69,7 +69,8 @@ def _is_due(connection: Connection, number: str, **alert_: Any) -> bool:
 
 def failed_since(moment: datetime, home: Home) -> list[ProductionOrder]:
     """The orders that failed since then, of the last ones."""
-    failed = orders.listed(home, states=("failed",), last=orders.MANY)
+    states: tuple[ProductionState, ...] = ("failed",)
+    failed = orders.listed(home, states=states, last=orders.MANY)
     return [each for each in failed if each.ended_at and each.ended_at > moment]
 
 

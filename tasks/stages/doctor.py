@@ -17,6 +17,7 @@ from schemas.run_log import ENDED
 from storage import settings
 from storage.catalogue import run_index, trail
 from storage.environment import environment
+from storage.formats.mcap.reader import has_readings
 from storage.home import Home
 from storage.station_lock import statuses
 from tasks.conformity import check_capabilities
@@ -204,7 +205,11 @@ def _interrupted(home: Home) -> Iterator[Examined]:
         if status.state not in ENDED and not dead
         for file in status.recordings
     }
-    left = [path for path in sorted(home.acquiring.glob("*.mcap")) if path.name not in going_on]
+    left = [
+        path
+        for path in sorted(home.acquiring.glob("*.mcap"))
+        if path.name not in going_on and has_readings(path)  # the next run removes the others
+    ]
     yield Examined(
         what="interrupted runs",
         found=", ".join(path.name for path in left) or "none",

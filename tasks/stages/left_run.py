@@ -10,11 +10,11 @@ from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.recording import Manifest, Recording
 from schemas.station import StationFile
-from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.reader import NothingWhole, has_readings, read_mcap
 from storage.home import Home
 from storage.station_lock import statuses
 
-EMPTY_S = 600.0  # by then every run has homed its table, and written its manifest
+EMPTY_S = 600.0  # by then every run has homed its table, and written its first readings
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ def left_runs(station: StationFile, procedure: Procedure, home: Home) -> dict[st
 
     A unit without one is not in it. Raises Unusable where none has one.
     """
-    readable = dict(_readable(home))
+    known = dict(_known(home))
     found = {}
     for alone in station.per_unit():
-        if left := _last_of(alone, procedure, readable):
+        if left := _last_of(alone, procedure, known):
             found[alone.unit.serial] = left
     if not found:
         raise Unusable(
@@ -49,26 +49,31 @@ def left_runs(station: StationFile, procedure: Procedure, home: Home) -> dict[st
 
 
 def _last_of(
-    station: StationFile, procedure: Procedure, readable: dict[Path, Recording]
+    station: StationFile, procedure: Procedure, known: dict[Path, tuple[Manifest, Recording | None]]
 ) -> LeftRun | None:
     left = {
-        path: recording
-        for path, recording in readable.items()
-        if _is_of(recording.manifest, station, procedure)
+        path: (_began(manifest), recording)
+        for path, (manifest, recording) in known.items()
+        if _is_of(manifest, station, procedure)
     }
-    if not left:
+    read = [(began, recording) for began, recording in left.values() if recording is not None]
+    if not read:
         return None
-    longest = max(left.values(), key=lambda each: (_began(each.manifest), each.imu.t[-1]))
-    of_it = [
-        path for path, each in left.items() if _began(each.manifest) == _began(longest.manifest)
-    ]
-    return LeftRun(longest, tuple(of_it))
+    last, longest = max(read, key=lambda each: (each[0], each[1].imu.t[-1]))
+    return LeftRun(longest, tuple(path for path, (began, _) in left.items() if began == last))
 
 
-def _readable(home: Home) -> Iterator[tuple[Path, Recording]]:
+def _known(home: Home) -> Iterator[tuple[Path, tuple[Manifest, Recording | None]]]:
+    """What each file says; no recording of one that was killed before its first readings."""
     for path in sorted(home.acquiring.glob("*.mcap")):
-        with suppress(Unusable):
-            yield path, read_mcap(path, salvage=True)
+        try:
+            recording = read_mcap(path, salvage=True)
+        except NothingWhole as fault:
+            yield path, (fault.manifest, None)
+        except Unusable:
+            continue
+        else:
+            yield path, (recording.manifest, recording)
 
 
 def _is_of(manifest: Manifest, station: StationFile, procedure: Procedure) -> bool:
@@ -86,12 +91,12 @@ def _began(manifest: Manifest) -> str:
 
 
 def forget_empty(home: Home) -> None:
-    """Remove files of runs that were killed before their first byte."""
+    """Remove files of runs that were killed before their first readings."""
     written = {path for status, is_dead in statuses(home) if not is_dead
                for path in status.recordings}  # fmt: skip
     for path in home.acquiring.glob("*.mcap"):
         with suppress(OSError):
             left = path.stat()
             is_old = time.time() - left.st_mtime > EMPTY_S
-            if is_old and not left.st_size and str(path) not in written:
+            if is_old and str(path) not in written and not has_readings(path):
                 path.unlink()

@@ -39,6 +39,12 @@ class CutOff(Unusable):
     why = ""
 
 
+class NothingWhole(Unusable):
+    """Of a file that is cut off no reading is whole. manifest: what it says all the same."""
+
+    manifest: Manifest
+
+
 def read_mcap(
     path: Path,
     *,
@@ -58,9 +64,13 @@ def read_mcap(
     for a file that is cut off or damaged; with it, what is whole is read.
     """
     file = Bag(path, files, by_log_time=by_log_time)
-    imu = file.topic(_imu_topic(file))
     # what this program wrote beside the messages; nothing in a foreign bag
     own = [record.metadata for record in file.metadata if record.name == FORMAT]
+    try:
+        imu = file.topic(_imu_topic(file))
+    except NothingWhole as nothing:
+        nothing.manifest = _manifest(file, own, salvage=True)
+        raise
     if file.damage and not salvage:
         since = imu.stamps - _origin(own, [imu.stamps])
         why = (
@@ -86,6 +96,17 @@ def read_mcap(
     return replace(recording, digest=fingerprint(recording), extra=extra)
 
 
+def has_readings(path: Path) -> bool:
+    """Whether a file may have any: one that cannot be read for another reason is for a person."""
+    try:
+        read_mcap(path, salvage=True)
+    except NothingWhole:
+        return False
+    except Unusable:
+        return bool(path.stat().st_size)
+    return True
+
+
 def _imu_topic(file: Bag) -> str:
     topics = file.of_kind(IMU)
     if len(topics) == 1:
@@ -96,7 +117,7 @@ def _imu_topic(file: Bag) -> str:
             "keep the one of the unit under test and convert the bag."
         )
     if file.damage:
-        raise Unusable(
+        raise NothingWhole(
             f"{file.path} is cut off or damaged ({file.damage}) before any message of type {IMU} "
             f"is whole (found {file.described()}), so nothing can be salvaged; copy it again "
             "from where it was recorded, or record again."

@@ -24,7 +24,7 @@ MAX_STEPS = 1000  # in one go: some milliseconds of computing, so that requests 
 LATE_STATION_S = 0.5  # station time by which the clocks of late clients may differ
 SLOWEST = 1.0  # no machine is too slow for real time
 FORGET_S = 1.0  # wall time in which a late wait counts e times less
-SLOW_S = 3.0  # wall time at less than half the speed after which it says so
+SLOW_S = 3.0  # wall time in which less than half of the station time makes it say so
 IDLE_WALL_S = 0.1
 IDLE_STEPS = 5 * MAX_STEPS
 IDLE_AFTER_S = 1.0  # wall time since the last request
@@ -98,22 +98,26 @@ class Pace:
 
     def __init__(self, asked: float) -> None:
         self._asked = asked
-        self._late_s = self._slow_s = 0.0
+        self._late_s = self._passed_s = self._made_s = 0.0
         self._has_spoken = False
 
     @property
     def speed(self) -> float:
         return min(self._asked, max(LATE_STATION_S / max(self._late_s, 1e-6), SLOWEST))
 
-    def note(self, late_s: float, waited_s: float) -> None:
-        """How much later than asked a wait ended; both in wall time."""
-        passed_s = late_s + waited_s
+    def note(self, late_s: float, passed_s: float, made_s: float) -> None:
+        """How much later than asked a wait ended, the wall time that passed with the work before
+        it, and the station time that this work made.
+        """
         self._late_s = max(late_s, self._late_s * math.exp(-passed_s / FORGET_S))
-        self._slow_s = self._slow_s + passed_s if self.speed < self._asked / 2 else 0.0
-        if self._slow_s > SLOW_S and not self._has_spoken:
+        self._passed_s, self._made_s = self._passed_s + passed_s, self._made_s + made_s
+        if self._passed_s < SLOW_S:
+            return
+        given, self._passed_s, self._made_s = self._made_s / self._passed_s, 0.0, 0.0
+        if given < self._asked / 2 and not self._has_spoken:
             self._has_spoken = True
             LOG.warning(
-                "this machine gives %.1f times real time in place of %g", self.speed, self._asked
+                "this machine gives %.1f times real time in place of %g", given, self._asked
             )
 
 
@@ -156,7 +160,8 @@ async def keep_time(
                 continue
         rest_s, began_s = BREATH_WALL_S if behind > steps > 0 else SLICE_WALL_S, wall_s()
         await asyncio.sleep(rest_s)
-        pace.note(wall_s() - began_s - rest_s, rest_s)
+        end_s = wall_s()
+        pace.note(end_s - began_s - rest_s, end_s - now_s, max(steps, 0) * STEP_S)
 
 
 async def serve(

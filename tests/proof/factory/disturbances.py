@@ -39,7 +39,7 @@ class Disturbances:
         self, works: Works, parts: Sequence[str], total: int, rng: random.Random,
         came_back: Callable[[str], None],
     ) -> None:  # fmt: skip
-        self._works, self._came_back = works, came_back
+        self._works, self._came_back, self._total = works, came_back, total
         shuffled = rng.sample(list(parts), len(parts))
         dues = [total * number // (len(parts) + 1) for number in range(len(parts))]
         self._left = [
@@ -69,6 +69,8 @@ class Disturbances:
                 turn.due_s = now_s + turn.delay_s
             if turn.due_s is not None and now_s >= turn.due_s and self._kill(turn.part):
                 turn.killed_s = now_s
+            elif turn.part == OF_A_RUN and done >= self._total:  # there is no run any more
+                del self._left[0]
         elif not turn.begun and now_s >= turn.killed_s + turn.away_s:
             self._begin(turn.part)
             turn.begun = True

@@ -6,7 +6,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,7 +37,8 @@ SHARED = Path("/dev/shm")
 @dataclass(frozen=True)
 class Settings:
     """What is played, and where it is written down. longest_s: after which production ends.
-    is_busy: whether other programs want every core meanwhile. parts: what is killed.
+    is_busy: whether other programs want every core meanwhile. parts: what is killed. within_s: what
+    production may take. about: the text before the table.
     """
 
     units: int
@@ -47,6 +48,8 @@ class Settings:
     longest_s: float
     is_busy: bool
     parts: tuple[str, ...] = PARTS
+    within_s: float = LONGEST_S
+    about: str = ABOUT
 
 
 def run(settings: Settings) -> int:
@@ -66,7 +69,7 @@ def run(settings: Settings) -> int:
         others = busy(os.cpu_count() or 1) if settings.is_busy else nullcontext()
         with counting("orders") as report, others:
             played = play(works, units, settings.seed, settings.longest_s, report, settings.parts)
-        rows += produced(played, units, settings.parts)
+        rows += produced(played, units, settings)
         with working("the books are closed"):
             rows += closed(works)
             rows[:0] = judged(played.units, read(works))
@@ -86,18 +89,16 @@ def run(settings: Settings) -> int:
     return 0 if holds else 1
 
 
-def produced(
-    played: Played, units: tuple[OrderedUnit, ...], killed: Sequence[str]
-) -> Iterator[Row]:
+def produced(played: Played, units: tuple[OrderedUnit, ...], settings: Settings) -> Iterator[Row]:
     """What is promised of the production itself."""
-    minutes = LONGEST_S / 60
+    minutes = settings.within_s / 60
     yield Row(
         f"{len(units)} units in at most {minutes:g} min", f"≤ {minutes:g} min",
-        f"{played.seconds / 60:.1f} min", played.seconds <= LONGEST_S,
+        f"{played.seconds / 60:.1f} min", played.seconds <= settings.within_s,
     )  # fmt: skip
     back = Counter(each.part for each in played.happened)
     yield none_of(
-        "Each part was killed as often as planned and came back", (Counter(killed) - back)
+        "Each part was killed as often as planned and came back", (Counter(settings.parts) - back)
     )
     yield Row(
         "No order is held by a dead process for longer than a minute", f"≤ {HELD_S:g} s",
@@ -149,7 +150,7 @@ def _named(process: psutil.Process) -> str:
 
 def written(rows: list[Row], played: Played | None, works: Works, settings: Settings) -> None:
     """The table, on standard output and where it is asked for."""
-    about = ABOUT.format(
+    about = settings.about.format(
         units=settings.units, seed=settings.seed, speed=settings.speed,
         machine=f"on a machine with {os.cpu_count()} cores",
         minutes=played.seconds / 60 if played else 0.0, full=min(FULL, settings.units),

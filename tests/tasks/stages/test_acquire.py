@@ -59,7 +59,7 @@ def left_over(home: Home) -> list[Path]:
     return [path for path in home.acquiring.rglob("*") if path.is_file()]
 
 
-def test_an_empty_file_of_a_killed_run_is_removed_by_the_next_one_and_no_other_is(
+def test_a_file_of_a_run_killed_before_its_readings_is_removed_by_the_next_one_and_no_other_is(
     station: StationFile, fresh: Home
 ) -> None:
     fresh.acquiring.mkdir(parents=True)

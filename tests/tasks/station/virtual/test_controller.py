@@ -232,17 +232,21 @@ def test_an_idle_station_wakes_seldom_and_its_time_is_the_present_one_for_whoeve
 
 def test_a_machine_that_comes_late_slows_its_clock_and_soon_takes_it_up_again(caplog) -> None:
     pace = Pace(60.0)
-    pace.note(0.001, 0.005)
+    pace.note(0.001, 0.005, 0.05)
     assert pace.speed == 60.0
     for _ in range(100):
-        pace.note(0.05, 0.005)  # 50 ms late: at 60 times 3 s of station time
+        pace.note(0.05, 0.055, 0.55)  # 50 ms late: at 60 times 3 s of station time
     assert pace.speed == pytest.approx(10.0)
     assert [each.message for each in caplog.records] == [
         "this machine gives 10.0 times real time in place of 60"
     ]
     for _ in range(500):
-        pace.note(0.0, 0.01)
+        pace.note(0.0, 0.01, 0.6)
     assert pace.speed == 60.0
+    busy = Pace(60.0)
+    for _ in range(100):
+        busy.note(0.0, 0.05, 0.2)  # in time, and with more to do than it can
+    assert caplog.records[-1].message == "this machine gives 4.0 times real time in place of 60"
 
 
 # The registers of the virtual station without a network: the encoder ring.
