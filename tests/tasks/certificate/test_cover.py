@@ -9,6 +9,7 @@ from lxml import etree
 from pydantic import ValidationError
 from sample_certificate import (
     AXES,
+    adjusted,
     calibration,
     certificate,
     content,
@@ -20,7 +21,6 @@ from sample_certificate import (
     tolerance,
     with_budgets,
 )
-from test_certificate_as_found import adjusted
 
 from schemas.calibration import AdoptedTerm, Calibration, SegmentUsed
 from schemas.capability import Capability
