@@ -98,6 +98,7 @@ def servers_of(home: Path, command: int) -> list[int]:
     return found
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize(
     "acquire", [WITHOUT_PREFECT, pytest.param(COMMAND, marks=pytest.mark.rehearsal)]
 )

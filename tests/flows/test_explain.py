@@ -143,6 +143,7 @@ def test_a_result_and_a_simulation_reach_the_engine(mimucal, plant_clean, engine
     assert "simulation" in say(asked["reference"].model, "en")
 
 
+@pytest.mark.rehearsal
 def test_limits_in_the_home_say_whether_a_verdict_changes(
     mimucal, plant_clean, engine, home
 ) -> None:
@@ -222,6 +223,7 @@ def test_what_explain_did_not_find_is_fitted_alone(mimucal, shared, engine) -> N
     assert asked["only"] == ("lever_arm",)
 
 
+@pytest.mark.rehearsal
 def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
     mimucal, home, run_on_earth, engine, tmp_path, unprinted
 ) -> None:
