@@ -15,12 +15,6 @@ import pypdfium2
 import pytest
 from dcclib.validation import SchematronValidator, schematron
 from lxml import etree
-from sample_certificate import (
-    adjusted,
-    bare,
-    certificate,
-    laboratory,
-)
 
 from schemas.certificate import Certificate, Contact, Replaced
 from schemas.recording import Recording
@@ -31,6 +25,12 @@ from tasks.conformity import decide
 from tasks.curves import curves_of_run
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
+from tests.tasks.certificate.sample_certificate import (
+    adjusted,
+    bare,
+    certificate,
+    laboratory,
+)
 
 SCHEMAS = Path(os.environ.get("MIMUCAL_DCC_SCHEMA", "../shared/dcc"))
 SCHEMATRON = Path(schematron.__file__).parent / "schema" / "dcc.sch"

@@ -13,7 +13,19 @@ import pypdf
 import pypdfium2
 import pytest
 from pydantic import ValidationError
-from sample_certificate import (
+
+from schemas.appearance import Appearance
+from schemas.base import Unusable
+from schemas.certificate import Certificate, Party
+from schemas.equipment import MeasurementStandard
+from schemas.text import Remark
+from schemas.tolerance import Limit
+from tasks.certificate.documents import faces_of
+from tasks.certificate.pdf import render
+from tasks.certificate.verify_file import verify_file
+from tasks.conformity import decide
+from tests import pseudo_language
+from tests.tasks.certificate.sample_certificate import (
     AXES,
     adjusted,
     bare,
@@ -28,18 +40,6 @@ from sample_certificate import (
     tolerance,
     with_budgets,
 )
-
-from schemas.appearance import Appearance
-from schemas.base import Unusable
-from schemas.certificate import Certificate, Party
-from schemas.equipment import MeasurementStandard
-from schemas.text import Remark
-from schemas.tolerance import Limit
-from tasks.certificate.documents import faces_of
-from tasks.certificate.pdf import render
-from tasks.certificate.verify_file import verify_file
-from tasks.conformity import decide
-from tests import pseudo_language
 
 POINT = 72 / 25.4  # points in a millimetre
 SIDE_MM, TOP_MM, BOTTOM_MM = 21, 9, 9

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_uncertainty
 from scipy import stats
 from scipy.special import ndtr
 
@@ -34,6 +33,14 @@ from tasks.conformity.rules import (
     probability_of_nonconformity,
 )
 from tasks.words import say, statement
+from tests.tasks.conformity.sample_results import (
+    BIAS,
+    bias_limit,
+    calibration,
+    item,
+    tolerance,
+    with_uncertainty,
+)
 
 
 def verdict_of(value: dict[str, float | None], **limit: Any) -> str:

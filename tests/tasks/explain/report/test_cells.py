@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_report import added_to, explanation, finding, recording
 
 from schemas.recording import Stream
 from tasks.explain.channels import CHANNELS
 from tasks.explain.report.before_after import affected, spectrum
 from tasks.explain.report.cells import cells_of
+from tests.tasks.explain.report.made_report import added_to, explanation, finding, recording
 
 
 def test_an_offset_and_a_swing_show_in_their_cells_and_nowhere_else() -> None:

@@ -10,14 +10,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from made_report import (
-    BIAS,
-    CHANGE,
-    answer,
-    explanation,
-    finding,
-    unnamed,
-)
 
 from schemas.base import Unusable
 from schemas.discrepancy import Consequence, Discrepancy
@@ -30,6 +22,14 @@ from tasks.explain.report.cells import cells_of
 from tasks.explain.report.shares import shares_svg
 from tasks.explain.report.where import where_svg
 from tasks.words import LANGUAGES
+from tests.tasks.explain.report.made_report import (
+    BIAS,
+    CHANGE,
+    answer,
+    explanation,
+    finding,
+    unnamed,
+)
 
 DRAWN = ("where", "before_after", "shares")
 PICTURES = tuple(f"{name}{ending}.svg" for ending in ("", "-zh") for name in DRAWN)

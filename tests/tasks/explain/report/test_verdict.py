@@ -2,11 +2,19 @@
 
 import numpy as np
 import pytest
-from made_report import BIAS, answer, explanation, finding, located, unnamed, where
 
 from schemas.discrepancy import Discrepancy, FoundParameter, HeldOut
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
+from tests.tasks.explain.report.made_report import (
+    BIAS,
+    answer,
+    explanation,
+    finding,
+    located,
+    unnamed,
+    where,
+)
 
 
 def first_sentence(discrepancy: Discrepancy) -> str:
