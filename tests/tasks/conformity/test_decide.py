@@ -600,6 +600,14 @@ def test_the_largest_rate_of_the_units_range_has_to_be_included_about_every_axis
     assert names(turned(500.0, ("x", "y")), 500.0) == ["largest_rate"]
 
 
+def test_a_range_that_nobody_states_was_not_checked() -> None:
+    assert names(turned(500.0), None) == ["largest_rate"]
+
+
+def test_a_unit_that_was_not_turned_has_no_largest_rate_to_check() -> None:
+    assert names(calibration({}), None) == []
+
+
 def test_jjf_1536_asks_for_rates_within_the_range_and_not_for_the_largest() -> None:
     assert names(turned(100.0, method="jjf1536"), 500.0) == []
 
