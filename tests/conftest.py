@@ -95,12 +95,26 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Tests that were skipped because ../shared is not beside this clone, by what they miss."""
+def room_of(report: pytest.TestReport) -> str:
+    return str(Path(report.nodeid.partition("::")[0]).parent)
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """Tests that were skipped because ../shared is not beside this clone, by what they miss; of a
+    rehearsal what each room has in it, which `make test` leaves out.
+    """
     reasons = (report.longrepr[2] for report in terminalreporter.stats.get("skipped", ()))
     absent = Counter(reason.removeprefix("Skipped: ") for reason in reasons if ABSENT in reason)
     for reason, tests in sorted(absent.items()):
         terminalreporter.write_line(f"{tests} tests skipped: {reason}")
+    if config.getoption("markexpr") != "rehearsal":
+        return
+    ended = [one for kind in ("passed", "failed") for one in terminalreporter.stats.get(kind, ())]
+    for name, own in groupby(sorted(ended, key=room_of), room_of):
+        seconds = [one.duration for one in own]
+        terminalreporter.write_line(f"{name:40s} {len(seconds):5d} cases {sum(seconds):8.0f} s")
 
 
 @pytest.fixture(scope="session", autouse=True)

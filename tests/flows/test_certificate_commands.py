@@ -6,11 +6,187 @@ import json
 from io import StringIO
 from pathlib import Path
 
+import numpy as np
+import pyarrow.parquet as pq
 import pytest
+import yaml
 
+from schemas.evidence import EvidenceFile
 from storage.home import Home
 from tests.drafts import draft
 from tests.own_limits import laboratory_file
+
+# `mimucal export` and `mimucal apply`: a result on its way to where the unit is used.
+
+K_AND_B = ("gyro_scale_factor", "gyro_cross_coupling", "gyro_bias", "accel_scale_factor",
+           "accel_cross_coupling", "accel_bias", "accel_rate_sensitivity")  # fmt: skip
+
+
+@pytest.fixture
+def run(run_on_earth: str) -> str:
+    return run_on_earth
+
+
+def test_a_corrected_recording_calibrates_to_an_ideal_unit(
+    mimucal, plant_on_earth, run, tmp_path
+) -> None:
+    done = mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected", "--json")
+    assert (done.code, done.json["format"], done.json["assumed_ideal"]) == (0, "mimu-apply/1", [])
+    again = mimucal("calibrate", tmp_path / "corrected", "--json").json
+    assert again["recording_id"] == "plant_earth_rotation_corrected"
+    assert again["validity"]["verdict"] == "valid"
+    for name in K_AND_B:
+        item = again["items"][name]
+        for element, value in item["value"].items():
+            ideal = 1.0 if name.endswith("scale_factor") else 0.0
+            assert abs(value - ideal) <= item["U"][element], (name, element)
+    sensitivity = again["items"]["gyro_g_sensitivity"]
+    for element, value in sensitivity["value_without_earth_rotation"].items():
+        assert abs(value) <= sensitivity["U_without_earth_rotation"][element]
+
+
+@pytest.mark.rehearsal
+def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_result(
+    mimucal, plant_on_earth, tmp_path, home
+) -> None:
+    """By the other method's result from a file; the clauses then find an ideal unit, too."""
+    joint = mimucal("calibrate", plant_on_earth, "--method", "joint", "--json")
+    (tmp_path / "joint.json").write_text(joint.out, encoding="utf-8")
+    done = mimucal("apply", tmp_path / "joint.json", plant_on_earth, "--out", tmp_path / "by_joint")
+    assert done.code == 0, done.err
+    again = mimucal("calibrate", tmp_path / "by_joint", "--json").json["items"]
+    for name in ("gyro_scale_factor", "accel_scale_factor"):
+        for axis, value in again[name]["value"].items():
+            assert abs(value - 1.0) <= again[name]["U"][axis]
+
+
+@pytest.mark.rehearsal
+def test_before_and_after_an_adjustment_stand_on_one_certificate(
+    mimucal, home, plant_on_earth, run, tmp_path, unprinted
+) -> None:
+    """The corrected recording is what the adjusted unit would have read."""
+    laboratory_file(home)
+    assert mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected").code == 0
+    tolerance = tmp_path / "limits.toml"
+    tolerance.write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
+        'document = "test"\n[[limits]]\nitem = "gyro_scale_factor"\nunit = "1"\n'
+        "lower = 0.999\nupper = 1.001\n",
+        encoding="utf-8",
+    )
+    order = ("--order", "flows/demo_papers/order.toml")  # waives the largest rate
+    arguments = ("--as-found", run, "--tolerance", tolerance, *order, "--json")
+    done = mimucal("certify", tmp_path / "corrected", *arguments)
+    assert (done.code, done.json["verdict"]) == (0, "pass"), done.err
+    assert done.json["as_found"] == {"run": run, "verdict": "fail"}
+    (listed,) = mimucal("show", run, "--json").json["certificates"]
+    assert listed["number"] == done.json["number"]
+
+
+def test_export_prints_a_form_and_nothing_else(mimucal, run) -> None:
+    document = mimucal("export", run, "--as", "json", "--json")
+    assert document.json["format"] == "mimu-correction/1"
+    assert document.json["unit"] == {
+        "manufacturer": "Plant", "model": "M-tactical", "serial": "SN00102"
+    }  # fmt: skip
+    assert yaml.safe_load(mimucal("export", run, "--as", "yaml").out) == document.json
+    header = mimucal("export", run, "--as", "c", "--json").json
+    assert (header["format"], header["as"]) == ("mimu-export/1", "c")
+    assert header["text"] == mimucal("export", run, "--as", "c").out
+    assert "update_rate" in mimucal("export", run, "--as", "kalibr").out
+
+
+def test_a_result_in_a_file_needs_no_store_but_for_kalibr(
+    mimucal, run, tmp_path, monkeypatch
+) -> None:
+    file = tmp_path / "result.json"
+    file.write_text(mimucal("calibrate", run, "--json").out, encoding="utf-8")
+    monkeypatch.setenv("MIMUCAL_HOME", str(tmp_path / "another"))
+    assert mimucal("export", file, "--as", "json", "--json").json["unit"] is None
+    refused = mimucal("export", file, "--as", "kalibr")
+    assert refused.code == 2
+    assert "sampling rate and noise" in refused.err
+
+
+def test_what_cannot_be_corrected_is_one_sentence(
+    mimucal, run, shared, plant_on_earth, ahrs_clean, tmp_path
+) -> None:
+    taken, other = tmp_path / "taken", shared / "real/ln100_two_position"
+    taken.mkdir()
+    (taken / "mine").write_text("kept", encoding="utf-8")
+    ahrs = mimucal("calibrate", ahrs_clean, "--json").json["run"]
+    out = tmp_path / "corrected"
+    for arguments, says in (
+        (("export", run, "--as", "matlab"), "choose one of json, yaml, c, ros, kalibr, csv"),
+        (("export", "nowhere", "--as", "c"), "no result 'nowhere'"),
+        (("export", ahrs, "--as", "c"), "models (1) and (2)"),
+        (("apply", run, other, "--out", out), "give a result of that unit"),
+        (("apply", run, plant_on_earth, "--out", taken), "new folder"),
+    ):
+        done = mimucal(*arguments)
+        assert done.code == 2, arguments
+        assert done.err.strip().count("\n") == 0
+        assert says in done.err
+    assert not out.exists()
+    assert (taken / "mine").read_text(encoding="utf-8") == "kept"
+
+
+def test_the_result_of_an_invalid_run_corrects_nothing(mimucal, run, tmp_path: Path) -> None:
+    document = mimucal("calibrate", run, "--json").json
+    worst = {"code": "spoiled", "en": "The supply fell.", "zh": "电压下降。", "run": "invalid"}
+    document["remarks"].append(worst)
+    file = tmp_path / "invalid.json"
+    file.write_text(json.dumps(document), encoding="utf-8")
+    for arguments in (("export", file, "--as", "c"), ("apply", file, run, "--out", tmp_path / "o")):
+        done = mimucal(*arguments)
+        assert done.code == 2
+        assert "invalid: The supply fell" in done.err
+
+
+@pytest.mark.rehearsal
+def test_a_corrected_recording_has_its_uncertainty_beside_the_readings_where_it_is_asked_for(
+    mimucal, plant_on_earth, run, tmp_path
+) -> None:
+    out = tmp_path / "corrected"
+    done = mimucal("apply", run, plant_on_earth, "--out", out, "--with-u", "--json")
+    assert done.code == 0, done.err
+    columns = pq.read_table(out / "imu.parquet")
+    for name, u_rms in done.json["u_rms"].items():
+        u = columns[f"u_{name}"].to_numpy()
+        assert np.sqrt((u**2).mean()) == pytest.approx(u_rms)
+    assert len(done.json["u_rms"]) == 6
+    assert mimucal("calibrate", out, "--json").json["validity"]["verdict"] == "valid"
+    plain = mimucal("apply", run, plant_on_earth, "--out", tmp_path / "plain")
+    assert plain.out.strip() == str(tmp_path / "plain")
+    assert "gyro_x: U of the correction = " in plain.err
+    assert "u_gyro_x" not in pq.read_table(tmp_path / "plain/imu.parquet").column_names
+
+
+@pytest.mark.rehearsal
+def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
+    mimucal, plant_on_earth, tmp_path, home
+) -> None:
+    example = mimucal("calibrate", plant_on_earth, "--uncertainty", "example", "--json")
+    (tmp_path / "example.json").write_text(example.out, encoding="utf-8")
+    arguments = (tmp_path / "example.json", plant_on_earth, "--out", tmp_path / "new")
+    done = mimucal("apply", *arguments, "--with-u")
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert "has no covariance of its elements" in done.err
+    assert not (tmp_path / "new").exists()
+    assert mimucal("apply", *arguments, "--json").json["u_rms"] == {}
+
+
+@pytest.mark.rehearsal
+def test_the_evidence_of_a_result_is_exported(mimucal, run, tmp_path, home) -> None:
+    done = mimucal("export", run, "--as", "evidence")
+    assert done.code == 0, done.err
+    evidence = EvidenceFile.model_validate_json(done.out)
+    assert evidence.run == run
+    assert evidence.decision is None
+    example = mimucal("calibrate", run, "--uncertainty", "example", "--json")
+    (tmp_path / "example.json").write_text(example.out, encoding="utf-8")
+    refused = mimucal("export", tmp_path / "example.json", "--as", "evidence")
+    assert (refused.code, refused.out, refused.err.count("\n")) == (2, "", 1)
 
 
 @pytest.fixture

@@ -98,6 +98,7 @@ def servers_of(home: Path, command: int) -> list[int]:
     return found
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize(
     "acquire", [WITHOUT_PREFECT, pytest.param(COMMAND, marks=pytest.mark.rehearsal)]
 )
@@ -115,6 +116,7 @@ def test_what_was_recorded_survives_a_kill(
     assert document["manifest"]["unit"]["serial"] == "V00007"
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize(
     "how", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.rehearsal)]
 )
@@ -129,6 +131,7 @@ def test_stopping_is_one_sentence_that_says_where_the_recording_lies(
     assert mimucal("import", "--salvage", found).code == 0
 
 
+@pytest.mark.rehearsal
 @pytest.mark.parametrize(
     "how", [signal.SIGHUP, pytest.param(signal.SIGQUIT, marks=pytest.mark.rehearsal)]
 )

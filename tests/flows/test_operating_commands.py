@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from flows.validate import run_validate
+from schemas.base import Unusable
 from schemas.environment import variables
+from tasks.validation.coverage import MIN_UNITS
 from tests.storage.full_home import HOMES
 
 OLD = HOMES / "0013.tar.xz"
@@ -85,3 +88,15 @@ def test_an_alert_that_no_channel_takes_exits_with_1(mimucal, home: Path) -> Non
     done = mimucal("alert", "text", "--json")
     assert done.code == 1
     assert json.loads(done.out)["channels"]["chat"]
+
+
+# `mimucal validate`: a study too small to show anything does not replace the record.
+
+
+def test_a_small_study_leaves_the_record_of_the_home_alone(tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("MIMUCAL_HOME", str(tmp_path))
+    kept = tmp_path / "validation.json"
+    kept.write_text("{}", encoding="utf-8")
+    with pytest.raises(Unusable, match="--out"):
+        run_validate(MIN_UNITS - 1, 1, None, as_json=True)
+    assert kept.read_text(encoding="utf-8") == "{}"

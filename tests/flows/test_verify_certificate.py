@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tasks" / "certificate"))
-from sample_certificate import certificate
-
 from tasks.certificate.documents import faces_of
+from tests.tasks.certificate.sample_certificate import certificate
 
 
 @pytest.fixture

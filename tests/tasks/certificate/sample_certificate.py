@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from schemas.calibration import Calibration, EnvironmentSeen, Item
-from schemas.certificate import Certificate, Laboratory, Order, Party
+from schemas.certificate import AsFound, Certificate, Laboratory, Order, Party
 from schemas.decision import Decision
 from schemas.equipment import MeasurementStandard
 from schemas.recording import Manifest, Station, Unit
@@ -226,3 +226,19 @@ def certificate(
         "operator": "李明 Li Ming",
     }
     return Certificate(**(given | changes))
+
+
+def adjusted() -> Certificate:
+    """The sample, whose y gyro bias was out of tolerance as found."""
+    bias = item("deg/s", "7.2.2", AXES, [0.0125, -0.2514, 0.0071], 1.71e-4)
+    before = calibration(items=items() | {"gyro_bias": bias}, run="r-as-found", digest="ab" * 32)
+    found = AsFound(
+        calibrated_on=date(2026, 11, 17), calibration=before, decision=decide(before, tolerance())
+    )
+    return certificate(as_found=found)
+
+
+def bare() -> Certificate:
+    """Without any item, laboratory or order."""
+    result = calibration(items={}, environment=EnvironmentSeen(), remarks=(), settings={})
+    return certificate(result, decide(result, None), laboratory=None, order=None)

@@ -5,7 +5,6 @@ from dataclasses import asdict
 from typing import Any
 
 import pytest
-from sample_certificate import certificate, content
 
 from schemas.certificate import Certificate
 from schemas.recording import Recording
@@ -13,6 +12,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.content import Content
 from tasks.conformity import decide
 from tasks.specifications.jjf1536 import JJF1536
+from tests.tasks.certificate.sample_certificate import certificate, content
 
 # Clause 5.6 to 5.8: X turns, Y reads is “X axis to Y axis”, L_yx; the order of Appendix C.
 ORDER = [("X", "Y", "yx"), ("X", "Z", "zx"), ("Y", "X", "xy"), ("Y", "Z", "zy"),

@@ -5,7 +5,6 @@ from collections.abc import Callable
 
 import pypdfium2
 import pytest
-from sample_certificate import certificate
 
 from schemas.certificate import Certificate
 from schemas.recording import Recording
@@ -14,6 +13,7 @@ from tasks.certificate.pdf import render
 from tasks.conformity import decide
 from tasks.curves import curves_of_run
 from tasks.specifications.register import BY_STANDARD
+from tests.tasks.certificate.sample_certificate import certificate
 
 RECORDINGS = {"JJF 2003-2022": "plant_earth_rotation", "JJF 1536-2015": "ahrs_clean"}
 MOST_PAGES = 6  # of the part for the client, in one language

@@ -5,13 +5,13 @@ from collections.abc import Callable
 from dataclasses import asdict
 
 import pytest
-from sample_certificate import certificate, content
 
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.content import Content
 from tasks.conformity import decide
 from tasks.specifications.register import BY_STANDARD
+from tests.tasks.certificate.sample_certificate import certificate, content
 
 # The clauses and equations of the specifications' texts.
 CLAUSES = {

@@ -15,10 +15,8 @@ import pypdfium2
 import pytest
 from dcclib.validation import SchematronValidator, schematron
 from lxml import etree
-from sample_certificate import calibration, certificate, items, laboratory, tolerance
 
-from schemas.calibration import EnvironmentSeen
-from schemas.certificate import AsFound, Certificate, Contact, Replaced
+from schemas.certificate import Certificate, Contact, Replaced
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.documents import Faces, faces_of
@@ -27,6 +25,12 @@ from tasks.conformity import decide
 from tasks.curves import curves_of_run
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
+from tests.tasks.certificate.sample_certificate import (
+    adjusted,
+    bare,
+    certificate,
+    laboratory,
+)
 
 SCHEMAS = Path(os.environ.get("MIMUCAL_DCC_SCHEMA", "../shared/dcc"))
 SCHEMATRON = Path(schematron.__file__).parent / "schema" / "dcc.sch"
@@ -45,21 +49,6 @@ def of_specification(specification: type, recording: Recording) -> Certificate:
     result = calibrate(specification, recording, run="r1", code_version="0.1.0+test")
     curves = curves_of_run(recording, result)
     return certificate(result, decide(result, None), manifest=recording.manifest, curves=curves)
-
-
-def adjusted() -> Certificate:
-    bias = items()["gyro_bias"]
-    moved = bias.model_copy(update={"value": bias.value | {"y": -0.2514}})
-    before = calibration(items=items() | {"gyro_bias": moved}, run="r-as-found", digest="ab" * 32)
-    found = AsFound(
-        calibrated_on=date(2026, 11, 17), calibration=before, decision=decide(before, tolerance())
-    )
-    return certificate(as_found=found)
-
-
-def bare() -> Certificate:
-    result = calibration(items={}, environment=EnvironmentSeen(), remarks=(), settings={})
-    return certificate(result, decide(result, None), laboratory=None, order=None)
 
 
 def amendment() -> Certificate:

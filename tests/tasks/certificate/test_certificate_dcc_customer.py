@@ -11,7 +11,6 @@ import pytest
 from dcc_json_toolkit import cache
 from dcclib.conversion import JSONConverter
 from lxml import etree
-from sample_certificate import certificate, laboratory
 
 from schemas.equipment import ErrorBound
 from schemas.recording import Recording
@@ -20,6 +19,7 @@ from tasks.certificate.dcc import dcc_of
 from tasks.conformity import decide
 from tasks.curves import curves_of_run
 from tasks.specifications.register import BY_STANDARD
+from tests.tasks.certificate.sample_certificate import certificate, laboratory
 
 SCHEMAS = Path(os.environ.get("MIMUCAL_DCC_SCHEMA", "../shared/dcc"))
 NAMES = {"dcc": "https://ptb.de/dcc", "si": "https://ptb.de/si"}

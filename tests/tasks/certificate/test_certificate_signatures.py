@@ -18,14 +18,14 @@ import pypdfium2
 import pytest
 import zxingcpp
 from pyhanko.sign.timestamps import DummyTimeStamper
-from sample_certificate import certificate
-from signing_keys import NOW, PASSPHRASE, Keys, keys
 
 from schemas.base import Unusable
 from schemas.signature import SigningSettings, Token
 from tasks.certificate.documents import Faces, faces_of
 from tasks.certificate.sign import Signing, signing_of
 from tasks.certificate.verify_file import VerifiedFile, verify_file
+from tests.tasks.certificate.sample_certificate import certificate
+from tests.tasks.certificate.signing_keys import NOW, PASSPHRASE, Keys, keys
 
 SOFTHSM = next(Path("/usr").glob("lib*/**/softhsm/libsofthsm2.so"), None)
 KEY_INFO = "http://www.w3.org/2000/09/xmldsig#:KeyInfo"

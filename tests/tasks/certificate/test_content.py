@@ -8,17 +8,6 @@ import pypdfium2
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sample_certificate import (
-    AXES,
-    calibration,
-    certificate,
-    content,
-    item,
-    items,
-    manifest,
-    printed,
-    tolerance,
-)
 
 from schemas.calibration import Calibration, EnvironmentSeen, Information, Item, Method
 from schemas.certificate import State
@@ -42,6 +31,17 @@ from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.words import known, say
+from tests.tasks.certificate.sample_certificate import (
+    AXES,
+    calibration,
+    certificate,
+    content,
+    item,
+    items,
+    manifest,
+    printed,
+    tolerance,
+)
 
 
 def group(result: Calibration, title: str) -> Group:

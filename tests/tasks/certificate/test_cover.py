@@ -7,20 +7,6 @@ from typing import Any
 import pytest
 from lxml import etree
 from pydantic import ValidationError
-from sample_certificate import (
-    AXES,
-    calibration,
-    certificate,
-    content,
-    item,
-    items,
-    laboratory,
-    manifest,
-    order,
-    tolerance,
-    with_budgets,
-)
-from test_certificate_as_found import adjusted
 
 from schemas.calibration import AdoptedTerm, Calibration, SegmentUsed
 from schemas.capability import Capability
@@ -36,6 +22,20 @@ from tasks.certificate.documents import faces_of, record_of
 from tasks.conformity import as_stated, decide
 from tasks.specifications.items import ITEMS, item_title
 from tasks.words import Message, say
+from tests.tasks.certificate.sample_certificate import (
+    AXES,
+    adjusted,
+    calibration,
+    certificate,
+    content,
+    item,
+    items,
+    laboratory,
+    manifest,
+    order,
+    tolerance,
+    with_budgets,
+)
 
 
 def segment(name: str, kind: Kind, **more: Any) -> SegmentUsed:

@@ -8,7 +8,6 @@ from functools import cache
 import pypdf
 import pypdfium2
 import pytest
-from sample_certificate import calibration, certificate, content, item, items
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
@@ -21,6 +20,13 @@ from tasks.certificate.figures import drawn
 from tasks.certificate.pdf import render
 from tasks.curves import history
 from tasks.specifications.jjf2003 import JJF2003
+from tests.tasks.certificate.sample_certificate import (
+    calibration,
+    certificate,
+    content,
+    item,
+    items,
+)
 
 DAY = date(2026, 11, 19)
 

@@ -13,8 +13,22 @@ import pypdf
 import pypdfium2
 import pytest
 from pydantic import ValidationError
-from sample_certificate import (
+
+from schemas.appearance import Appearance
+from schemas.base import Unusable
+from schemas.certificate import Certificate, Party
+from schemas.equipment import MeasurementStandard
+from schemas.text import Remark
+from schemas.tolerance import Limit
+from tasks.certificate.documents import faces_of
+from tasks.certificate.pdf import render
+from tasks.certificate.verify_file import verify_file
+from tasks.conformity import decide
+from tests import pseudo_language
+from tests.tasks.certificate.sample_certificate import (
     AXES,
+    adjusted,
+    bare,
     calibration,
     certificate,
     content,
@@ -26,19 +40,6 @@ from sample_certificate import (
     tolerance,
     with_budgets,
 )
-
-from schemas.appearance import Appearance
-from schemas.base import Unusable
-from schemas.calibration import EnvironmentSeen
-from schemas.certificate import AsFound, Certificate, Party
-from schemas.equipment import MeasurementStandard
-from schemas.text import Remark
-from schemas.tolerance import Limit
-from tasks.certificate.documents import faces_of
-from tasks.certificate.pdf import render
-from tasks.certificate.verify_file import verify_file
-from tasks.conformity import decide
-from tests import pseudo_language
 
 POINT = 72 / 25.4  # points in a millimetre
 SIDE_MM, TOP_MM, BOTTOM_MM = 21, 9, 9
@@ -79,11 +80,6 @@ def assert_nothing_overlaps(pdf: bytes) -> None:
         high = np.minimum.outer(top, top) - np.maximum.outer(bottom, bottom)
         pairs = np.argwhere(np.triu((wide >= 1.5) & (high >= 1.5), k=1))
         assert not len(pairs), (page, runs[pairs])
-
-
-def bare() -> Certificate:
-    result = calibration(items={}, environment=EnvironmentSeen(), remarks=(), settings={})
-    return certificate(result, decide(result, None), laboratory=None, order=None)
 
 
 def failed() -> Certificate:
@@ -399,18 +395,6 @@ def test_the_title_leaves_room_for_the_code_and_the_last_page_is_not_next_to_emp
 
 
 # A unit that was adjusted: its certificate has it as found beside what it is as left.
-
-
-def adjusted() -> Certificate:
-    """The sample, whose y gyro bias was out of tolerance as found."""
-    bias = item("deg/s", "7.2.2", AXES, [0.0125, -0.2514, 0.0071], 1.71e-4)
-    before = calibration(items=items() | {"gyro_bias": bias}, run="r-as-found", digest="ab" * 32)
-    found = AsFound(
-        calibrated_on=date(2026, 11, 17),
-        calibration=before,
-        decision=decide(before, tolerance()),
-    )
-    return certificate(as_found=found)
 
 
 def test_values_as_found_and_as_left_stand_in_one_row() -> None:

@@ -7,18 +7,6 @@ from typing import Any
 
 import pypdf
 import pytest
-from sample_certificate import (
-    AXES,
-    calibration,
-    certificate,
-    content,
-    item,
-    items,
-    laboratory,
-    manifest,
-    printed,
-    tolerance,
-)
 
 from schemas.certificate import Certificate, Step, StepName
 from schemas.recording import Segment
@@ -34,6 +22,18 @@ from tasks.run_validity.remark import run_remark
 from tasks.specifications.joint.remarks import CLAUSES
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.words import remark
+from tests.tasks.certificate.sample_certificate import (
+    AXES,
+    calibration,
+    certificate,
+    content,
+    item,
+    items,
+    laboratory,
+    manifest,
+    printed,
+    tolerance,
+)
 
 BIAS = {"item": "gyro_bias", "unit": "deg/s"}
 

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 from pydantic import ValidationError
-from sample_results import BIAS, bias_limit, calibration, item, tolerance
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, SegmentUsed
@@ -30,6 +29,7 @@ from tasks.uncertainty.equipment import (
 from tasks.uncertainty.examples import combine_as_example
 from tasks.words import say
 from tests.own_limits import SOURCE, as_table_1
+from tests.tasks.conformity.sample_results import BIAS, bias_limit, calibration, item, tolerance
 
 # What the measuring equipment says against a pass: limits that nobody stated, and other ones.
 

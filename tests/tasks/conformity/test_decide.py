@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_uncertainty
 from scipy import stats
 from scipy.special import ndtr
 
@@ -34,6 +33,14 @@ from tasks.conformity.rules import (
     probability_of_nonconformity,
 )
 from tasks.words import say, statement
+from tests.tasks.conformity.sample_results import (
+    BIAS,
+    bias_limit,
+    calibration,
+    item,
+    tolerance,
+    with_uncertainty,
+)
 
 
 def verdict_of(value: dict[str, float | None], **limit: Any) -> str:
@@ -591,6 +598,14 @@ def test_the_largest_rate_of_the_units_range_has_to_be_included_about_every_axis
     assert names(turned(-500.0), 500.0) == []
     assert names(turned(300.0), 500.0) == ["largest_rate"]
     assert names(turned(500.0, ("x", "y")), 500.0) == ["largest_rate"]
+
+
+def test_a_range_that_nobody_states_was_not_checked() -> None:
+    assert names(turned(500.0), None) == ["largest_rate"]
+
+
+def test_a_unit_that_was_not_turned_has_no_largest_rate_to_check() -> None:
+    assert names(calibration({}), None) == []
 
 
 def test_jjf_1536_asks_for_rates_within_the_range_and_not_for_the_largest() -> None:

@@ -165,7 +165,7 @@ def assert_known(name: str, effect: str, true: dict[str, float]) -> None:
         assert abs(text[key].value - value) < COVERAGE * text[key].u, key
 
 
-@pytest.mark.rehearsal  # of a shorter run in test_other_forms
+@pytest.mark.rehearsal
 def test_where_nothing_is_missing_nothing_is_said() -> None:
     answer = explained("plant_clean")
     assert answer.verdict == "no_mismatch"

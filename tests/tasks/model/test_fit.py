@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from model_unit import flicker, tumbling
 
 from schemas.base import Unusable
 from tasks.model.fit import MAX_FIT_ROWS, fit, plain_prediction
@@ -18,6 +17,7 @@ from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import GYRO_TERMS, STANDARD_TERMS, regressors
 from tasks.motion.whole import Motion
 from tasks.uncertainty.drift import DRIFTS, WALK
+from tests.tasks.model.model_unit import flicker, tumbling
 
 WITH_SITE = (earth_rotation(0.7), LEVER_ARM, *STANDARD_TERMS)
 

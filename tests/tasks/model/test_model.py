@@ -6,8 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from model_unit import GRAVITY, tumbling
-from table_run import T, motion, recording
 
 from tasks.model import terms
 from tasks.model.catalogue import catalogue
@@ -20,6 +18,8 @@ from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.model.terms.timing import ACCEL_AXIS_SKEW, TIME_OFFSET
 from tasks.words import say
 from tests.shared import shared_path
+from tests.tasks.model.model_unit import GRAVITY, tumbling
+from tests.tasks.model.table_run import T, motion, recording
 
 TERMS = catalogue(recording(), motion())
 NAMES = {term.name for term in TERMS} | set(EVENTS)

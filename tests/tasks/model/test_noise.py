@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from model_unit import flicker
 
 from tasks.model.noise import RowNoise
 from tasks.segments.summarise import SegmentMean
 from tasks.uncertainty.drift import DRIFTS, TREND, WALK, drift_shapes
+from tests.tasks.model.model_unit import flicker
 
 COUNT = 300
 T = np.arange(COUNT) * 0.5

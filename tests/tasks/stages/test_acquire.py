@@ -15,7 +15,7 @@ from schemas.recording import MEASURED, Recording, Stream
 from schemas.station import StationFile
 from storage.catalogue import runs
 from storage.formats.mcap import writer
-from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.reader import has_readings, read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
 from storage.station_lock import statuses
@@ -234,6 +234,11 @@ def test_it_goes_on_at_the_first_missing_segment_as_one_run(bench):
     bench.restart()
     left = bench.interrupt("position +y")
     first = read_mcap(left, salvage=True)
+    killed = left.with_name("killed.mcap")  # as it went on
+    with RawWriter(killed) as again:
+        again.manifest(first.manifest)
+    killed.write_bytes(killed.read_bytes()[:-100])
+    assert not has_readings(killed)
     whole = bench.acquire(resume=True, by="Qian")
     assert (whole.manifest.model_extra or {})["operator"] == "Sun; Qian"
     positions = [name for name in bench.begun if name.startswith("position")]

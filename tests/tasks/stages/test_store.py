@@ -11,8 +11,8 @@ from storage.catalogue.connection import Busy
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.station_lock import one_run_on
-from tasks.stages import acquire, ready
-from tasks.stages import store as module
+from tasks.stages import acquire
+from tasks.stages import store as storing
 from tasks.stages.acquire import acquire_run
 from tasks.stages.import_recording import import_recording
 from tasks.stages.ready import ready_to_acquire
@@ -53,7 +53,7 @@ def away_until(moment_s: float, clock: Clock, fault: Unusable, monkeypatch) -> N
             raise fault
         return add(*arguments)
 
-    monkeypatch.setattr(module.runs, "add", added)
+    monkeypatch.setattr(storing.runs, "add", added)
 
 
 @pytest.mark.parametrize("fault", [Busy("the database is away."), Unreachable("no bucket")])
@@ -137,8 +137,8 @@ def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
             raise fault
         return add(*arguments)
 
-    monkeypatch.setattr(module.runs, "add", added)
-    monkeypatch.setattr(module, "FIRST_PAUSE_S", 0.0)
+    monkeypatch.setattr(storing.runs, "add", added)
+    monkeypatch.setattr(storing, "FIRST_PAUSE_S", 0.0)
     ((run, _),) = acquire_run(station.file, PROCEDURE_ACQUIRE, fresh, lambda _: None).kept
     assert len(turned) == 1
     assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
@@ -150,7 +150,7 @@ def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
 def test_every_obstacle_is_named_at_once_and_nothing_turns(fresh: Home, monkeypatch) -> None:
     station = InMemoryStation(VirtualStation(unit=draw_unit(7))).file
     monkeypatch.setattr(acquire, "acquire", pytest.fail)
-    monkeypatch.setattr(ready, "FREE_BYTES", 1 << 70)
+    monkeypatch.setattr(storing, "FREE_BYTES", 1 << 70)
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://nobody@127.0.0.1:9/none")
     with one_run_on(station.station.id, fresh), pytest.raises(Unusable) as refusal:
         acquire_run(station, PROCEDURE_ACQUIRE, fresh, lambda _: None)

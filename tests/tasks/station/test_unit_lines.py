@@ -93,7 +93,11 @@ def through_a_file(kind: Kind, folder: Path) -> Iterator[str]:
 
 @pytest.mark.parametrize(
     ("line", "kind"),
-    [(over_tcp, BIG_ENDIAN), (over_serial, TEXT), (through_a_file, BIG_ENDIAN)],
+    [
+        pytest.param(over_tcp, BIG_ENDIAN, marks=pytest.mark.rehearsal),
+        (over_serial, TEXT),
+        (through_a_file, BIG_ENDIAN),
+    ],
     ids=["big-endian frames over TCP", "lines of text over a serial line", "a growing file"],
 )  # fmt: skip
 def test_a_run_has_every_reading_that_the_unit_sent(line, kind, short, kept, tmp_path):

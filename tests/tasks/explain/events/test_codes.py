@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import SIGMA, counted, mean_readings, motion, noisy
 
 from tasks.explain.events.code_fault import CodeFault, find_torn_codes
 from tasks.explain.events.detect import events_in_readings
@@ -16,6 +15,7 @@ from tasks.explain.events.torn_codes import torn_codes
 from tasks.motion.whole import Motion
 from tasks.readings.lattice import Quantiser, quantiser_of
 from tasks.words import say, texts
+from tests.tasks.explain.events.made_up import SIGMA, counted, mean_readings, motion, noisy
 
 
 def _effects(events: Events) -> list[str]:

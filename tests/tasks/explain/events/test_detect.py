@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import counted, mean_readings, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.faults import (
@@ -17,6 +16,7 @@ from tasks.explain.events.faults import (
 )
 from tasks.explain.events.settling import find_settling
 from tasks.words import texts
+from tests.tasks.explain.events.made_up import counted, mean_readings, motion, noisy
 
 SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 MADE = motion(minutes=6.0)

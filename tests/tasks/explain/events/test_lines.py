@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import RATE, SIGMA, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
@@ -14,6 +13,7 @@ from tasks.motion.pose import Tracking
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion
 from tasks.words import say, texts
+from tests.tasks.explain.events.made_up import RATE, SIGMA, motion, noisy
 
 
 def _detected(made: Motion, left: np.ndarray) -> Events:

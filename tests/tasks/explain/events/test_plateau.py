@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import GRAVITY, counted, mean_readings, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
 from tasks.motion.whole import Motion
 from tasks.words import texts
+from tests.tasks.explain.events.made_up import GRAVITY, counted, mean_readings, motion, noisy
 
 MADE = motion(minutes=2.0)
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import SIGMA, counted, mean_readings, motion, noisy
 
 from tasks.explain.events.bias_at_rest import find_bias_at_rest
 from tasks.explain.events.dead_zone import mean_within
@@ -12,6 +11,7 @@ from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
 from tasks.motion.whole import Motion
 from tasks.words import texts
+from tests.tasks.explain.events.made_up import SIGMA, counted, mean_readings, motion, noisy
 
 MADE, LONGER = motion(), motion(minutes=6.0)
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import counted, mean_readings, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
@@ -13,6 +12,7 @@ from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
 from tasks.readings.slips import window_delays
 from tasks.words import say, texts
+from tests.tasks.explain.events.made_up import counted, mean_readings, motion, noisy
 
 MADE = motion(minutes=2.0)
 COUNT = len(MADE.t)

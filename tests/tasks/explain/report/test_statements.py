@@ -3,7 +3,6 @@
 import re
 
 import numpy as np
-from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, located, unnamed, where
 
 from schemas.discrepancy import Discrepancy, FoundParameter
 from schemas.text import Statement
@@ -14,6 +13,17 @@ from tasks.explain.report.statements import strength_of_evidence, times_more_pro
 from tasks.model.effect import effect_name
 from tasks.words import say
 from tasks.words import texts as in_languages
+from tests.tasks.explain.report.made_report import (
+    BIAS,
+    CHANGE,
+    TILT,
+    answer,
+    explanation,
+    finding,
+    located,
+    unnamed,
+    where,
+)
 
 
 def texts(discrepancy: Discrepancy) -> tuple[str, str]:

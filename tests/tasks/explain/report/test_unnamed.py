@@ -5,7 +5,6 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
-from made_report import explanation, finding, located, unnamed, where
 
 from schemas.discrepancy import Dimension, ReportedFinding
 from schemas.text import Statement
@@ -13,6 +12,7 @@ from tasks.explain.explanation import Partition, Refusal
 from tasks.explain.report.discrepancy import next_of
 from tasks.model.effect import effect_name
 from tasks.words import texts
+from tests.tasks.explain.report.made_report import explanation, finding, located, unnamed, where
 
 BEHAVIOUR = Statement(en="a change that follows the rate", zh="随角速率变化的偏差")
 REFUSALS: dict[str, Refusal] = {

@@ -2,13 +2,21 @@
 
 import numpy as np
 import pytest
-from made_report import BIAS, answer, explanation, finding, located, unnamed, where
 
 from schemas.discrepancy import Discrepancy, FoundParameter, HeldOut
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
 from tasks.readings.implausible import found_on_sight
 from tasks.words import message
+from tests.tasks.explain.report.made_report import (
+    BIAS,
+    answer,
+    explanation,
+    finding,
+    located,
+    unnamed,
+    where,
+)
 
 
 def first_sentence(discrepancy: Discrepancy) -> str:

@@ -10,7 +10,11 @@ import pytest
 from engine_run import NOISY, QUIET, chi2, motion, noise, observed, read, whitened
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from labelled_rests import labelled_rests, recording_of
 
+from schemas.recording import Recording
+from tasks.explain.channels import GYROS
+from tasks.explain.explain import explain
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import (
@@ -21,8 +25,16 @@ from tasks.explain.search.candidates import (
     columns_of,
     plausible_half_ranges,
 )
-from tasks.explain.search.design import BandedDesign, banded_design, normal_equations
+from tasks.explain.search.design import (
+    BandedDesign,
+    NormalEquations,
+    banded_design,
+    normal_equations,
+)
+from tasks.explain.search.empirical_terms import sinusoid
+from tasks.explain.search.rivals import with_rivals
 from tasks.explain.search.scores import PER_PARAMETER, rank
+from tasks.explain.search.special_case import departure_shown, places_apart
 from tasks.explain.search.stepwise import FALSE_ALARMS, Selection, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
@@ -32,6 +44,7 @@ from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.model.terms.site import GRAVITY_VALUE, earth_rotation
 from tasks.model.terms.standard import regressors
 from tasks.model.terms.timing import TIME_OFFSET
+from tasks.motion.whole import Motion
 
 RUN = motion()
 EARTH = earth_rotation(np.radians(40.0))
@@ -223,3 +236,129 @@ def test_a_time_constant_that_would_be_negative_finds_nothing() -> None:
     one = asked(made + noise(len(RUN.t), 7, NOISY), (BANDWIDTH, TIME_OFFSET))
     early = search(one.pool, one.candidates, (), NOISY)
     assert [each.candidate.name for each in early.selected] == ["time_offset"]
+
+
+# A lever arm stands alone where the accelerometers, were they apart, would have shown it.
+
+NOISE = noise(len(RUN.t), 3, NOISY)
+ARM_SPECIAL_CASE = np.array([0.0004, -0.0006, 0.00023])  # small: the noise is told beside it
+
+
+def shown(run: Motion, own: tuple[int, ...] = tuple(range(9))) -> float:
+    """own: the places that are among the columns, in the order of the term's parameters."""
+    made = read(run, (LEVER_ARM, ARM_SPECIAL_CASE)) + NOISE
+    blocks = observed(made, run)
+    of_places = columns_of(SIZE_EFFECT, run)
+    columns = [*columns_of(LEVER_ARM, run), *(of_places[k] for k in own)]
+    arm = Candidate(LEVER_ARM, (0, 1, 2), (0, 1, 2), 1)
+    places = Candidate(SIZE_EFFECT, tuple(range(3, 3 + len(own))), own, 1)
+    design = banded_design(blocks, made, columns, np.full(len(columns), np.inf))
+    equations = search(design, [arm, places], (), NOISY).equations
+    return departure_shown(equations, places, (), ARM_SPECIAL_CASE)
+
+
+def left_by_a_lever_arm(places: np.ndarray) -> float:
+    """Chi-squared of the noise, and of places of their own, that a lever arm and the standard
+    leave.
+    """
+    made = read(RUN, (SIZE_EFFECT, places)) + NOISE
+    design = banded_design(observed(made, RUN), made, [*columns_of(LEVER_ARM, RUN)],
+                           np.full(3, np.inf))  # fmt: skip
+    arm = Candidate(LEVER_ARM, (0, 1, 2), (0, 1, 2), 1)
+    equations = search(design, [arm], (), NOISY).equations
+    made_up = equations.right @ np.linalg.pinv(equations.normal) @ equations.right
+    return float(equations.misfit - made_up)
+
+
+def test_places_apart_have_the_lever_arm_for_their_mean_and_its_size_for_their_spread() -> None:
+    places = places_apart(ARM_SPECIAL_CASE).reshape(3, 3)
+    assert places.mean(axis=0) == pytest.approx(ARM_SPECIAL_CASE)
+    assert np.sqrt(((places - ARM_SPECIAL_CASE) ** 2).mean()) == pytest.approx(
+        np.sqrt(2.0 / 3.0) * np.linalg.norm(ARM_SPECIAL_CASE) / np.sqrt(3.0)
+    )
+
+
+def test_what_is_expected_is_what_departures_show_on_average() -> None:
+    rng = np.random.default_rng(5)
+    size = np.linalg.norm(ARM_SPECIAL_CASE) / np.sqrt(3.0)
+    none = left_by_a_lever_arm(np.zeros(9))
+    drawn = [left_by_a_lever_arm(size * rng.standard_normal(9)) - none for _ in range(24)]
+    assert np.mean(drawn) == pytest.approx(shown(RUN), rel=0.3)
+
+
+def test_a_unit_that_hardly_turns_shows_nothing() -> None:
+    slow = replace(RUN, rate=0.02 * RUN.rate, acceleration=0.02 * RUN.acceleration)
+    assert shown(slow) < 0.01 * shown(RUN)
+
+
+def test_some_of_the_places_show_less_than_all() -> None:
+    assert 0.0 < shown(RUN, (0, 1, 2, 3, 4)) < shown(RUN)
+
+
+def test_about_one_axis_no_departure_shows() -> None:
+    turning = replace(RUN, rate=RUN.rate * (0, 0, 1), acceleration=RUN.acceleration * (0, 0, 1))
+    assert shown(turning) < 1e-6 * shown(RUN)
+
+
+# What a recording cannot tell apart is named beside what was selected, and nothing else is.
+
+REST, GAP = 20.0, 14.0  # s
+STEP = 1.2e-3  # rad/s
+
+
+def searched(readings: np.ndarray, *terms: Term) -> Selection:
+    run = motion()
+    readings = readings + noise(len(run.t), 7, NOISY)
+    blocks = observed(readings, run)
+    candidates, columns = candidates_of(terms, run)
+    half = plausible_half_ranges(candidates, len(columns))
+    design = banded_design(blocks, readings, columns, half)
+    return with_rivals(search(design, candidates, (), NOISY), design, candidates)
+
+
+def jumping(at: float, seed: int) -> Recording:
+    """Six labelled rests, and a gyro whose bias jumps once, at a time (s)."""
+    t, readings, segments = labelled_rests(seed, REST, GAP)
+    readings[t >= at, 0] += STEP
+    return recording_of(t, readings, segments)
+
+
+def test_what_differs_in_the_motion_has_no_rivals() -> None:
+    warming = (4e-6, 0.0, -3e-6, 0.0, 1e-4, 0.0)
+    made = read(motion(), (LEVER_ARM, (0.004, -0.006, 0.003)), (TEMPERATURE_BIAS, warming))
+    found = searched(made, LEVER_ARM, TEMPERATURE_BIAS, TIME_OFFSET, earth_rotation(0.7))
+    assert {one.candidate.name: one.rivals for one in found.selected} == {
+        "lever_arm": (), "temperature_bias": (),
+    }  # fmt: skip
+
+
+@pytest.mark.rehearsal
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.rehearsal)])
+def test_a_jump_between_two_positions_is_not_told_from_the_square_of_gravity(seed: int) -> None:
+    """After +x and −x the square of the force jumps once as well, and no rest saw it happen."""
+    (found,) = explain(jumping(2 * REST + GAP + 3.0, seed)).findings
+    assert {found.effect, *found.indistinguishable} == {"bias_step", "gyro_g2_sensitivity"}
+
+
+@pytest.mark.rehearsal
+def test_a_jump_within_a_rest_is_no_square_of_gravity() -> None:
+    (found,) = explain(jumping(2 * (REST + GAP) + 8.0, 1)).findings
+    assert (found.effect, found.indistinguishable) == ("bias_step", ())
+
+
+# Scores of candidates: what a gain is worth.
+
+ARM_SCORES = Candidate(LEVER_ARM, (0,), (0,), 1)
+FREE = Candidate(sinusoid(GYROS).shaped((60.0,)), (1,), (0,), 1)
+
+
+@pytest.mark.parametrize(("more", "first"), [(0.001, "lever_arm"), (0.003, "unnamed")])
+def test_a_free_form_must_gain_more_than_the_reference_errs_by(more: float, first: str) -> None:
+    """Of a chi-squared of a million, in which a thousandth is certain and means nothing."""
+    gains = 1e6 * np.array([1.0, 1.0 + more])
+    equations = NormalEquations(np.eye(2), np.sqrt(gains), np.ones(2), 2e6)
+    ranked = rank(equations, [ARM_SCORES, FREE], ())
+    assert ranked[0].candidate.name == first
+    assert {one.candidate.name: one.gain for one in ranked} == pytest.approx(
+        dict(zip(("lever_arm", "unnamed"), gains, strict=True)), rel=1e-5
+    )

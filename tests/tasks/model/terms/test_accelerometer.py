@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from table_run import GRAVITY, motion, read
 
 from tasks.model.terms.accelerometer import (
     VIBRATION_RECTIFICATION,
@@ -10,6 +9,7 @@ from tasks.model.terms.accelerometer import (
     converter_nonlinearity,
     rectification_of_speed,
 )
+from tests.tasks.model.table_run import GRAVITY, motion, read
 
 RUN = motion()
 THREE = np.array([1e-3, -2e-3, 3e-3])

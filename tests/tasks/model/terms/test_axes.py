@@ -4,7 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from table_run import (
+
+from tasks.model.term import Term
+from tasks.model.terms.axes import AXIS_TILT, axis_nonorthogonality, axis_wobble, candidates
+from tests.tasks.model.table_run import (
     ANGLES,
     DIRECTIONS,
     EAST,
@@ -18,9 +21,6 @@ from table_run import (
     recording,
     undisturbed,
 )
-
-from tasks.model.term import Term
-from tasks.model.terms.axes import AXIS_TILT, axis_nonorthogonality, axis_wobble, candidates
 
 INSIDE = slice(2, -2)
 BLIND = replace(motion(), north=np.full((len(T), 3), np.nan))

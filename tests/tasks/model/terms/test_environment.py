@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from table_run import T, attitude, motion, read, recording
 
 from tasks.model.term import Term
 from tasks.model.terms.environment import (
@@ -14,6 +13,7 @@ from tasks.model.terms.environment import (
     thermal_transient,
 )
 from tasks.model.terms.magnetic import candidates, magnetic_sensitivity
+from tests.tasks.model.table_run import T, attitude, motion, read, recording
 
 RUN = motion()
 SIX = 1e-4 * np.array([1.0, -2.0, 3.0, 20.0, -10.0, 5.0])

@@ -2,15 +2,6 @@
 
 import numpy as np
 import pytest
-from table_run import (
-    RATE_HZ,
-    T,
-    attitude,
-    felt,
-    motion,
-    read,
-    undisturbed,
-)
 
 from tasks.model.terms.geometry import (
     LEVER_ARM,
@@ -18,6 +9,15 @@ from tasks.model.terms.geometry import (
     SIZE_EFFECT,
     STRUCTURAL_COMPLIANCE,
     remount_misalignment,
+)
+from tests.tasks.model.table_run import (
+    RATE_HZ,
+    T,
+    attitude,
+    felt,
+    motion,
+    read,
+    undisturbed,
 )
 
 INSIDE = slice(2, -2)  # rows with neighbours to differentiate by

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from table_run import T, motion, read, recording
 
 from tasks.model.term import Term
 from tasks.model.terms.gyro import (
@@ -15,6 +14,7 @@ from tasks.model.terms.gyro import (
     gyro_scale_nonlinearity,
     top_rate,
 )
+from tests.tasks.model.table_run import T, motion, read, recording
 
 RUN = motion()
 W, F = RUN.rate, 9.8 * RUN.up

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from table_run import T, motion, read, recording
 
 from tasks.model.hysteresis_states import relaxed
 from tasks.model.parameters import STILL
 from tasks.model.term import SensorTerm
 from tasks.model.terms.hysteresis import candidates, hysteresis
+from tests.tasks.model.table_run import T, motion, read, recording
 
 RUN = motion()
 EVERY = [term for term in candidates(recording(), RUN) if isinstance(term, SensorTerm)]

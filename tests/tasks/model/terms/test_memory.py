@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from table_run import T, motion, read, recording
 
 from tasks.model.terms.memory import BIAS_RANDOM_WALK, bias_step, candidates
+from tests.tasks.model.table_run import T, motion, read, recording
 
 RUN = motion()
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from table_run import LATITUDE, attitude, motion, read
 
 from tasks.model.terms.site import GRAVITY_VALUE, earth_rotation
+from tests.tasks.model.table_run import LATITUDE, attitude, motion, read
 
 EARTH = 7.292115e-5  # rad/s, WGS 84
 

@@ -2,7 +2,14 @@
 
 import numpy as np
 import pytest
-from table_run import (
+
+from tasks.model.terms.table import (
+    TABLE_SCALE,
+    candidates,
+    encoder_eccentricity,
+    rate_ripple,
+)
+from tests.tasks.model.table_run import (
     ANGLES,
     attitude,
     felt,
@@ -10,13 +17,6 @@ from table_run import (
     read,
     recording,
     undisturbed,
-)
-
-from tasks.model.terms.table import (
-    TABLE_SCALE,
-    candidates,
-    encoder_eccentricity,
-    rate_ripple,
 )
 
 INSIDE = slice(2, -2)

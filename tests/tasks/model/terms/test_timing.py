@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from table_run import motion
 
 from tasks.model.term import Term
 from tasks.model.terms.electronics import BANDWIDTH, corner
 from tasks.model.terms.timing import ACCEL_AXIS_SKEW, CLOCK_SKEW, TIME_OFFSET
 from tasks.motion.whole import Motion
+from tests.tasks.model.table_run import motion
 
 T = np.arange(3000) / 100.0
 RUN = replace(motion(), t=T)

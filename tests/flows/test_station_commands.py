@@ -1,9 +1,17 @@
 """`acquire --dry-run` on a station that nobody answers for: nothing is connected, nothing moves."""
 
+import json
+from pathlib import Path
+
 import pytest
 
+from flows import station as commands
 from schemas.limits import Limits
+from storage.home import Home
+from storage.station_lock import write_status
 from tasks.station.virtual.config import VirtualStation, station_file
+from tests.storage.test_stations import status
+from tests.tasks.station.sample_stations import sample
 
 SEGMENTS = 48  # 12 positions, 3 × 2 rests and 3 × 10 rates
 
@@ -55,3 +63,54 @@ def test_what_the_table_must_not_do_is_said_before_anything_is_connected(mimucal
     assert done.code == 2
     assert "limit 5" in done.err
     assert done.out == ""
+
+
+# `mimucal station stop`, and what `station status` says of a run that was killed.
+
+
+@pytest.mark.real_time
+def test_where_rest_is_not_confirmed_it_fails_and_names_the_emergency_stop(tmp_path, mimucal):
+    fields = sample("mimucal")
+    fields["table"]["url"] = "socket://127.0.0.1:1"
+    file = tmp_path / "station.json"
+    file.write_text(json.dumps(fields), encoding="utf-8")
+    stopped = mimucal("station", "stop", file, "--by", "Li")
+    assert stopped.code == 1
+    assert "use the emergency stop" in stopped.err
+
+
+def test_a_station_that_nobody_knows_is_one_sentence(mimucal):
+    stopped = mimucal("station", "stop", "T9")
+    assert stopped.code == 2
+    assert "station T9" in stopped.err
+
+
+def test_of_a_run_that_was_killed_nothing_says_that_it_goes_on(home, mimucal):
+    write_status(status("measuring"), Home(home))
+    (run,) = mimucal("station", "status", "--json").json["runs"]
+    assert (run["state"], run["is_dead"]) == ("stopped", False)
+    assert "ended without a word" in run["cause"]
+
+
+# `mimucal station check` on a station that nobody answers for.
+
+
+@pytest.mark.real_time
+def test_every_device_that_does_not_work_is_said_and_the_command_fails(
+    tmp_path, monkeypatch, capsys
+):
+    import typer
+
+    monkeypatch.setenv("MIMUCAL_HOME", str(tmp_path / "home"))
+    fields = sample("mimucal")
+    for device in ("table", "chamber", "fixture", "unit_link"):
+        fields[device]["url"] = "socket://127.0.0.1:1"
+    file = Path(tmp_path / "station.json")
+    file.write_text(json.dumps(fields), encoding="utf-8")
+    with pytest.raises(typer.Exit) as end:
+        commands.check(str(file), move=False, as_json=True)
+    assert end.value.exit_code == 1
+    checked = json.loads(capsys.readouterr().out)
+    assert checked["format"] == "mimu-station-check/1"
+    failed = {(trial["device"], trial["works"]) for trial in checked["trials"]}
+    assert failed == {(name, False) for name in ("table", "chamber", "fixture", "unit")}

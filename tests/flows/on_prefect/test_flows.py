@@ -4,7 +4,8 @@ import json
 import os
 import subprocess
 import sys
-from datetime import UTC, datetime
+from contextlib import contextmanager
+from datetime import UTC, datetime, timedelta
 from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,13 +13,19 @@ from typing import Any
 from uuid import uuid4
 
 import pytest
-from prefect.client.schemas.objects import FlowRun
+from prefect.client.schemas.objects import FlowRun, State, StateType
+from prefect.context import FlowRunContext
 from prefect.states import Crashed
 
+from flows.on_prefect import artifacts, late_runs, run_names
+from flows.on_prefect.artifacts import PROGRESS_EVERY_S, UNANSWERED_S, ProgressArtifact
 from flows.on_prefect.deployments import environment
 from flows.on_prefect.hooks import free_station
+from flows.on_prefect.late_runs import one_of_those_due
 from flows.orders.order_queue import give
-from schemas.production import OrderRequest
+from schemas.certificate_orders import ProduceOrder
+from schemas.production import OrderRequest, ProductionOrder
+from schemas.recording import Unit
 from schemas.run_log import RunStatus
 from storage.catalogue import orders
 from storage.home import Home
@@ -131,3 +138,114 @@ def test_prefect_finds_our_hook_by_the_import_path_that_it_gives_it(
     assert done.returncode == 0, done.stderr
     assert "Error" not in done.stderr
     assert [each.state for each in orders.listed(home)] == ["waiting"]
+
+
+# Of the runs that a schedule owes, the newest is carried out, whichever starts first.
+
+DEPLOYMENT = uuid4()
+BEGAN = datetime(2026, 11, 27, 8, tzinfo=UTC)
+
+
+def run(minute: int, state: StateType = StateType.SCHEDULED, auto: bool = True) -> FlowRun:
+    return FlowRun(
+        id=uuid4(), flow_id=uuid4(), deployment_id=DEPLOYMENT, auto_scheduled=auto,
+        expected_start_time=BEGAN + timedelta(minutes=minute), state_type=state,
+        state=State(type=state),
+    )  # fmt: skip
+
+
+class Server:
+    """What is due of the deployment, and what was cancelled of it."""
+
+    def __init__(self, *due: FlowRun) -> None:
+        self.due, self.cancelled = list(due), []
+
+    def read_flow_runs(self, flow_run_filter: object) -> list[FlowRun]:
+        return self.due
+
+    def set_flow_run_state(self, run_id: object, state: State) -> None:
+        assert state.type is StateType.CANCELLED
+        self.cancelled.append(run_id)
+
+
+@pytest.fixture
+def carried_out(monkeypatch: pytest.MonkeyPatch):
+    """Starts a run of those that are due; gives what its body did."""
+
+    def start(own: FlowRun, server: Server) -> object:
+        @contextmanager
+        def client(**_: object):
+            yield server
+
+        context = SimpleNamespace(flow_run=own)
+        monkeypatch.setattr(FlowRunContext, "get", classmethod(lambda cls: context))
+        monkeypatch.setattr(late_runs, "get_client", client)
+        return one_of_those_due(lambda order: f"done {order}")("it")
+
+    return start
+
+
+def test_the_first_that_starts_is_carried_out_and_cancels_what_waits(carried_out) -> None:
+    """Else a schedule that repeats faster than its runs begin is never carried out."""
+    own, *others = (run(minute) for minute in (0, 10, 20, 30))
+    server = Server(own, *others)
+    assert carried_out(own, server) == "done it"
+    assert server.cancelled == [each.id for each in others]
+
+
+def test_the_newest_is_carried_out_and_cancels_what_still_waits(carried_out) -> None:
+    early, own = run(0), run(30)
+    server = Server(early, own)
+    assert carried_out(own, server) == "done it"
+    assert server.cancelled == [early.id]
+
+
+def test_a_newer_one_that_another_worker_took_is_left_to_it(carried_out) -> None:
+    own, taken = run(0), run(10, StateType.RUNNING)
+    server = Server(own, taken)
+    assert carried_out(own, server).type is StateType.CANCELLED
+    assert server.cancelled == []
+
+
+def test_what_somebody_ordered_is_neither_cancelled_nor_counted(carried_out) -> None:
+    own, ordered = run(0), run(10, auto=False)
+    server = Server(own, ordered)
+    assert carried_out(own, server) == "done it"
+    assert carried_out(ordered, Server(own, ordered)) == "done it"
+    assert server.cancelled == []
+
+
+# What flow runs are called.
+
+
+def test_a_run_of_the_queue_is_called_by_the_unit_and_procedure_of_its_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not by the unit that the station file names, which was mounted when it was written."""
+    made = ProductionOrder(
+        number="1", station="A", units=(Unit(manufacturer="M", model="U", serial="S7"),),
+        procedure="/lab/short.json", person="Wang", ordered_at=datetime.now(UTC),
+    )  # fmt: skip
+    orders.add([made], Home(tmp_path))
+    order = ProduceOrder(home=str(tmp_path), station="A", number="1")
+    monkeypatch.setattr(run_names, "flow_run", SimpleNamespace(parameters={"order": order}))
+    assert run_names.of_acquisition() == "S7 short"
+
+
+# Progress on Prefect's pages: rare updates, rarer ones while the server does not answer.
+
+
+@pytest.mark.parametrize(("answers", "pause_s"), [(True, PROGRESS_EVERY_S), (False, UNANSWERED_S)])
+def test_an_update_comes_after_a_pause_and_at_the_end(
+    monkeypatch: pytest.MonkeyPatch, answers: bool, pause_s: float
+) -> None:
+    updates: list[int] = []
+    now = [0.0]
+    monkeypatch.setattr(artifacts, "show", lambda update: updates.append(1) or answers)
+    show = ProgressArtifact("reprocess", clock=lambda: now[0])
+    for second in range(200):
+        now[0] = float(second)
+        show(second, 200)
+    assert len(updates) == 1 + int(199 // pause_s)
+    show(200, 200)
+    assert len(updates) == 2 + int(199 // pause_s)
