@@ -93,14 +93,17 @@ def test_a_record_of_another_code_is_told(
 
 def test_an_interrupted_run_is_told(empty: Home) -> None:
     empty.acquiring.mkdir(parents=True)
-    (empty.acquiring / "20260301T000000Z-ab.mcap").touch()
+    left = empty.acquiring / "20260301T000000Z-ab.mcap"
+    left.touch()  # killed before its first readings: the next run removes it
+    assert examined(empty, "interrupted runs").found == "none"
+    left.write_bytes(b"recorded")
     assert "--resume" in str(examined(empty, "interrupted runs").remedy)
 
 
 def test_a_run_that_is_going_on_is_none_of_the_interrupted(empty: Home) -> None:
     recording = empty.acquiring / "20260301T000000Z-ab.mcap"
     recording.parent.mkdir(parents=True)
-    recording.touch()
+    recording.write_bytes(b"recorded")
     now = datetime.now(UTC)
     status = RunStatus(
         station="LINE-1", procedure="jjf2003", process=1, began_at=now, at=now, state="measuring",
