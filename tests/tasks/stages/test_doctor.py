@@ -81,8 +81,27 @@ def test_a_record_of_another_code_is_told(
 
 def test_an_interrupted_run_is_told(empty: Home) -> None:
     empty.acquiring.mkdir(parents=True)
-    (empty.acquiring / "20260301T000000Z-ab.mcap").touch()
+    left = empty.acquiring / "20260301T000000Z-ab.mcap"
+    left.touch()  # killed before its first readings: the next run removes it
+    assert examined(empty, "interrupted runs").found == "none"
+    left.write_bytes(b"recorded")
     assert "--resume" in str(examined(empty, "interrupted runs").remedy)
+
+
+def test_a_run_that_is_going_on_is_none_of_the_interrupted(empty: Home) -> None:
+    recording = empty.acquiring / "20260301T000000Z-ab.mcap"
+    recording.parent.mkdir(parents=True)
+    recording.write_bytes(b"recorded")
+    now = datetime.now(UTC)
+    status = RunStatus(
+        station="LINE-1", procedure="jjf2003", process=1, began_at=now, at=now, state="measuring",
+        now="rate x", segment=3, segments=4, station_s_done=1.0, station_s_total=2.0,
+        wall_s_left=1.0, recordings=(str(recording),), lock=lock_place(empty),
+    )  # fmt: skip
+    write_status(status, empty)
+    with one_run_on("LINE-1", empty):
+        assert examined(empty, "interrupted runs").found == "none"
+    assert recording.name in examined(empty, "interrupted runs").found
 
 
 def test_a_line_whose_operators_nobody_named_is_told(
