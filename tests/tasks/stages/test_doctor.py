@@ -11,9 +11,11 @@ from threading import Thread
 import pytest
 
 from schemas.doctor import Examined
+from schemas.run_log import RunStatus
 from schemas.validation import ValidationRecord
 from storage.catalogue import database, trail
 from storage.home import Home
+from storage.station_lock import lock_place, one_run_on, write_status
 from tasks.stages import doctor as stage
 from tasks.stages.doctor import diagnose
 from tasks.validation import record
