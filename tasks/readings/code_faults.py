@@ -6,9 +6,9 @@ it right makes them follow one another; of right numbers it makes jumps. Three k
 
 - a map of the number that can be turned round: a low part joined as a signed number, bytes in
   another order, two's complement read as unsigned;
-- the number but for whole multiples of a size: the low part joined by OR, which wipes out the rest
-  it, and a number that wraps where it is full: the multiple follows from the rows beside or the
-  motion;
+- the number but for whole multiples of a size: the low part joined by OR,
+  which wipes out all above it, and a number that wraps where it is full: the multiple follows
+  from the rows beside or the motion;
 - a bit that sticks: every other block of 2ᵇ numbers never occurs (`tasks.readings.stuck_bits`).
 """
 
