@@ -158,11 +158,12 @@ def test_a_recording_without_angles_and_rates_is_refused_in_one_sentence(ahrs_ru
         result(lacking)
 
 
-def test_angles_in_degrees_are_refused(ahrs_run) -> None:
+def test_angles_in_degrees_make_a_run_invalid_without_a_scale_factor(ahrs_run) -> None:
     recording = ahrs_run()
     columns = {name: np.degrees(recording.imu.columns[name]) for name in ANGLE}
-    with pytest.raises(Unusable, match=r"angle columns read .* and the angle columns in rad"):
-        result(Recording(recording.manifest, Stream(recording.imu.t, columns)))
+    answer = result(Recording(recording.manifest, Stream(recording.imu.t, columns)))
+    assert (answer.remarks[0].code, answer.remarks[0].run) == ("rate_unit", "invalid")
+    assert set(answer.items["ahrs_scale_factor"].value.values()) == {None}
 
 
 def test_the_same_recording_gives_the_same_result_to_the_last_digit(ahrs_run) -> None:
