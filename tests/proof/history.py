@@ -80,11 +80,11 @@ def _made(home: Home, count: int) -> Made:
             if number > there:
                 runs.add(each, home)
             report(number, count)
-    told = subprocess.run(
+    done = subprocess.run(
         [*COMMAND, "--workers", str(WORKERS)], env=environment(MIMUCAL_HOME=str(home.path)),
         check=True, capture_output=True, text=True,
     )  # fmt: skip
-    report_ = json.loads(told.stdout)
+    report_ = json.loads(done.stdout)
     some, began = run_index.all_runs(home)[:BARE], time.perf_counter()
     again = [calibration_of(run, home, Estimation(), None) for run in some]
     bare_s = (time.perf_counter() - began) / len(some)
