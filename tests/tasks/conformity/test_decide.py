@@ -108,6 +108,17 @@ def test_an_unavailable_item_is_inconclusive_with_its_reason() -> None:
     assert decision.reasons_zh == ("陀螺零偏（x, y, z）未得：仅有5个位置",)
 
 
+def test_an_item_called_unavailable_does_not_pass_on_the_numbers_it_has() -> None:
+    result = calibration({"gyro_bias": item(BIAS)}, {"gyro_bias": "table fault"})
+    assert decide(result, tolerance(bias_limit())).verdict == "inconclusive"
+
+
+def test_a_foreign_unavailable_item_is_inconclusive_too() -> None:
+    result = calibration({"gyro_bias": item(BIAS)}, {"odd": "not seen"})
+    limits = tolerance(bias_limit(), Limit(item="odd", unit="1", upper=1.0))
+    assert decide(result, limits).verdict == "inconclusive"
+
+
 def test_only_listed_elements_are_limited() -> None:
     assert verdict_of({"x": 0.01, "y": None, "z": 9.0}, elements=("x",)) == "pass"
 
