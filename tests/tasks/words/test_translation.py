@@ -88,7 +88,7 @@ def sentences() -> Iterator[str]:
                 continue
             cases: list[tuple[str, str] | None] = [None]
             cases += [(name, key) for name, keys in choices.values.items() for key in keys]
-            said = set[str]()
+            rendered = set[str]()
             for case in cases:
                 values = {
                     name: sample(
@@ -101,17 +101,17 @@ def sentences() -> Iterator[str]:
                 id_ = entry.id.name + attribute
                 both = texts(message(id_, **values))
                 lines = "\n".join(f"  {language}: {text}" for language, text in both.items())
-                if lines not in said:
+                if lines not in rendered:
                     yield f"{id_}{f' {case[0]}={case[1]}' if case else ''}\n{lines}"
-                said.add(lines)
+                rendered.add(lines)
 
 
 def test_each_message_says_with_its_arguments_what_is_kept() -> None:
-    said = "\n".join(sentences()) + "\n"
+    now = "\n".join(sentences()) + "\n"
     if os.environ.get("SENTENCES") == "renew":
-        SENTENCES.write_text(said, encoding="utf-8")
+        SENTENCES.write_text(now, encoding="utf-8")
     kept = SENTENCES.read_text(encoding="utf-8")
-    assert said.splitlines() == kept.splitlines(), "see the first lines of this module"
+    assert now.splitlines() == kept.splitlines(), "see the first lines of this module"
 
 
 def shape(entry: ast.Message) -> dict[str, set[str]]:
