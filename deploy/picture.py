@@ -12,7 +12,7 @@ import numpy as np
 import pypdfium2
 
 from schemas.recording import ACCEL, AXES, GYRO
-from storage.catalogue import certificates, run_index, runs
+from storage.catalogue import certificates, runs
 from storage.home import home
 
 EVERY = 25  # rows: one in a quarter of a second
@@ -23,7 +23,7 @@ def main(target: Path) -> None:
     """Draw the newest certified run of the home."""
     mpl.use("Agg")
     entry = certificates.register(home())[-1]
-    recording = runs.load(run_index.find(entry.run, home()), home())
+    recording = runs.load(runs.find(entry.run, home()), home())
     figure = plt.figure(figsize=(15, 7.2), layout="constrained")
     left, *pages = figure.subfigures(1, 3, width_ratios=(1.25, 1, 1))
     run = left.subplots(3, 1, sharex=True)

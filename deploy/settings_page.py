@@ -9,10 +9,10 @@ from pydantic import BaseModel
 
 from schemas.access import PagesFile
 from schemas.certificate import Laboratory, Order
-from schemas.environment import Environment
-from schemas.production import QualityFile
-from schemas.recall import RecallFile
+from schemas.laboratory import Environment
+from schemas.orders import QualityFile
 from schemas.station import StationFile
+from schemas.store import RecallFile
 from schemas.tolerance import Tolerance
 
 PAGE = Path(__file__).parent / "guide" / "settings.md"

@@ -3,8 +3,7 @@
 import struct
 from collections.abc import Iterable
 
-from tasks.station.virtual.faults import FAULTS
-from tasks.station.virtual.protocol import (
+from tasks.station.virtual.config import (
     AXIS_BASE,
     AXIS_REGISTERS,
     AXIS_STATUS,
@@ -30,6 +29,7 @@ from tasks.station.virtual.protocol import (
     Frame,
     Register,
 )
+from tasks.station.virtual.faults import FAULTS
 
 KINDS = {
     "H": "uint16",

@@ -9,7 +9,7 @@ import logging
 from typing import Any
 
 from schemas.base import Unusable
-from storage.catalogue import database, trail
+from storage.catalogue import audit_trail, database
 from storage.home import Home
 
 LOGGER = logging.getLogger("mimucal.access")
@@ -35,6 +35,6 @@ def refused(home: Home, action: str, subject: str, *, person: str = UNKNOWN, **a
         return
     try:
         with database.changing(home) as connection:
-            trail.add(connection, person, f"refuse {action}", plain(subject), **kept)
+            audit_trail.add(connection, person, f"refuse {action}", plain(subject), **kept)
     except Unusable as fault:
         LOGGER.error("the trail could not be written: %s", fault)

@@ -11,13 +11,14 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from flows.progress import CONSOLE
-from schemas.run_log import RunStatus
+from flows.terminal import CONSOLE
+from schemas.recording import RunStatus
 from tasks.station.progress import Progress as AcquisitionProgress
 from tasks.words import say
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+
 
 PLAIN_EVERY_S = 30.0  # a short run that fails prints only its one sentence
 UNITS = {"gyro": "°/s", "accel": "m/s²"}

@@ -1,15 +1,17 @@
 """Commands for the life of a certificate: check, issue, amend, withdraw, and the audit trail."""
 
+import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flows import certificate_options, options
+from flows import options
 from schemas.base import Unusable
 
 if TYPE_CHECKING:
-    from tasks.stages.published import Published
+    from tasks.stages.certify import Published
+
 
 app = typer.Typer()
 
@@ -22,10 +24,10 @@ def check(
     as_json: options.Json = False,
 ) -> None:
     """Record that a person has checked the draft of a certificate."""
-    from flows import run_orders
-    from schemas.certificate_orders import CheckOrder
+    from flows import execute
+    from schemas.orders import CheckOrder
 
-    _step(run_orders.check, CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
+    _step(execute.check, CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
 
 
 @app.command(epilog='Example: mimucal issue draft-r8b7e8cc --by "Chen Jie"')
@@ -36,10 +38,10 @@ def issue(
     as_json: options.Json = False,
 ) -> None:
     """Issue a checked certificate: it receives its number and is frozen."""
-    from flows import run_orders
-    from schemas.certificate_orders import IssueOrder
+    from flows import execute
+    from schemas.orders import IssueOrder
 
-    _step(run_orders.issue, IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
+    _step(execute.issue, IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
 
 
 @app.command(epilog='Example: mimucal amend MC-2026-0001 --why "client renamed"')
@@ -55,8 +57,8 @@ def amend(
     as_found: options.AsFound = None,
     budget: options.Budget = False,
     invalid_run: options.InvalidRun = False,
-    report: certificate_options.Report = None,
-    operator: certificate_options.CarriedOutBy = None,
+    report: options.Report = None,
+    operator: options.CarriedOutBy = None,
     as_json: options.Json = False,
 ) -> None:
     """Draft a certificate that replaces an issued one, from the current result of its run.
@@ -65,11 +67,11 @@ def amend(
     and the draft prints everything that is different.
     The draft is checked and issued like any other; on issue, the old one is marked as amended.
     """
-    from flows import run_orders
-    from schemas.certificate_orders import AmendOrder
+    from flows import execute
+    from schemas.orders import AmendOrder
 
     _step(
-        run_orders.amend,
+        execute.amend,
         AmendOrder,
         as_json,
         certificate=certificate,
@@ -99,10 +101,10 @@ def withdraw(
 
     Its files remain unchanged.
     """
-    from flows import run_orders
-    from schemas.certificate_orders import WithdrawOrder
+    from flows import execute
+    from schemas.orders import WithdrawOrder
 
-    _step(run_orders.withdraw, WithdrawOrder, as_json, certificate=certificate, by=by, why=why)
+    _step(execute.withdraw, WithdrawOrder, as_json, certificate=certificate, by=by, why=why)
 
 
 @app.command(epilog="Example: mimucal trail --as csv")
@@ -111,14 +113,14 @@ def trail(form: options.TrailForm = "table", as_json: options.Json = False) -> N
 
     `verify` checks that it is complete and unaltered.
     """
-    from flows.print_certificate import print_trail
+    from flows.shown_results import print_trail
 
     print_trail("json" if as_json else form)
 
 
 def _step(work: Callable[[Any], "Published"], kind: Any, as_json: bool, **fields: Any) -> None:
-    from flows.carry_out import carry_out
-    from flows.print_certificate import print_certificate
+    from flows.execute import carry_out
+    from flows.shown_results import print_certificate
     from schemas.orders import order_of
 
     if not (fields["by"] or "").strip():
@@ -127,3 +129,88 @@ def _step(work: Callable[[Any], "Published"], kind: Any, as_json: bool, **fields
             "MIMUCAL_USER name the person."
         )
     print_certificate(carry_out(work, order_of(kind, **fields), fields["certificate"]), as_json)
+
+
+# Commands that take a result to where the unit is used: `export` and `apply`.
+
+
+@app.command(epilog="Example: mimucal export r8b7e8cc74921 --as kalibr")
+def export(
+    result: options.Calibrated,
+    form: options.As,
+    as_json: options.Json = False,
+) -> None:
+    """Print the correction given by a result, for firmware and other software.
+
+    Includes its formulas, units, uncertainties and an example. As evidence: the means,
+    combinations, noise and errors from which anyone can reproduce the result and its U.
+    """
+    from flows.execute import home_of
+    from flows.terminal import print_json
+    from schemas.orders import ExportOrder, order_of
+    from tasks.stages.correct import export_correction
+    from tasks.stages.estimate import export_evidence
+
+    order = order_of(ExportOrder, calibration=result, **{"as": form})
+    if order.form == "evidence":
+        print(export_evidence(order, home_of(order)), end="")
+        return
+    correction, text = export_correction(order, home_of(order))
+    if as_json and form != "json":
+        print_json({"format": "mimu-export/1", "as": form, "text": text})
+    else:
+        print(text, end="")
+    _say_what_is_left(correction.assumed_ideal, correction.left_in)
+
+
+@app.command(epilog="Example: mimucal apply r8b7e8cc74921 r8b7e8cc74921 --out corrected")
+def apply(
+    result: options.Calibrated,
+    recording: options.ToCorrect,
+    out: options.CorrectedFolder,
+    with_u: options.WithU = False,
+    as_json: options.Json = False,
+) -> None:
+    """Write a recording corrected for its unit's errors, with the uncertainty of the correction.
+
+    The output folder is a recording that `calibrate` can read. The uncertainty is that by the
+    calibration, common to all readings; their own noise is not in it.
+    """
+    from flows import execute
+    from flows.execute import carry_out
+    from flows.terminal import print_json
+    from schemas.orders import ApplyOrder
+    from tasks.words.numbers import USUAL_K
+
+    order = ApplyOrder(calibration=result, run=recording, out=str(out), with_u=with_u)
+    corrected = carry_out(execute.apply, order, order.run)
+    if as_json:
+        print_json(
+            {
+                "format": "mimu-apply/1",
+                "path": str(corrected.folder),
+                "rows": corrected.rows,
+                "rows_left_out": corrected.rows_left_out,
+                "assumed_ideal": list(corrected.assumed),
+                "left_in": list(corrected.left_in),
+                "u_rms": corrected.u_rms,
+                "k": USUAL_K,
+            }
+        )
+        return
+    print(corrected.folder)
+    for name, u in corrected.u_rms.items():
+        unit = "rad/s" if name.startswith("gyro") else "m/s2"
+        U = f"{USUAL_K * u:.2g} {unit} (k = {USUAL_K:g}, rms over the rows)"
+        print(f"{name}: U of the correction = {U}", file=sys.stderr)
+    if corrected.rows_left_out:
+        left_out = corrected.rows_left_out
+        print(f"{left_out} rows left out: gyro or accelerometer alone", file=sys.stderr)
+    _say_what_is_left(corrected.assumed, corrected.left_in)
+
+
+def _say_what_is_left(assumed: tuple[str, ...], left_in: tuple[str, ...]) -> None:
+    if assumed:
+        print(f"taken as ideal, not calibrated: {', '.join(assumed)}", file=sys.stderr)
+    if left_in:
+        print(f"not corrected: {', '.join(left_in)}", file=sys.stderr)

@@ -13,24 +13,20 @@ from typer.exceptions import TyperException
 
 from flows import (
     certificate_commands,
-    certificate_options,
-    correction_commands,
-    deploy_commands,
     equipment_commands,
-    explain_commands,
-    history_commands,
     operating_commands,
     options,
     order_commands,
-    station,
+    result_commands,
+    station_commands,
     store_commands,
     user_commands,
 )
-from flows.imports import commands as import_commands
+from flows import import_commands as import_commands
 from flows.logs import set_up
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
-from storage.environment import environment
+from storage.home import environment
 from tasks.version import code_version
 
 GC_THRESHOLD = 300_000  # new objects between two collections; few commands make as many
@@ -47,15 +43,15 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 app.add_typer(certificate_commands.app)
-app.add_typer(explain_commands.app)
-app.add_typer(correction_commands.app)
+app.add_typer(result_commands.app)
+app.add_typer(certificate_commands.app)
 app.add_typer(import_commands.app)
 app.add_typer(store_commands.app)
-app.add_typer(history_commands.app)
+app.add_typer(result_commands.app)
 app.add_typer(operating_commands.app)
-app.add_typer(deploy_commands.app)
+app.add_typer(operating_commands.app)
 app.add_typer(equipment_commands.app, name="equipment")
-app.add_typer(station.app, name="station")
+app.add_typer(station_commands.app, name="station")
 app.add_typer(order_commands.app, name="order")
 app.add_typer(user_commands.app, name="user")
 
@@ -174,16 +170,16 @@ def calibrate(
 
     States which items could not be determined, and why.
     """
-    from flows import run_orders
-    from flows.carry_out import carry_out
+    from flows import execute
+    from flows.execute import carry_out
     from schemas.orders import CalibrateOrder, order_of
 
     order = order_of(CalibrateOrder, run=run, method=method, uncertainty=uncertainty, terms=terms)
-    calibration = carry_out(run_orders.calibrate, order, run)
+    calibration = carry_out(execute.calibrate, order, run)
     if as_json:
         print(calibration.model_dump_json(indent=1))
         return
-    from flows.print_calibration import print_calibration
+    from flows.shown_results import print_calibration
 
     print_calibration(calibration)
 
@@ -200,9 +196,9 @@ def certify(
     as_found: options.AsFound = None,
     budget: options.Budget = False,
     invalid_run: options.InvalidRun = False,
-    report: certificate_options.Report = None,
+    report: options.Report = None,
     terms: options.Terms = None,
-    operator: certificate_options.CarriedOutBy = None,
+    operator: options.CarriedOutBy = None,
     by: options.Operator = None,
     as_json: options.Json = False,
 ) -> None:
@@ -210,11 +206,10 @@ def certify(
 
     The draft replaces an earlier one of the same run. An invalid run is refused.
     """
-    from flows import run_orders
-    from flows.carry_out import carry_out
-    from flows.print_certificate import print_certificate
-    from schemas.certificate_orders import CertifyOrder
-    from schemas.orders import order_of
+    from flows import execute
+    from flows.execute import carry_out
+    from flows.shown_results import print_certificate
+    from schemas.orders import CertifyOrder, order_of
 
     certify_order = order_of(
         CertifyOrder,
@@ -233,7 +228,7 @@ def certify(
         operator=operator,
         by=by,
     )
-    print_certificate(carry_out(run_orders.certify, certify_order, run), as_json)
+    print_certificate(carry_out(execute.certify, certify_order, run), as_json)
 
 
 @app.command(epilog="Example: mimucal acquire station.json --dry-run")
@@ -242,7 +237,7 @@ def acquire(
     procedure: options.Procedure = "jjf2003",
     resume: options.Resume = False,
     dry_run: options.DryRun = False,
-    by: certificate_options.OperatedBy = None,
+    by: options.OperatedBy = None,
     as_json: options.Json = False,
 ) -> None:
     """Run a procedure on a station, real or virtual.
@@ -253,10 +248,10 @@ def acquire(
     Exits with 3 if the run was kept but is invalid, and with 1 if one of several units was
     abandoned; the runs of the others are kept.
     """
-    from flows import run_orders
-    from flows.carry_out import as_flow_run
-    from flows.refix_prompt import ask_for_operator
-    from flows.show import print_acquired
+    from flows import execute
+    from flows.execute import as_flow_run
+    from flows.shown_results import print_acquired
+    from flows.terminal import ask_for_operator
     from schemas.orders import AcquireOrder
 
     order = AcquireOrder(
@@ -265,15 +260,15 @@ def acquire(
     if dry_run:
         from flows.dry_run import print_dry_run
 
-        run_orders.check_acquisition(order)
+        execute.check_acquisition(order)
         print_dry_run(order, as_json)
         return
     if by is None and order.attended:
         order = order.model_copy(update={"by": ask_for_operator()})
-    run_orders.check_acquisition(order)
-    run_orders.release_station(order)
-    acquired = as_flow_run(run_orders.acquire, order)
-    is_sound = print_acquired(acquired, run_orders.home_of(order), as_json)
+    execute.check_acquisition(order)
+    execute.release_station(order)
+    acquired = as_flow_run(execute.acquire, order)
+    is_sound = print_acquired(acquired, execute.home_of(order), as_json)
     if acquired.given_up:
         raise BrokenOff("; ".join(map(str, acquired.given_up)))
     if not is_sound:

@@ -6,18 +6,16 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from flows.on_prefect.prefect_server import connect
-from flows.print_calibration import print_calibration, summary
-from flows.print_certificate import print_verdict
-from flows.printing import print_rows
-from flows.progress import working
-from flows.run_orders import procedure_of
-from schemas.certificate_orders import ProduceOrder
+from flows.execute import procedure_of
+from flows.on_prefect.server import connect
+from flows.shown_results import print_calibration, print_verdict, summary
+from flows.terminal import print_rows, working
+from schemas.orders import ProduceOrder
 from storage.home import Home, home
 from storage.whole_files import writing_in_home
-from tasks.stages.published import Published
+from tasks.stages.certify import Published
 from tasks.station.virtual.config import truth, virtual_station
-from tasks.station.virtual.process import running
+from tasks.station.virtual.servers import running
 
 SPEED, AHRS_SPEED = 60.0, 300.0  # as fast as two cores can process: an AHRS sends less data
 
@@ -33,15 +31,13 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     order = ProduceOrder(station=str(station_file), procedure=procedure, invalid_run=True)
     ahrs = procedure_of(order).standard == "JJF 1536-2015"
     config = virtual_station(seed, ahrs)
-    _write(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
+    _write_in_home(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
     with working("starting Prefect"):
         connect(folder)
-        from flows.on_prefect import prefect_flows
+        from flows.on_prefect import flows
     with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
-        _write(station_file, station.model_dump_json(indent=1))
-        (draft,) = prefect_flows.run_now(
-            prefect_flows.produce, order.model_copy(update=_certificate_files(ahrs))
-        )
+        _write_in_home(station_file, station.model_dump_json(indent=1))
+        (draft,) = flows.run_now(flows.produce, order.model_copy(update=_certificate_files(ahrs)))
     made = _made(draft, folder)
     made["seconds"] = round(time.monotonic() - began, 1)
     if as_json:
@@ -56,7 +52,7 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     print(f"{made['seconds']} s")
 
 
-def _write(path: Path, text: str) -> None:
+def _write_in_home(path: Path, text: str) -> None:
     with writing_in_home(path):
         path.write_text(text + "\n", encoding="utf-8")
 

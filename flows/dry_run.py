@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from flows.printing import print_json, print_rows
-from flows.run_orders import procedure_of
+from flows.execute import procedure_of
+from flows.terminal import print_json, print_rows
 from schemas.orders import AcquireOrder
 from tasks.station.plan import plan
 

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import typer
 from pydantic import ValidationError
 
-from flows import equipment_options, options
+from flows import options
 from schemas.base import Unusable, first_fault
 from storage.home import home
 from storage.whole_files import written_out
 
 if TYPE_CHECKING:
-    from schemas.equipment import MeasurementStandard
+    from schemas.laboratory import MeasurementStandard
+
 
 app = typer.Typer(help="The laboratory's measurement standards, their certificates and due dates.")
 
@@ -42,15 +43,15 @@ def renew(file: options.EquipmentFile, by: options.By = None) -> None:
     name="import", epilog="Example: mimucal equipment import dcc.xml budgeted --out table.json"
 )
 def import_(
-    file: equipment_options.StandardDcc,
-    deviation: equipment_options.Deviation,
-    out: equipment_options.Entry,
+    file: options.StandardDcc,
+    deviation: options.Deviation,
+    out: options.Entry,
 ) -> None:
     """Write what a standard's own DCC (XML) states as an entry that `add` and `renew` read.
 
     Look it through first: a DCC does not say until when it is valid, or how the standard drifts.
     """
-    from schemas.equipment import EquipmentFile
+    from schemas.laboratory import EquipmentFile
     from storage.formats.standard_dcc import read_standard
 
     entry = EquipmentFile(equipment=(read_standard(file, deviation),))
@@ -65,17 +66,17 @@ def import_(
 
 @app.command(epilog="Example: mimucal equipment check T-1 --what rate --result 3e-6 --limit 1e-5")
 def check(
-    serial: equipment_options.OfStandard,
-    what: equipment_options.Checked,
-    result: equipment_options.CheckResult,
-    limit: equipment_options.CheckLimit,
-    unit: equipment_options.CheckUnit = "",
-    translated: equipment_options.CheckedInChinese = "",
-    on: equipment_options.CheckedOn = None,
+    serial: options.OfStandard,
+    what: options.Checked,
+    result: options.CheckResult,
+    limit: options.CheckLimit,
+    unit: options.CheckUnit = "",
+    translated: options.CheckedInChinese = "",
+    on: options.CheckedOn = None,
     by: options.By = None,
 ) -> None:
     """Record an intermediate check of a standard; one beyond its limit prevents every pass."""
-    from schemas.equipment import IntermediateCheck
+    from schemas.laboratory import IntermediateCheck
     from schemas.text import no_text
     from storage.catalogue import equipment
 
@@ -98,7 +99,7 @@ def check(
 @app.command(name="list", epilog="Example: mimucal equipment list --json")
 def list_(as_json: options.Json = False) -> None:
     """List the standards with the certificates valid today."""
-    from flows.printing import print_json, print_rows
+    from flows.terminal import print_json, print_rows
     from storage.catalogue import equipment
 
     today = date.today()
@@ -129,7 +130,7 @@ def _state(standard: "MeasurementStandard", late: bool) -> str:
 
 def _kept(keep: Callable[..., None], file: Path, by: str | None) -> int:
     """How many standards of a file were kept in the register."""
-    from schemas.equipment import EquipmentFile
+    from schemas.laboratory import EquipmentFile
     from storage import settings
 
     given = settings.read(file, EquipmentFile).equipment

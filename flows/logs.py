@@ -6,7 +6,7 @@ import sys
 from datetime import UTC, datetime
 from typing import Any
 
-from storage.environment import environment
+from storage.home import environment
 
 # What every record has; the rest are the fields of the event.
 COMMON = set(logging.makeLogRecord({}).__dict__) | {"message", "asctime"}

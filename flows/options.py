@@ -3,11 +3,12 @@
 import math
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
 from schemas.base import Unusable
+from schemas.text import CONTRACTED
 
 MAX_DAYS = 36_500
 LAST_PORT = 65_534  # the unit uses the next port
@@ -301,3 +302,101 @@ def person(by: str | None) -> str:
     if not by or not by.strip():
         raise Unusable("Say who does it: give --by NAME, or let MIMUCAL_USER name the person.")
     return by.strip()
+
+
+# Arguments and options of production orders, and of the virtual station that they are tried on.
+
+OrderedStation = Annotated[
+    str, typer.Argument(metavar="STATION", help="Id of one of the home's stations.")
+]
+SERIALS = "Serial number of the unit; repeated, one for each place of the station."
+Serials = Annotated[list[str], _option("NUMBER", SERIALS, "--serial")]
+OF_THE_STATION = "default: that of the station file's unit."
+OrderedModel = Annotated[str | None, _option("NAME", f"Model; {OF_THE_STATION}", "--model")]
+OrderedManufacturer = Annotated[
+    str | None, _option("NAME", f"Manufacturer; {OF_THE_STATION}", "--manufacturer")
+]
+ClientOrder = Annotated[
+    str | None, _option("FILE", "The client's order (TOML or JSON).", "--client-order")
+]
+OrderNumber = Annotated[
+    str | None, _option("NUMBER", "By which the order is known; default: one is drawn.", "--number")
+]
+OrdersFile = Annotated[
+    Path, typer.Argument(metavar="FILE", help="Orders, as CSV in UTF-8 with a line of names.")
+]
+ORDER_STATES = "waiting, running, done, failed or cancelled."
+OrderState = Annotated[str | None, _option("STATE", ORDER_STATES, "--state")]
+GivenNumber = Annotated[str, typer.Argument(metavar="NUMBER", help="Number of the order.")]
+VirtualId = Annotated[
+    str | None,
+    _option("NAME", "Id of the station; default: VIRTUAL-PORT, or VIRTUAL-1 on port 5020.",
+            "--id"),
+]  # fmt: skip
+MountedSerial = Annotated[
+    str | None, _option("NUMBER", "Serial number of the unit; default: from the seed.", "--serial")
+]
+
+
+# Options of `certify`, `amend` and `acquire`: who measured, and whether it is a report.
+
+OPERATED_BY = "Person who carries it out; default: MIMUCAL_USER, else asked for at a terminal."
+OperatedBy = Annotated[
+    str | None,
+    typer.Option("--by", metavar="NAME", help=OPERATED_BY, envvar=USER, show_envvar=False),
+]
+CARRIED_OUT_BY = "Person who carried out the measurement, for a recording that does not say it."
+CarriedOutBy = Annotated[
+    str | None, typer.Option("--operator", metavar="NAME", help=CARRIED_OUT_BY)
+]
+AGREEMENT = (
+    "Agreement with the client by which this is a report of less than a certificate states "
+    "(ISO/IEC 17025, 7.8.1.3); printed on it."
+)
+Report = Annotated[str | None, typer.Option("--report", metavar="AGREEMENT", help=AGREEMENT)]
+
+
+# Arguments and options of `export` and `apply`.
+
+CORRECTION = (
+    "json, yaml, c (a header), ros (parameters), kalibr (imu.yaml) or csv; evidence: what "
+    "every value and U of the result is made of."
+)
+As = Annotated[str, _option("FORM", CORRECTION, "--as")]
+ToCorrect = Annotated[
+    str, typer.Argument(metavar="RECORDING", help="Run id, or path to a recording.")
+]
+CorrectedFolder = Annotated[
+    Path, _option("DIR", "New folder for the corrected recording.", "--out")
+]
+WithU = Annotated[
+    bool,
+    typer.Option(
+        "--with-u", help="Add columns u_gyro_x … with the standard uncertainty of each reading."
+    ),
+]
+
+
+# Arguments and options of the commands of the register of standards.
+
+StandardDcc = Annotated[
+    Path, typer.Argument(metavar="FILE", help="XML of the standard's calibration certificate.")
+]
+Deviation = Annotated[
+    Literal["corrected", "budgeted"],
+    typer.Argument(help="Whether its errors are corrected, or counted with U."),
+]
+Entry = Annotated[Path, _option("FILE", "New file for the entry (.json).", "--out")]
+OfStandard = Annotated[str, typer.Argument(metavar="SERIAL", help="Serial number of the standard.")]
+Checked = Annotated[str, _option("TEXT", "What was checked.", "--what")]
+CheckedInChinese = Annotated[
+    str, _option("TEXT", "The same in Chinese.", f"--what-{CONTRACTED[-1]}")
+]
+CheckResult = Annotated[float, _option("NUMBER", "What it found.", "--result")]
+CheckLimit = Annotated[float, _option("NUMBER", "Largest size of a result that passes.", "--limit")]
+CheckedOn = Annotated[
+    datetime | None,
+    _option("YYYY-MM-DD", "Day of the check; default: today.", "--on", parser=_day,
+            callback=_whole_days),
+]  # fmt: skip
+CheckUnit = Annotated[str, _option("UNIT", "Unit of both; default: none.", "--unit")]

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from flows import options, order_options
+from flows import options
 from schemas.base import Unusable
 from storage.home import home
 
 if TYPE_CHECKING:
-    from flows.orders.order_queue import GivenProduction
+    from flows.orders.production import GivenProduction
+
 
 app = typer.Typer(
     help="Production orders: which unit is measured on which station, for whom.",
@@ -23,13 +24,13 @@ SHOWN = 200  # orders of a list in a terminal, the last ones
 
 @app.command(epilog="Example: mimucal order add LINE-1 --serial V00012 --client-order order.toml")
 def add(
-    station: order_options.OrderedStation,
-    serial: order_options.Serials,
-    model: order_options.OrderedModel = None,
-    manufacturer: order_options.OrderedManufacturer = None,
+    station: options.OrderedStation,
+    serial: options.Serials,
+    model: options.OrderedModel = None,
+    manufacturer: options.OrderedManufacturer = None,
     procedure: options.Procedure = "jjf2003",
-    client_order: order_options.ClientOrder = None,
-    number: order_options.OrderNumber = None,
+    client_order: options.ClientOrder = None,
+    number: options.OrderNumber = None,
     by: options.By = None,
     as_json: options.Json = False,
 ) -> None:
@@ -38,7 +39,7 @@ def add(
     The same order under the same number is one order.
     """
     from flows.orders.order_files import client_order_named, request_of
-    from flows.orders.order_queue import give
+    from flows.orders.production import give
 
     units = [{"serial": each, "model": model, "manufacturer": manufacturer} for each in serial]
     request = request_of(
@@ -52,16 +53,14 @@ def add(
 
 
 @app.command(name="import", epilog="Example: mimucal order import orders.csv")
-def import_(
-    file: order_options.OrdersFile, by: options.By = None, as_json: options.Json = False
-) -> None:
+def import_(file: options.OrdersFile, by: options.By = None, as_json: options.Json = False) -> None:
     """Take in the orders of a CSV file, all of them or none.
 
     Columns: number, station, serial, and if wanted manufacturer, model, procedure, client_order (a
     file, as seen from the folder of this one). Every fault of the file is reported at once.
     """
     from flows.orders.order_files import read_orders
-    from flows.orders.order_queue import give_all
+    from flows.orders.production import give_all
 
     person = options.person(by)
     requests, faults = read_orders(file, person, home())
@@ -74,7 +73,7 @@ def import_(
 
 @app.command(epilog="Example: mimucal order scan LINE-1")
 def scan(
-    station: order_options.OrderedStation, by: options.By = None, as_json: options.Json = False
+    station: options.OrderedStation, by: options.By = None, as_json: options.Json = False
 ) -> None:
     """Order a unit for each line of a scanner on standard input, until it ends.
 
@@ -82,7 +81,7 @@ def scan(
     a file in the home's folder client-orders. A unit that is in the queue is not ordered again.
     """
     from flows.orders.order_files import scanned
-    from flows.orders.order_queue import give
+    from flows.orders.production import give
 
     person, given, refused = options.person(by), [], 0
     for line in filter(str.strip, sys.stdin):
@@ -103,13 +102,12 @@ def scan(
 @app.command(name="list", epilog="Example: mimucal order list --station LINE-1")
 def list_(
     station: options.StationId = None,
-    state: order_options.OrderState = None,
+    state: options.OrderState = None,
     as_json: options.Json = False,
 ) -> None:
     """List the orders, the oldest first, and what became of them."""
-    from flows.printing import print_rows
-    from schemas.orders import order_of
-    from schemas.production import OrdersQuestion, ProductionOrders
+    from flows.terminal import print_rows
+    from schemas.orders import OrdersQuestion, ProductionOrders, order_of
     from storage.catalogue import orders
 
     asked = order_of(OrdersQuestion, station=station, state=state)
@@ -140,11 +138,11 @@ def list_(
 
 @app.command(epilog="Example: mimucal order cancel 4711")
 def cancel(
-    number: order_options.GivenNumber, by: options.By = None, as_json: options.Json = False
+    number: options.GivenNumber, by: options.By = None, as_json: options.Json = False
 ) -> None:
     """Cancel an order that waits."""
-    from flows.orders.order_queue import GivenProduction
-    from flows.orders.order_queue import cancel as cancel_order
+    from flows.orders.production import GivenProduction
+    from flows.orders.production import cancel as cancel_order
 
     order = cancel_order(number, options.person(by), home())
     _print_given([GivenProduction(order, is_new=False)], as_json)
@@ -152,7 +150,7 @@ def cancel(
 
 @app.command(epilog="Example: mimucal order retry 4711")
 def retry(
-    number: order_options.GivenNumber,
+    number: options.GivenNumber,
     by: options.By = None,
     reason: options.Reason = None,
     as_json: options.Json = False,
@@ -162,13 +160,13 @@ def retry(
     What it measured counts: an interrupted run goes on, and a run that is in the store is not
     repeated unless it is invalid: then the order's units are measured again under its number.
     """
-    from flows.orders.order_queue import retry as retry_order
+    from flows.orders.production import retry as retry_order
 
     _print_given([retry_order(number, options.person(by), home(), reason)], as_json)
 
 
 def _print_given(given: "Sequence[GivenProduction]", as_json: bool) -> None:
-    from schemas.production import GivenOrders
+    from schemas.orders import GivenOrders
 
     faults = sorted({each.fault for each in given if each.fault})
     if as_json:

@@ -3,7 +3,7 @@
 import sys
 from datetime import UTC, datetime, timedelta
 
-from flows.printing import print_json, print_rows
+from flows.terminal import print_json, print_rows
 from schemas.base import BrokenOff
 from storage.home import home
 from tasks.stages import remind

@@ -9,7 +9,8 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tasks.station.stopping import StopSwitch
+    from tasks.station.connected_station import StopSwitch
+
 
 Handler = Callable[[int, FrameType | None], None]
 ENDINGS = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
@@ -64,7 +65,7 @@ def stopping(stop: "StopSwitch") -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    from tasks.station.stopping import OPERATOR
+    from tasks.station.connected_station import OPERATOR
 
     before = {each: signal.getsignal(each) for each in (signal.SIGINT, *ENDINGS)}
     usual = before[signal.SIGINT]

@@ -9,13 +9,11 @@ from pathlib import Path
 from urllib.parse import parse_qs
 
 from schemas.base import Unusable
-from schemas.run_log import RunStatus
-from schemas.station import StationFile
-from schemas.stop import Stopped
+from schemas.recording import RunStatus
+from schemas.station import StationFile, Stopped
 from storage import settings
 from storage.home import Home
-from storage.station_lock import is_dead, read_status, status_file_of
-from storage.station_stop import lockout_of, release
+from storage.stations import is_dead, lockout_of, read_status, release, status_file_of
 from tasks.rendering.page import BASE, page
 from tasks.stages.stop import stop_station
 

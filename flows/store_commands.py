@@ -14,10 +14,10 @@ app = typer.Typer()
 @app.command(epilog="Example: mimucal runs --json")
 def runs(as_json: options.Json = False) -> None:
     """List the runs in the store."""
-    from flows.printing import print_json, print_rows
-    from storage.catalogue import run_index
+    from flows.terminal import print_json, print_rows
+    from storage.catalogue import runs
 
-    listed = run_index.all_runs(home())
+    listed = runs.all_runs(home())
     if as_json:
         print_json(
             {"format": "mimu-runs/1", "runs": [run.model_dump(mode="json") for run in listed]}
@@ -37,7 +37,7 @@ def runs(as_json: options.Json = False) -> None:
 @app.command(epilog="Example: mimucal show r8b7e8cc74921 --log")
 def show(run: options.Run, log: options.Log = False, as_json: options.Json = False) -> None:
     """Show a run: segments, results and certificates, or its log."""
-    from flows.show import show_log, show_run
+    from flows.shown_results import show_log, show_run
 
     (show_log if log else show_run)(run, as_json)
 
@@ -50,17 +50,16 @@ def verify(
 
     Exits with 1 if faults are found.
     """
-    from flows.printing import print_json
-    from flows.progress import counting
+    from flows.terminal import counting, print_json
 
     if path is not None:
-        from tasks.certificate.documents import is_certificate
+        from tasks.certificate.pdf import is_certificate
 
         if is_certificate(path):
             from flows.verify_certificate import run_verify_certificate
 
             run_verify_certificate(path, trust, as_json)
-        from tasks.stages.import_checks import faults_of  # late: a certificate needs no store
+        from tasks.stages.import_recording import faults_of  # late: a certificate needs no store
 
         checked, faults = 1, faults_of(path)
     else:
@@ -84,7 +83,7 @@ def doctor(as_json: options.Json = False) -> None:
 
     Exits with 1 if any are found.
     """
-    from flows.printing import print_rows
+    from flows.terminal import print_rows
     from tasks.stages.doctor import diagnose
 
     diagnosis = diagnose(home())
@@ -109,8 +108,8 @@ def prune(
     Columns can be restored from raw data. Nothing is deleted without --delete; each deletion is
     entered in the audit trail.
     """
-    from flows.print_history import print_pruned
-    from flows.progress import counting
+    from flows.shown_results import print_pruned
+    from flows.terminal import counting
     from schemas.history import Pruned
     from storage import retention
 
@@ -155,7 +154,7 @@ def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
 
     Uses the reliability method (NCSLI RP-1, ILAC-G24): 95 % within limits at its end.
     """
-    from flows.printing import print_json
+    from flows.terminal import print_json
     from tasks.stages.remind import interval_advice, sentence
     from tasks.words import say
 

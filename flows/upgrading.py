@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from flows.progress import counting, working
-from storage.backup import upgrade
+from flows.terminal import counting, working
+from storage.backup import restore
 from storage.catalogue.database import HEAD
 from storage.home import home
 from tasks.version import code_version
@@ -20,16 +20,16 @@ class Done:
 
 def upgraded() -> Done:
     """Checks on a copy, then upgrades."""
-    if not upgrade.is_needed(home()):
+    if not restore.is_needed(home()):
         return Done("nothing", ["The catalogue needs no upgrade."])
     with counting("checking on a copy") as report:
-        faults = upgrade.rehearse(home(), code_version(), report)
+        faults = restore.rehearse(home(), code_version(), report)
     if faults:
         found = [f"{fault.what}: {fault.why}" for fault in faults]
         end = "Nothing was changed: put this right with the version of mimucal that made it."
         return Done("refused", [*found, end])
     with working("upgrading"):
-        before = upgrade.upgrade(home(), code_version())
+        before = restore.upgrade(home(), code_version())
     return Done("upgraded", [
         f"The catalogue is upgraded from revision {before} to {HEAD}.",
         "The way back stays until `mimucal upgrade --confirm`; `mimucal upgrade --back` takes it.",
@@ -39,7 +39,7 @@ def upgraded() -> Done:
 def went_back() -> Done:
     """Takes the way back."""
     with working("going back"):
-        revision, newer = upgrade.back(home(), code_version())
+        revision, newer = restore.back(home(), code_version())
     rows = ", ".join(f"{count} of {name}" for name, count in newer.items())
     kept = f"Left out, and kept in {home().path / 'upgrade-left'}: rows that came since: {rows}."
     return Done("back", [
@@ -50,5 +50,5 @@ def went_back() -> Done:
 
 def confirmed() -> Done:
     """Gives up the way back."""
-    upgrade.confirm(home())
+    restore.confirm(home())
     return Done("confirmed", ["The upgrade is confirmed; there is no way back."])

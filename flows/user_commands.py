@@ -19,7 +19,7 @@ def add(name: options.UserName, role: options.UserRole, by: options.By = None) -
 
     The password is prompted for at a terminal, or read from the first line of standard input.
     """
-    from flows.pages.passwords import hashed
+    from flows.pages.login import hashed
     from schemas.access import ROLES
     from storage.catalogue import users
 
@@ -38,7 +38,7 @@ def add(name: options.UserName, role: options.UserRole, by: options.By = None) -
 @app.command(name="list", epilog="Example: mimucal user list")
 def list_(as_json: options.Json = False) -> None:
     """List the users and their roles."""
-    from flows.printing import print_json, print_rows
+    from flows.terminal import print_json, print_rows
     from storage.catalogue import users
 
     every = users.users(home()).values()

@@ -3,10 +3,9 @@
 from functools import partial
 from pathlib import Path
 
-from flows.printing import print_rows, stdout
-from flows.progress import counting
+from flows.terminal import counting, print_rows, stdout
 from schemas.base import Unusable
-from schemas.validation import ValidationRecord
+from schemas.calibration import ValidationRecord
 from storage.home import home
 from storage.settings import VALIDATION
 from storage.whole_files import writing_in_home

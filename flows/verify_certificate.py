@@ -7,9 +7,9 @@ import typer
 from cryptography import x509
 from cryptography.hazmat.primitives.serialization import Encoding
 
-from flows.printing import print_json
+from flows.terminal import print_json
 from schemas.base import Unusable
-from tasks.certificate.verify_file import VerifiedFile, verify_file
+from tasks.certificate.verify import VerifiedFile, verify_file
 
 
 def run_verify_certificate(path: Path, trust: Path | None, as_json: bool) -> None:

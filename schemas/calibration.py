@@ -1,8 +1,10 @@
 """The result of a calibration: values, uncertainties, and what is missing and why."""
 
-from typing import Any, Literal, Self
+import math
+from datetime import date
+from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import Field, computed_field, model_validator
+from pydantic import BeforeValidator, Field, PlainSerializer, computed_field, model_validator
 
 from schemas.base import Finite, Frozen
 from schemas.discrepancy import FoundParameter
@@ -17,7 +19,86 @@ from schemas.text import (
     text_in,
     texts_fields,
 )
-from schemas.uncertainty import Budget
+from schemas.tolerance import Decision, Quantity
+
+# The uncertainty budget of one result: inputs, sensitivities, combined and expanded uncertainty.
+
+EvaluationType = Literal["A", "B"]
+Distribution = Literal["normal", "rectangular", "triangular", "arcsine", "t"]
+Evaluation = Literal["GUM", "as the specification's example", "Monte Carlo"]
+
+
+Dof = Annotated[
+    float,
+    Field(ge=1),
+    BeforeValidator(lambda dof: math.inf if dof is None else dof),
+    PlainSerializer(
+        lambda dof: None if math.isinf(dof) else dof, return_type=float | None, when_used="json"
+    ),
+]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class BudgetInput(Frozen):
+    """One line of a budget: an input quantity and what it does to the result.
+
+    `u` is in the input's own unit, `contribution` = |sensitivity|·u in the result's unit.
+    `share` of the variance: cᵢ·u(xᵢ, y)/u²(y), with u(xᵢ, y) = Σⱼ cⱼ·u(xᵢ, xⱼ). Without
+    correlation it is (cᵢuᵢ)²/u²(y); with it, half of each covariance term goes to either input,
+    so that the shares always add up to 1 and one may be negative (the input compensates
+    another). Where the result has no uncertainty every share is 0. A limit of the equipment has
+    its `half_width`, in `unit`, and the `source` that states it.
+    """
+
+    name: str
+    name_zh: str
+    name_message: AnyMessage = None
+    symbol: str
+    kind: EvaluationType
+    distribution: Distribution
+    u: NotNegative
+    unit: str
+    dof: Dof = Field(default=math.inf, description="degrees of freedom; null: infinitely many")
+    sensitivity: Finite
+    contribution: NotNegative
+    share: Finite
+    half_width: NotNegative | None = None
+    source: str | None = None
+
+
+class Correlation(Frozen):
+    """A non-zero correlation coefficient between two inputs, given by their symbols."""
+
+    first: str
+    second: str
+    r: Annotated[float, Field(ge=-1, le=1)]
+
+
+class Budget(Frozen):
+    """The uncertainty budget of one result, in the result's unit.
+
+    U = k·u_c. `half_width_95`: half width of the interval that holds the result with 95 %
+    probability by propagation of the distributions of this linear budget (JCGM 101); null where
+    inputs are correlated, or where the budget is not one of distributions. `coverage_interval`
+    is stated where it need not be value ± U (Monte Carlo); U is then half its length.
+    """
+
+    result: str
+    unit: str
+    value: Finite
+    inputs: tuple[BudgetInput, ...]
+    correlations: tuple[Correlation, ...] = ()
+    u_c: NotNegative
+    dof: Dof = Field(
+        default=math.inf, description="effective degrees of freedom; null: infinitely many"
+    )
+    k: NotNegative
+    coverage_probability: Annotated[float, Field(gt=0, lt=1)]
+    U: NotNegative
+    half_width_95: NotNegative | None = None
+    evaluation: Evaluation = "GUM"
+    coverage_interval: tuple[Finite, Finite] | None = None
+
 
 Method = Literal["jjf2003", "joint", "jjf1536"]
 OF_STANDARD: dict[str, Method] = {"JJF 2003-2022": "jjf2003", "JJF 1536-2015": "jjf1536"}
@@ -198,3 +279,282 @@ class Calibration(Frozen):
         """Why there is no such item; None where that is not stated."""
         words = [texts.get(item) for texts in (self.unavailable, self.unavailable_zh)]
         return text_in(words, self.unavailable_message.get(item))
+
+
+# A correction that removes a unit's errors from its readings (format `mimu-correction/1`).
+
+Form = Literal["json", "yaml", "c", "ros", "kalibr", "csv"]
+Exported = Literal[Form, "evidence"]
+Three = tuple[Finite, Finite, Finite]
+Matrix = tuple[Three, Three, Three]
+ThreeU = tuple[Finite | None, Finite | None, Finite | None]
+MatrixU = tuple[ThreeU, ThreeU, ThreeU]
+
+
+class Coefficient(Frozen):
+    """A vector or a matrix. Rows: output axis; columns: input axis.
+
+    U: expanded uncertainty (with the k of the calibration); null for an element that is taken as
+    ideal or computed from others.
+    """
+
+    unit: str
+    value: Three | Matrix
+    U: ThreeU | MatrixU | None = None
+
+
+class CorrectedUnit(Frozen):
+    """The unit whose errors are corrected."""
+
+    manufacturer: str
+    model: str
+    serial: str
+
+
+class CorrectionExample(Frozen):
+    """A reading before and after correction, to test an implementation of the formulas."""
+
+    gyro: Three = Field(description="reading, rad/s")
+    accel: Three = Field(description="reading, m/s2")
+    rate: Three = Field(description="corrected, rad/s, Earth's rotation included")
+    force: Three = Field(description="corrected specific force, m/s2")
+
+
+class Correction(Frozen):
+    """The correction that a calibration gives, in SI units.
+
+    unit: null for a result whose run is not in the store. model: what a unit reads; correction: the
+    steps that undo it, in order. uncertainty: how U was evaluated; covariance: of the elements as
+    the calibration states them, in its units. assumed_ideal: elements that it does not provide.
+    left_in: physics that the calibration corrected for first, but these formulas do not.
+    """
+
+    format: Literal["mimu-correction/1"] = "mimu-correction/1"
+    unit: CorrectedUnit | None
+    recording_id: str
+    run: str
+    digest: str
+    method: Method
+    code_version: str
+    gravity_m_s2: Finite = Field(description="local gravity, by which K_a and G were determined")
+    model: tuple[str, ...]
+    correction: tuple[str, ...]
+    coefficients: dict[str, Coefficient]
+    uncertainty: UncertaintyKind
+    covariance: Covariance | None = None
+    assumed_ideal: tuple[str, ...] = ()
+    left_in: tuple[str, ...] = ()
+    example: CorrectionExample
+
+
+# What a result rests on, in one file that needs no program of ours (format `mimu-evidence/1`).
+
+Triangle = tuple[tuple[Finite, ...], ...]
+
+
+class ChannelMeans(Frozen):
+    """The means of one channel over the segments that some value takes of it.
+
+    segments: numbers in `segments` of the file. covariance: of these means by noise, drift and
+    rounding (type A), the lower triangle, in the square of the unit.
+    """
+
+    name: str
+    unit: str
+    segments: tuple[int, ...]
+    means: tuple[Finite, ...]
+    covariance: Triangle
+
+    @model_validator(mode="after")
+    def _as_many_of_each(self) -> Self:
+        count = len(self.segments)
+        lengths = [len(row) for row in self.covariance]
+        if len(self.means) != count or lengths != list(range(1, count + 1)):
+            raise ValueError(f"{self.name}: segments, means and covariance differ in length")
+        return self
+
+
+class Combination(Frozen):
+    """Numbers by channel and mean, zeros left out; `mean` counts within its channel."""
+
+    channel: tuple[int, ...] = ()
+    mean: tuple[int, ...] = ()
+    weight: tuple[Finite, ...] = ()
+
+    @model_validator(mode="after")
+    def _as_many_of_each(self) -> Self:
+        if not len(self.channel) == len(self.mean) == len(self.weight):
+            raise ValueError("channel, mean and weight differ in length")
+        return self
+
+
+class EvidenceSource(Frozen):
+    """One error of the equipment: its prior, and what each independent draw does to the means.
+
+    u, half_width: in `unit`. draws: change of each mean, in its channel's unit, per `unit`. scope:
+    what shares one draw (run, mounting, face, angle, setting, point). latitude:
+    it acts only on values without Earth's rotation.
+    """
+
+    symbol: str
+    name: Statement
+    unit: str
+    scope: str
+    distribution: Distribution
+    u: NotNegative
+    half_width: NotNegative | None
+    stated_by: str | None
+    latitude: bool
+    draws: tuple[Combination, ...]
+
+
+class FurtherLine(Frozen):
+    """A line of a budget that is neither of the data nor an error in `sources`, in the value's
+    unit.
+    """
+
+    symbol: str
+    name: Statement
+    contribution: NotNegative
+
+
+class EvidenceValue(Frozen):
+    """One value of the result: how it follows from the means, and its U.
+
+    combination: o in value = o·U + constant; null where the value is no such combination (a fit
+    that is not linear), and then its budget stands in `lines` whole. constant: Earth's rotation, as
+    the unit reads it. scatter: factor on the data's u, above 1 where points scatter more than noise
+    and rounding explain. dof: effective degrees of freedom of u. u, U: null where
+    the recording does not show an uncertainty. capability: U where the laboratory's own (CMC) is
+    larger than k·u, and stated in its place.
+    """
+
+    item: str
+    element: str
+    quantity: Quantity
+    unit: str
+    value: Finite
+    u: NotNegative | None
+    U: NotNegative | None
+    capability: NotNegative | None = None
+    k: NotNegative
+    dof: Dof
+    data_dof: Dof = Field(description="degrees of freedom of what the data give to u")
+    combination: Combination | None
+    constant: Finite = 0.0
+    scatter: NotNegative = 1.0
+    without_earth: bool = False
+    lines: tuple[FurtherLine, ...] = ()
+
+
+class EvidenceFile(Frozen):
+    """What every value and U of a result is made of, and what was decided on them.
+
+    coverage: how k was chosen. decision: limits, their rule and the verdicts; null where the file
+    goes with no certificate.
+    """
+
+    format: Literal["mimu-evidence/1"] = "mimu-evidence/1"
+    recording_id: str
+    run: str
+    digest: str
+    method: Method
+    procedure: str
+    code_version: str
+    segments: tuple[str, ...]
+    channels: tuple[ChannelMeans, ...]
+    sources: tuple[EvidenceSource, ...]
+    values: tuple[EvidenceValue, ...]
+    covariance: Covariance | None
+    coverage: Statement
+    decision: Decision | None = None
+
+
+# How the stated performance of a method was shown: one record for each version of the code.
+
+Evidence = Literal["worked example", "truth recovery", "coverage", "independent program"]
+EVIDENCE: tuple[Evidence, ...] = get_args(Evidence)
+TARGET_SHARE = (0.93, 0.97)  # of truths inside a 95 % interval, for an item and for each element
+
+
+class Check(Statement):
+    """One piece of evidence: what was compared, the figures, and whether they agree."""
+
+    passed: bool
+
+
+class Coverage(Frozen):
+    """How often intervals contained the truth, over `units` simulated units and their elements.
+
+    inside_95: share within the stated 95 % interval, with its own 95 % confidence interval over the
+    units (Wilson). inside_expanded: share within ± U. rms_z: root mean square of error over u.
+    """
+
+    units: int = Field(ge=1)
+    elements: int = Field(ge=1)
+    inside_95: float = Field(ge=0, le=1)
+    confidence: tuple[Finite, Finite]
+    inside_expanded: float = Field(ge=0, le=1)
+    rms_z: Finite
+    by_element: dict[str, float] = Field(description="share inside the 95 % interval, of each")
+
+    @property
+    def too_short(self) -> dict[str, float]:
+        """The elements whose intervals contain the truth too rarely, which an average over the
+        item would hide: what is stated of them does not hold.
+        """
+        return {name: share for name, share in self.by_element.items() if share < TARGET_SHARE[0]}
+
+    @property
+    def too_long(self) -> dict[str, float]:
+        """Those whose intervals contain it more often than stated: it holds, with room to spare."""
+        return {name: share for name, share in self.by_element.items() if share > TARGET_SHARE[1]}
+
+
+class ItemValidation(Frozen):
+    """The evidence for one item by one method."""
+
+    checks: dict[Evidence, Check]
+    coverage: Coverage | None = None
+
+    @property
+    def valid(self) -> bool:
+        """Whether every kind of evidence was given and none failed."""
+        return all(kind in self.checks and self.checks[kind].passed for kind in EVIDENCE)
+
+
+class MethodValidation(Frozen):
+    """The evidence for one method; `fingerprint` identifies the source its numbers come from.
+
+    sources, text: the files of that source within `tasks`, and a hash of their text; while these
+    are unchanged, nothing has to be parsed.
+    """
+
+    fingerprint: str
+    sources: tuple[str, ...] = ()
+    text: str = ""
+    items: dict[str, ItemValidation]
+
+
+class ScenarioValidation(Frozen):
+    """Coverage under conditions other than those of a run in which everything is in order.
+
+    conditions: by their names; invalid: how many of its sound runs were called invalid.
+    """
+
+    conditions: tuple[str, ...]
+    units: int = Field(ge=1)
+    invalid: int = Field(ge=0)
+    items: dict[Method, dict[str, Coverage]]
+
+
+class ValidationRecord(Frozen):
+    """Format `mimu-validation/1`: made by `mimucal validate`."""
+
+    format: Literal["mimu-validation/1"] = "mimu-validation/1"
+    made_on: date
+    code_version: str
+    seed: int
+    seconds: Finite
+    methods: dict[Method, MethodValidation]
+    scenarios: dict[str, ScenarioValidation] = Field(default_factory=dict)

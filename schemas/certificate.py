@@ -7,18 +7,61 @@ from typing import Literal, Self
 from pydantic import AwareDatetime, Field, model_validator
 
 from schemas.access import Authorised
-from schemas.appearance import Appearance
 from schemas.base import Frozen
 from schemas.calibration import Calibration
-from schemas.capability import Capability, check_apart
-from schemas.configuration import Configuration, configuration_of
-from schemas.curve import Curve
-from schemas.decision import Decision
-from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
-from schemas.recording import Manifest
-from schemas.signature import SigningSettings
-from schemas.text import BOTH, CONTRACTED, AnyMessage, Language, Statement, Wording
-from schemas.tolerance import Tolerance
+from schemas.laboratory import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
+from schemas.recording import Curve, Manifest
+from schemas.station import Configuration, configuration_of
+from schemas.text import BOTH, CONTRACTED, AnyMessage, Appearance, Language, Statement, Wording
+from schemas.tolerance import Capability, Decision, Tolerance, check_apart
+
+# The signature of an order that is given in a person's name, and the key of certificates.
+
+
+class Signature(Frozen):
+    """Who gave an order, when and where, protected against forgery.
+
+    nonce: a number that is used once. signed_on: the login at the operating system and its
+    computer, as `wang@station-2`. mac: HMAC-SHA256 by the key of the home over the flow's name, the
+    order without its signature, and the other fields here, as canonical JSON.
+    """
+
+    person: str = Field(min_length=1)
+    signed_at: AwareDatetime
+    nonce: str = Field(pattern=r"^[0-9a-f]{32}$")
+    signed_on: str
+    mac: str = Field(pattern=r"^[0-9a-f]{64}$", repr=False)
+
+
+class Token(Frozen):
+    """A key in a PKCS#11 token (a card, an HSM, SoftHSM).
+
+    module: the manufacturer's library. token: label of the token; key: label of the key and of its
+    certificate.
+    """
+
+    module: str = Field(min_length=1)
+    token: str = Field(min_length=1)
+    key: str = Field(min_length=1)
+
+
+class SigningSettings(Frozen):
+    """The signing key: pkcs12, a file relative to the home folder unless absolute; or a token.
+
+    The passphrase or PIN is taken from the environment (MIMUCAL_SIGNING_PASSPHRASE). time_stamps:
+    address of a time-stamping service (RFC 3161), for the PDF.
+    """
+
+    pkcs12: str | None = None
+    pkcs11: Token | None = None
+    time_stamps: str | None = None
+
+    @model_validator(mode="after")
+    def _one_key(self) -> Self:
+        if (self.pkcs12 is None) == (self.pkcs11 is None):
+            raise ValueError("signing names one key: give either pkcs12 or pkcs11")
+        return self
+
 
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
 DEFAULT_PREFIX = "MIMU"

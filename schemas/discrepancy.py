@@ -1,7 +1,7 @@
 """Where model and recording differ: the result of `mimucal explain` (`mimu-discrepancy/1`)."""
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
 
 from schemas.base import Finite, Frozen
 from schemas.text import Statement
@@ -180,4 +180,39 @@ class Discrepancy(Frozen):
     held_out: HeldOut
     figures: tuple[str, ...] = ()
     remarks: tuple[Statement, ...] = ()
+    statement: Statement
+
+
+# The recording that resolves what `explain` left open: the result of `mimucal next`.
+
+
+class PredictedEvidence(Frozen):
+    """What a recording is expected to show of the pair that is told apart worst.
+
+    delta_chi2: by which the competing models differ. probability_right: of one name, the right one.
+    """
+
+    delta_chi2: Finite
+    probability_right: Finite
+
+
+class RepeatOfBase(Frozen):
+    """What the same recording once more would show."""
+
+    minutes: Finite
+    delta_chi2: Finite
+
+
+class NextRecording(Frozen):
+    """decides: the competing effects; one alone against none. procedure: path of the file for
+    `acquire --procedure`; null, without steps and minutes, where no recording of this station does.
+    """
+
+    format: Literal["mimu-next/1"] = "mimu-next/1"
+    decides: tuple[str, ...]
+    procedure: str | None
+    minutes: Finite | None
+    steps: tuple[dict[str, Any], ...]
+    predicted: PredictedEvidence
+    repeat_of_base: RepeatOfBase
     statement: Statement

@@ -8,7 +8,7 @@ from pydantic import Field
 from schemas.base import Finite, Frozen
 from schemas.calibration import Method
 from schemas.certificate import State
-from schemas.decision import Verdict
+from schemas.tolerance import Verdict
 
 # of U: a certificate prints U with two digits and the value to the same place, which is 1 % of U or
 # more, so that nothing printed moves by less; other processors move values by some 1e-11 U

@@ -5,22 +5,16 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from schemas.calibration import Calibration
+from schemas.calibration import Budget, Calibration, Correction, EvidenceFile, ValidationRecord
 from schemas.certificate import Certificate, Laboratory, Order
-from schemas.correction import Correction
-from schemas.discrepancy import Discrepancy
-from schemas.doctor import Diagnosis
-from schemas.equipment import EquipmentFile
-from schemas.evidence import EvidenceFile
+from schemas.discrepancy import Discrepancy, NextRecording
 from schemas.history import Impact, Pruned, Reprocessing
-from schemas.next_recording import NextRecording
+from schemas.laboratory import EquipmentFile
 from schemas.procedure import Procedure
-from schemas.recall import RecallFile
 from schemas.recording import Manifest
 from schemas.station import StationFile
+from schemas.store import Diagnosis, RecallFile
 from schemas.tolerance import Tolerance
-from schemas.uncertainty import Budget
-from schemas.validation import ValidationRecord
 
 FOLDER = Path(__file__).parent / "json"
 PUBLISHED: dict[str, type[BaseModel]] = {

@@ -8,14 +8,16 @@ from dataclasses import dataclass, field
 from math import hypot
 from typing import TYPE_CHECKING, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from schemas.base import Finite
+from schemas.base import Finite, Frozen
+from schemas.text import Statement
 
 if TYPE_CHECKING:
     import numpy as np
 
     from schemas.text import Remark
+
 
 FORMAT: Literal["mimu-recording/1"] = "mimu-recording/1"
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
@@ -238,3 +240,98 @@ class Recording:
         """The streams that are present, by name."""
         every = {name: getattr(self, name) for name in STREAMS}
         return {name: stream for name, stream in every.items() if stream is not None}
+
+
+# The log of a run, as kept in its manifest (`log`) and in its status.
+
+State = Literal[
+    "begun", "warming_up", "measuring", "repeating", "paused", "turning_over", "finishing",
+    "done", "stopped",
+]  # fmt: skip
+ENDED: tuple[State, ...] = ("done", "stopped")
+
+
+class LogEntry(Statement):
+    """A change of a run's state, or an anomaly, with its cause as a sentence.
+
+    at: UTC. t: s, on the time base of the recording's segments.
+    """
+
+    at: AwareDatetime
+    t: Finite
+    state: State
+
+
+class Alarm(Statement):
+    """An anomaly of a run, as a sentence with the number of its occurrences.
+
+    code: the kind of anomaly, a message `station-alarm-…` of the catalogues, or `given_up`. at:
+    when it was noticed last. Both are empty in a status that an earlier version wrote.
+    """
+
+    code: str = ""
+    at: AwareDatetime | None = None
+
+
+class RunStatus(Frozen):
+    """The status of a run when its process last wrote it.
+
+    units: serial numbers. at: time of writing. segment of segments: the one being measured.
+    rates_hz: rows of each stream per second of station time. noise: standard deviation of single
+    samples, deg/s and m/s². cause: why it stopped;
+    shown_cause: the same for the pages, null from an earlier version. recordings: raw files being
+    written. lock: the computer and the folder in which the run holds its station.
+    """
+
+    format: Literal["mimu-status/1"] = "mimu-status/1"
+    station: str
+    procedure: str
+    units: tuple[str, ...] = ()
+    process: int
+    began_at: AwareDatetime
+    at: AwareDatetime
+    state: State
+    now: str
+    segment: int
+    segments: int
+    station_s_done: Finite
+    station_s_total: Finite
+    wall_s_left: Finite
+    rates_hz: Mapping[str, Finite] = {}
+    noise: Mapping[str, Finite] = {}
+    alarms: tuple[Alarm, ...] = ()
+    cause: str = ""
+    shown_cause: Statement | None = None
+    recordings: tuple[str, ...] = ()
+    lock: str = ""
+
+
+# Curves in a certificate's figures: a few points each, as drawn and as exported.
+
+FigureName = Literal["rate-residuals", "tumble", "allan", "history"]
+MAX_POINTS = 64
+
+
+class Curve(Frozen):
+    """The curve of one axis in a figure.
+
+    quantity: the item or triad of its panel. U: k·u of each y. labels: for the tumble the axis that
+    points up; for the history, except its last point, the certificates.
+    """
+
+    figure: FigureName
+    quantity: str
+    axis: Axis
+    x_unit: str
+    y_unit: str
+    x: tuple[Finite, ...] = Field(min_length=1, max_length=MAX_POINTS)
+    y: tuple[Finite, ...]
+    U: tuple[Finite, ...]
+    k: Finite
+    labels: tuple[str, ...] = ()
+
+    @model_validator(mode="after")
+    def _each_point_is_whole(self) -> Self:
+        if not len(self.x) == len(self.y) == len(self.U) >= len(self.labels):
+            raise ValueError(f"the curve {self.figure} {self.quantity} {self.axis} is not whole")
+        return self

@@ -5,12 +5,14 @@ A result keeps what it says as a message and, because its readers have no catalo
 same object. Also the validity of a run, which remarks decide before the verdict on the unit.
 """
 
+import base64
+import binascii
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
-from typing import Annotated, Any, Literal, Union, get_args
+from typing import Annotated, Any, Literal, Self, Union, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, model_validator
 
 from schemas.base import Frozen
 
@@ -168,3 +170,35 @@ class Validity(Frozen):
     reasons: tuple[str, ...] = ()
     reasons_zh: tuple[str, ...] = ()
     reasons_message: Messages = ()
+
+
+# What a laboratory's certificates look like: its logo, its seal, its wording, its own layout.
+
+
+class Appearance(Frozen):
+    """The content of the laboratory's files, so that the same record gives the same pages anywhere.
+
+    logo, seal: pictures (SVG, PNG, JPEG) as base64. template: Typst source that replaces
+    tasks/certificate/certificate.typ; it may import only the files beside that one.
+    """
+
+    logo: str | None = None
+    seal: str | None = None
+    template: str | None = None
+
+    @property
+    def pictures(self) -> dict[str, bytes]:
+        """Logo and seal by name, where given."""
+        both = {"logo": self.logo, "seal": self.seal}
+        return {name: base64.b64decode(text) for name, text in both.items() if text}
+
+    @model_validator(mode="after")
+    def _readable(self) -> Self:
+        for name, text in (("logo", self.logo), ("seal", self.seal)):
+            try:
+                base64.b64decode(text or "", validate=True)
+            except binascii.Error as error:
+                raise ValueError(f"{name} is not base64") from error
+        if self.template and '"@' in self.template:
+            raise ValueError('the template imports a package ("@…"); copy what it needs into it')
+        return self

@@ -1,10 +1,13 @@
 """The limits of a product model, and the decision rule for each."""
 
+from collections.abc import Sequence
+from itertools import combinations
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from schemas.base import Frozen
+from schemas.base import Finite, Frozen
+from schemas.text import Messages
 
 Quantity = Literal["value", "value_without_earth_rotation", "value_model"]
 Rule = Literal["simple_acceptance", "guard_band", "shared_risk"]
@@ -128,3 +131,116 @@ class Tolerance(Frozen):
     def rule_of(self, limit: Limit) -> Rule:
         """The decision rule of a limit: its own, else that of the file."""
         return limit.rule or self.rule
+
+
+# The verdict on a unit: each value against its limit, and the risk of the decision.
+
+Verdict = Literal["pass", "fail", "inconclusive"]
+Probability = Annotated[float, Field(ge=0, le=1)]
+
+
+class GlobalRisks(Frozen):
+    """Risks over a whole production measured with this uncertainty (JCGM 106, 9.5)."""
+
+    consumer: Probability = Field(description="a unit does not conform and is accepted")
+    producer: Probability = Field(description="a unit conforms and is rejected")
+
+
+class LimitDecision(Frozen):
+    """One element against one limit.
+
+    A value is accepted between `accept_lower` and `accept_upper`, which are the limits moved
+    inwards by the guard band. `marginal`: it was decided on and lies within U of a limit, or was
+    accepted outside one, so the verdict is a conditional one (ILAC-G8:09/2019). The risk of the
+    verdict is a probability of false acceptance for a pass, of false rejection for a fail.
+    """
+
+    item: str
+    element: str
+    unit: str
+    applied_to: Quantity
+    value: Finite | None
+    U: Finite | None
+    lower: Finite | None
+    upper: Finite | None
+    verdict: Verdict
+    k: Finite | None = None
+    nominal: Finite | None = Field(default=None, description="what relative limits count from")
+    rule: Rule = "simple_acceptance"
+    guard_band_factor: Finite = Field(default=0.0, description="r in w = r·U")
+    accept_lower: Finite | None = None
+    accept_upper: Finite | None = None
+    capability: Finite | None = Field(default=None, description="C_m = T/(2·U)")
+    min_capability: Finite | None = Field(default=None, description="C_m that the rule asks for")
+    U_max: Finite | None = Field(default=None, description="U that the rule allows")
+    marginal: bool = False
+    probability_of_conformity: Probability | None = None
+    false_acceptance: Probability | None = None
+    false_rejection: Probability | None = None
+    global_risks: GlobalRisks | None = None
+
+
+class Decision(Frozen):
+    """The verdict on a unit, and what it rests on.
+
+    `marginal`: a pass that a limited element only just reaches, or a fail of which none is
+    beyond doubt.
+    """
+
+    verdict: Verdict
+    rule: str
+    document: str | None
+    limits: tuple[LimitDecision, ...]
+    reasons: tuple[str, ...] = ()
+    reasons_zh: tuple[str, ...] = ()
+    reasons_message: Messages = ()
+    marginal: bool = False
+
+
+# A laboratory's calibration and measurement capabilities (CMC).
+
+Range = tuple[Finite, Finite]
+
+
+class Capability(Frozen):
+    """The smallest expanded uncertainty (k = 2) of an item within a range (ILAC-P14:09/2020, 4).
+
+    item: by its key, as gyro_scale_factor. unit: of U and values, that of the item; of a relative U
+    it is that of values alone. rates_deg_s: lowest and highest held rate of the run, without a
+    sign; none: at any rates, or at none. values: lowest and highest measured value; none: any.
+    """
+
+    item: str = Field(min_length=1)
+    unit: str
+    U: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    relative: bool = False
+    rates_deg_s: Range | None = None
+    values: Range | None = None
+
+    @model_validator(mode="after")
+    def _ranges_rise(self) -> Self:
+        for name in ("rates_deg_s", "values"):
+            low_high = getattr(self, name)
+            if low_high and not low_high[0] < low_high[1]:
+                raise ValueError(
+                    f"{name} = {list(low_high)} needs the lowest first, the highest second"
+                )
+        if self.rates_deg_s and self.rates_deg_s[0] < 0.0:
+            raise ValueError(f"rates_deg_s = {list(self.rates_deg_s)}: rates are without a sign")
+        return self
+
+
+def check_apart(capabilities: Sequence[Capability]) -> None:
+    """Raises ValueError for two capabilities of one item whose ranges overlap."""
+    for (n, one), (m, other) in combinations(enumerate(capabilities, start=1), 2):
+        if one.item == other.item and all(
+            _overlap(getattr(one, name), getattr(other, name)) for name in ("rates_deg_s", "values")
+        ):
+            raise ValueError(
+                f"capabilities {n} and {m} are both of {one.item} and their ranges overlap: give "
+                "each rates_deg_s or values of its own"
+            )
+
+
+def _overlap(one: Range | None, other: Range | None) -> bool:
+    return one is None or other is None or (one[0] < other[1] and other[0] < one[1])

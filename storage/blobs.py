@@ -19,10 +19,8 @@ from tempfile import TemporaryDirectory
 from typing import Any, Protocol
 from urllib.parse import parse_qsl, urlsplit
 
-from schemas.base import Unusable
-from schemas.secret_urls import login_apart, shown
-from storage.environment import environment
-from storage.home import Home
+from schemas.base import Unusable, login_apart, shown
+from storage.home import Home, environment
 from storage.whole_files import writing_in_home, writing_to
 
 WAY_OUT = "give it as s3://BUCKET/PREFIX, with ?endpoint=HOST:PORT&scheme=http where it is not AWS"

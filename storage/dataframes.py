@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import sqlalchemy as sql
 
-from schemas.calibration import Calibration
-from schemas.uncertainty import BudgetInput
+from schemas.calibration import BudgetInput, Calibration
 from storage.catalogue import database, tables
-from storage.catalogue.completion import complete_results, complete_runs
+from storage.catalogue.run_states import complete_results, complete_runs
 from storage.home import Home
 
 if TYPE_CHECKING:
     import pandas as pd
+
 
 RUN, RESULT = tables.runs.c, tables.results.c
 STANDARD, EXPANDED = "standard_uncertainty", "expanded_uncertainty"  # u and U: one name to SQL

@@ -5,7 +5,9 @@ A run with a result or a certificate, as found or as left, of whatever state, ke
 recording for good. Its columns can be made again from it.
 """
 
-from collections.abc import Callable, Iterator
+import re
+import time
+from collections.abc import Callable, Collection, Iterator
 from datetime import UTC, date, datetime
 from functools import partial
 from pathlib import Path
@@ -16,11 +18,33 @@ from schemas.base import Unusable
 from schemas.history import Dispensable, Refused
 from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
-from storage.catalogue import certificates, database, discrepancies, runs, tables, trail
+from storage.catalogue import audit_trail, certificates, database, discrepancies, runs, tables
 from storage.catalogue.certificates import Entry, record_of
-from storage.catalogue.run_index import Run, runs_where
+from storage.catalogue.runs import Run, runs_where
 from storage.home import Home
-from storage.left_drafts import left_drafts
+
+# Draft files left behind by a process that ended before the catalogue knew of them.
+
+BY_NAME = re.compile(r"draft-.+\.[0-9a-f]{12}\.(pdf|xml|json)|\..+\.part")
+AGE_S = 3600.0  # a newer one may belong to a draft that is being stored
+
+
+def is_of_draft(path: Path) -> bool:
+    """Whether a file among the certificates has the name of a draft's, whole or half-written."""
+    return BY_NAME.fullmatch(path.name) is not None
+
+
+def left_drafts(home: Home, known: Collection[Path]) -> Iterator[Path]:
+    """Files of drafts that are not known, an hour after they were written."""
+    for path in sorted(home.certificates.glob("*")):
+        if is_of_draft(path) and path not in known and age_s(path) > AGE_S:
+            yield path
+
+
+def age_s(path: Path) -> float:
+    """Seconds since a file was written."""
+    return time.time() - path.stat().st_mtime
+
 
 OF_RUN = (  # rows that go with their run
     tables.findings, tables.explained, tables.reprocessed, tables.equipment, tables.sources,
@@ -140,7 +164,7 @@ def _delete_draft(each: Dispensable, person: str, home: Home) -> None:
     if each not in _drafts(home):
         raise Unusable("a certificate came to have it, or somebody else deleted it.")
     with database.changing(home) as connection:
-        trail.add(connection, person, "delete draft", path.name, size=each.size)
+        audit_trail.add(connection, person, "delete draft", path.name, size=each.size)
     path.unlink(missing_ok=True)
 
 
@@ -149,7 +173,7 @@ DELETE = {"recording": _delete_recording, "columns": _delete_columns, "draft": _
 
 def _log(connection: sql.Connection, each: Dispensable, person: str, digest: str) -> None:
     assert each.run is not None
-    trail.add(
+    audit_trail.add(
         connection, person, f"delete {each.what}", each.run,
         recording_id=each.recording_id, digest=digest, size=each.size,
         imported_at=each.imported_at.isoformat(),

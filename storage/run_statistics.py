@@ -10,10 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+from pydantic import ValidationError
 
-from schemas.review import Layout, RunStatistics
+from schemas.base import Unusable, first_fault
+from schemas.review import KeptReview, Layout, RunStatistics
 from storage.blobs import blobs_of
 from storage.home import Home
+from storage.whole_files import writing_to
 
 FOLDER = "statistics"
 CODEC = "zstd"
@@ -39,7 +42,7 @@ def load(digest: str, version: int, home: Home) -> RunStatistics | None:
             return None
 
 
-def keep(digest: str, version: int, statistics: RunStatistics, home: Home) -> None:
+def keep_statistics(digest: str, version: int, statistics: RunStatistics, home: Home) -> None:
     """Keeps the statistics of a recording in the place of those of another version."""
     blobs, name = blobs_of(home), name_of(digest)
     if load(digest, version, home) is None:
@@ -95,3 +98,29 @@ def decoded(content: bytes, version: int) -> RunStatistics:
 def _layout(key: str, content: bytes, size: int) -> Layout:
     text = pa.decompress(content, size, codec=CODEC, asbytes=True)
     return Layout.model_validate_json(text)
+
+
+# The result of the last `mimucal review`, kept in the home folder.
+
+NAME = "review.json"
+
+
+def keep_review(kept: KeptReview, home: Home) -> None:
+    """Keeps an answer in the place of the one before. Raises Unusable where the home only reads."""
+    with writing_to(home.path / NAME) as draft:
+        draft.write_text(kept.model_dump_json(indent=1), encoding="utf-8")
+
+
+def last(home: Home) -> KeptReview | None:
+    """The last answer; None without one. Raises Unusable for one that cannot be read."""
+    path = home.path / NAME
+    try:
+        return KeptReview.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise Unusable(f"{path} cannot be read ({error.strerror}); grant access to it.") from error
+    except ValidationError as error:
+        raise Unusable(
+            f"{path}: {first_fault(error)}; `mimucal review` writes it again."
+        ) from error

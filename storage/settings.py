@@ -11,11 +11,11 @@ from pydantic import ValidationError
 
 from schemas.access import PagesFile
 from schemas.base import Frozen, Unusable, first_fault
+from schemas.calibration import ValidationRecord
 from schemas.certificate import Laboratory
-from schemas.production import QualityFile
-from schemas.recall import RecallFile
+from schemas.orders import QualityFile
+from schemas.store import RecallFile
 from schemas.tolerance import Tolerance
-from schemas.validation import ValidationRecord
 from storage.home import Home
 from storage.whole_files import check_depth, text_bytes
 

@@ -11,15 +11,14 @@ from schemas.base import Frozen, Unusable
 from schemas.certificate import State
 from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
-from storage.catalogue import certificates, database, discrepancies, tables, trail
+from storage.catalogue import audit_trail, certificates, database, discrepancies, tables
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.results import calibration_of, result_id
-from storage.catalogue.run_index import Run, all_runs
-from storage.catalogue.runs import from_columns
+from storage.catalogue.runs import Run, all_runs, from_columns
 from storage.formats.content import fingerprint
 from storage.formats.mcap.reader import CutOff, has_readings, read_mcap
 from storage.home import Home
-from storage.left_drafts import age_s, is_of_draft
+from storage.retention import age_s, is_of_draft
 from storage.whole_files import is_as_kept
 
 RESTORE = "bring the catalogue back from a backup"
@@ -86,8 +85,8 @@ def _checks(home: Home) -> Iterator[Check]:
         for name, sha256 in entry.files.items():
             yield home.path / name, partial(_unchanged, home.path / name, sha256)
         yield f"certificate {entry.number}", partial(_record, entry, home)
-    if register or trail.entries(home):
-        yield "trail", partial(trail.faults, home)
+    if register or audit_trail.entries(home):
+        yield "trail", partial(audit_trail.faults, home)
         yield "certificates in the trail", partial(against_trail, home)
         yield "numbers of certificates", partial(number_gaps, home)
     unknown = (*_unknown(blobs, runs), *_unknown_papers(home, register), *_abandoned(home))
@@ -261,7 +260,7 @@ def _differences(home: Home) -> Iterator[str]:
 def _standing(home: Home) -> dict[str, Standing]:
     """What the trail says of each certificate; the key of a draft is gone with its issue."""
     standing: dict[str, Standing] = {}
-    for entry in trail.entries(home):
+    for entry in audit_trail.entries(home):
         if entry.action not in AFTER:
             continue
         details = json.loads(entry.details)

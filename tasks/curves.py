@@ -6,16 +6,13 @@ import numpy as np
 
 from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
-from schemas.curve import MAX_POINTS, Curve
-from schemas.recording import AXES, UPS, Recording, Up
-from tasks.calibrate.information.allan import MIN_LEVELS
-from tasks.calibrate.information.noise import HOUR, allan_of_rests
+from schemas.recording import AXES, MAX_POINTS, UPS, Curve, Recording, Up
+from tasks.calibrate.information.noise import HOUR, MIN_LEVELS, allan_of_rests
 from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS
-from tasks.specifications.estimate import DEG
+from tasks.specifications.estimate import DEG, ITEMS
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.items import ITEMS
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.words.rounding import USUAL_K
+from tasks.words.numbers import USUAL_K
 
 DIGITS = 7  # significant, more than any figure shows
 LONG_ENOUGH_S = 30.0  # of a rest: as long as the specification's dwell

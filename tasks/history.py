@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
-from schemas.capability import Capability
-from schemas.decision import Decision
 from schemas.history import COUNTED_IN_U, Change, Difference, Flip, Reprocessing
-from schemas.tolerance import Tolerance
+from schemas.tolerance import Capability, Decision, Tolerance
 from tasks.conformity import as_stated, decide
 from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw, picture_file
-from tasks.specifications.items import item_title
+from tasks.specifications.estimate import item_title
 from tasks.words import LANGUAGES, message, say
 
 if TYPE_CHECKING:

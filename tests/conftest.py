@@ -15,20 +15,14 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from schemas.calibration import EVIDENCE, Check, ItemValidation, MethodValidation, ValidationRecord
 from schemas.certificate import Certificate
 from schemas.recording import Recording
-from schemas.validation import (
-    EVIDENCE,
-    Check,
-    ItemValidation,
-    MethodValidation,
-    ValidationRecord,
-)
 from storage.catalogue import database
 from storage.formats.folder import read_folder
 from storage.home import Home
 from tasks.certificate.dcc import record_of
-from tasks.specifications.items import ITEMS
+from tasks.specifications.estimate import ITEMS
 from tasks.validation.fingerprint import fingerprint
 from tests import ideal
 from tests.migrated import as_migrated
@@ -142,7 +136,7 @@ def unprinted(monkeypatch: pytest.MonkeyPatch) -> None:
     def quick(certificate: Certificate, **_: object) -> bytes:
         return b"%PDF " + hashlib.sha256(record_of(certificate)).digest()
 
-    monkeypatch.setattr("tasks.certificate.documents.render", quick)
+    monkeypatch.setattr("tasks.certificate.pdf.render", quick)
 
 
 @pytest.fixture(scope="session")

@@ -7,15 +7,13 @@ import numpy as np
 
 from schemas.calibration import Calibration, EnvironmentSeen, Item
 from schemas.certificate import Certificate, Laboratory, Order, Party, Step
-from schemas.decision import Decision, LimitDecision
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
 from schemas.recording import ACCEL, GYRO, Recording, Stream
 from schemas.text import texts_fields
-from schemas.tolerance import Limit, Tolerance
+from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance
 from storage.catalogue import results, runs
 from storage.home import Home
-from tasks.stages.draft import DRAFT, keep_draft
-from tasks.stages.published import Published
+from tasks.stages.certify import DRAFT, Published, keep_draft
 from tasks.words import message, statement
 from tests.manifests import manifest_of
 

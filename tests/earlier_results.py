@@ -8,7 +8,7 @@ import numpy as np
 from schemas.calibration import Calibration
 from schemas.orders import CalibrateOrder
 from schemas.recording import Recording
-from storage.catalogue import results, run_index, runs
+from storage.catalogue import results, runs
 from storage.home import Home
 from tasks.stages.estimate import estimate
 
@@ -25,7 +25,7 @@ def two_calibrated(home: Path, ideal_run: Callable[..., Recording]) -> Home:
 
 
 def newest(home: Home) -> list[Calibration]:
-    return [results.of_run(run, home)[-1].calibration for run in run_index.all_runs(home)]
+    return [results.of_run(run, home)[-1].calibration for run in runs.all_runs(home)]
 
 
 def plant(result: Calibration, home: Home, item: str, element: str, by: float) -> Calibration:

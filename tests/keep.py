@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import sqlalchemy as sql
 
 from schemas.certificate import Certificate
-from storage.catalogue import certificates, database, keep_certificate, trail
+from storage.catalogue import audit_trail, certificates, database
 from storage.home import Home
 
 ACTIONS = {"draft": "draft", "checked": "check", "issued": "issue"}
@@ -25,10 +25,10 @@ def keep(certificate: Certificate, home: Home, pdf: bytes = b"%PDF") -> None:
     """Keeps a certificate as it stands, whatever steps it took."""
     faces = MadeUp(pdf, certificate.model_dump_json(indent=1).encode())
     with database.changing(home) as connection:
-        keep_certificate.add(connection, home, certificate, faces)
-        hashes = keep_certificate.hashes(connection, certificate.number)
+        certificates.add(connection, home, certificate, faces)
+        hashes = certificates.hashes(connection, certificate.number)
         action = ACTIONS[certificate.state]
-        trail.add(connection, "test", action, certificate.number, sha256=hashes)
+        audit_trail.add(connection, "test", action, certificate.number, sha256=hashes)
 
 
 def take_number(home: Home, prefix: str = "MIMU", year: int = 2026) -> str:

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 import sqlalchemy as sql
 
 from storage.catalogue import database
-from storage.catalogue.connection import engine_of, explained, url_of
+from storage.catalogue.database import engine_of, explained, url_of
 from storage.home import Home
 
 every_revision = database._migrate

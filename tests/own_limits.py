@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 
-from schemas.equipment import EquipmentLimit, LimitName
+from schemas.laboratory import EquipmentLimit, LimitName
 
 ARCSECOND = math.radians(1 / 3600)
 HALF_WIDTHS: dict[LimitName, float] = {

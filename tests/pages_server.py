@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Thread
 
-from flows.pages.serve import listening
+from flows.pages.app import listening
 from storage.home import Home
 
 ENDS_WITHIN_S = 5.0

@@ -11,7 +11,7 @@ from fluent.syntax import FluentSerializer, ast, parse
 
 from tasks.rendering.page import _environment
 from tasks.words import LANGUAGES, MAIN, translation
-from tasks.words.typography import typeset
+from tasks.words.numbers import typeset
 
 NAME = "xx"  # a code that no language has
 BEGIN, END = "⟦", "⟧"

@@ -1,6 +1,6 @@
 """What a flow made, as artifacts on Prefect's pages; those of a unit have its serial as key.
 
-Import this module only after `flows.on_prefect.prefect_server.connect`.
+Import this module only after `flows.on_prefect.server.connect`.
 """
 
 import re
@@ -21,15 +21,16 @@ from prefect.settings import PREFECT_CLIENT_MAX_RETRIES, temporary_settings
 
 from schemas.calibration import Calibration
 from schemas.history import Reprocessing
-from schemas.recall import DueUnit
+from schemas.store import DueUnit
 from tasks.conformity.limits import verdict_title
 from tasks.stages.stage import is_of_the_server
 from tasks.words import say
 
 if TYPE_CHECKING:
+    from tasks.stages.certify import Published
     from tasks.stages.explain import Explained
-    from tasks.stages.published import Published
     from tasks.stages.review import Reviewed
+
 
 PROGRESS_EVERY_S, UNANSWERED_S = 5.0, 60.0  # between two updates
 MOST_ROWS = 1000  # of an artifact's table

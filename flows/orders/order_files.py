@@ -8,10 +8,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from flows.orders import order_queue
+from flows.orders import production
 from schemas.base import Unusable
 from schemas.certificate import Order
-from schemas.production import OrderRequest
+from schemas.orders import OrderRequest
 from storage import settings
 from storage.catalogue.orders import check_number
 from storage.home import Home
@@ -39,7 +39,7 @@ def read_orders(path: Path, person: str, home: Home) -> tuple[list[OrderRequest]
     for each in _grouped(_lines(path)):
         try:
             request = _request(each, path.parent)
-            order = order_queue.checked(request, person, home)
+            order = production.checked(request, person, home)
             check_number(order, home)
         except _ColumnError as fault:
             faults.append(f"{path} line {each.line}, column {fault}")
@@ -167,7 +167,7 @@ def scanned(line: str, station: str, home: Home) -> OrderRequest:
         "station": station,
         "units": [{"serial": serial, "manufacturer": manufacturer, "model": model}],
         "client_order": client_order_named(
-            more.pop("client_order", ""), order_queue.client_order_folder(home)
+            more.pop("client_order", ""), production.client_order_folder(home)
         ),
     }
     try:

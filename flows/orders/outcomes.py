@@ -8,12 +8,12 @@ from typing import Any
 from sqlalchemy import Connection
 
 from schemas.base import Unusable
-from schemas.production import ENDED, OPEN, ProductionOrder, ProductionState
+from schemas.orders import ENDED, OPEN, ProductionOrder, ProductionState
 from storage import settings
-from storage.catalogue import database, orders, trail
+from storage.catalogue import audit_trail, database, orders
 from storage.home import Home
-from storage.station_stop import lockout_of
-from tasks.stages.alert import alert
+from storage.stations import lockout_of
+from tasks.stages.remind import alert
 from tasks.words import Message, Sayable, cause_of, message
 
 LINE = "line"  # the person of what the program itself enters in the trail
@@ -56,15 +56,15 @@ def say_once(order: ProductionOrder, outcome: str, cause: Sayable, home: Home) -
     if unsent := [each.channel for each in sent if each.fault]:
         with database.changing(home) as connection:
             for channel in unsent:
-                trail.add(connection, LINE, UNSENT, order.number, **about, channel=channel)
+                audit_trail.add(connection, LINE, UNSENT, order.number, **about, channel=channel)
 
 
 def _is_due(connection: Connection, number: str, **alert_: Any) -> bool:
     """Whether an alert is to be sent by a channel now, of which the trail has that it was."""
-    if trail.add_once(connection, LINE, "alert", number, **alert_):
+    if audit_trail.add_once(connection, LINE, "alert", number, **alert_):
         return True
-    again = trail.has(connection, UNSENT, number, **alert_)
-    return again and trail.add_once(connection, LINE, "alert again", number, **alert_)
+    again = audit_trail.has(connection, UNSENT, number, **alert_)
+    return again and audit_trail.add_once(connection, LINE, "alert again", number, **alert_)
 
 
 def failed_since(moment: datetime, home: Home) -> list[ProductionOrder]:

@@ -1,7 +1,7 @@
 """Orders in a person's name: signed by the page or the command line, checked by the flow.
 
 A flow takes whatever its parameters say, and whoever reaches Prefect's server may order it. So a
-name there counts only with a signature by the key of the home (`storage.order_key`), which is made
+name there counts only with a signature by the key of the home (`storage.order_lock`), which is made
 for a person who is logged in, or by an account of this system that may read the key.
 """
 
@@ -15,17 +15,17 @@ from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
 
-from flows import run_orders
+from flows import execute
 from flows.access_log import plain, refused
 from schemas.access import Action, Visitor
 from schemas.base import Unusable
+from schemas.certificate import Signature
 from schemas.orders import OrderModel
-from schemas.signature import Signature
-from storage.catalogue import signatures
-from storage.catalogue.connection import Busy
+from storage.catalogue import certificates
+from storage.catalogue.database import Busy
 from storage.catalogue.users import users
 from storage.home import Home, home
-from storage.order_key import ORDER_KEY, is_signed, signed
+from storage.order_lock import ORDER_KEY, is_signed, signed
 
 AGE = timedelta(days=7)  # a station may be down over a long weekend
 AHEAD = timedelta(minutes=5)  # largest difference between the clocks of two computers
@@ -52,7 +52,7 @@ def sign(flow: str, order: Order) -> Order:
         "person": person, "signed_at": datetime.now(UTC), "nonce": secrets.token_hex(16),
         "signed_on": f"{_login()}@{socket.gethostname()}",
     }  # fmt: skip
-    signature = signed(flow, _content(order), unsigned, run_orders.home_of(order))
+    signature = signed(flow, _content(order), unsigned, execute.home_of(order))
     return order.model_copy(update={"signature": signature})
 
 
@@ -77,16 +77,16 @@ def accepted(flow: str, order: OrderModel) -> Iterator[None]:
     if person is None:
         yield
         return
-    place = run_orders.home_of(order)
+    place = execute.home_of(order)
     signature = _taken(flow, order, person, place)
     try:
         yield
     except Busy:
         raise  # the flow run may be tried again
     except Unusable:
-        signatures.finish(signature, place)
+        certificates.finish(signature, place)
         raise
-    signatures.finish(signature, place)
+    certificates.finish(signature, place)
 
 
 def _taken(flow: str, order: OrderModel, person: str, place: Home) -> Signature:
@@ -95,7 +95,7 @@ def _taken(flow: str, order: OrderModel, person: str, place: Home) -> Signature:
     try:
         signature = _checked(flow, order, person, place)
         run = flow_run()
-        if not signatures.take(signature, flow, plain(subject), run, place):
+        if not certificates.take(signature, flow, plain(subject), run, place):
             raise Unusable(
                 f"{flow} {plain(subject)}: the signature of this order was used already; give "
                 "it anew"

@@ -1,26 +1,66 @@
 """The Dash application: shell, pages and JSON endpoints, with the security headers."""
 
+import gc
+import gzip
+import logging
 import re
+from functools import lru_cache
 from importlib.resources import files
+from ipaddress import ip_address
+from typing import Any
 
 from dash import Dash
-from flask import Blueprint, redirect, render_template, request
+from flask import Blueprint, Flask, redirect, render_template, request
+from flask import Response as FlaskResponse
 from flask_talisman import Talisman
 from flask_wtf.csrf import generate_csrf
+from waitress.server import create_server
 from werkzeug.wrappers import Response
 
-from flows.pages import api, health, shell
-from flows.pages.access import guard, log_in, log_out, passed
-from flows.pages.compressed import compress
-from flows.pages.files import files as certificate_files
-from flows.pages.page import view_of_request
-from flows.pages.passwords import Gate
+from flows.logs import set_up
+from flows.pages import answers, health, shell
+from flows.pages.answers import files as certificate_files
+from flows.pages.login import Gate, guard, log_in, log_out, passed
+from flows.pages.parts import view_of_request
 from flows.pages.register import FIRST, PAGES
+from flows.terminal import stdout
 from schemas.base import Unusable
 from storage import settings
 from storage.catalogue.users import users
 from storage.home import Home
 from tasks.words import Message, message
+
+# Compresses answers with gzip for clients that accept it, such as tablets on a slow network.
+
+KINDS = ("text/javascript", "application/javascript", "application/json")
+LEAST = 2_000  # smallest answer worth compressing, bytes
+SCRIPTS = 32  # compressed scripts kept in memory
+QUICK = 1  # level, for what is compressed anew each time
+
+
+def compress(server: Flask) -> None:
+    """Compresses scripts, once each, and JSON."""
+
+    @server.after_request
+    def smaller(response: FlaskResponse) -> FlaskResponse:
+        if response.mimetype not in KINDS or response.status_code != 200:
+            return response
+        response.vary.add("Accept-Encoding")
+        is_file = response.is_streamed or response.direct_passthrough
+        if is_file or "gzip" not in request.accept_encodings:
+            return response
+        content = response.get_data()
+        if len(content) >= LEAST:
+            is_json = response.mimetype == "application/json"
+            response.set_data(gzip.compress(content, QUICK) if is_json else _script(content))
+            response.content_encoding = "gzip"
+        return response
+
+
+@lru_cache(SCRIPTS)
+def _script(content: bytes) -> bytes:
+    return gzip.compress(content)
+
 
 Page = str | Response | tuple[str, int]
 WORDS = {name: message(f"pages-login.{name}") for name in ("name", "password", "enter")}
@@ -82,12 +122,12 @@ def make_app(home: Home) -> Application:
     app.enable_dev_tools(debug=False, dev_tools_disable_version_check=True)
     app.layout = shell.frame
     shell.add_callbacks(app, home)
-    app.server.register_blueprint(api.endpoints(home))
+    app.server.register_blueprint(answers.endpoints(home))
     app.server.register_blueprint(certificate_files(home))
     app.server.before_request(_to_first_page)
     _keep_at_home(app, is_https=settings.pages(home).https)
     gate = guard(app.server, home)
-    app.server.before_request(api.unknown_address)
+    app.server.before_request(answers.unknown_address)
     app.server.register_blueprint(login(home, gate))
     app.server.register_blueprint(health.endpoints(home, gate))
     compress(app.server)
@@ -170,3 +210,59 @@ def _form(fault: Message | None, wanted: str) -> str:
         fault=fault and view.say(fault), token=generate_csrf(),
         words={name: view.say(each) for name, each in WORDS.items()},
     )  # fmt: skip
+
+
+# `mimucal dashboard`: serves the pages until Ctrl-C.
+
+HERE = ("127.0.0.1", "localhost", "[::1]")
+THREADS = 8  # requests answered at the same time; further ones wait
+
+
+def serve(home: Home, host: str, port: int) -> None:
+    """Serve the pages of a home; raises Unusable for an address that cannot be listened on."""
+    set_up(errors_at_least=True)
+    server = listening(home, host, port)
+    stdout(markup=False).print(
+        f"http://{host}:{server.effective_port}/ (Ctrl-C ends it)", highlight=False
+    )
+    server.run()
+
+
+def listening(home: Home, host: str, port: int) -> Any:
+    """A server of the pages that listens already; `run` answers, `close` ends it."""
+    _check_reach(home, host)
+    app = make_app(home).server
+    gc.freeze()  # what was imported lives to the end: no collection walks over it again
+    pages = settings.pages(home)
+    if _is_here(host) and pages.proxy is None and not pages.https:
+        # A page of another host whose name leads here must not read what is open on this machine.
+        app.config["TRUSTED_HOSTS"] = list(HERE)
+    logging.getLogger("waitress.queue").setLevel(logging.ERROR)  # that somebody waits is no fault
+    try:
+        return create_server(
+            app, host=host, port=port, threads=THREADS, ident="mimucal",
+            clear_untrusted_proxy_headers=False,  # by them health.py sees who comes from elsewhere
+        )  # fmt: skip
+    except (OSError, ValueError) as error:
+        raise Unusable(
+            f"the pages cannot be served at {host} port {port} ({error}); choose others with "
+            "--host and --port."
+        ) from error
+
+
+def _check_reach(home: Home, host: str) -> None:
+    """Raises Unusable for pages that everybody on the network could look at without a name."""
+    if not _is_here(host) and not users(home) and settings.pages(home).proxy is None:
+        raise Unusable(
+            f"--host {host} opens the pages to other computers, but nobody has a password yet; "
+            "first run `mimucal user add NAME --role administrator`, or name a proxy in "
+            f"{home.path / settings.PAGES}."
+        )
+
+
+def _is_here(host: str) -> bool:
+    """Whether an address is reached from this machine alone."""
+    try:
+        return host == "localhost" or ip_address(host).is_loopback
+    except ValueError:
+        return False

@@ -3,17 +3,15 @@
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.page import Page, View
-from flows.pages.parts import table
-from flows.pages.run.models import BudgetQuestion, BudgetShown
+from flows.pages.parts import Page, View, table
+from flows.pages.run.data import BudgetQuestion, BudgetShown
 from schemas.base import Unusable
 from storage.catalogue import results
 from storage.home import Home
-from tasks.conformity.equipment import name_of
-from tasks.specifications.items import item_title, symbol
+from tasks.conformity.capabilities import name_of
+from tasks.specifications.estimate import item_title, symbol
 from tasks.words import statement
-from tasks.words.quantities import plain, power_of_ten, unit_text
-from tasks.words.rounding import column
+from tasks.words.numbers import column, plain, power_of_ten, unit_text
 
 
 def data(question: BudgetQuestion, home: Home) -> BudgetShown:

@@ -18,18 +18,17 @@ from prometheus_client.core import GaugeMetricFamily, InfoMetricFamily
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from prometheus_client.metrics_core import Metric
 
-from flows.pages.access import by_password
-from flows.pages.api import refusal
-from flows.pages.passwords import Gate
+from flows.pages.answers import refusal
+from flows.pages.login import Gate, by_password
 from schemas.base import Unusable
 from storage import settings
 from storage.blobs import blobs_of
 from storage.catalogue import database
 from storage.catalogue.dump import snapshot
-from storage.catalogue.line_counts import line_counts
+from storage.catalogue.production_history import line_counts
 from storage.catalogue.users import users
 from storage.home import Home
-from storage.station_lock import statuses
+from storage.stations import statuses
 from tasks.version import code_version
 
 LEAST_FREE = 2**30  # bytes: five runs of an hour

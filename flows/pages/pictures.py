@@ -8,7 +8,7 @@ import plotly.io
 from dash import MATCH, ClientsideFunction, Dash, Input, Output, dcc
 from dash.development.base_component import Component
 
-from flows.pages.page import View
+from flows.pages.parts import View
 
 BLUE, RED, ORANGE, GREY = "#1c7ed6", "#e03131", "#f08c00", "#868e96"
 GRAPH: Any = {"displaylogo": False, "responsive": True}

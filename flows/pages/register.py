@@ -12,7 +12,7 @@ from flows.pages import (
     signals,
     unit,
 )
-from flows.pages.page import Page
+from flows.pages.parts import Page
 
 PAGES: tuple[Page, ...] = (
     line.PAGE,

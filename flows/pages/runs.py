@@ -10,19 +10,22 @@ from dash import Dash, Input, Output
 from dash.development.base_component import Component
 from pydantic import Field
 
-from flows.pages.page import Page, View, view_of_request
-from flows.pages.parts import GRID_OPTIONS, locale
-from flows.pages.states import (
+from flows.pages.parts import (
+    GRID_OPTIONS,
+    Page,
     StepState,
+    View,
     certificate_state,
+    locale,
     result_state,
     validity_state,
     verdict_state,
+    view_of_request,
 )
 from schemas.base import Frozen, Unusable
 from schemas.certificate import State
-from schemas.decision import Verdict
 from schemas.text import RunVerdict
+from schemas.tolerance import Verdict
 from storage.catalogue.run_states import Comparison, Condition, ResultState, RunLine, run_list
 from storage.home import Home
 from tasks.words import Sayable, message

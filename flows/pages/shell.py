@@ -9,14 +9,12 @@ from dash.development.base_component import Component
 from flask_wtf.csrf import generate_csrf
 from pydantic import ValidationError
 
-from flows.pages import pictures, query_controls
-from flows.pages.access import fault
-from flows.pages.local_time import zone
-from flows.pages.page import Page, View, parameters, view_of_request
-from flows.pages.parts import note, notice
+from flows.pages import parts, pictures
+from flows.pages.login import fault
+from flows.pages.parts import Page, View, note, notice, parameters, view_of_request, zone
 from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
-from storage.catalogue.connection import Busy
+from storage.catalogue.database import Busy
 from storage.home import Home
 from tasks.words import LANGUAGES
 
@@ -121,7 +119,7 @@ def add_callbacks(app: Dash, home: Home) -> None:
         Input("theme", "value"),
         prevent_initial_call=True,
     )
-    query_controls.callbacks(app)
+    parts.callbacks(app)
     pictures.callbacks(app)
     for page in PAGES:
         if page.callbacks is not None:

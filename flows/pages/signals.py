@@ -7,13 +7,13 @@ import dash_mantine_components as dmc
 from dash import Dash, Input, Output, State, dcc, no_update
 from dash.development.base_component import Component
 
-from flows.pages.page import Page, View, view_of_request
+from flows.pages.parts import Page, View, view_of_request
 from flows.pages.pictures import GRAPH, figure
-from flows.pages.run.models import SignalsQuestion, SignalsShown
+from flows.pages.run.data import SignalsQuestion, SignalsShown
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream
 from storage.catalogue import runs
-from storage.catalogue.run_index import Run, find
+from storage.catalogue.runs import Run, find
 from storage.home import Home
 from tasks.rendering.chart import envelope
 from tasks.words import message

@@ -9,8 +9,8 @@ import sqlalchemy as sql
 from schemas.discrepancy import Discrepancy, FindingInBrief, Moved, ReportedFinding
 from storage.blobs import blobs_of
 from storage.catalogue import database, tables
-from storage.catalogue.run_index import Run
 from storage.catalogue.run_states import LAST_RESULT
+from storage.catalogue.runs import Run
 from storage.home import Home
 
 FOLDER = "explained"

@@ -14,7 +14,7 @@ from typing import Any
 import sqlalchemy as sql
 
 from storage.catalogue import database
-from storage.catalogue.connection import engine_of, explained, url_of
+from storage.catalogue.database import engine_of, explained, url_of
 from storage.home import Home
 
 AT_ONCE = 500  # rows that are written together

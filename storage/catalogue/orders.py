@@ -10,9 +10,9 @@ from typing import Any
 import sqlalchemy as sql
 
 from schemas.base import NotThere, Unusable
-from schemas.production import OPEN, ProductionOrder, ProductionState
+from schemas.orders import OPEN, ProductionOrder, ProductionState
 from schemas.text import Statement
-from storage.catalogue import database, tables, trail
+from storage.catalogue import audit_trail, database, tables
 from storage.home import Home
 
 ORDER = tables.orders.c
@@ -41,7 +41,7 @@ def _added(order: ProductionOrder, connection: sql.Connection) -> tuple[Producti
         kept = _kept(connection, order.number)
         check_same(order, kept)
         return kept, False
-    trail.add(
+    audit_trail.add(
         connection, order.person, "order acquire", order.number, at=order.ordered_at,
         station=order.station, units=[unit.serial for unit in order.units],
         procedure=order.procedure,
@@ -153,7 +153,7 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     with database.changing(home) as connection:
         values = {"state": "cancelled", "ended_at": datetime.now(UTC)}
         if connection.execute(changed.values(**values)).rowcount:
-            trail.add(connection, person, "cancel order", number)
+            audit_trail.add(connection, person, "cancel order", number)
             return _kept(connection, number)
     order = find(number, home)
     way_out = "stop its run at the station" if order.state == "running" else "it has ended"
@@ -178,7 +178,7 @@ def retry(number: str, person: str, home: Home, reason: str | None = None) -> Pr
     )
     with database.changing(home) as connection:
         if connection.execute(changed.values(**values)).rowcount:
-            trail.add(connection, person, "order acquire", number, **again)
+            audit_trail.add(connection, person, "order acquire", number, **again)
             return _kept(connection, number)
     raise Unusable(
         f"order {number} is {order.state}: only one that failed or was cancelled can be carried "

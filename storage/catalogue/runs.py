@@ -3,21 +3,164 @@
 The formats are imported where a recording is read or written: lists and manifests need none.
 """
 
+import os
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import sqlalchemy as sql
 
-from schemas.base import Unusable
+from schemas.base import Frozen, Unusable
 from schemas.recording import Manifest, Recording, Unit
+from schemas.text import Message
 from storage.blobs import Unreachable, blobs_of
-from storage.catalogue import database, lineage, tables
-from storage.catalogue.run_index import Run, find
+from storage.catalogue import database, tables
 from storage.formats.manifest import MANIFEST, manifest_of
 from storage.home import Home
+
+if TYPE_CHECKING:
+    from schemas.recording import Manifest
+
+
+# The runs in the catalogue: listed, and found by what a person calls them.
+#
+# Apart from `runs`, which reads and writes recordings and loads numpy and their formats for it.
+
+
+class Run(Frozen):
+    """A recording in the store. `seconds`: from its first row to its last one.
+
+    station, procedure and recorded_on are what the manifest says; null where it says nothing, and
+    until `lineage.complete` for a run of an earlier version.
+    """
+
+    id: str
+    digest: str
+    recording_id: str
+    manufacturer: str
+    model: str
+    serial: str
+    standard: str
+    imported_at: datetime
+    seconds: float
+    rows: int
+    station: str | None = None
+    procedure: str | None = None
+    recorded_on: date | None = None
+
+
+def find(reference: str, home: Home) -> Run:
+    """The run with this id, digest or recording_id, or the only one with this beginning.
+
+    Raises Unusable for none and for several.
+    """
+    table = tables.runs.c
+    begins = [column.startswith(reference, autoescape=True) for column in (table.id, table.digest)]
+    for meant in (
+        sql.or_(table.id == reference, table.digest == reference),
+        table.recording_id == reference,
+        sql.or_(*begins),
+    ):
+        matching = runs_where(home, meant) if reference else []
+        if len(matching) > 1:
+            raise Unusable(
+                f"{reference!r} means {len(matching)} runs ({_listed(matching)}); give the id of "
+                "one, as `mimucal runs` lists them.",
+                Message("cause-several-runs", (("name", reference), ("count", len(matching)))),
+            )
+        if matching:
+            return matching[0]
+    path = ", and no file or folder of that name" if os.sep in reference else ""
+    raise Unusable(
+        f"There is no run {reference!r} in {home.path}{path}; `mimucal runs` lists them.",
+        Message("cause-none.run", (("name", reference),)),
+    )
+
+
+def _listed(several: list[Run]) -> str:
+    ids = [run.id for run in several]
+    return ", ".join(ids if len(ids) <= 4 else [*ids[:4], "…"])
+
+
+def all_runs(home: Home) -> list[Run]:
+    """Every run, in the order of import."""
+    return runs_where(home, sql.true())
+
+
+def runs_where(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:
+    """The runs that meet a condition on `runs` and `units`, in the order of import."""
+    return database.with_units(home, Run, tables.runs, which, tables.runs.c.imported_at)
+
+
+# Where a run was recorded and with which measurement standards, as the catalogue keeps it.
+#
+# The measurement standards of a run are those that its manifest names, and those of the
+# laboratory on each certificate that stands on the run.
+
+STANDARD_DOCUMENT = (
+    "manifest"  # the document that names a standard; else the number of a certificate
+)
+
+
+class Used(Frozen):
+    """A measurement standard, and the calibration certificate under which a run used it."""
+
+    name: str
+    serial: str
+    certificate: str
+
+
+def provenance(manifest: "Manifest") -> dict[str, Any]:
+    """station, procedure and recorded_on of a manifest; None where it states none.
+
+    The day is that of the station's own clock (`recorded_at`), else of the first row
+    (`acquired_at` of mimu-recording/1).
+    """
+    free = manifest.model_extra or {}
+    procedure = free.get("procedure")
+    return {
+        "station": manifest.station.id,
+        "procedure": procedure if isinstance(procedure, str) else None,
+        "recorded_on": stated_day(free.get("recorded_at")) or stated_day(free.get("acquired_at")),
+    }
+
+
+def equipment_of(manifest: "Manifest") -> list[Used]:
+    """The measurement standards of a manifest; incomplete entries are left out."""
+    listed = (manifest.model_extra or {}).get("equipment")
+    records = listed if isinstance(listed, list | tuple) else ()
+    named = [each for each in records if isinstance(each, Mapping)]
+    return [
+        Used(**{name: str(each.get(name) or "") for name in Used.model_fields}) for each in named
+    ]
+
+
+def add_equipment(
+    connection: sql.Connection, run: str, document: str, used: Iterable[Used]
+) -> None:
+    """Records the measurement standards that a document names for a run."""
+    for each in used:
+        row = {"run": run, "document": document, **each.model_dump()}
+        database.add_new(connection, tables.equipment, **row)
+
+
+def named_by(name: str) -> sql.ColumnElement[bool]:
+    """The condition on `equipment` that a name, serial number or certificate is the given one."""
+    used = tables.equipment.c
+    return sql.or_(used.name == name, used.serial == name, used.certificate == name)
+
+
+def stated_day(moment: object) -> date | None:
+    """The day of a moment in ISO 8601, in the time zone of that text; None where it is none."""
+    try:
+        return datetime.fromisoformat(moment).date() if isinstance(moment, str) else None
+    except ValueError:
+        return None
+
 
 ID_DIGITS = 12  # hex digits of the digest in a run's id
 
@@ -53,9 +196,9 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
             imported_at=datetime.now(UTC),
             seconds=float(t[-1] - t[0]),
             rows=len(t),
-            **lineage.provenance(manifest),
+            **provenance(manifest),
         )
-        lineage.add_equipment(connection, run, lineage.MANIFEST, lineage.equipment_of(manifest))
+        add_equipment(connection, run, STANDARD_DOCUMENT, equipment_of(manifest))
         if source_bytes:
             database.add_new(
                 connection, tables.sources, fingerprint=source_bytes, run=run, path=str(source)
@@ -92,7 +235,7 @@ def load(run: Run, home: Home) -> Recording:
 
 def from_columns(run: Run, home: Home) -> Recording | None:
     """A run's recording from its columns; None unless they hold exactly what was imported."""
-    from storage.formats.columns import read_columns
+    from storage.formats.content import read_columns
 
     try:
         with blobs_of(home).local(_columns(run.digest)) as folder:
@@ -152,7 +295,7 @@ def unit_id(connection: sql.Connection, unit: Unit) -> int:
 
 
 def _write_columns(recording: Recording, home: Home) -> None:
-    from storage.formats.columns import write_columns
+    from storage.formats.content import write_columns
 
     blobs_of(home).keep_folder(_columns(recording.digest), partial(write_columns, recording))
 

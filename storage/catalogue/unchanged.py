@@ -8,7 +8,7 @@ from typing import Any, TypeVar, cast
 import sqlalchemy as sql
 
 from storage.catalogue import database
-from storage.catalogue.connection import url_of
+from storage.catalogue.database import url_of
 from storage.home import Home
 
 INDEX_HEADER = 48  # bytes

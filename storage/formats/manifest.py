@@ -6,10 +6,23 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 from unicodedata import category
 
+import numpy as np
 from pydantic import ValidationError
 
 from schemas.base import Unusable, first_fault
-from schemas.recording import FORMAT, Manifest, Segment, Station, TableAxis, Unit
+from schemas.recording import (
+    ACCEL,
+    ANGLE,
+    FORMAT,
+    GYRO,
+    TRIADS,
+    Manifest,
+    Segment,
+    Station,
+    Stream,
+    TableAxis,
+    Unit,
+)
 from storage.whole_files import check_depth
 
 KNOWN = {n for m in (Manifest, Unit, Station, TableAxis, Segment) for n in m.model_fields}
@@ -86,3 +99,121 @@ def _leaves(value: Any, place: str = "", key: str = "") -> Iterator[tuple[str, s
 
 def _plain(place: str) -> str:
     return place[:80].encode("unicode_escape").decode() if not place.isprintable() else place[:80]
+
+
+# What a recording must satisfy before anything is computed from it, whatever its source.
+
+MAX_TIME_S = 2**51 / 1e9  # s (26 days); beyond it a float64 cannot resolve nanoseconds
+MAX_VALUE = 1e9  # in rad/s, m/s², rad, °C, Pa: beyond any sensor, and its square must not overflow
+REFERENCE = ("qw", "qx", "qy", "qz")
+PLACE = ("px", "py", "pz")
+ENVIRONMENT = ("temperature", "humidity", "supply_voltage", "pressure")
+
+
+def known_columns(name: str, manifest: Manifest) -> tuple[str, ...]:
+    """The columns, beside t, that `mimu-recording/1` knows in a stream."""
+    if name == "table":
+        axes = manifest.station.table_axes or ()
+        return tuple(f"{axis.name}_{what}" for axis in axes for what in ("angle", "rate"))
+    return {
+        "imu": (*GYRO, *ACCEL, "temperature", *ANGLE),
+        "reference": REFERENCE + PLACE,
+        "environment": ENVIRONMENT,
+    }[name]
+
+
+def required_columns(name: str, manifest: Manifest, present: set[str]) -> tuple[str, ...]:
+    """The columns that must be present, given those that are; triads must be complete."""
+    if name == "table":
+        axes = manifest.station.table_axes or ()
+        return tuple(f"{axis.name}_angle" for axis in axes)
+    if name == "reference":
+        return REFERENCE + (PLACE if present & set(PLACE) else ())
+    if name == "environment":
+        return ()
+    begun = [triad for triad in (GYRO, ACCEL, ANGLE) if present & set(triad)]
+    needed = begun if present & set(ANGLE) else [GYRO, ACCEL, *begun]
+    return tuple(dict.fromkeys(column for triad in needed for column in triad))
+
+
+def check_columns(where: str, name: str, manifest: Manifest, present: set[str]) -> None:
+    """Raises Unusable when a stream lacks a column, or a table its axes."""
+    if name == "table" and not manifest.station.table_axes:
+        raise Unusable(
+            f"{where}: the recording has a table stream, but station.table_axes in the manifest "
+            "is null; describe the table's axes there, or leave the stream out."
+        )
+    for column in required_columns(name, manifest, present):
+        if column not in present:
+            raise Unusable(
+                f"{where}: column {column} is missing; add it under this name "
+                f"(found: {', '.join(sorted(present)) or 'none that is known'})."
+            )
+
+
+def check_stream(where: str, name: str, stream: Stream) -> None:
+    """Raises Unusable for times that do not rise and for values that are not numbers."""
+    if not len(stream):
+        raise Unusable(f"{where}: there is no row of data; record again, or leave the stream out.")
+    _check_time(where, stream.t)
+    triads = {column: triad for triad in TRIADS for column in triad} if name == "imu" else {}
+    for column, values in stream.columns.items():
+        wrong, way_out = ~np.isfinite(values), "or remove the row"
+        if column in triads and wrong.any():
+            wrong &= ~absent(stream, triads[column])
+            way_out = "or null in all three columns of the triad"
+        if (row := first(wrong)) is not None:
+            raise Unusable(
+                f"{where}: column {column}, row {row + 1}: the value is {_shown(values[row])}; "
+                f"give a number there, {way_out}."
+            )
+        if (row := first(np.abs(values) > MAX_VALUE)) is not None:
+            raise Unusable(
+                f"{where}: column {column}, row {row + 1}: the value is {values[row]:.6g}, which "
+                f"no sensor reads (more than {MAX_VALUE:.0e}); correct it, or remove the row."
+            )
+    measured = name != "imu" or ANGLE[0] in stream.columns
+    if not measured and all(absent(stream, triad).all() for triad in TRIADS):
+        raise Unusable(
+            f"{where}: columns gyro_* and accel_* are null in all {len(stream)} rows; "
+            "a recording needs at least one of them."
+        )
+
+
+def _check_time(where: str, t: np.ndarray) -> None:
+    if (row := first(~np.isfinite(t))) is not None:
+        raise Unusable(
+            f"{where}: column t, row {row + 1}: the value is {_shown(t[row])}; "
+            "every row needs a time in seconds."
+        )
+    if (row := first(np.abs(t) > MAX_TIME_S)) is not None:
+        raise Unusable(
+            f"{where}: column t, row {row + 1}: {float(t[row])!r} s is more than 26 days: let "
+            "the time start near zero, or, if it is not in seconds, import with --units t=ms, t=us "
+            "or t=ns."
+        )
+    if (before := first(np.diff(t) <= 0)) is not None:
+        row = before + 1
+        runs = "runs backwards" if t[row] < t[before] else "stands still"
+        raise Unusable(
+            f"{where}: column t, row {row + 1}: the time {runs} ({float(t[row])!r} s after "
+            f"{float(t[before])!r} s); sort the rows and remove repeated ones."
+        )
+
+
+def first(wrong: np.ndarray) -> int | None:
+    """The first row of (n,) that is wrong, if any."""
+    return int(wrong.argmax()) if wrong.any() else None
+
+
+def absent(stream: Stream, triad: tuple[str, ...]) -> np.ndarray:
+    """(n,) where a triad was not recorded: all three of its columns are NaN."""
+    rows = np.ones(len(stream), dtype=bool)
+    for column in triad:
+        if column in stream.columns:
+            rows &= np.isnan(stream.columns[column])
+    return rows
+
+
+def _shown(value: float) -> str:
+    return "null or NaN" if np.isnan(value) else str(value)

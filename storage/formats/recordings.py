@@ -11,9 +11,8 @@ from storage.formats.convert import Changes, changed, second_of
 from storage.formats.folder import read_folder
 from storage.formats.logger.read import is_log
 from storage.formats.manifest import MANIFEST, check_controls, manifest_of
-from storage.formats.mcap.chunk_writer import MAGIC
-from storage.formats.mcap.files import METADATA, SQLITE, SUFFIXES, bag_files
-from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.chunks import MAGIC
+from storage.formats.mcap.reader import METADATA, SQLITE, SUFFIXES, bag_files, read_mcap
 from storage.whole_files import check_plain, text_bytes
 
 KINDS = (".json", ".parquet", ".csv")

@@ -15,7 +15,7 @@ from lxml import etree
 from pydantic import ValidationError
 
 from schemas.base import Unusable, first_fault
-from schemas.equipment import LimitName, MeasurementStandard
+from schemas.laboratory import LimitName, MeasurementStandard
 from schemas.text import CONTRACTED, no_text
 from storage.whole_files import text_bytes
 

@@ -13,28 +13,35 @@ from typing import Any
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration, Elements, Item
-from schemas.decision import Decision
-from schemas.evidence import (
+from schemas.calibration import (
+    Calibration,
     ChannelMeans,
     Combination,
+    Elements,
     EvidenceFile,
     EvidenceSource,
     EvidenceValue,
     FurtherLine,
+    Item,
 )
 from schemas.recording import Recording
-from schemas.tolerance import Quantity
-from tasks.calibrate.evaluation import ENOUGH_DOF, Evaluation
+from schemas.tolerance import Decision, Quantity
+from tasks.calibrate.calibrate import ENOUGH_DOF, Evaluation
 from tasks.segments.summarise import ACCEL_COLUMNS, CHANNELS
-from tasks.specifications.error_sources import EquipmentErrors, ErrorSource
-from tasks.specifications.estimate import OF_DATA, ClauseResult, Estimate, Estimates, ItemEstimate
+from tasks.specifications.equipment_errors import EquipmentErrors, ErrorSource
+from tasks.specifications.estimate import (
+    OF_DATA,
+    ClauseResult,
+    Estimate,
+    Estimates,
+    ItemEstimate,
+    Specification,
+)
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.specification import Specification
 from tasks.uncertainty.budget import Contribution
 from tasks.uncertainty.propagation import TWO_SIGMA
 from tasks.words import message, statement
-from tasks.words.rounding import USUAL_K
+from tasks.words.numbers import USUAL_K
 
 DIGITS = 9  # of effects and covariances: three are asked of U, and drift cancels in differences
 ROUNDING = 1e-12  # of the terms of a sum: less is no constant

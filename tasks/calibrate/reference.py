@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.equipment import ErrorFunction, LimitName, MeasurementStandard
+from schemas.laboratory import ErrorFunction, LimitName, MeasurementStandard
 from schemas.recording import MEASURED, Recording, Segment, Stream
 from tasks.motion.table import table_angles
-from tasks.uncertainty.equipment import EDGE
-from tasks.uncertainty.standards import error_at, extent, source_of
+from tasks.uncertainty.equipment import EDGE, error_at, extent, source_of
 
 NANOSECONDS = 9  # places of the times of a recording
 SERVO_DEG = 0.1  # an angle so little beyond the last one of a certificate is that one

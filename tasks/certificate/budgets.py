@@ -9,15 +9,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
 
-from schemas.calibration import Calibration, Item
-from schemas.uncertainty import Budget, BudgetInput
+from schemas.calibration import Budget, BudgetInput, Calibration, Item
 from tasks.certificate.equipment import half_width, limits_of, source
 from tasks.certificate.fields import first_known, slug
-from tasks.conformity.equipment import name_of
-from tasks.specifications.items import item_title, symbol
+from tasks.conformity.capabilities import name_of
+from tasks.specifications.estimate import item_title, symbol
 from tasks.words import Message, Sayable, message
-from tasks.words.quantities import unit_text
-from tasks.words.rounding import MINUS, column, text
+from tasks.words.numbers import MINUS, column, text, unit_text
 
 DIGITS = 3  # significant digits of a standard uncertainty inside a budget
 PLAIN = (1e-3, 1e4)  # sizes written without a power of ten

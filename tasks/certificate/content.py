@@ -4,32 +4,29 @@ Every text is a message or a statement, which `in_languages` turns into texts by
 template lays out only; no sentence and no number is made there.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from schemas.certificate import Certificate
+from schemas.calibration import Calibration, Elements, Item
+from schemas.certificate import Amended, AsFound, Certificate, Replaced
 from schemas.text import Statement, text_in, text_of
+from schemas.tolerance import LimitDecision, Quantity
 from tasks.certificate import cover
-from tasks.certificate.amended import changes
-from tasks.certificate.as_found import FoundSection, as_found, scope_with_found
 from tasks.certificate.budgets import Budgets, budgets
-from tasks.certificate.calibrated_object import calibrated_object
-from tasks.certificate.capabilities import stated_above, without_accreditation
 from tasks.certificate.conditions import ReportedConditions, conditions
-from tasks.certificate.cover import Signature
-from tasks.certificate.decisions import conformity
-from tasks.certificate.equipment import accuracy
-from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal
+from tasks.certificate.cover import Signature, calibrated_object
+from tasks.certificate.equipment import accuracy, settings
+from tasks.certificate.fields import NONE, NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.figures import PrintedFigure, figures
 from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.mandatory import standards_of
 from tasks.certificate.remarks import RemarkRow, remarks
-from tasks.certificate.results import PrintedSection, sections
-from tasks.certificate.settings import settings
+from tasks.certificate.results import Mark, PrintedSection, mark, sections
 from tasks.certificate.statements import (
     ReadingRow,
     basis,
+    conformity,
     evaluation,
     readings,
     reasons,
@@ -37,14 +34,183 @@ from tasks.certificate.statements import (
     uncertainty_in_short,
 )
 from tasks.conformity import is_traceable, is_virtual
-from tasks.conformity.capabilities import certificate_as_stated
-from tasks.conformity.deviations import deviations
-from tasks.conformity.reasons import conditional
+from tasks.conformity.capabilities import (
+    certificate_as_stated,
+    not_accredited,
+    outside_accreditation,
+    raised_elements,
+)
+from tasks.conformity.decide import deviations
+from tasks.conformity.limits import conditional, quantity_title
+from tasks.specifications.estimate import ItemDefinition, Specification, item_title, symbol
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message, say, statement
-from tasks.words.rounding import MINUS, as_given
-from tasks.words.typography import typeset
+from tasks.words.numbers import MINUS, as_given, column, quantity, typeset, unit_text
+
+# What an amendment prints of its difference from the certificate that it replaces.
+
+
+def changes(replaced: Replaced | None) -> tuple[Message, ...]:
+    """A sentence for everything that is different (ISO/IEC 17025:2017, 7.8.8.2)."""
+    if replaced is None:
+        return ()
+    if not replaced.changes:
+        return (message("certificate-changed.nothing", number=replaced.number),)
+    return tuple(
+        message(
+            "certificate-changed", number=replaced.number,
+            what=each.what, before=each.before, after=each.after,
+        )
+        for each in replaced.changes
+    )  # fmt: skip
+
+
+# The unit as found, before adjustment, beside the unit as left.
+
+
+@dataclass(frozen=True)
+class FoundRow:
+    """One element: value and U as found and as left (None: no number), the marks as found."""
+
+    name: Sayable
+    letter: str
+    sub: str
+    found: str | None
+    U_found: str | None
+    left: str | None
+    U_left: str | None
+    marks: tuple[Mark, ...]
+
+
+@dataclass(frozen=True)
+class FoundGroup:
+    """One item, in units of 10^exponent; quantity: which value, where it is not the clause's."""
+
+    title: Sayable
+    quantity: Message | None
+    unit: str
+    exponent: int
+    rows: tuple[FoundRow, ...]
+
+
+@dataclass(frozen=True)
+class FoundSection:
+    """What is printed of the unit as found."""
+
+    fields: tuple[Field, ...]
+    introduction: Message
+    groups: tuple[FoundGroup, ...]
+
+
+def scope_with_found(certificate: Certificate, scope: Message | None) -> Message | None:
+    """The scope of the verdict, for the first page, with the verdict as found."""
+    found = certificate.as_found
+    if found is None or scope is None:
+        return scope
+    verdict = cover.verdict(found.decision)
+    return message("certificate-scope.as-found", scope=scope, verdict=verdict)
+
+
+def as_found(certificate: Certificate, specification: Specification) -> FoundSection | None:
+    """Every item that is known as found or as left; None for a unit that was not adjusted."""
+    found = certificate.as_found
+    if found is None:
+        return None
+    calibration = found.calibration
+    return FoundSection(
+        fields=(
+            field("calibrated", day(found.calibrated_on)),
+            field("recording", given(calibration.recording_id)),
+            field("run", given(calibration.run)),
+            field("digest", given(calibration.digest)),
+            field("as-found", cover.verdict(found.decision)),
+        ),
+        introduction=message("certificate-as-found"),
+        groups=tuple(_groups(found, certificate, specification)),
+    )
+
+
+def _groups(
+    found: AsFound, certificate: Certificate, specification: Specification
+) -> Iterator[FoundGroup]:
+    for name, definition in specification.definitions.items():
+        before = found.calibration.items.get(name)
+        after = certificate.calibration.items.get(name)
+        if before is None or after is None:
+            continue
+        limits = [limit for limit in found.decision.limits if limit.item == name]
+        group = _group(definition, before, after, limits)
+        if any(row.found or row.left for row in group.rows):
+            yield group
+
+
+def _group(
+    definition: ItemDefinition, before: Item, after: Item, limits: list[LimitDecision]
+) -> FoundGroup:
+    quantity: Quantity = limits[0].applied_to if limits else "value"
+    elements, n = definition.elements, len(definition.elements)
+    numbers = [_numbers(item, quantity) for item in (before, after)]
+    printed = column(
+        [values.get(e) for values, _ in numbers for e in elements],
+        [U.get(e) for _, U in numbers for e in elements],
+        after.k,
+    )
+    return FoundGroup(
+        title=item_title(definition.key),
+        quantity=quantity_title(limits[0]) if quantity != "value" else None,
+        unit=unit_text(after.unit),
+        exponent=printed.exponent,
+        rows=tuple(
+            FoundRow(
+                name=definition.element_title(element),
+                letter=definition.letter,
+                sub=definition.element_subscript(element),
+                found=printed.values[i],
+                U_found=printed.uncertainties[i],
+                left=printed.values[n + i],
+                U_left=printed.uncertainties[n + i],
+                marks=tuple(mark(limit) for limit in limits if limit.element == element),
+            )
+            for i, element in enumerate(elements)
+        ),
+    )
+
+
+def _numbers(item: Item, quantity: Quantity) -> tuple[Elements, Elements]:
+    """The values that the limits are applied to, and their U."""
+    without_earth = quantity == "value_without_earth_rotation"
+    own = item.U_without_earth_rotation if without_earth else None
+    return getattr(item, quantity) or {}, own or item.U
+
+
+# What a certificate says of the laboratory's capabilities (CMC) and of its accreditation.
+
+
+def stated_above(certificate: Certificate) -> tuple[Message, ...]:
+    """Of which elements a U smaller than the capability was evaluated, before it was raised."""
+    found, laboratory = certificate.as_found, certificate.laboratory
+    raised = raised_elements(certificate.calibration, laboratory)
+    before = raised_elements(found.calibration, laboratory) if found else {}
+    items = tuple(
+        message(
+            "certificate-capability-item", item=item_title(name),
+            symbols=", ".join(
+                symbol(name, element)
+                for element in dict.fromkeys((*raised.get(name, ()), *before.get(name, ())))
+            ),
+        )
+        for name in dict.fromkeys((*raised, *before))
+    )  # fmt: skip
+    return (message("certificate-capability.stated", items=items),) if items else ()
+
+
+def without_accreditation(certificate: Certificate) -> Iterator[Message]:
+    """Why nothing refers to the accreditation: of the whole certificate, or of which items."""
+    if why := not_accredited(certificate):
+        yield message(f"certificate-accreditation-not-claimed.{why}")
+    elif outside := outside_accreditation(certificate):
+        items = tuple(item_title(name) for name in outside)
+        yield message("certificate-capability.outside", items=items)
 
 
 @dataclass(frozen=True)
@@ -260,3 +426,62 @@ def _trace(certificate: Certificate) -> tuple[Field, ...]:
         field("gravity", given(None if gravity is None else f"{as_given(gravity)} m/s²")),
         field("latitude", given(None if latitude is None else f"{as_given(latitude)}°")),
     )
+
+
+# What two certificates print differently: an amendment, and what it replaces.
+
+NOT_COMPARED = {  # which certificate is replaced is said beside the changes
+    field("replaces", "").label,
+    field("settings", "").label,  # what they change stands in the values and their U
+}
+
+
+def differences(before: Certificate, after: Certificate) -> tuple[Amended, ...]:
+    """Every field, standard, value with U and verdict that is printed otherwise than before."""
+    old, new = (
+        {label: statement(value) for label, value in _printed(each) if label not in NOT_COMPARED}
+        for each in (before, after)
+    )
+    return tuple(
+        Amended(what=statement(label), before=old.get(label, NONE), after=new.get(label, NONE))
+        for label in dict.fromkeys((*old, *new))
+        if old.get(label) != new.get(label)
+    )
+
+
+def _printed(certificate: Certificate) -> Iterator[tuple[Sayable, Sayable]]:
+    """What a certificate prints, by its label."""
+    printed = content(certificate)
+    yield message("certificate-label-conclusion"), printed.verdict_text
+    yield message("mandatory-what.laboratory"), printed.laboratory
+    yield message("mandatory-what.laboratory-address"), printed.laboratory_address
+    for each in (
+        *printed.laboratory_fields,
+        *printed.front,
+        *printed.calibrated_object,
+        *printed.conformity,
+        *printed.trace,
+    ):
+        yield each.label, each.value
+    operator = printed.signatures[0]
+    yield operator.role, operator.name
+    standards = [
+        message("certificate-amended-standard", name=row.name, serial=row.serial,
+                certificate=row.certificate)
+        for row in printed.standards
+    ]  # fmt: skip
+    yield message("certificate-label-standards"), clauses(standards)
+    yield message("certificate-label-traceability"), printed.traceability
+    for row in printed.environment:
+        yield row.name, row.measured
+    yield from _values(certificate_as_stated(certificate).calibration)
+
+
+def _values(calibration: Calibration) -> Iterator[tuple[Sayable, Sayable]]:
+    """Every value with its U, and its unit."""
+    for name, item in calibration.items.items():
+        for element, value in item.value.items():
+            if value is not None:
+                U = item.U.get(element) or 0.0
+                label = clauses((item_title(name), symbol(name, element)))
+                yield label, quantity(value, U, item.unit)

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Party, StepName
-from schemas.decision import Decision
 from schemas.text import text_of
+from schemas.tolerance import Decision
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal, slug
 from tasks.certificate.mandatory import issuer_title, unstated
 from tasks.conformity.limits import verdict_title
-from tasks.specifications.items import ITEMS
-from tasks.specifications.specification import Specification
+from tasks.specifications.estimate import ITEMS, Specification
 from tasks.words import Message, Sayable, message
+from tasks.words.numbers import as_given
 
 
 @dataclass(frozen=True)
@@ -179,3 +179,48 @@ def _whole(decision: Decision, item: str) -> bool:
     named = ITEMS[item].elements if item in ITEMS else ()
     limited = {limit.element for limit in decision.limits if limit.item == item}
     return limited == {"all"} or limited >= set(named)
+
+
+# The calibrated object: its condition, its configuration, and whether it was adjusted.
+#
+# ISO/IEC 17025:2017, 7.8.2.1 g), 7.8.4.1 d) and 7.8.5.
+
+NUMBERS = ("rate_range_deg_s", "accel_range_g", "output_rate_hz", "bandwidth_hz")
+
+
+def calibrated_object(certificate: Certificate) -> tuple[Field, ...]:
+    """What is known of the unit as it was calibrated; condition and range also where nobody says.
+
+    A certificate without results as found is of a unit that was not adjusted.
+    """
+    configuration = certificate.configuration
+    adjusted = "no" if certificate.as_found is None else "yes"
+    return (
+        field("condition", given(text_of(configuration, "condition"))),
+        *_configuration(certificate),
+        field("adjustment", message(f"certificate-adjusted.{adjusted}")),
+        field("sampling", message("certificate-sampling")),
+    )
+
+
+def _configuration(certificate: Certificate) -> Iterator[Field]:
+    configuration = certificate.configuration
+    for name in NUMBERS:
+        value: float | None = getattr(configuration, name)
+        if value is not None:
+            yield field(_label(name), _quantity(name, value))
+        elif name == "rate_range_deg_s":
+            yield field(_label(name), given(None))
+    if configuration.firmware:
+        yield field("firmware", given(configuration.firmware))
+
+
+def _label(name: str) -> str:
+    return name.removesuffix("_deg_s").removesuffix("_g").removesuffix("_hz").replace("_", "-")
+
+
+def _quantity(name: str, value: float) -> Sayable:
+    """A range counts on either side of zero."""
+    if name.endswith("_hz"):
+        return given(f"{as_given(value)} Hz")
+    return given(f"±{as_given(value)} {'°/s' if name.endswith('_deg_s') else 'g'}")

@@ -4,18 +4,142 @@ What is written in a figure is the same in every language: symbols, units, axes.
 outlines, so that the PDF needs no font for it and holds no number twice.
 """
 
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import groupby
 from typing import TYPE_CHECKING, Any, get_args
 
+import numpy as np
+
 from schemas.certificate import Certificate
-from schemas.curve import Curve, FigureName
-from tasks.certificate.figure_panels import PANELS
-from tasks.rendering.chart import GREY, INK, draw
+from schemas.recording import Curve, FigureName
+from tasks.rendering.chart import AFTER, BEFORE, GREY, INK, PALE, draw
+from tasks.specifications.estimate import ITEMS
 from tasks.words import Message, clauses, message
+from tasks.words.numbers import plain, power_of_ten, unit_text
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+# The panels of a certificate's figures, drawn by matplotlib, with symbols and units only.
+
+COLOURS = {"x": AFTER, "y": BEFORE, "z": "#009e73"}  # as in the house's charts, told apart in print
+MARKS = {"x": "o", "y": "s", "z": "^"}
+SIZE = 2.6  # pt, of a mark
+BAR = 0.7  # pt, of the line of a U
+PER_CENT, LARGEST_PPM = 1e-4, 1e3  # per ppm; from so many on an axis is in per cent
+
+Panel = Callable[["Axes", Sequence[Curve], int], None]
+
+
+def rate_residuals(axes: "Axes", curves: Sequence[Curve], _: int) -> None:
+    """Residuals of one axis over the rate, and ± U about zero."""
+    (curve,) = curves
+    factor, unit = _power(curves)
+    x, y, U = np.array(curve.x), factor * np.array(curve.y), factor * np.array(curve.U)
+    axes.fill_between(x, -U, U, color=PALE, linewidth=0)
+    axes.axhline(0.0, color=GREY, linewidth=0.5)
+    axes.plot(x, y, MARKS["x"], color=COLOURS["x"], markersize=SIZE)
+    axes.locator_params(nbins=5)
+    axes.set_title(curve.axis.upper())
+    axes.set_xlabel(f"ω / ({unit_text(curve.x_unit)})", labelpad=1.5)
+    axes.set_ylabel(f"Δω / ({unit})", labelpad=1.5)
+
+
+def tumble(axes: "Axes", curves: Sequence[Curve], _: int) -> None:
+    """Residuals of one accelerometer with ± U, position by position, named by the axis up."""
+    (curve,) = curves
+    factor, unit = _power(curves)
+    axes.axhline(0.0, color=GREY, linewidth=0.5)
+    _bars(axes, curve, factor, "x")
+    ticks, names, place = [], [], 0
+    for up, same in groupby(curve.labels):
+        count = len(list(same))
+        ticks.append(np.mean(curve.x[place : place + count]))
+        names.append(up.upper().replace("-", "−"))
+        place += count
+    axes.set_xticks(ticks, names)
+    axes.locator_params(axis="y", nbins=5)
+    axes.set_title(curve.axis.upper())
+    axes.set_ylabel(f"Δa / ({unit})", labelpad=1.5)
+
+
+def allan(axes: "Axes", curves: Sequence[Curve], _: int) -> None:
+    """Allan deviation of a triad over the averaging time, with ± U."""
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    axes.set(xscale="log", yscale="log")
+    for curve in curves:
+        _bars(axes, curve, 1.0, curve.axis)
+    for ticks in (axes.xaxis, axes.yaxis):
+        ticks.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+        ticks.set_minor_locator(NullLocator())
+        ticks.set_major_formatter(lambda value, _: _tick(value))
+    axes.set_xlabel(f"τ / {unit_text(curves[0].x_unit)}", labelpad=1.5)
+    letter = "a" if curves[0].quantity == "accel" else "ω"
+    axes.set_ylabel(f"σ({letter}) / ({unit_text(curves[0].y_unit)})", labelpad=1.5)
+    axes.legend(borderpad=0, handletextpad=0.2)
+
+
+def history(axes: "Axes", curves: Sequence[Curve], day: int) -> None:
+    """What a coefficient was, less what it is, over the day of the calibration, with ± U."""
+    from matplotlib.dates import AutoDateLocator, DateFormatter, date2num
+
+    factor, unit = _power(curves)
+    origin = float(date2num(np.datetime64("0001-01-01", "D") + (day - 1)))
+    axes.axhline(0.0, color=GREY, linewidth=0.5)
+    for curve in curves:
+        _bars(axes, curve, factor, curve.axis, origin, line=0.5)
+    axes.xaxis.set_major_locator(AutoDateLocator(minticks=2, maxticks=5))
+    axes.xaxis.set_major_formatter(DateFormatter("%Y-%m"))
+    axes.margins(x=0.08)
+    axes.locator_params(axis="y", nbins=5)
+    item = ITEMS[curves[0].quantity]
+    under = item.subscript.partition("{")[0]
+    symbol = rf"$\mathit{{{item.letter}}}_\mathrm{{{under}}}$" if under else item.letter
+    axes.set_ylabel(f"Δ{symbol} / ({unit})" if unit else f"Δ{symbol}", labelpad=1.5)
+    axes.legend(borderpad=0, handletextpad=0.2, ncols=3, loc="lower left", bbox_to_anchor=(0, 0.96))
+
+
+PANELS: dict[FigureName, Panel] = {
+    "rate-residuals": rate_residuals, "tumble": tumble, "allan": allan, "history": history,
+}  # fmt: skip
+
+
+def _bars(
+    axes: "Axes", curve: Curve, factor: float, axis: str, origin: float = 0.0, line: float = 0.0
+) -> None:
+    """The points of a curve with ± U."""
+    x = origin + np.array(curve.x)
+    y, U = factor * np.array(curve.y), factor * np.array(curve.U)
+    axes.errorbar(
+        x, y, U, fmt=MARKS[axis], color=COLOURS[axis], markersize=SIZE, elinewidth=BAR,
+        linestyle="-" if line else "none", linewidth=line, label=curve.axis.upper(),
+    )  # fmt: skip
+
+
+def _power(curves: Sequence[Curve]) -> tuple[float, str]:
+    """By what the values are multiplied so that they can be read, and the unit that they then have.
+
+    A power of a thousand, by the largest value with its U; thousands of ppm are per cent.
+    """
+    largest = max(abs(y) + U for curve in curves for y, U in zip(curve.y, curve.U, strict=True))
+    if curves[0].y_unit == "ppm" and largest >= LARGEST_PPM:
+        return PER_CENT, "%"
+    thousands = math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
+    named = unit_text(curves[0].y_unit).removeprefix("1")
+    power = "" if thousands == 0 else power_of_ten(3 * thousands).removeprefix("×").strip()
+    return 10.0 ** (-3 * thousands), " ".join(filter(None, (power, named)))
+
+
+def _tick(value: float) -> str:
+    """A number of a logarithmic axis; within three decades of one in full."""
+    return f"{value:g}" if 1e-3 <= value < 1e4 else plain(value, digits=1)
+
 
 WIDTH, PANEL, FRAME = 476.0, 92.0, 34.0  # pt: of the page's text; of a row of panels; beside it
 IN_A_ROW = 3

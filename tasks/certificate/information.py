@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration, Elements, Information
 from schemas.text import text_of
 from tasks.certificate.fields import first_known, quoted, slug
-from tasks.specifications.specification import Specification
+from tasks.specifications.estimate import Specification
 from tasks.words import Message, Sayable, message
-from tasks.words.quantities import PREFIXED, PREFIXES, quantity_text, unit_text
-from tasks.words.rounding import column, round_up, text
+from tasks.words.numbers import PREFIXED, PREFIXES, column, quantity_text, round_up, text, unit_text
 
 # Which value of an item contains what the separated one does not.
 EARTH = "gyro_g_sensitivity_without_earth_rotation"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from schemas.certificate import Certificate, Laboratory, Party
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
 from schemas.recording import Standard
 from schemas.text import Statement, text_of
 from tasks.specifications.register import SPECIFICATIONS

@@ -9,7 +9,7 @@ from schemas.calibration import Calibration
 from schemas.recording import Manifest
 from schemas.text import Remark
 from tasks.certificate.fields import quoted
-from tasks.conformity.deviations import NOT_RECORDED, Deviation
+from tasks.conformity.decide import NOT_RECORDED, Deviation
 from tasks.words import Message, Sayable, clauses, kind_of, message, say
 
 FEW = 3  # segments that are named where the remark stands

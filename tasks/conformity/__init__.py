@@ -1,9 +1,8 @@
 """The verdict on a unit: its results against the limits of its product model (JCGM 106)."""
 
-from tasks.conformity.capabilities import as_stated, check_capabilities
-from tasks.conformity.decide import decide
-from tasks.conformity.deviations import deviations
-from tasks.conformity.equipment import (
+from tasks.conformity.capabilities import (
+    as_stated,
+    check_capabilities,
     expired,
     failed_checks,
     is_traceable,
@@ -11,7 +10,8 @@ from tasks.conformity.equipment import (
     smaller_than_stated,
     untraceable,
 )
-from tasks.conformity.reasons import Doubt
+from tasks.conformity.decide import decide, deviations
+from tasks.conformity.limits import Doubt
 
 __all__ = [
     "Doubt",

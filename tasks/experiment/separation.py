@@ -10,16 +10,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import norm
 
+from schemas.procedure import Procedure
 from schemas.recording import Recording, Stream
-from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.blocks import Blocks, block_means
-from tasks.explain.inputs.full_rate import FullRate, full_rate
-from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.refit import fitted
-from tasks.explain.whitening import Noise, equations_of
+from tasks.explain.explanation import CHANNELS
+from tasks.explain.inputs.blocks import Blocks, FullRate, block_means, full_rate
+from tasks.explain.noise import Noise, equations_of
+from tasks.explain.search.fitted import FittedSelection, fitted
+from tasks.model.fit import inverse
 from tasks.model.model import Model
-from tasks.model.regression import inverse
-from tasks.motion.angle_rates import as_mean_rates
+from tasks.motion.encoders import as_mean_rates
 from tasks.motion.samples import sample_interval
 
 FINE_HZ, STILL_HZ = 1000.0, 100.0  # of a motion that is planned, and of none
@@ -163,3 +162,40 @@ def enough(bound: float) -> float:
     """Chi-squared from which that has PROBABILITY."""
     margin = float(norm.ppf(PROBABILITY))
     return (margin + float(np.sqrt(margin**2 + bound))) ** 2
+
+
+# A procedure that was chosen, and what it is expected to show.
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A procedure, its duration in min, and the chi-squared between the two models that are
+    hardest to separate, as large as the recording has their effects. bound: the value that decides
+    if there is no noise. expected: the least chi-squared between two of the models that compete.
+    """
+
+    procedure: Procedure
+    minutes: float
+    left: float
+    bound: float
+    expected: float
+
+    @property
+    def probability(self) -> float:
+        """Of one name, the right one."""
+        return probability_right(self.left, self.bound)
+
+    @property
+    def needed(self) -> float:
+        """Chi-squared from which it decides."""
+        return enough(self.bound)
+
+    @property
+    def share(self) -> float:
+        """Of what it should show; from one on it decides."""
+        return self.left / self.needed
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether it decides."""
+        return self.share >= 1.0

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from tasks.explain.confounding.compare import compared
-from tasks.explain.confounding.play import with_play
-from tasks.explain.confounding.preferred import with_preferred
-from tasks.explain.evidence.assemble import explanation_of
+from tasks.explain.confounding.compare import compared, with_preferred
+from tasks.explain.confounding.linear_forms import with_play
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.pruning import pruned, with_absorbed
+from tasks.explain.evidence.findings import explanation_of
+from tasks.explain.evidence.reduced import pruned, with_absorbed
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.inputs.reference import ReferencePrediction

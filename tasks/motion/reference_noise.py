@@ -9,12 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import Recording, Stream
-from tasks.motion.angle_noise import NODE, encoder_steps
-from tasks.motion.encoder_rate import EncoderRate
+from tasks.motion.encoders import NODE, EncoderRate, encoder_steps, smooth_course
 from tasks.motion.pose import Tracking
-from tasks.motion.reported_rate import reported_rate
-from tasks.motion.smooth import smooth_course
-from tasks.motion.whole import Motion, attitude_stream
+from tasks.motion.whole import Motion, attitude_stream, reported_rate
 
 
 @dataclass(frozen=True)

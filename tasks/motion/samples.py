@@ -4,6 +4,7 @@ from functools import lru_cache
 from math import comb
 
 import numpy as np
+from scipy.signal import lfilter
 
 from schemas.recording import Stream
 
@@ -130,3 +131,17 @@ def noise_by_differences(values: np.ndarray, order: int, share: float) -> float:
         return 0.0
     size = float(np.quantile(rough, share)) / NORMAL_QUANTILES[share]
     return size / float(np.sqrt(comb(2 * order, order)))
+
+
+# A first-order lag of a signal.
+
+
+def first_order_lag(
+    signal: np.ndarray, step: float, seconds: float, start: float = 0.0
+) -> np.ndarray:
+    """A signal (n,) of rows `step` s apart through a lag of first order.
+
+    seconds: its time constant. start: the value it was in balance with before the first row.
+    """
+    stays = np.exp(-step / seconds)
+    return np.asarray(lfilter([1.0 - stays], [1.0, -stays], signal, zi=[stays * start])[0])

@@ -5,6 +5,7 @@ segments' labels. Where there is none of these, the motion is unknown (NaN), nev
 Frames as in `mimu-recording/1`: n is East-North-Up.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -12,14 +13,148 @@ from itertools import pairwise
 
 import numpy as np
 
-from schemas.recording import AXES, Recording, Stream, Up
-from tasks.motion.polled import as_held, polled_within
-from tasks.motion.pose import Tracking, tracked_motion
-from tasks.motion.pose_frames import POSE
-from tasks.motion.reported_rate import reported_rate
-from tasks.motion.samples import sample_interval
-from tasks.motion.smooth import smooth_course
-from tasks.motion.table import TableAxes, labelled_direction, mount_of, table_vectors
+from schemas.base import Unusable
+from schemas.recording import AXES, Recording, Segment, Stream, Up
+from tasks.motion.encoders import smooth_course
+from tasks.motion.pose import POSE, Tracking, tracked_motion
+from tasks.motion.samples import continuous, in_blocks, noise_by_differences, sample_interval
+from tasks.motion.table import TableAxes, labelled_direction, mean_rate, mount_of, table_vectors
+
+# A table whose angles are polled: their times are known to ± τ, as the manifest says.
+#
+# A mean rate over T is uncertain by √2·τ/T of itself, and no derivative of such angles is a rate.
+# What is known of the motion is what the labels say is held: rests, and rates that the angles
+# agree with.
+
+MOST_HALF_WIDTH_S = 3600.0
+STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
+
+
+def polled_within(recording: Recording) -> float:
+    """Within how many seconds the times of polled angles are known; 0 where they are captured.
+
+    Raises Unusable for a `table_time` that says no such time.
+    """
+    stated = (recording.manifest.model_extra or {}).get("table_time")
+    if stated is None or recording.table is None:
+        return 0.0
+    captured = 0.0 if isinstance(stated, dict) and "commanded_rate" in stated else None
+    half_width_s = stated.get("half_width_s", captured) if isinstance(stated, dict) else stated
+    if not isinstance(half_width_s, int | float) or not 0.0 <= half_width_s < MOST_HALF_WIDTH_S:
+        raise Unusable(
+            f"the manifest's table_time.half_width_s is {half_width_s!r}: give the half-width in s "
+            f"(0 to {MOST_HALF_WIDTH_S:g}) by which the encoders' times are known"
+        )
+    return float(half_width_s)
+
+
+def doubt_of_angles(recording: Recording, seconds: float) -> float:
+    """By how much of itself a mean rate over some seconds may be wrong, by the angles' times."""
+    return math.sqrt(2.0) * polled_within(recording) / max(seconds, 1e-3)
+
+
+def agreeing_rate(recording: Recording, segment: Segment) -> np.ndarray | None:
+    """The mean body rate (3,) rad/s of a held rate as labelled, about the axis that turns.
+
+    None where the angles contradict it.
+    """
+    shown = mean_rate(recording, segment)
+    if shown is None or not shown.any() or not segment.rate_deg_s:
+        return None
+    labelled = abs(np.radians(segment.rate_deg_s)) / np.linalg.norm(shown)
+    doubt = doubt_of_angles(recording, segment.t_end - segment.t_start)
+    return shown * labelled if abs(labelled - 1.0) < STEADINESS + doubt else None
+
+
+def as_held(recording: Recording, motion: "Motion") -> "Motion":
+    """The motion with the rates that are held, unknown in between; the angles are no course."""
+    rate = np.full_like(motion.rate, np.nan)
+    for segment in recording.manifest.segments or ():
+        rows = slice(*np.searchsorted(motion.t, (segment.t_start, segment.t_end)))
+        if segment.kind == "static":
+            rate[rows] = 0.0
+        elif segment.kind == "rate":
+            held = agreeing_rate(recording, segment)
+            rate[rows] = np.nan if held is None else held
+    return replace(motion, rate=rate, acceleration=0.0 * rate, axes=None)
+
+
+# Whether the rate that a table reports beside its angle is the rate of that angle.
+#
+# A rate that the table's controller measured is quieter than any derivative of the angle and does
+# not round off the corners of a ramp. But many tables report the rate commanded, a filtered one,
+# or a difference of angles half an interval late; then the angle is what counts.
+
+STEADY = 0.02  # rad/s²: less of it is a dwell at rate
+MOVING = 0.005  # rad/s
+BLOCK = 16  # increments whose mean shows a slow difference beneath the encoder's noise
+FEWEST_BLOCKS = 10  # of steady motion; fewer prove nothing
+SCALE, LAG, ROUNDED = 1e-5, 2e-3, 0.03  # of the rate, of the interval, of the interval squared
+AGREEING = 1.5  # of the noise expected: the rms of block means
+NEGLIGIBLE = 1e-6  # rad/s: a difference that no unit on a table resolves
+EVEN = 0.01  # of the interval: stamps that differ by more are not compared
+# the angle's increment over one interval, by the rates at four samples around it
+QUADRATURE = np.array([-1.0, 13.0, 13.0, -1.0]) / 24.0
+ORDER = 3  # of the differences that the noise is read off
+
+
+def reported_rate(table: Stream, axis: str) -> np.ndarray | None:
+    """The rate (n,) rad/s that a table reports of an axis; None where it is not its angle's."""
+    rate = table.columns.get(f"{axis}_rate")
+    if rate is None:
+        return None
+    angle = continuous(table, (f"{axis}_angle",))[:, 0]
+    return rate if is_rate_of(table.t, angle, rate) else None
+
+
+def is_rate_of(t: np.ndarray, angle: np.ndarray, rate: np.ndarray) -> bool:
+    """Whether a reported rate (n,) rad/s is that of the angle (n,) rad at even times (n,) s.
+
+    Its integral must give the angle's increments: without a scale, without a lag, without
+    rounded corners, and within the noise of both, at steady rates where there are any; and it
+    must be quieter than the angle's differences.
+    """
+    if len(t) < 4 * BLOCK or not (np.isfinite(angle) & np.isfinite(rate)).all():
+        return False
+    interval = float(np.median(np.diff(t)))
+    if np.abs(np.diff(t) - interval).max() > EVEN * interval:
+        return False
+    middle = np.convolve(rate, QUADRATURE, "valid")
+    missed = np.diff(angle)[1:-1] / interval - middle
+    change = (rate[2:-1] - rate[1:-2]) / interval
+    bend = (rate[3:] - rate[2:-1] - rate[1:-2] + rate[:-3]) / 2.0
+    moving = np.abs(middle) > MOVING
+    regressors = np.column_stack([middle, change * interval, bend])
+    of_angle = np.sqrt(2.0) * noise_by_differences(angle, ORDER, 0.5) / interval
+    of_rate = noise_by_differences(rate, ORDER, 0.5)
+    if of_rate > of_angle + NEGLIGIBLE:
+        return False  # the angle's differences are the better rate
+    steady = moving & (np.abs(change) < STEADY)
+    compared = steady if steady.sum() >= 2 * FEWEST_BLOCKS * BLOCK else moving
+    return _independent_of(regressors[moving], missed[moving]) and _agreeing(
+        missed, compared, of_angle, of_rate
+    )
+
+
+def _independent_of(regressors: np.ndarray, missed: np.ndarray) -> bool:
+    """Whether the misses follow neither the rate, its change nor its bend, beyond the limits."""
+    if len(missed) < BLOCK or not regressors.any(axis=0).all():
+        return False
+    size = np.sqrt((regressors**2).mean(axis=0))
+    normal = np.linalg.pinv((regressors / size).T @ (regressors / size))
+    slopes = normal @ ((regressors / size).T @ missed)
+    u = np.sqrt(np.diag(normal)) * np.std(missed)
+    return bool((np.abs(slopes) <= size * np.array([SCALE, LAG, ROUNDED]) + 3.0 * u).all())
+
+
+def _agreeing(missed: np.ndarray, compared: np.ndarray, of_angle: float, of_rate: float) -> bool:
+    """Whether block means of the misses are no larger than the noise of both makes them."""
+    means = in_blocks(missed, BLOCK).mean(axis=1)[in_blocks(compared, BLOCK).all(axis=1)]
+    if len(means) < FEWEST_BLOCKS:
+        return False
+    expected = (of_angle / BLOCK) ** 2 + of_rate**2 / BLOCK + NEGLIGIBLE**2
+    return bool((means**2).mean() <= AGREEING**2 * expected)
+
 
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
 UNEVEN = 0.02  # of the interval by which a step between stamps differs
@@ -282,3 +417,46 @@ def _by_labels(recording: Recording, at: np.ndarray) -> Motion:
         up[rows] = labelled_direction(manifest, segment, unit_vector(segment.up))
         rate[rows] = turned * labelled_direction(manifest, segment, axis)
     return Motion(at, up, north, rate, acceleration, gravity_of(recording))
+
+
+# A motion with an additional small rotation between ground and unit.
+#
+# To first order in the angle. A rotation by ε about a direction u turns what is fixed in n by
+# −ε·u in the body; so does the rate of what turns outside it, and ε̇ adds to the rate.
+
+
+def with_small_rotation(
+    motion: Motion,
+    direction: np.ndarray,
+    angle: np.ndarray,
+    change: np.ndarray,
+    outside: np.ndarray,
+) -> Motion:
+    """The motion with the rotation added.
+
+    direction: (n, 3) or (3,) unit vector in the body. angle, change: (n,) rad and rad/s.
+    outside: (n, 3) rad/s, rate in the body of all that turns outside of where it happens.
+    """
+    turn = angle[:, None] * direction
+    axes = motion.axes
+    if axes is not None:
+        axes = replace(axes, base=axes.base - crossed(turn, axes.base))
+    moved = motion.translation
+    return replace(
+        motion,
+        translation=moved if moved is None else moved - crossed(turn, moved),
+        up=motion.up - crossed(turn, motion.up),
+        north=motion.north - crossed(turn, motion.north),
+        rate=motion.rate + change[:, None] * direction - crossed(turn, outside),
+        axes=axes,
+    )
+
+
+def crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a × b for rows (n, 3); three times as fast as numpy's, which is general."""
+    product = np.empty_like(a)
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    product[:, 0] = ay * bz - az * by
+    product[:, 1] = az * bx - ax * bz
+    product[:, 2] = ax * by - ay * bx
+    return product

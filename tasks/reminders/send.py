@@ -8,9 +8,8 @@ from datetime import date, datetime, timedelta
 from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
-from schemas.base import Unusable
-from schemas.recall import DueUnit, SilentHours
-from schemas.secret_urls import filled
+from schemas.base import Unusable, filled
+from schemas.store import DueUnit, SilentHours
 from schemas.text import text_in
 from tasks.words import message, say
 

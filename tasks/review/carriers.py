@@ -6,13 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc, fdtrc
 
-from tasks.explain.odds import CERTAIN
-from tasks.explain.search.scores import PER_PARAMETER
-from tasks.review.evidence import Evidence, ridged, solved
-from tasks.review.hypotheses import Effect
+from schemas.review import Level
+from tasks.explain.explanation import CERTAIN, as_likely_within
+from tasks.explain.search.stepwise import HOLDS, PER_PARAMETER
+from tasks.review.hypotheses import Effect, Evidence, ridged, solved
 from tasks.review.pool import Pool
-from tasks.review.random_effects import Spread, gains_of_each, spreads
-from tasks.review.screening import Worth
+from tasks.review.random_effects import BETWEEN_UNITS, Spread, Worth, gains_of_each, spreads
 from tasks.review.windows import Window, rows_of, runs_of
 
 PER_CHANGE = 4.0
@@ -200,3 +199,159 @@ def change_of(pool: Pool, one: Carried, side: str) -> Change | None:
 def tried_of(pool: Pool, windows: Sequence[Sequence[Window]]) -> int:
     """How many effects in how many windows were tried."""
     return len(pool.effects) * sum(len(some) for some in windows)
+
+
+# By how much effects explain the same runs: what names are compared by.
+
+
+def explains(pool: Pool, one: Carried, rows: np.ndarray, beside: Carried) -> float:
+    """Twice the nats by which an effect explains some runs (runs,) bool, given all others, less the
+    price: ln p(some | others) against no effect and no spread.
+
+    The gains of two effects are not comparable: one's spread may have taken part of the same
+    readings before. Nor are the likelihoods of all runs: what an effect's spread explains in other
+    runs is no reason to name it in these. The spread is the effect's own, or that between units of
+    another, `beside`, if that is likelier: that units differ in one effect does not make it the
+    name of what a carrier has.
+    """
+    sigma, tau = one.spread.sigma, one.spread.tau
+    others = likeliest(one.evidence.of(~rows), (sigma,), (tau,))
+    value = one.total - 2.0 * others.likelihood
+    if beside.spread.tau and beside.effect != one.effect:
+        taus = (beside.spread.tau,)
+        spread = likeliest(beside.evidence, (0.0,), taus)
+        others = likeliest(beside.evidence.of(~rows), (0.0,), taus)
+        gain = gain_beside(pool, one, beside.effect, spread)
+        value = max(value, 2.0 * (spread.likelihood - others.likelihood) + gain - one.price)
+    return value
+
+
+def likeliest(evidence: Evidence, sigmas: tuple[float, ...], taus: tuple[float, ...]) -> Spread:
+    """The likeliest spread of those tried."""
+    return max(spreads(evidence, sigmas, taus), key=lambda each: each.likelihood)
+
+
+def usual(evidence: Evidence, rows: np.ndarray) -> Spread | None:
+    """The spread of an effect between units in all runs, as large as those but some (runs,) bool
+    show it; None where they show none.
+    """
+    tau = likeliest(evidence.of(~rows), (0.0,), BETWEEN_UNITS).tau
+    return likeliest(evidence, (0.0,), (tau,)) if tau else None
+
+
+def gain_beside(pool: Pool, one: Carried, other: Effect, spread: Spread) -> float:
+    """Chi-squared that the common value of an effect takes away beside the spread of another
+    between units: as `Spread.common`, with the information that the two share for that of one.
+    """
+    rows = np.flatnonzero(rows_of(pool, one.window))
+    evidence = one.evidence
+    shared = evidence.back.T @ pool.shared(one.effect, other, rows) @ spread.evidence.back
+    own = np.zeros((len(spread.kept), *shared.shape[1:]))  # of each unit
+    np.add.at(own, evidence.unit[rows], shared)
+    right = evidence.score[rows].sum(axis=0) - np.einsum("uij,uj->i", own, spread.shrunk)
+    information = evidence.information[rows].sum(axis=0)
+    information -= np.einsum("uij,ujk,ulk->il", own, spread.lessened, own)
+    crossed = np.einsum("uij,ujk->ik", own, spread.kept)
+    right -= crossed @ spread.everywhere
+    information -= crossed @ spread.shared @ crossed.T
+    return float(right @ solved(information, right))
+
+
+# Alternative explanations of a finding: other effects and other carriers.
+
+COMMON = 0.5  # of the runs of a finding: another that has them explains the same readings
+INTERVALS = 50  # of a run that show an effect
+
+
+def at_window_of(best: Carried, pool: Pool, one: Worth, tried: int) -> Carried:
+    """Another effect in the window of the best."""
+    (own,) = carried(pool, one, (best.window,), tried)
+    return own
+
+
+def spreads_most(around: Sequence[Carried]) -> Carried:
+    """Of effects in one window the likeliest, with what it explains in other runs."""
+    return max(around, key=lambda each: each.total)
+
+
+def simplest(pool: Pool, around: Sequence[Carried]) -> Carried:
+    """Of effects in one window the likeliest; of those that explain it as well as forms are known,
+    that of fewest parameters.
+    """
+    rows, beside = rows_of(pool, around[0].window), spreads_most(around)
+    explained = [(explains(pool, each, rows, beside), each) for each in around]
+    top, likeliest = max(explained, key=lambda pair: pair[0])
+    alike = as_likely_within(top + likeliest.price)
+    close = [each for value, each in sorted(explained, key=lambda p: -p[0]) if value > top - alike]
+    return min(close, key=lambda each: each.evidence.size + len(each.effect.term.at))
+
+
+def is_of_a_spread(
+    pool: Pool, one: Carried, worth: Sequence[Worth], tried: int, limit: float
+) -> bool:
+    """Whether chance makes what is left of a finding beside the spread between units of another
+    effect, as the other runs show it: what all units have some of is no mismatch.
+
+    tried, limit: how much was tried, and the corrected p value that is believed.
+    """
+    rows = rows_of(pool, one.window)
+    for other in worth:
+        spread = None if other.effect.name == one.effect.name else usual(other.evidence, rows)
+        if spread is not None:
+            gain = gain_beside(pool, one, other.effect, spread)
+            if float(chdtrc(one.evidence.size, gain)) * tried > limit:
+                return True
+    return False
+
+
+def with_the_same_runs(pool: Pool, every: Sequence[Carried], best: Carried) -> list[Carried]:
+    """Effects in windows that have most of the best's runs, believed or not."""
+    own = rows_of(pool, best.window)
+    return [each for each in every if (rows_of(pool, each.window) & own).sum() > COMMON * own.sum()]
+
+
+def other_names(
+    pool: Pool, some: Sequence[Carried], best: Carried, beside: Carried
+) -> tuple[Carried, ...]:
+    """Other names that are as likely in the runs of both, the best of each.
+
+    beside: as in `explains`.
+    """
+    own, found = rows_of(pool, best.window), dict[str, tuple[float, Carried]]()
+    values = dict[bytes, float]()  # of the best, in the runs of both
+    for each in some:
+        if each.effect.name == best.effect.name:
+            continue
+        rows = own | rows_of(pool, each.window)
+        if rows.tobytes() not in values:
+            values[rows.tobytes()] = explains(pool, best, rows, beside)
+        value = values[rows.tobytes()]
+        far = value - explains(pool, each, rows, beside)
+        far += price_of_more(best, each, int(own.sum())) - each.effect.unlikely
+        alike = as_likely_within(value + best.price)
+        if far < min(alike, found.get(each.effect.name, (np.inf, best))[0]):
+            found[each.effect.name] = far, each
+    return tuple(each for _, each in sorted(found.values(), key=lambda pair: pair[0]))
+
+
+def other_carriers(
+    some: Sequence[Carried], best: Carried, names: Sequence[Carried]
+) -> tuple[Carried, ...]:
+    """Where the effect, or one of the other names, is as likely: the first of each carrier."""
+    found: dict[tuple[Level, int], Carried] = {}
+    for each in some:
+        same = each.effect == best.effect and each.total > best.total - CERTAIN
+        if same or any(each is one for one in names):
+            found.setdefault((each.window.level, each.window.carrier), each)
+    found.pop((best.window.level, best.window.carrier), None)
+    return tuple(found.values())
+
+
+def price_of_more(best: Carried, other: Carried, runs: int) -> float:
+    """Of what another has beyond the best that it holds, which fits it whatever it is: as `explain`
+    counts it, the logarithm of the intervals for each parameter.
+    """
+    if HOLDS.get(best.effect.name) != other.effect.name:
+        return 0.0
+    more = max(0, other.evidence.size - best.evidence.size)
+    return float(more * (np.log(INTERVALS * runs) - PER_PARAMETER))

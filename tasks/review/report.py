@@ -1,11 +1,13 @@
 """The result of a review: findings, their carriers and since when, in words and numbers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 
 import numpy as np
 
-from schemas.discrepancy import Detection, FoundParameter, Verdict
+from schemas.discrepancy import Consequence, Detection, FoundParameter, Verdict
+from schemas.laboratory import EquipmentLimit, LimitName
+from schemas.recording import ANGLE, Recording
 from schemas.review import (
     Carrier,
     EstimatedSite,
@@ -16,21 +18,28 @@ from schemas.review import (
     Review,
     ReviewFinding,
     Skipped,
+    Touched,
 )
 from schemas.text import Statement
-from tasks.explain.report.names import parameter_text, sentence
-from tasks.explain.report.statements import sentences
-from tasks.model.effect import effect_name, separating_recording
-from tasks.model.regression import inverse
+from tasks.explain.correction.adopt import corrected
+from tasks.explain.correction.consequences import by_clauses, moved
+from tasks.explain.explanation import CHANNELS
+from tasks.explain.inputs.prepared import without_faults
+from tasks.explain.report.statements import element_title, parameter_text, sentence, sentences
+from tasks.explain.search.candidates import columns_of
+from tasks.model.catalogue import catalogue
+from tasks.model.fit import inverse
+from tasks.model.term import effect_name, separating_recording
 from tasks.motion.table import EARTH_RATE
+from tasks.motion.whole import Motion
+from tasks.readings.codes import codes_put_right, offset_taken_off
 from tasks.review.carriers import Carried, Change
-from tasks.review.earth_rotation import NAME
-from tasks.review.hypotheses import Effect, identity
-from tasks.review.pool import Pool
+from tasks.review.hypotheses import NAME, Effect, identity
+from tasks.review.pool import Pool, layout_of
 from tasks.review.search import FALSE_ALARMS, Found
 from tasks.review.windows import Window, rows_of
 from tasks.words import Message, Sayable, clauses, message, statement
-from tasks.words.quantities import plain, probability, quantity
+from tasks.words.numbers import multiple, plain, probability, quantity
 
 K = 2.0
 CLEAR = 3.0  # standard uncertainties of the level rate from which on it has a direction
@@ -258,3 +267,69 @@ def estimated(station: str, runs: int, rate: np.ndarray, covariance: np.ndarray)
         station=station, runs=runs, latitude_deg=latitude, latitude_expanded=wide,
         heading_deg=heading, heading_expanded=K * u_turn, statement=statement(words),
     )  # fmt: skip
+
+
+# How an effect that runs have in common changes the elements of a certificate.
+
+
+def moved_elements(
+    recording: Recording, effect: Effect, values: np.ndarray,
+    limits: Mapping[LimitName, EquipmentLimit] | None = None,
+) -> list[Consequence]:  # fmt: skip
+    """The elements of a recording's items that an effect of values (m,) SI moves by more than
+    0.05 U, as read and less the effect; none where its clauses go by angles. limits: of the
+    equipment, as of `calibrate`.
+
+    Raises Unusable where the clauses give no items.
+    """
+    if all(name in recording.imu.columns for name in ANGLE):
+        return []
+    recording = offset_taken_off(recording)
+    _, _, full = without_faults(recording, codes_put_right(recording))
+    added = contribution(recording, full.motion, effect, values)
+    before = by_clauses(recording, limits)
+    after = by_clauses(corrected(recording, [added]), limits)
+    return [each for each in moved(before, after) if each.in_U]
+
+
+def contribution(
+    recording: Recording, motion: Motion, effect: Effect, values: np.ndarray
+) -> np.ndarray:
+    """(n, 6) rad/s and m/s² that an effect of values (m,) SI adds to the readings."""
+    added = np.zeros((len(motion.t), len(CHANNELS)))
+    for term in catalogue(recording, motion):
+        if term.name != effect.name or term.at != effect.term.at:
+            continue
+        columns = columns_of(term, motion)
+        if identity(layout_of([term], [columns]).terms[0]) != identity(effect.term):
+            continue
+        for q, value in zip(effect.own, values, strict=True):
+            for channel, column in columns[q].items():
+                added[:, channel] += value * np.nan_to_num(column)
+        return added
+    return added
+
+
+def touched_of(certificate: str, elements: Sequence[Consequence]) -> Iterator[Touched]:
+    """The elements as elements of a certificate, in its U."""
+    for each in elements:
+        yield Touched(certificate=certificate, item=each.item, element=each.element, in_U=each.in_U)
+
+
+def with_touched(finding: ReviewFinding, touched: Sequence[Touched], looked: int) -> ReviewFinding:
+    """The finding with what it moves, the most first, and says so; looked: at so many
+    certificates.
+    """
+    ordered = tuple(sorted(touched, key=lambda each: -abs(each.in_U)))
+    if not looked:
+        return finding
+    words = message("review-touches-none", looked=looked)
+    if ordered:
+        most = ordered[0]
+        words = message(
+            "review-touches", count=len({each.certificate for each in ordered}), looked=looked,
+            certificate=most.certificate, times=multiple(most.in_U),
+            element=element_title(most.item, most.element),
+        )  # fmt: skip
+    statement_ = statement(sentences([finding.statement, sentence(words)]))
+    return finding.model_copy(update={"touched": ordered, "statement": statement_})

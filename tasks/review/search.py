@@ -6,34 +6,29 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.review import LEVELS
-from tasks.explain.odds import CERTAIN
+from tasks.explain.explanation import CERTAIN
 from tasks.review.carriers import (
     Carried,
     Change,
+    at_window_of,
     carried,
     chance,
     change_of,
-    refined,
-    tried_of,
-    with_both_ends,
-)
-from tasks.review.comparison import likeliest
-from tasks.review.evidence import at_unit_information
-from tasks.review.hypotheses import Effect
-from tasks.review.pool import Pool
-from tasks.review.random_effects import BETWEEN_UNITS, spreads
-from tasks.review.rivals import (
-    at_window_of,
     is_of_a_spread,
+    likeliest,
     other_carriers,
     other_names,
+    refined,
     simplest,
     spreads_most,
+    tried_of,
+    with_both_ends,
     with_the_same_runs,
 )
-from tasks.review.screening import Worth, promising, screened
-from tasks.review.window_sums import WindowSums, window_sums
-from tasks.review.windows import LevelWindows, Window, all_windows, rows_of
+from tasks.review.hypotheses import Effect, at_unit_information
+from tasks.review.pool import Pool
+from tasks.review.random_effects import BETWEEN_UNITS, Worth, promising, screened, spreads
+from tasks.review.windows import LevelWindows, Window, WindowSums, all_windows, rows_of, window_sums
 
 FALSE_ALARMS = 0.01
 MOST_FINDINGS = 6

@@ -7,22 +7,22 @@ from pydantic import TypeAdapter, ValidationError
 from schemas.calibration import Item
 from schemas.text import Remark, Statement
 from tasks.readings.plausibility import on_sight
-from tasks.run_validity.clocks import clock_remarks, time_base_remarks
-from tasks.run_validity.codes import code_remarks
-from tasks.run_validity.encoders import encoder_remarks
-from tasks.run_validity.environment import (
+from tasks.run_validity.clocks import (
+    clock_remarks,
+    encoder_remarks,
+    lost_data_remarks,
+    time_base_remarks,
+)
+from tasks.run_validity.labels import label_remarks, point_remarks
+from tasks.run_validity.remark import code_remarks, field_remarks, run_remark
+from tasks.run_validity.scatter import outlier_remarks, scatter_remarks, vibration_remarks
+from tasks.run_validity.site import (
     environment_remarks,
+    site_remarks,
     supply_remarks,
     unit_temperature_remarks,
 )
-from tasks.run_validity.fields import field_remarks
-from tasks.run_validity.labels import label_remarks, point_remarks
-from tasks.run_validity.lost_data import lost_data_remarks
-from tasks.run_validity.outliers import outlier_remarks
-from tasks.run_validity.remark import run_remark
-from tasks.run_validity.scatter import scatter_remarks, vibration_remarks
-from tasks.run_validity.site import site_remarks
-from tasks.segments.conditions import Conditions
+from tasks.segments.find import Conditions
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import remark
 

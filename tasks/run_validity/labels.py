@@ -10,8 +10,7 @@ from schemas.text import Remark
 from tasks.motion.table import mean_rate
 from tasks.motion.whole import attitude_stream
 from tasks.run_validity.remark import run_remark
-from tasks.segments.conditions import Conditions
-from tasks.segments.find import shown_instead
+from tasks.segments.find import Conditions, shown_instead
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS, SegmentMean
 from tasks.specifications.evidence import ClauseEvidence

@@ -1,18 +1,27 @@
 """Scatter of the unit's readings at rest: vibration, and rests that differ more than they may."""
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 
 import numpy as np
 
 from schemas.calibration import Item
-from schemas.recording import AXES, Axis
+from schemas.recording import ANGLE, AXES, Axis, Recording
 from schemas.text import Remark
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import unit_vector
+from tasks.readings.plausibility import coarse_where_it_moves, standing
+from tasks.readings.robust import TO_SIGMA, median
 from tasks.run_validity.remark import run_remark
-from tasks.segments.summarise import CHANNELS
+from tasks.segments.summarise import (
+    CHANNELS,
+    LONGEST_BURST,
+    SegmentMean,
+    coarsely_quantised,
+)
 from tasks.specifications.course import comparable
 from tasks.specifications.evidence import ClauseEvidence
+from tasks.words.numbers import plain
 
 # Standard deviation of the rows of a rest: noise of no unit that is worth a calibration.
 MOST_DEVIATION = np.array([np.radians(1.0)] * len(AXES) + [0.5] * len(AXES))  # rad/s, m/s²
@@ -126,3 +135,132 @@ def vibration_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
             first=shaken[0], deviation=f"{deviation[:, channel].max():.3g}",
             limit=f"{limit[channel]:.3g}",
         )  # fmt: skip
+
+
+# Samples that are not readings of the unit: outliers and channels that stand still.
+
+Channels = tuple[str, ...]
+
+OFF = 4.0  # robust standard deviations: 6 normal samples of 100,000 lie beyond
+LARGEST_SHARE = 0.005  # of a channel's samples that may be off
+# The first look: rows of all segments together, with a nearer reach and a smaller share.
+GLANCE_ROWS, GLANCE_OFF, GLANCE_SHARE = 10_000, 3.5, 0.002
+FEWEST = 3  # samples off: one or two of a short run lie there by chance
+HALF = 0.5  # of an output step, by which rounding may lower a median deviation
+
+
+def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """What is wrong with single samples, segment by segment and in the whole run."""
+    channels = evidence.channel_names
+    coarse = coarse_where_it_moves(evidence.recording, evidence.labels)
+    for segment in evidence.segments:
+        yield from _corrupted(segment, channels)
+        if not evidence.may_stand_still:
+            yield from _stuck(evidence.recording, segment, channels, coarse)
+    yield from _coarse(evidence.segments, channels)
+    if not evidence.may_stand_still:  # rounding is no outlier
+        yield from _off(evidence)
+
+
+def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Channels of which too many samples lie off the rest of their segment.
+
+    An accumulated angle wanders with the rate's own error: its second differences are judged.
+    """
+    held = [s for s in evidence.segments if s.segment.kind != "rotation"]
+    if not held:
+        return
+    few = _few_at_a_glance(evidence.recording, held)
+    for channel, name in enumerate(CHANNELS):
+        values = evidence.recording.imu.columns.get(name)
+        accumulated = evidence.channel_names[channel] in ANGLE
+        if values is None or (few[channel] and not accumulated):
+            continue
+        shares = [_share_off(evidence.recording, values, s, channel, accumulated) for s in held]
+        share = float(np.average(shares, weights=[s.rows for s in held]))
+        if share > LARGEST_SHARE and share * sum(s.rows for s in held) >= FEWEST:
+            yield run_remark(
+                "samples_off", run="invalid", channel=evidence.channel_names[channel],
+                share=plain(100 * share, 2), off=f"{OFF:g}", limit=f"{100 * LARGEST_SHARE:g}",
+            )  # fmt: skip
+
+
+def _few_at_a_glance(recording: Recording, held: list[SegmentMean]) -> np.ndarray:
+    """Channels (6,) of which rows drawn from each segment already show that few enough are off.
+
+    Drawn at random, so that what comes back every so many rows is not missed; of a channel with
+    LARGEST_SHARE off fifty are drawn, where twenty let it through.
+    """
+    count = GLANCE_ROWS // len(held)
+    drawn = []
+    for segment in held:
+        rows = _drawn(segment.rows, count)
+        views = recording.imu.views(CHANNELS, segment.place)
+        drawn.append([values[rows] for values in views])
+    here = np.array(drawn)  # (segments, 6, count)
+    away = np.abs(here - median(here)[..., None])
+    step = np.array([segment.step for segment in held])
+    reach = GLANCE_OFF * TO_SIGMA * (median(away) + HALF * step)
+    weights = np.array([segment.rows for segment in held])
+    off = weights @ (away > reach[..., None]).mean(axis=2)
+    return np.asarray(off <= GLANCE_SHARE * weights.sum())
+
+
+@cache
+def _drawn(rows: int, count: int) -> np.ndarray:
+    """`count` rows drawn of so many, the same ones each time; all in turn where there are fewer."""
+    if rows <= count:
+        return np.resize(np.arange(rows), count)
+    return np.sort(np.random.default_rng(rows).integers(0, rows, count))
+
+
+def _share_off(
+    recording: Recording, values: np.ndarray, segment: SegmentMean, channel: int, accumulated: bool
+) -> float:
+    here = values[segment.place]
+    away = np.abs(np.diff(here, 2) if accumulated else here - median(here))
+    reach = OFF * TO_SIGMA * (float(median(away)) + HALF * float(segment.step[channel]))
+    return float((away > reach).mean())
+
+
+def _corrupted(segment: SegmentMean, channels: Channels) -> Iterator[Remark]:
+    """Rows that were left out of the mean."""
+    if segment.left_out == 0:
+        return
+    name, burst = segment.segment.name, segment.longest_burst
+    counts = [f"{channels[c]} {rows}" for c, rows in enumerate(segment.far_rows) if rows]
+    disturbed = burst > LONGEST_BURST
+    yield run_remark(
+        "disturbed" if disturbed else "corrupted_rows", name,
+        run="remarks" if disturbed else "valid", segment=name, out=segment.left_out,
+        rows=segment.rows, channels=", ".join(counts), burst=burst,
+    )  # fmt: skip
+
+
+def _stuck(
+    recording: Recording, segment: SegmentMean, channels: Channels, coarse: np.ndarray
+) -> Iterator[Remark]:
+    """A channel that stood still where noise should have moved it.
+
+    coarse: (6,) channels whose step is wider than their noise: they may, and are found on sight.
+    """
+    name = segment.segment.name
+    for channel, start, length in standing(recording, segment.segment):
+        if not coarse[channel]:
+            yield run_remark(
+                "stuck", name, run="invalid", segment=name, channel=channels[channel],
+                value=f"{recording.imu.columns[CHANNELS[channel]][start]:.6g}", rows=length,
+                time=f"{recording.imu.t[start]:.2f}",
+            )  # fmt: skip
+
+
+def _coarse(segments: tuple[SegmentMean, ...], channels: Channels) -> Iterator[Remark]:
+    """Channels whose step hides their noise: their means may be off by half a step."""
+    flags = np.array([coarsely_quantised(segment) for segment in segments]).reshape(-1, 6)
+    steps = {
+        c: max(s.step[c] for s in segments) for c in np.flatnonzero(flags.any(axis=0)).tolist()
+    }
+    if steps:
+        listed = ", ".join(f"{channels[channel]} {step:.3g}" for channel, step in steps.items())
+        names = (s.segment.name for s, row in zip(segments, flags, strict=True) if row.any())
+        yield run_remark("coarse_step", *names, steps=listed)

@@ -1,10 +1,12 @@
 """Rests and steady turns found from the data, for recordings that carry no labels."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Segment, Stream, Up
 from tasks.motion.table import mean_rate
-from tasks.readings.standing import runs
+from tasks.readings.plausibility import runs
 
 WINDOW = 0.5  # s over which quiet is judged
 SHORTEST = 1.0  # s: a rest shorter than this is the turning point of a movement
@@ -136,3 +138,23 @@ def shown_instead(label: Segment, accel: np.ndarray) -> str | None:
         return None
     shown = up_of(accel)
     return None if shown == label.up else shown or "none"
+
+
+# A specification's requirements on every point and on the environment.
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Numbers of a specification and the clauses they come from.
+
+    dwell_s: least time at each point, s. steadiness: relative change of a held rate.
+    temperature_degc, humidity_percent: lowest and highest value of the air.
+    """
+
+    dwell_s: float
+    dwell_clause: str
+    steadiness: float
+    steadiness_clause: str
+    temperature_degc: tuple[float, float]
+    humidity_percent: tuple[float, float]
+    environment_clause: str

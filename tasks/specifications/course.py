@@ -11,11 +11,9 @@ from schemas.recording import AXES
 from schemas.text import Remark
 from tasks.motion.whole import Motion, attitude_stream
 from tasks.segments.summarise import CHANNELS
-from tasks.specifications.error_sources import EquipmentErrors
+from tasks.specifications.equipment_errors import EquipmentErrors, level_covariance
 from tasks.specifications.estimate import DEG
-from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.horizontal_earth import level_covariance
-from tasks.specifications.linear import last_shown
+from tasks.specifications.evidence import ClauseEvidence, last_shown
 from tasks.words import message, remark
 
 Evidence = TypeVar("Evidence", bound=ClauseEvidence)

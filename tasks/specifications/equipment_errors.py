@@ -13,22 +13,310 @@ is then tilted about any of its axes, in each setting and in each face, by an er
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
+from typing import Literal
 
 import numpy as np
 
-from schemas.recording import AXES
-from tasks.model.simulate import predict
+from schemas.recording import AXES, Segment
+from schemas.text import Remark
+from tasks.model.model import predict
 from tasks.model.term import Term
-from tasks.motion.table import table_angles
-from tasks.motion.whole import Motion
+from tasks.motion.table import (
+    EARTH_RATE,
+    axis_directions,
+    labelled_direction,
+    mount_of,
+    rotation,
+    table_angles,
+)
+from tasks.motion.whole import Motion, unit_vector
 from tasks.segments.attitude import VERTICAL, attitude_vector
-from tasks.segments.commanded_rate import rate_by_command
-from tasks.specifications.axes_of_table import axes_of_table
-from tasks.specifications.error_sources import EquipmentErrors, ErrorSource, Scope
+from tasks.segments.rates import rate_by_command
+from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.horizontal_earth import horizontal_earth
-from tasks.uncertainty.equipment import Equipment, ErrorLimit
-from tasks.words import message
+from tasks.uncertainty.budget import Contribution, InputQuantity
+from tasks.uncertainty.equipment import NOBODY, Equipment, ErrorLimit
+from tasks.words import message, remark
+
+# An error as a term with a prior, what it does to the segment means, and all those of a run.
+
+LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of its own
+
+Scope = Literal["run", "mounting", "face", "angle", "setting", "point"]
+
+
+@dataclass(frozen=True)
+class ErrorSource:
+    """One error of the equipment: its prior, its scope, and what it does to the means.
+
+    effects: (m, n, 6), of each of its m independent draws on the n segment means of six channels,
+    rad/s and m/s² per unit. followed: by parameters of the unit, as the rate is by a scale factor:
+    nothing of it is left of a fit. of_latitude: it acts only where Earth's rotation is taken off.
+    """
+
+    quantity: InputQuantity
+    scope: Scope
+    effects: np.ndarray
+    followed: bool = False
+    of_latitude: bool = False
+
+    def line(self, weights: np.ndarray, channels: np.ndarray, segments: np.ndarray) -> Contribution:
+        """The line in the budget of Σ o·U: independent draws count as root of the sum of their
+        squares.
+
+        weights: o of some channels (c,) in some segments (k,), (c, k); of all others it is zero.
+        """
+        felt = np.einsum("mnc,cn->m", self.effects[:, segments[:, None], channels], weights)
+        if len(felt) == 1 or not felt.any():
+            return Contribution(self.quantity, float(felt[0]))
+        squares = felt**2
+        draws = squares.sum() ** 2 / (squares**2).sum()  # Kish's effective number
+        return Contribution(self.quantity, float(np.sqrt(squares.sum())), float(draws))
+
+
+@dataclass(frozen=True)
+class EquipmentErrors:
+    """Every error of the equipment of a run with so many segments."""
+
+    sources: tuple[ErrorSource, ...]
+    segments: int
+
+    def lines(self, operator: np.ndarray, without_earth: bool) -> tuple[Contribution, ...]:
+        """The lines of Σ o·U, o (6, n), but rounding; without_earth: Earth's rate was taken off."""
+        channels, segments = (np.flatnonzero(operator.any(axis=axis)) for axis in (1, 0))
+        weights = operator[np.ix_(channels, segments)]
+        every = [
+            each.line(weights, channels, segments)
+            for each in self.sources
+            if without_earth or not each.of_latitude
+        ]
+        sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
+        least = LEAST_SHARE * max(sizes, default=0.0)
+        return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
+
+    def covariance(self, channel: int) -> np.ndarray:
+        """Covariance (n, n) of one channel's means by what no parameter of the unit follows."""
+        total = np.zeros((self.segments, self.segments))
+        for each in self.sources:
+            if not each.followed and each.quantity.source != NOBODY:
+                effects = each.effects[:, :, channel]
+                total += each.quantity.u**2 * (effects.T @ effects)
+        return total
+
+
+# How the axes of a table stood in each segment, by its encoders or by the labels.
+
+SAME_ANGLE = 0.01  # degrees: a table set twice within this was set to the same angle
+UP = np.array([0.0, 0.0, 1.0])
+PARALLEL = math.cos(math.radians(1.0))
+TURNED = math.radians(1.0)  # of an axis within a segment: less is its servo
+
+
+@dataclass(frozen=True)
+class AxesOfTable:
+    """How the axes of a table stood.
+
+    angles: (n, k) rad, mean of each segment; turns: (n, k) whether the axis turned in it.
+    """
+
+    angles: np.ndarray
+    turns: np.ndarray
+
+    @property
+    def count(self) -> int:
+        return self.angles.shape[1]
+
+    def angles_set(self, axis: int) -> list[int | None]:
+        """The angle at which the axis stood, as a number; None where it turned."""
+        steps = np.round(np.degrees(self.angles[:, axis]) / SAME_ANGLE).astype(int)
+        whole = round(360.0 / SAME_ANGLE)
+        return [
+            None if turns else int(step % whole)
+            for step, turns in zip(steps, self.turns[:, axis], strict=True)
+        ]
+
+    def times_set(self, axis: int) -> list[int | None]:
+        """How often the axis was set before; None where it turned."""
+        numbers: list[int | None] = []
+        last, number = None, 0
+        for angle in self.angles_set(axis):
+            number += angle != last
+            last = angle
+            numbers.append(None if angle is None else number)
+        return numbers
+
+    def axis_in_body(self, evidence: ClauseEvidence, axis: int) -> np.ndarray:
+        """Direction (n, 3) of an axis in the body."""
+        return self._in_body(
+            evidence, axis_directions(evidence.recording.manifest.station)[axis], axis
+        )
+
+    def joint_in_body(self, evidence: ClauseEvidence, axis: int) -> np.ndarray:
+        """Across an axis and the next inside it, (n, 3) in the body: about it they are not square.
+
+        Zero where the two are parallel.
+        """
+        directions = axis_directions(evidence.recording.manifest.station)
+        return self._in_body(evidence, np.cross(directions[axis], directions[axis + 1]), axis)
+
+    def _in_body(self, evidence: ClauseEvidence, vector: np.ndarray, outside: int) -> np.ndarray:
+        """A vector fixed to what axis `outside` carries, (n, 3) as the body sees it."""
+        manifest = evidence.recording.manifest
+        inside = list(enumerate(axis_directions(manifest.station)))[outside + 1 :]
+        seen = []
+        for label, angles in zip(evidence.labels, self.angles, strict=True):
+            turned = vector
+            for k, direction in inside:
+                turned = rotation(direction, -float(angles[k])) @ turned
+            seen.append(mount_of(manifest, label).T @ turned)
+        return np.array(seen).reshape(-1, 3)
+
+
+def axes_of_table(evidence: ClauseEvidence) -> AxesOfTable | None:
+    """By the encoders, else as the labels say; None where neither shows it in every segment."""
+    angles = [table_angles(evidence.recording, label) for label in evidence.labels]
+    if not angles or not all(len(each) and np.isfinite(each).all() for each in angles):
+        return _by_labels(evidence)
+    turns = np.array([np.ptp(each, axis=0) > TURNED for each in angles])
+    return AxesOfTable(np.array([each.mean(axis=0) for each in angles]), turns)
+
+
+def _by_labels(evidence: ClauseEvidence) -> AxesOfTable | None:
+    """Of a table that is described, with a vertical outermost axis, which alone turns.
+
+    The outermost axis stands at the label's heading, those inside it at right angles that bring the
+    labelled axis up: of several those nearest to zero, the innermost alone to either side.
+    """
+    directions = axis_directions(evidence.recording.manifest.station)
+    if not len(directions) or abs(directions[0] @ UP) < PARALLEL or not evidence.labels:
+        return None
+    polar, azimuth = (0.0, 90.0, 180.0), (0.0, 90.0, -90.0, 180.0)
+    inside = [polar] * (len(directions) - 2) + [azimuth] * (len(directions) > 1)
+    rows = []
+    for up, label in zip(evidence.up, evidence.labels, strict=True):
+        if up is None or (label.axis or up[1]) != up[1]:
+            return None
+        manifest = evidence.recording.manifest
+        shown = mount_of(manifest, label) @ labelled_direction(manifest, label, unit_vector(up))
+        bring = [d for d in product(*inside) if shown @ _vertical(directions, d) > PARALLEL]
+        if not bring:
+            return None
+        nearest = min(bring, key=lambda degrees: sum(map(abs, degrees)))
+        rows.append([math.radians(angle) for angle in (label.turn_deg or 0.0, *nearest)])
+    turns = np.zeros((len(rows), len(directions)), bool)
+    turns[:, 0] = [label.kind != "static" for label in evidence.labels]
+    return AxesOfTable(np.array(rows), turns)
+
+
+def _vertical(directions: list[np.ndarray], degrees: tuple[float, ...]) -> np.ndarray:
+    """The vertical (3,) as the payload sees it, with the axes inside the outermost one set so."""
+    seen = UP
+    for direction, angle in zip(directions[1:], degrees, strict=True):
+        seen = rotation(direction, -math.radians(angle)) @ seen
+    return seen
+
+
+def stand_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Says how it is known how the table stood, where encoders do not show it."""
+    if not evidence.has_table:
+        known = "labelled" if axes_of_table(evidence) is not None else "unknown"
+        yield remark("table_by_labels", message(f"specifications-stand-{known}"))
+
+
+# What turns and rests leave of the horizontal part of Earth's rotation in the mean readings.
+#
+# A gyro across the axis that turns about the vertical feels it come and go. Over whole turns
+# nothing is left; over a part of a turn, or where the table rests before and after within a
+# segment, the clauses take the reading as it is. By how much the unit turned meanwhile it says
+# itself; where north was when it began is not known.
+
+
+def horizontal_earth(evidence: ClauseEvidence) -> Iterator[ErrorSource]:
+    """Its source, with a draw for the north and one for the east where each turn began.
+
+    Turns by whole turns about one axis come back to where they began; a held rate begins anywhere.
+    """
+    turning = [i for i, label in enumerate(evidence.labels) if label.kind != "static"]
+    begun = [_beginning(evidence.labels[i]) for i in turning]
+    places = {place: 2 * k for k, place in enumerate(dict.fromkeys(begun))}
+    effects = np.zeros((2 * len(places), len(evidence.segments), len(CHANNELS)))
+    for i, place in zip(turning, begun, strict=True):
+        axis = AXES.index(evidence.labels[i].axis or "x")
+        left, north = evidence.mean_turns[i], places[place]
+        across = [(axis + 1) % 3, (axis + 2) % 3]
+        effects[north, i, across] = left.real, -left.imag
+        effects[north + 1, i, across] = left.imag, left.real
+    effects = np.concatenate([effects, _of_rests(evidence)])
+    if effects.any():
+        yield ErrorSource(_quantity(evidence.latitude_deg), "point", effects)
+
+
+def _of_rests(evidence: ClauseEvidence) -> np.ndarray:
+    """Effects (m, n, 6) on rests of unknown heading: two draws for each face, which turn with the
+    rests on it, so that two headings 180° apart are free of it; a rest without heading has its own.
+    """
+    blind = [
+        i
+        for i in evidence.of_kind("static")
+        if evidence.up[i] is not None
+        and not np.isfinite(evidence.north[i]).all()
+        and not _pointed(attitude_vector(evidence.recording, evidence.labels[i]))
+    ]
+    labels = evidence.labels
+    places = [
+        str(evidence.up[i] if labels[i].turn_deg is not None else labels[i].name) for i in blind
+    ]
+    faces = list(dict.fromkeys(places))
+    effects = np.zeros((2 * len(faces), len(evidence.segments), len(CHANNELS)))
+    for i, place in zip(blind, places, strict=True):
+        up, turn = str(evidence.up[i]), math.radians(labels[i].turn_deg or 0.0)
+        axis, way = AXES.index(up[1]), 1.0 if up[0] == "+" else -1.0
+        across, k = [(axis + 1) % 3, (axis + 2) % 3], 2 * faces.index(place)
+        effects[k, i, across] = math.cos(turn), -way * math.sin(turn)
+        effects[k + 1, i, across] = way * math.sin(turn), math.cos(turn)
+    return effects
+
+
+def level_covariance(evidence: ClauseEvidence, motion: Motion, gyro: int) -> np.ndarray:
+    """Covariance (n, n), (rad/s)², of one gyro's rests by a horizontal rate of unknown direction.
+
+    motion: mean of each segment. A gyro that lies level reads ωe·cos φ·cos(ψ + heading) with ψ
+    unknown: half the square of the amplitude, times the cosine of the turn between two headings of
+    one face. The mean of two headings 180° apart is free of it, and its scatter is not the unit's.
+    Without a latitude the whole of ωe is taken; without a heading a rest shares nothing with
+    another.
+    """
+    still = np.array([label.kind == "static" for label in evidence.labels], bool)
+    blind = still & ~np.isfinite(motion.north).all(axis=1)
+    level = blind * np.sqrt(np.clip(1.0 - np.nan_to_num(motion.up[:, gyro]) ** 2, 0.0, 1.0))
+    heading = np.radians(np.array([label.turn_deg for label in evidence.labels], float))
+    same = [[a == b for b in evidence.up] for a in evidence.up]
+    shared = np.nan_to_num(np.cos(heading[:, None] - heading)) * np.reshape(same, 2 * still.shape)
+    np.fill_diagonal(shared, 1.0)
+    return np.asarray(_quantity(evidence.latitude_deg).u ** 2 * np.outer(level, level) * shared)
+
+
+def _pointed(attitude: np.ndarray | None) -> bool:
+    """Whether an attitude vector says how the unit lies to the station, whose heading is one."""
+    return attitude is not None and bool(attitude[:, :VERTICAL].any())
+
+
+def _beginning(label: Segment) -> str:
+    """What tells apart where segments that turn begin."""
+    return f"{label.axis} {label.up}" if label.kind == "rotation" else label.name
+
+
+@cache
+def _quantity(latitude_deg: float | None) -> InputQuantity:
+    """Earth's rotation along a horizontal direction that may be any."""
+    largest = EARTH_RATE * math.cos(math.radians(latitude_deg or 0.0))
+    return InputQuantity(
+        "ωN", message("uncertainty-horizontal-earth"), "rad/s", largest / math.sqrt(2.0), "B",
+        "arcsine", half_width=largest, source="WGS 84",
+    )  # fmt: skip
+
 
 STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
 MIN_RIPPLE_ANGLE = math.sqrt(2.0)  # rad: over a smaller one a ripple does not average out

@@ -3,26 +3,122 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any, Literal
 
 import numpy as np
 
-from schemas.recording import AXES, Axis
-from schemas.text import Remark
+from schemas.calibration import Method
+from schemas.recording import AXES, Axis, Recording, Standard
+from schemas.text import Remark, Statement
+from tasks.segments.find import Conditions
 from tasks.segments.summarise import CHANNELS
-from tasks.specifications.error_sources import EquipmentErrors
-from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
-from tasks.specifications.linear import (
+from tasks.specifications.equipment_errors import EquipmentErrors
+from tasks.specifications.evidence import (
     BLOCKING_EXCESS,
     BirgeRatio,
+    ClauseEvidence,
     Solution,
     birge_ratio,
     solve,
 )
 from tasks.uncertainty.budget import Contribution, drift_in_run, observed, resolution
-from tasks.uncertainty.equipment import NOBODY
+from tasks.uncertainty.equipment import NOBODY, Equipment
 from tasks.uncertainty.type_a import type_a_dof
 from tasks.words import Message, Sayable, clauses, message, remark
+
+# The items that the specifications calibrate: symbol, unit and elements of each.
+#
+# The names of items and elements stand in the catalogues under `item-…`, by the item's key.
+
+# Elements: the axis that reads, then the input axis.
+MATRIX_ELEMENTS = tuple(reads + given for reads in AXES for given in AXES)
+OFF_DIAGONAL_ELEMENTS = tuple(e for e in MATRIX_ELEMENTS if e[0] != e[1])
+# Column by column, as Appendix B of JJF 2003-2022 and Appendix C of JJF 1536-2015 list them.
+BY_INPUT_AXIS = ("yx", "zx", "xy", "zy", "xz", "yz")
+
+RATE_ERRORS = ("ε1", "ε2", "ε3", "ε4", "ε5")  # relative errors of the rate and of the time base
+ANGLE_ERRORS = ("α1θ", "α2θ")  # of a turned angle
+
+SecondValue = Literal["value_without_earth_rotation", "value_model"]
+
+
+@dataclass(frozen=True)
+class ItemDefinition:
+    """The definition of an item, independent of any recording.
+
+    letter, subscript: the symbol of an element; {e} is replaced by the element, {twice} by it
+    twice. elements: in printing order; unit: as in results. second_value: the field of a result's
+    item for the value beside that of the clause. divisor, power: the symbols of the equipment's
+    errors by which the value is divided (`tasks.uncertainty.equipment`), and to which power.
+    """
+
+    key: str
+    letter: str
+    subscript: str
+    unit: str
+    elements: tuple[str, ...]
+    second_value: SecondValue | None = None
+    divisor: tuple[str, ...] = ()
+    power: int = 1
+
+    @property
+    def title(self) -> Message:
+        """The name of the item."""
+        return message(f"item-{self.key.replace('_', '-')}")
+
+    def element_title(self, element: str) -> Message:
+        """The name of one element."""
+        reads, given = element[0].upper(), element[-1].upper()
+        return message(f"item-{self.key.replace('_', '-')}.element", reads=reads, input=given)
+
+    def element_subscript(self, element: str) -> str:
+        """What stands under the letter: gxx for a diagonal coefficient given as x."""
+        return self.subscript.format(e=element, twice=element * 2)
+
+    def symbol(self, element: str) -> str:
+        """The symbol of an element as plain text, like K_gxx."""
+        return f"{self.letter}_{self.element_subscript(element)}"
+
+
+MIMU_ITEMS = (
+    ItemDefinition("gyro_scale_factor", "K", "g{twice}", "1", AXES, divisor=RATE_ERRORS),
+    ItemDefinition("gyro_cross_coupling", "K", "g{e}", "1", BY_INPUT_AXIS, divisor=RATE_ERRORS),
+    ItemDefinition("gyro_fit_offset", "b", "{e}", "deg/s", AXES),
+    ItemDefinition("gyro_bias", "B", "g{e}", "deg/s", AXES),
+    ItemDefinition(
+        "gyro_g_sensitivity", "g", "{e}", "(deg/s)/g", MATRIX_ELEMENTS,
+        second_value="value_without_earth_rotation",
+    ),
+    ItemDefinition("accel_scale_factor", "K", "a{twice}", "1", AXES, divisor=("g",)),
+    ItemDefinition("accel_cross_coupling", "K", "a{e}", "1", BY_INPUT_AXIS, divisor=("g",)),
+    ItemDefinition("accel_bias", "B", "a{e}", "m/s2", AXES),
+    ItemDefinition(
+        "accel_rate_sensitivity", "p", "{e}", "m", OFF_DIAGONAL_ELEMENTS,
+        second_value="value_model", divisor=RATE_ERRORS, power=2,
+    ),
+)  # fmt: skip
+AHRS_ITEMS = (
+    ItemDefinition("ahrs_scale_factor", "K", "{e}", "1", AXES, divisor=RATE_ERRORS),
+    ItemDefinition("ahrs_zero_offset", "B", "{e}", "deg/s", AXES),
+    ItemDefinition("ahrs_misalignment", "L", "{e}", "deg", BY_INPUT_AXIS, divisor=ANGLE_ERRORS),
+)
+ITEMS = {item.key: item for item in (*MIMU_ITEMS, *AHRS_ITEMS)}
+
+
+def second_value(key: str) -> SecondValue | None:
+    """The field of the value beside the clause's own; None where an item has one value."""
+    return ITEMS[key].second_value if key in ITEMS else None
+
+
+def item_title(key: str) -> Message | Statement:
+    """The name of an item; its key where no specification has it."""
+    return ITEMS[key].title if key in ITEMS else Statement(en=key, zh=key)
+
+
+def symbol(key: str, element: str) -> str:
+    """The symbol of an element as plain text, like K_gxx; the element where there is none."""
+    return ITEMS[key].symbol(element) if key in ITEMS else element
+
 
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))
@@ -297,3 +393,92 @@ def excess_remarks(
     channels = ", ".join(f"{CHANNELS[first_channel + i]} {factors[i]:.1f}" for i in above)
     phrase = message(text, channels=channels, **arguments)
     return (remark("excess_scatter", phrase, blocks_pass=bool(max(factors) > BLOCKING_EXCESS)),)
+
+
+# The covariance of all elements of a result, type A and type B together.
+#
+# Elements that are combinations of the same means share their noise, and whatever the equipment
+# was off by: one error of the rate is in every scale factor.
+
+
+def covariance_of(
+    estimates: Sequence[Estimate], evidence: ClauseEvidence, errors: EquipmentErrors
+) -> np.ndarray:
+    """Covariance (p, p) of estimates that are combinations of the segment means, in their units.
+
+    Its diagonal is that of their budgets: where points scatter more than noise explains, what the
+    data give is taken in the same proportion.
+    """
+    weights = np.array([estimate.operator for estimate in estimates], float)  # (p, 6, n)
+    noise = np.zeros((len(estimates), len(estimates)))
+    for channel in range(weights.shape[1]):
+        used = np.flatnonzero(weights[:, channel].any(axis=0))
+        of_means = evidence.covariance(channel)[np.ix_(used, used)]
+        part = weights[:, channel][:, used]
+        noise += part @ of_means @ part.T
+    stated = np.array([estimate.u_of_data for estimate in estimates])
+    shown = np.sqrt(np.maximum(np.diag(noise), 0.0))
+    scale = np.divide(stated, shown, out=np.zeros_like(stated), where=shown > 0.0)
+    total = noise * np.outer(scale, scale)
+    free = np.array([estimate.without_earth for estimate in estimates])
+    for source in errors.sources:
+        felt = np.tensordot(weights, source.effects, axes=((1, 2), (2, 1)))
+        if source.of_latitude:
+            felt = felt * free[:, None]
+        total += source.quantity.u**2 * felt @ felt.T
+    return np.asarray(0.5 * (total + total.T))
+
+
+# The record of a specification: everything that distinguishes it from another.
+
+
+@dataclass(frozen=True)
+class Section:
+    """A numbered section of the certificate: the key of its title, and its items in order."""
+
+    key: str
+    items: tuple[str, ...]
+
+    @property
+    def title(self) -> Message:
+        """The heading."""
+        return message(f"section-{self.key}")
+
+
+@dataclass(frozen=True)
+class Specification:
+    """A specification, or a method that follows the model of one.
+
+    method: how orders and results call it; standard: the document; procedure: the clauses that a
+    result names. items: in the order of a result; required: the keys of those that the document
+    asks for, in its order; printed_once: those whose second value equals the first. conditions:
+    of points and environment. interval_months: until recalibration is due. layout: of the
+    certificate's results; reported_conditions: what it says of the measurement
+    (`tasks.certificate.conditions`). equipment: the limits that the document itself recommends,
+    and equipment_source where. rate_sensor: how results call what senses the rate.
+
+    check raises Unusable for a recording that the method cannot serve; gather sorts its segments;
+    estimate makes the items of them, the equipment's errors among their uncertainties.
+    """
+
+    method: Method
+    standard: Standard
+    procedure: str
+    items: tuple[ItemDefinition, ...]
+    conditions: Conditions
+    interval_months: int
+    layout: tuple[Section, ...]
+    equipment: Equipment
+    equipment_source: str
+    check: Callable[[Recording], None]
+    gather: Callable[[Recording], Any]
+    estimate: Callable[[Any, Equipment], ClauseResult]
+    required: tuple[str, ...] = ()
+    printed_once: tuple[str, ...] = ()
+    reported_conditions: tuple[str, ...] = ("dwell", "positions", "attitudes", "mounting")
+    rate_sensor: Literal["gyro", "ahrs"] = "gyro"
+
+    @property
+    def definitions(self) -> dict[str, ItemDefinition]:
+        """The items by their keys."""
+        return {item.key: item for item in self.items}

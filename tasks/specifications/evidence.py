@@ -1,19 +1,77 @@
 """What a recording offers to the items: its segments as positions, rate points, turns, rests."""
 
+import math
 from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Literal
 
 import numpy as np
 
 from schemas.recording import AXES, GYRO, UPS, Axis, Kind, Recording, Segment, Stream, Up
-from tasks.motion.whole import north_at_rest
-from tasks.segments.one_pass import cosine_and_sine
-from tasks.segments.rates import TurningPoint
-from tasks.segments.summarise import CHANNELS, SegmentMean
-from tasks.specifications.earth_gain import EarthRotationGain
+from tasks.motion.table import EARTH_RATE
+from tasks.motion.whole import north_at_rest, unit_vector
+from tasks.readings.stamps import with_instants
+from tasks.segments.find import GRAVITY_LIKE, find_segments, up_of
+from tasks.segments.rates import TurningPoint, turning_points
+from tasks.segments.summarise import (
+    ACCEL_COLUMNS,
+    CHANNELS,
+    MIN_ROWS,
+    SegmentMean,
+    cosine_and_sine,
+    rows_of,
+    summarise_all,
+)
 from tasks.uncertainty.drift import WALK
-from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means
+from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means, fit_noise
+from tasks.words import Message, message
+from tasks.words.numbers import MINUS
+
+# The gain λ of Earth's rotation in a recording: 1 in full, 0 absent.
+
+REFUTED = 3.0  # standard uncertainties from a gain that the data then refute
+
+State = Literal["present", "not_visible", "not_shown", "odd"]
+
+
+@dataclass(frozen=True)
+class EarthRotationGain:
+    """The gain λ with its standard uncertainty, and what it rests on.
+
+    level: from the horizontal part, which a g-sensitivity cannot imitate; else from readings up
+    minus down, which contain a g-sensitivity too.
+    """
+
+    gain: float
+    u: float
+    level: bool
+
+    @property
+    def state(self) -> State:
+        """Which of `present` (1) and `absent` (0) the data allow, at three u; odd: neither."""
+        present = abs(self.gain - 1.0) <= REFUTED * self.u
+        absent = abs(self.gain) <= REFUTED * self.u
+        if present:
+            return "not_visible" if absent else "present"
+        if absent:
+            return "not_shown"
+        return "odd" if self.level else "not_visible"
+
+    @property
+    def refuted(self) -> bool:
+        """Whether the data show that Earth's rotation is not in them."""
+        return self.level and self.state == "not_shown"
+
+
+def earth_rotation_message(earth: EarthRotationGain | None) -> Message:
+    """What the data show of Earth's rotation, a clause without its full stop."""
+    if earth is None:
+        return message("earth-rotation-unknown")
+    gain = f"λ = {earth.gain:.3f} ± {2.0 * earth.u:.3f}, k = 2".replace("-", MINUS)
+    basis = "level" if earth.level else "vertical"
+    return message(f"earth-rotation-{basis}-{earth.state.replace('_', '-')}", gain=gain)
+
 
 SAMPLES = 20  # times within a rest at which north is looked up
 COURSE = 4000  # samples of a turn, at most twice as many: a hundred a turn and more
@@ -291,3 +349,249 @@ def _mean_turn(imu: Stream, label: Segment) -> complex:
     turned = 0.5 * np.cumsum(np.append(steps[0], between))
     cosine, sine = cosine_and_sine(turned)
     return complex(cosine.mean(), sine.mean())
+
+
+# Least squares as the clauses write it, kept as a linear operator to propagate uncertainty.
+
+RANK_TOLERANCE = 1e-9
+TINY = 1e-9  # of a variance: keeps a covariance invertible
+EXCESS_LEVEL = 0.01  # scatter that noise alone would give in one case of a hundred
+BLOCKING_EXCESS = 10.0  # beyond it no larger uncertainty makes up for what is wrong
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Parameters of U = H·θ.
+
+    operator: (p, n), θ = operator·U.
+    estimable: (p,) bool, which parameters the points determine (θ_j is a combination of the
+        readings only where the unit vector lies in the row space of H).
+    """
+
+    operator: np.ndarray
+    estimable: np.ndarray
+
+    def of(self, readings: np.ndarray) -> np.ndarray:
+        """θ of (n,) readings; NaN where not estimable."""
+        return np.where(self.estimable, self.operator @ readings, np.nan)
+
+    def uncertainty(self, covariance: np.ndarray) -> np.ndarray:
+        """Standard uncertainty (p,) of θ, from the covariance (n, n) of the readings."""
+        variance = (self.operator @ covariance * self.operator).sum(axis=1)
+        return np.where(self.estimable, np.sqrt(np.maximum(variance, 0.0)), np.nan)
+
+
+def solve(design: np.ndarray) -> Solution:
+    """(HᵀH)⁻¹Hᵀ of a (n, p) design, by the pseudo-inverse where the points are too few."""
+    return _solved(design.astype(float).tobytes(), design.shape)
+
+
+@lru_cache(maxsize=8)  # the same points come for every channel
+def _solved(numbers: bytes, shape: tuple[int, int]) -> Solution:
+    design = np.frombuffer(numbers).reshape(shape)
+    scale = np.linalg.norm(design, axis=0)
+    scale[scale == 0] = 1.0
+    operator = np.linalg.pinv(design / scale, rcond=RANK_TOLERANCE) / scale[:, None]
+    resolution = np.diag(operator @ design)
+    return Solution(operator=operator, estimable=np.abs(resolution - 1.0) < 1e-6)
+
+
+def last_shown(
+    design: np.ndarray, readings: np.ndarray, covariance: np.ndarray, count: int
+) -> tuple[np.ndarray, float]:
+    """θ (p,) by generalised least squares, and how often noise alone makes the last ones so large.
+
+    1 where points or noise do not tell.
+    """
+    from scipy.special import chdtrc  # late: a tenth of a start
+
+    untold = np.full(design.shape[1], np.nan), 1.0
+    if len(readings) <= design.shape[1] or not np.isfinite(readings).all():
+        return untold
+    sizes, ways = np.linalg.eigh(covariance)
+    if not sizes[-1] > 0.0:
+        return untold
+    white = (ways / np.sqrt(np.maximum(sizes, TINY * sizes[-1]))).T
+    solution = solve(white @ design)
+    found, last = solution.of(white @ readings), solution.operator[-count:]
+    if not solution.estimable[-count:].all():
+        return untold
+    chi2 = found[-count:] @ np.linalg.solve(last @ last.T, found[-count:])
+    return found, float(chdtrc(count, chi2))
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """Residuals (n,) of a fit, their covariance (n, n) by that of the readings, and χ²."""
+
+    values: np.ndarray
+    covariance: np.ndarray
+    chi2: float
+
+
+def residuals_of(
+    solution: Solution, design: np.ndarray, readings: np.ndarray, covariance: np.ndarray
+) -> Residuals:
+    """What the fit leaves of the readings."""
+    maker = np.eye(len(readings)) - design @ solution.operator
+    values, spread = maker @ readings, maker @ covariance @ maker.T
+    variances, directions = np.linalg.eigh(spread)
+    known = np.abs(variances) > 1e-6 * np.abs(variances).max(initial=0.0)
+    along = values @ directions[:, known]
+    return Residuals(values, spread, float((along**2 / variances[known]).sum()))
+
+
+@dataclass(frozen=True)
+class BirgeRatio:
+    """By how much residuals exceed what the noise explains, 1 if they do not, and their dof."""
+
+    factor: float = 1.0
+    dof: float = math.inf
+
+
+def birge_ratio(
+    solution: Solution, design: np.ndarray, readings: np.ndarray, covariance: np.ndarray
+) -> BirgeRatio:
+    """√(χ²/dof) of the residuals where noise alone would reach it in fewer than 1 case of 100.
+
+    The residuals' own covariance follows from the readings' covariance. The degrees of freedom
+    are n − p.
+    """
+    from scipy.special import chdtrc  # late: a tenth of a start
+
+    if not len(readings) or not np.isfinite(readings).all():
+        return BirgeRatio()
+    degrees = len(readings) - np.linalg.matrix_rank(design)
+    if degrees < 1:
+        return BirgeRatio()
+    chi2 = residuals_of(solution, design, readings, covariance).chi2
+    if chdtrc(degrees, chi2) < EXCESS_LEVEL:
+        return BirgeRatio(float(np.sqrt(chi2 / degrees)), float(degrees))
+    return BirgeRatio()
+
+
+# The evidence of a recording for JJF 2003: its segments summarised and sorted.
+
+
+def gather(recording: Recording) -> ClauseEvidence:
+    """Summarise a recording's segments, labelled or found, and sort them."""
+    recording = with_instants(recording)
+    labels = recording.manifest.segments
+    if labels:
+        long_enough = tuple(s for s in labels if rows_of(recording, s) >= MIN_ROWS)
+        segments = summarise_all(recording, long_enough, "label")
+    else:
+        segments = summarise_all(recording, find_segments(recording), "found")
+    points = turning_points(recording, segments)
+    rate = np.array([points[i].rate if i in points else np.nan for i in range(len(segments))])
+    up = tuple(_up(segment) for segment in segments)
+    evidence = ClauseEvidence(
+        recording=recording,
+        segments=segments,
+        means=np.array([segment.mean for segment in segments]).reshape(-1, 6),
+        noise=fit_noise(segments, up, rate),
+        up=up,
+        rate=rate,
+        turning_points=points,
+    )
+    return replace(evidence, earth=earth_rotation_gain(evidence))
+
+
+def _up(segment: SegmentMean) -> Up | None:
+    """The axis up: what gravity shows, else the label; None where gravity shows no axis.
+
+    While turning, only what is felt along the spin axis is gravity: a lever arm adds its own
+    acceleration across it.
+    """
+    label = segment.segment
+    found_rest = segment.origin == "found" and label.kind == "static"
+    if found_rest or not segment.has_accel or label.kind == "rotation":
+        return label.up
+    accel = segment.mean[ACCEL_COLUMNS]
+    if label.kind != "rate" or label.axis is None:
+        return up_of(accel)
+    along = accel[AXES.index(label.axis)]
+    if not GRAVITY_LIKE[0] < abs(along) < GRAVITY_LIKE[1]:
+        return None
+    return f"{'+' if along > 0 else '-'}{label.axis}"  # type: ignore[return-value]
+
+
+def earth_rotation_gain(evidence: ClauseEvidence) -> EarthRotationGain | None:
+    """λ by least squares over the rests; None without a latitude, or where no rest determines it.
+
+    Where north is known in the rests: for each gyro, bias, three g-sensitivities and λ times the
+    north component of Earth's rate; the vertical part cannot be separated from the g-sensitivity
+    and does not count. Else: (up − down)/2 over ωe·sin φ, as if the g-sensitivity were none. The
+    gyros together by their weights; where they disagree u is enlarged. A scale factor of 1 is
+    taken.
+    """
+    rests = [
+        i
+        for i in evidence.of_kind("static")
+        if evidence.segments[i].has_gyro and evidence.up[i] is not None
+    ]
+    if evidence.latitude_deg is None or not rests:
+        return None
+    phi = np.radians(evidence.latitude_deg)
+    up = np.array([unit_vector(evidence.up[i]) for i in rests])
+    north = evidence.north[rests]
+    level = bool(np.isfinite(north).all())
+    earth = np.cos(phi) * north if level else np.sin(phi) * up
+    return gain_over(evidence, rests, up, earth, level)
+
+
+def gain_over(
+    evidence: ClauseEvidence, rests: list[int], up: np.ndarray, earth: np.ndarray, level: bool
+) -> EarthRotationGain | None:
+    """λ over some rests; up, earth: (rests, 3) the vertical, and the part of Earth's rotation."""
+    by_gyro = [_of_gyro(evidence, rests, up, EARTH_RATE * earth, c, level) for c in range(3)]
+    gains = np.array([gain for gain in by_gyro if gain is not None])
+    if not len(gains):
+        return None
+    weights = 1.0 / gains[:, 1] ** 2
+    mean = float(weights @ gains[:, 0] / weights.sum())
+    square = float(weights @ (gains[:, 0] - mean) ** 2) / max(len(gains) - 1, 1)
+    return EarthRotationGain(mean, float(np.sqrt(max(square, 1.0) / weights.sum())), level)
+
+
+def steady_gain(
+    evidence: ClauseEvidence, rests: list[int], attitude: np.ndarray, level: float
+) -> EarthRotationGain | None:
+    """How much of Earth's level rotation (rad/s) rests show, along whatever level direction.
+
+    attitude: (rests, 3, 3) axes of the unit along east, north and up. A wrong heading shows all of
+    it along another one.
+    """
+    east, north, up = np.moveaxis(attitude, 2, 0)
+    parts = [
+        gain_over(evidence, rests, up, level / EARTH_RATE * part, True) for part in (north, east)
+    ]
+    if parts[0] is None or parts[1] is None:
+        return None
+    return EarthRotationGain(float(np.hypot(parts[0].gain, parts[1].gain)), parts[0].u, True)
+
+
+def _of_gyro(
+    evidence: ClauseEvidence,
+    rests: list[int],
+    up: np.ndarray,
+    earth: np.ndarray,
+    gyro: int,
+    level: bool,
+) -> tuple[float, float] | None:
+    """λ and u of one gyro; None where its rests do not determine it."""
+    bias, rate = np.ones(len(rests)), earth[:, gyro]
+    columns = (bias, *up.T, rate) if level else (bias, rate)
+    if not level:
+        rests = [i for i, on in zip(rests, rate, strict=True) if on]
+        columns = (bias[rate != 0.0], rate[rate != 0.0])
+    design = np.column_stack(columns)
+    if not len(design):
+        return None
+    solution = solve(design)
+    readings = evidence.means[rests, gyro]
+    covariance = evidence.covariance(gyro)[np.ix_(rests, rests)]
+    u = float(solution.uncertainty(covariance)[-1])
+    u *= birge_ratio(solution, design, readings, covariance).factor
+    value = float(solution.of(readings)[-1])
+    return (value, u) if np.isfinite(value) and u > 0.0 else None

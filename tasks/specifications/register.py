@@ -2,10 +2,10 @@
 
 from schemas.calibration import OF_NO_STANDARD, OF_STANDARD, Method
 from schemas.recording import Standard
+from tasks.specifications.estimate import Specification
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
-from tasks.specifications.specification import Specification
 
 SPECIFICATIONS: dict[Method, Specification] = {
     specification.method: specification for specification in (JJF2003, JOINT, JJF1536)

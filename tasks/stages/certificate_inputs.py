@@ -10,15 +10,15 @@ from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ValidationError
 
-from schemas.appearance import Appearance
 from schemas.base import Unusable, first_fault
 from schemas.certificate import Laboratory, Order
-from schemas.certificate_orders import CertificateOptions
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
+from schemas.orders import CertificateOptions
 from schemas.recording import Unit
+from schemas.text import Appearance
 from schemas.tolerance import Tolerance
 from storage import settings
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.home import Home
 
 DAY = timedelta(days=1)  # largest difference between the UTC date and the local date

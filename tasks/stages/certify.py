@@ -2,23 +2,30 @@
 
 import hashlib
 from collections.abc import Callable
+from dataclasses import dataclass
 from datetime import UTC, date, datetime
+from pathlib import Path
+
+import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
-from schemas.certificate import AsFound, Certificate, Laboratory, Order, Replaced, Step
-from schemas.configuration import configuration_of
-from schemas.decision import Decision
-from schemas.equipment import MeasurementStandard
+from schemas.certificate import AsFound, Certificate, Laboratory, Order, Replaced, State, Step
+from schemas.laboratory import MeasurementStandard
 from schemas.recording import Manifest
+from schemas.station import configuration_of
 from schemas.text import texts_of
+from schemas.tolerance import Decision
 from storage import settings
-from storage.catalogue import certificates, runs
-from storage.catalogue.run_index import Run
+from storage.catalogue import audit_trail, certificates, database, runs
+from storage.catalogue.certificates import Entry, entry_of, record_of
+from storage.catalogue.runs import Run
 from storage.home import Home
 from tasks import conformity, reminders
 from tasks.calibrate.evidence_file import why_none
-from tasks.certificate.differences import differences
+from tasks.certificate.content import differences
+from tasks.certificate.mandatory import missing
+from tasks.certificate.pdf import faces_of
 from tasks.conformity.capabilities import certificate_as_stated
 from tasks.curves import curves_of_run, history
 from tasks.specifications.register import SPECIFICATIONS
@@ -33,13 +40,152 @@ from tasks.stages.certificate_inputs import (
     tolerance_of,
     with_appearance,
 )
-from tasks.stages.draft import DRAFT, keep_draft
-from tasks.stages.equipment_in_use import contradictions, reference_in_use, standards_in_use
-from tasks.stages.evidence import as_text, evidence_of
-from tasks.stages.published import Published
+from tasks.stages.estimate import (
+    as_text,
+    contradictions,
+    evidence_of,
+    reference_in_use,
+    standards_in_use,
+)
 from tasks.stages.stage import announce, stage
 from tasks.validation import record
-from tasks.words import message, statement
+from tasks.words import Message, message, statement
+
+# A certificate as it stands in the store.
+
+
+@dataclass(frozen=True)
+class Published:
+    """A certificate, what became of it, and where it lies.
+
+    state: its record's own, or amended or withdrawn since. missing: what keeps a draft from being
+    issued, a sentence for each entry of clause 8 that it does not state.
+    """
+
+    certificate: Certificate
+    state: State
+    pdf: Path
+    dcc: Path | None
+    record: Path
+    evidence: Path | None
+    missing: tuple[Message, ...]
+
+    @property
+    def due(self) -> date | None:
+        """The day of recalibration; None once another certificate or none counts."""
+        return None if self.state in ("amended", "withdrawn") else self.certificate.due
+
+
+def published(number: str, home: Home) -> Published:
+    """The certificate with a number, or the draft with a key; raises Unusable for none."""
+    entry = entry_of(number, home)
+    certificate = record_of(entry, home)
+    return Published(
+        certificate=certificate,
+        state=entry.state,
+        pdf=home.path / entry.pdf,
+        dcc=home.path / entry.dcc if entry.dcc else None,
+        record=home.path / entry.record,
+        evidence=home.path / entry.evidence if entry.evidence else None,
+        missing=_missing(certificate, home) if entry.state in ("draft", "checked") else (),
+    )
+
+
+def _missing(certificate: Certificate, home: Home) -> tuple[Message, ...]:
+    """With the titles of those who may issue, which the record does not hold."""
+    laboratory, own = certificate.laboratory, settings.laboratory(home)
+    if laboratory and own:
+        laboratory = laboratory.model_copy(update={"authorised": own.authorised})
+    return missing(certificate.model_copy(update={"laboratory": laboratory}))
+
+
+# Stores a draft certificate: one for each run and purpose, the latest.
+
+DRAFT = "draft"  # the number of a draft that has no key yet
+UNNAMED_DRAFTER = "not named"  # who drafted, if not named
+
+
+def keep_draft(
+    certificate: Certificate, home: Home, now: datetime, evidence: bytes | None = None
+) -> Published:
+    """Keeps a draft in the place of the one before it of the same run and purpose.
+
+    Raises Unusable where a certificate of that run and purpose is issued, unless this one amends
+    it, and where the draft before amends another certificate and this one does not.
+    """
+    with database.changing(home) as connection:
+        result = certificates.result_of(connection, certificate)
+        before = _before(connection, certificate, home)
+        run = certificate.calibration.run
+        earlier = [entry for entry in before if entry.purpose is None]  # has a number: it stays
+        dropped = [entry for entry in before if entry.purpose is not None]
+        own = next((entry.number for entry in dropped if entry.run == run), None)
+        key = own or certificates.free_key(connection, run)
+        for entry in dropped:
+            certificates.remove(connection, entry)
+        for entry in earlier:
+            certificates.change_state(connection, entry.number, "withdrawn")
+        draft = certificate.model_copy(update={"number": key})
+        files = certificates.add(connection, home, draft, faces_of(draft, None, evidence))
+        step, replaces = draft.step("draft"), draft.replaces
+        person = step.person if step else UNNAMED_DRAFTER
+        for entry in earlier:
+            audit_trail.add(
+                connection, person, "withdraw", entry.number, at=now, reason=f"draft {key}"
+            )
+        audit_trail.add(
+            connection, person, "draft", key, at=now, run=run, result=result,
+            purpose=draft.purpose, reason=step.reason if step else None,
+            replaces=replaces and replaces.number, dropped=[entry.number for entry in dropped],
+            sha256=certificates.hashes(connection, key),
+        )  # fmt: skip
+    certificates.remove_files(dropped, files, home)
+    return published(key, home)
+
+
+def _before(connection: sql.Connection, certificate: Certificate, home: Home) -> list[Entry]:
+    """The drafts that this one replaces; raises Unusable if it may not."""
+    run, replaces = certificate.calibration.run, certificate.replaces
+    found = {
+        entry.number: entry
+        for entry in certificates.live(connection, run)
+        if (entry.purpose or _purpose_of(entry, home)) == certificate.purpose
+    }
+    if replaces:
+        found |= {
+            entry.number: entry
+            for entry in certificates.drafts_in_place_of(connection, replaces.number)
+        }
+        found.pop(replaces.number, None)
+    for entry in found.values():
+        if entry.state == "issued":
+            raise Unusable(
+                f"run {run} has certificate {entry.number}, issued on {entry.issued_on}; "
+                f"`mimucal amend {entry.number} --why REASON` makes another one in its place.",
+                message("cause-state.issued", number=entry.number),
+            )
+        other = entry.supersedes if not replaces or replaces.number != entry.supersedes else None
+        if other and _is_issued(connection, other):
+            raise Unusable(
+                f"draft {entry.number} of run {run} amends certificate {entry.supersedes}; "
+                f"`mimucal amend {entry.supersedes} --why REASON` makes it again."
+            )
+    return list(found.values())
+
+
+def _is_issued(connection: sql.Connection, number: str) -> bool:
+    """Otherwise it cannot be replaced any more: it was withdrawn, or already amended."""
+    entry = certificates.locked(connection, number)
+    return entry is not None and entry.state == "issued"
+
+
+def _purpose_of(entry: Entry, home: Home) -> str | None:
+    """The purpose of what an earlier version kept; None for a record that cannot be read."""
+    try:
+        return record_of(entry, home).purpose
+    except Unusable:
+        return None
+
 
 MOST = 20  # the last ones show how a unit moves
 

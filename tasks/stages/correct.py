@@ -6,24 +6,25 @@ from pathlib import Path
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration
-from schemas.correction import Correction
+from schemas.calibration import Calibration, Correction
 from schemas.orders import ApplyOrder, ExportOrder, SimulateOrder
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream, Unit
-from storage.catalogue import run_index, runs
-from storage.catalogue.run_index import Run
-from storage.formats.columns import write_columns
+from storage.catalogue import runs
+from storage.catalogue.runs import Run
+from storage.formats.content import write_columns
 from storage.home import Home
-from tasks.coefficients.correct import Coefficients, coefficients, correct
-from tasks.coefficients.kalibr import as_kalibr
-from tasks.coefficients.parameters import model_values
-from tasks.coefficients.tables import as_c, as_csv, as_json, as_ros, as_yaml, document
-from tasks.coefficients.uncertainty import reading_uncertainty
-from tasks.model.simulate import predict
+from tasks.coefficients.correct import (
+    Coefficients,
+    coefficients,
+    correct,
+    model_values,
+    reading_uncertainty,
+)
+from tasks.coefficients.exports import as_c, as_csv, as_json, as_kalibr, as_ros, as_yaml, document
+from tasks.model.model import predict
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
-from tasks.stages.calibration_input import correcting_calibration, read_calibration
-from tasks.stages.estimate import estimate
+from tasks.stages.estimate import correcting_calibration, estimate, read_calibration
 from tasks.stages.stage import stage
 
 OF_CORRECTION = {"json": as_json, "yaml": as_yaml, "c": as_c, "ros": as_ros, "csv": as_csv}
@@ -160,7 +161,7 @@ def _write(recording: Recording, out: Path) -> None:
 
 def _recording_of(calibration: Calibration, home: Home) -> Recording | None:
     """The recording that a calibration was made of, if it is in the store."""
-    for run in run_index.all_runs(home):
+    for run in runs.all_runs(home):
         if run.digest == calibration.digest:
             return runs.load(run, home)
     return None

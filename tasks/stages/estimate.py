@@ -1,29 +1,160 @@
 """Stage: estimates every item that a run allows, and stores the result."""
 
-from collections.abc import Callable, Sequence
+import json
+import os
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from datetime import date
 from functools import partial
-from typing import get_args
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import ValidationError
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration, UncertaintyKind
+from schemas.calibration import (
+    OF_NO_STANDARD,
+    OF_STANDARD,
+    Calibration,
+    EvidenceFile,
+    UncertaintyKind,
+)
 from schemas.certificate import Laboratory
-from schemas.equipment import ResultAxes
-from schemas.orders import Estimation, UncertaintyName
-from schemas.recording import Recording
+from schemas.laboratory import EquipmentLimit, LimitName, MeasurementStandard, ResultAxes
+from schemas.orders import Estimation, ExportOrder, UncertaintyName
+from schemas.recording import Manifest, Recording
+from schemas.text import Validity, texts_fields
+from schemas.tolerance import Decision
 from storage import settings
-from storage.catalogue import results, runs
-from storage.catalogue.run_index import Run
+from storage.catalogue import equipment, results, runs
+from storage.catalogue.runs import Run, provenance
 from storage.home import Home
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import calibrate, evaluation_for
+from tasks.calibrate.evidence_file import evidence_file
+from tasks.calibrate.reference import as_certified
 from tasks.model.catalogue import catalogue
-from tasks.motion.angle_rates import gives_angles
+from tasks.motion.encoders import gives_angles
 from tasks.readings.codes import codes_put_right
-from tasks.specifications.register import specification_for
-from tasks.stages.equipment_in_use import limits_in_use, reference_in_use
+from tasks.specifications.register import SPECIFICATIONS, specification_for
 from tasks.stages.stage import stage
+from tasks.uncertainty.equipment import own_limits
 from tasks.version import code_version
-from tasks.words import say
+from tasks.words import say, statement
+
+# The measurement standards used for a run, and what they state of its reference.
+
+# on which two documents may disagree
+PAPER = ("certificate", "traceable", "calibrated_on", "valid_until")
+
+
+def standards_in_use(
+    manifest: Manifest, home: Home, laboratory: Laboratory | None, day: date | None
+) -> tuple[MeasurementStandard, ...]:
+    """The standards that a run names, else those that its laboratory lists.
+
+    Those of the register with the certificate that counts on a day. What a run says is virtual
+    stays so, whatever the register leaves out.
+    """
+    listed = of_manifest(manifest) or (laboratory.equipment if laboratory else ())
+    registered = equipment.on_day(home, day) if listed else {}
+    return tuple(
+        registered.get(each.serial, each).model_copy(update={"virtual": True})
+        if each.virtual
+        else registered.get(each.serial, each)
+        for each in listed
+    )
+
+
+def contradictions(
+    manifest: Manifest, listed: Iterable[MeasurementStandard], home: Home, day: date | None
+) -> tuple[str, ...]:
+    """Contradictions between a run and laboratory.toml, or the register, on the standards it was
+    measured with. None for a run that names no standard. A certificate that the register has
+    renewed since the run is no contradiction.
+    """
+    used = {standard.serial: standard for standard in of_manifest(manifest)}
+    if not used:
+        return ()
+    registered = equipment.on_day(home, day)
+    found: list[str] = []
+    for standard in listed:
+        if own := used.get(standard.serial):
+            found += _disputed(own, standard, "laboratory.toml", registered)
+        else:
+            found.append(
+                f"laboratory.toml lists {standard.name} ({standard.serial}) as a measurement "
+                f"standard, but the recording says that {', '.join(used)} were used"
+            )
+    for serial, own in used.items():
+        if serial in registered:
+            found += _disputed(own, registered[serial], "the register", registered)
+    return tuple(dict.fromkeys(found))
+
+
+def _disputed(
+    own: MeasurementStandard, other: MeasurementStandard, paper: str, registered: Container[str]
+) -> Iterator[str]:
+    """The fields in which two records of one standard disagree on one certificate of it."""
+    if own.certificate != other.certificate and own.serial in registered:
+        return
+    pairs: list[tuple[str, Any, Any]] = [
+        (name, getattr(own, name), getattr(other, name)) for name in PAPER
+    ]
+    pairs += [
+        (f"limits.{name}", own.limits[name].half_width, other.limits[name].half_width)
+        for name in own.limits.keys() & other.limits.keys()
+    ]
+    for name, recorded, stated in pairs:
+        if None not in (recorded, stated) and recorded != stated:
+            yield (
+                f"{own.name} ({own.serial}): the recording says {name} = {_written(recorded)}, "
+                f"but {paper} says {_written(stated)}"
+            )
+
+
+def _written(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else f"{value}"
+
+
+def limits_in_use(
+    manifest: Manifest, home: Home, laboratory: Laboratory | None
+) -> dict[LimitName, EquipmentLimit]:
+    """The error limits of the equipment of a run. Those in laboratory.toml take precedence over the
+    certificates of the standards in use. Raises Unusable for a drift since an unknown day.
+    """
+    day = _day(manifest)
+    standards = standards_in_use(manifest, home, laboratory, day)
+    return own_limits(standards, laboratory.limits if laboratory else {}, day)
+
+
+def reference_in_use(recording: Recording, home: Home, laboratory: Laboratory | None) -> Recording:
+    """The recording with its reference corrected by the certificates of the same standards.
+
+    Raises Unusable for a run outside of what they state, see `as_certified`.
+    """
+    manifest = recording.manifest
+    standards = standards_in_use(manifest, home, laboratory, _day(manifest))
+    return as_certified(recording, standards, laboratory.limits if laboratory else ())
+
+
+def _day(manifest: Manifest) -> date | None:
+    """The day on which a run used its standards."""
+    day: date | None = provenance(manifest)["recorded_on"]
+    return day
+
+
+def of_manifest(manifest: Manifest) -> tuple[MeasurementStandard, ...]:
+    """The standards named in a manifest; `certify` refuses malformed records."""
+    named = (manifest.model_extra or {}).get("equipment")
+    records = named if isinstance(named, list | tuple) else ()
+    return tuple(standard for each in records if (standard := _standard(each)))
+
+
+def _standard(record: Any) -> MeasurementStandard | None:
+    try:
+        return MeasurementStandard.model_validate_json(json.dumps(record))
+    except ValidationError:
+        return None
+
 
 UNCERTAINTIES: dict[UncertaintyName, UncertaintyKind] = {
     "gum": "GUM",
@@ -91,8 +222,8 @@ def _with_terms(
     # Late: a calibration without terms needs none of it.
     from tasks.explain.correction.adopt import adopt
     from tasks.explain.explain import explain
-    from tasks.explain.inputs.full_rate import full_rate
-    from tasks.explain.report.unnamed import refused
+    from tasks.explain.inputs.blocks import full_rate
+    from tasks.explain.report.statements import refused
 
     recording_id = recording.manifest.recording_id
     if gives_angles(recording):
@@ -122,3 +253,101 @@ def _with_terms(
     found = [findings[name] for name in names]  # two names may be one finding
     taken = [one for k, one in enumerate(found) if all(one is not each for each in found[:k])]
     return adopt(recording, taken, calibrate, explanation.determined)
+
+
+# The calibration that an order refers to.
+
+
+def read_calibration(reference: str, home: Home) -> Calibration:
+    """A result by its id or its run's in the store, or from a mimu-calibration/1 file.
+
+    Raises Unusable for none of these.
+    """
+    # returns False for text that cannot be a path, where Path.is_file raises
+    if os.path.isfile(reference):
+        return settings.read(Path(reference), Calibration)
+    return results.find(reference, home).calibration
+
+
+def correcting_calibration(reference: str, home: Home) -> Calibration:
+    """The same, to correct readings with; Unusable for that of an invalid run, too."""
+    calibration = read_calibration(reference, home)
+    validity = calibration.validity
+    if validity.verdict == "invalid":
+        raise Unusable(
+            f"run {calibration.run} is invalid: {validity.reasons[0].rstrip('.')}; nothing is "
+            "corrected by it: measure again."
+        )
+    return calibration
+
+
+# Whether a run can be relied on, before anything is said of its unit.
+
+
+def validity_of(run: Run, home: Home) -> Validity:
+    """The verdict on a run by the method of its specification; that of its result, if it has one
+    of the readings as recorded.
+
+    A run that the method cannot serve at all is valid with that remark: it was not judged.
+    """
+    method = OF_STANDARD.get(run.standard, OF_NO_STANDARD)
+    for kept in reversed(results.of_run(run, home)):
+        made = kept.calibration
+        if (made.method, made.code_version) == (method, code_version()) and not made.terms:
+            return made.validity
+    # Late: a run with a result needs none of it.
+    recording = runs.load(run, home)
+    laboratory = settings.laboratory(home)
+    try:
+        own = limits_in_use(recording.manifest, home, laboratory)
+        recording = reference_in_use(recording, home, laboratory)
+        evaluation = evaluation_for(recording, own=own)
+        calibration = calibrate(
+            SPECIFICATIONS[method], recording, run=run.id, code_version="", evaluation=evaluation,
+            own_latitude_deg=laboratory.latitude_deg if laboratory else None,
+        )  # fmt: skip
+    except Unusable as fault:
+        return Validity(verdict="remarks", **texts_fields("reasons", (statement(str(fault)),)))
+    return calibration.validity
+
+
+# The evidence file of a result, made again from its recording.
+
+
+def evidence_of(
+    calibration: Calibration,
+    recording: Recording,
+    home: Home,
+    laboratory: Laboratory | None,
+    decision: Decision | None = None,
+) -> EvidenceFile:
+    """What a result of a recording rests on; Unusable where it has no evidence file.
+
+    calibration: as it is stated. recording: with its reference as it was in use. laboratory: whose
+    limits the result was made with. decision: what was decided on it.
+    """
+    specification = specification_for(recording.manifest.standard, calibration.method)
+    limits = limits_in_use(recording.manifest, home, laboratory)
+    evaluation = evaluation_for(recording, own=limits, axes=how_made(calibration).axes)
+    return evidence_file(calibration, specification, recording, evaluation, decision)
+
+
+def as_text(evidence: EvidenceFile) -> str:
+    """The text of the file."""
+    return evidence.model_dump_json() + "\n"
+
+
+def export_evidence(order: ExportOrder, home: Home) -> str:
+    """The evidence file of a result, without a decision; Unusable where it has none, or where its
+    recording is not in the store.
+    """
+    calibration = read_calibration(order.calibration, home)
+    for run in runs.all_runs(home):
+        if run.digest == calibration.digest:
+            laboratory = settings.laboratory(home)
+            recording = reference_in_use(runs.load(run, home), home, laboratory)
+            return as_text(evidence_of(calibration, recording, home, laboratory))
+    raise Unusable(
+        f"run {calibration.run} of {calibration.recording_id} is not in {home.path}, and its "
+        "evidence is made of the recording: import that."
+    )

@@ -9,26 +9,28 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from schemas.base import Unusable
-from schemas.next_recording import NextRecording, PredictedEvidence, RepeatOfBase
+from schemas.discrepancy import NextRecording, PredictedEvidence, RepeatOfBase
 from schemas.orders import NextOrder
 from schemas.recording import Recording
 from schemas.station import StationFile
 from storage import settings
 from storage.catalogue import runs
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.home import Home
 from storage.whole_files import written_out
-from tasks.experiment.abilities import Abilities
-from tasks.experiment.choose import NOTHING, Experiment
-from tasks.experiment.open_question import open_question
-from tasks.experiment.rehearsal import rivals_of
+from tasks.experiment.blocks import Abilities
+from tasks.experiment.choose import NOTHING, Experiment, open_question, rivals_of
 from tasks.experiment.separation import UnitNoise
-from tasks.experiment.temperature import ThermalResponse
+from tasks.experiment.track import ThermalResponse
 from tasks.explain.progress import Progress, report_progress, silent
-from tasks.model.effect import effect_name, separating_recording
+from tasks.model.term import effect_name, separating_recording
 from tasks.stages.procedure_input import procedure_named
 from tasks.stages.stage import stage
 from tasks.words import Message, clauses, identifiers, message, statement
+
+if TYPE_CHECKING:
+    from tasks.experiment.choose import Choice, OpenQuestion
+
 
 REHEARSALS = 2  # trials of a procedure: each may reveal another effect that fits
 NOISE_CHI2 = 1.0  # chi-squared that noise alone produces
@@ -36,10 +38,6 @@ LONGER_BY = 1.1  # above proportional time: the first blocks are the most inform
 NO_NAME = {"unnamed"}  # placeholder where no effect of the catalogue is named
 USUAL_MIN = 15.0  # where fewer are allowed, what these would give is tried too
 LONGEST_MIN = 120.0  # that a longer recording is worth proposing
-
-if TYPE_CHECKING:
-    from tasks.experiment.choose import Choice
-    from tasks.experiment.open_question import OpenQuestion
 
 
 @stage("next")

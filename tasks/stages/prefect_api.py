@@ -3,7 +3,7 @@
 from typing import Any
 
 from schemas.base import Unusable
-from storage.environment import environment
+from storage.home import environment
 
 CLIENT_AUTH = "PREFECT_API_AUTH_STRING"  # `user:password` of the client
 SERVER_AUTH = "PREFECT_SERVER_API_AUTH_STRING"  # the same on the server

@@ -1,25 +1,25 @@
 """Stage: which units are due for recalibration, and messages to their clients."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from schemas.base import Unusable
 from schemas.certificate import Party
-from schemas.recall import DueUnit, RecallFile
+from schemas.store import DueUnit, RecallFile
 from schemas.text import text_of
 from storage import settings
-from storage.catalogue import certificates, reminders
+from storage.catalogue import certificates, equipment
 from storage.catalogue.certificates import Entry
 from storage.home import Home
 from tasks.reminders import send as sending
 from tasks.reminders.reliability import Interval, IntervalAdvice, advise
 from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
-from tasks.stages.events import logger_of
-from tasks.stages.stage import announce
-from tasks.words import MAIN, Message, message, say, statement
+from tasks.stages.stage import announce, logger_of
+from tasks.words import MAIN, Message, Sayable, message, say, statement
 
-LOG = logger_of("remind")
+REMIND_LOG = logger_of("remind")
 Send = Callable[[str, str, str, bytes | None], str | None]
 
 
@@ -82,12 +82,14 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
             continue
         for name in client.channels:
             key = (each.certificate, days, f"{client.name} {name}")
-            if reminders.claim(home, key, now, pause):
+            if equipment.claim(home, key, now, pause):
                 url = urls[client.name, name]
                 fault = _sent(send, url, each, days, client.language, now)
-                reminders.note(home, key, now, fault)
+                equipment.note(home, key, now, fault)
                 fields = {"of": each.certificate, "channel": key[2], "cause": fault}
-                (LOG.error if fault else LOG.info)("failed" if fault else "sent", extra=fields)
+                (REMIND_LOG.error if fault else REMIND_LOG.info)(
+                    "failed" if fault else "sent", extra=fields
+                )
                 if fault:
                     announce("reminder.failed", each.unit, channel=key[2], why=fault)
                     faults.append(f"{each.unit} to {key[2]}: {fault}")
@@ -97,7 +99,7 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
 def sent(home: Home) -> dict[str, list[str]]:
     """What was sent, by certificate: channel, occasion and day."""
     found: dict[str, list[str]] = {}
-    for each in reminders.all_reminders(home):
+    for each in equipment.all_reminders(home):
         if each.sent_at is not None:
             day = each.sent_at.astimezone().date().isoformat()
             line = f"{each.channel}, {abs(each.days)} days {_side(each.days)}, {day}"
@@ -200,3 +202,48 @@ def _verdict_found(entry: Entry, home: Home) -> str:
         return entry.verdict
     record = certificates.record_of(entry, home)
     return (record.as_found or record).decision.verdict
+
+
+# Stage: a sentence to whoever operates the line, by the channels of recall.toml.
+
+ALERT_LOG = logger_of("alert")
+
+
+@dataclass(frozen=True)
+class Sent:
+    """The outcome of an alert on a channel; fault: why it was not delivered, None if it was."""
+
+    channel: str
+    fault: str | None
+
+
+def alert(
+    home: Home,
+    sentence: Sayable,
+    send: Send = sending.send,
+    *,
+    only: Collection[str] | None = None,
+) -> list[Sent]:
+    """Sends a sentence to the operators on each of their channels, in silent hours too.
+
+    only: the channels, by name, in the place of all.
+
+    Raises Unusable where recall.toml names no operators, and for an invalid channel.
+    """
+    asked = settings.reminders(home)
+    if asked is None or asked.operators is None:
+        raise Unusable(
+            f"{home.path / settings.REMINDERS} names no operators; add [operators] with channels."
+        )
+    urls = {
+        name: sending.check_channel(name, url)
+        for name, url in asked.operators.channels.items()
+        if only is None or name in only
+    }
+    language = asked.operators.language
+    title, sentence = say(message("alert-title"), language), say(sentence, language)
+    done = [Sent(name, send(url, title, sentence, None)) for name, url in urls.items()]
+    for each in done:
+        fields = {"of": sentence, "channel": each.channel, "cause": each.fault}
+        ALERT_LOG.warning("failed" if each.fault else "sent", extra=fields)
+    return done

@@ -12,20 +12,19 @@ from schemas.base import Unusable
 from schemas.certificate import LIVE, Laboratory
 from schemas.orders import ReviewOrder, Selection, order_of
 from schemas.review import KeptReview, Review, Skipped, Touched
-from storage import last_review, settings
+from storage import run_statistics, settings
 from storage.catalogue import certificates, runs
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.catalogue.selection import check_known, select
 from storage.home import Home
 from storage.whole_files import report_folder, written_out
-from tasks.review.consequences import moved_elements, touched_of, with_touched
 from tasks.review.hypotheses import Effect
 from tasks.review.pool import pooled
-from tasks.review.report import review_of
+from tasks.review.report import moved_elements, review_of, touched_of, with_touched
 from tasks.review.search import Found, search
 from tasks.review.several_recordings import reviewed_runs
 from tasks.review.windows import rows_of
-from tasks.stages.equipment_in_use import limits_in_use
+from tasks.stages.estimate import limits_in_use
 from tasks.stages.explain import all_kept_statistics, make_statistics
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.import_recording import run_of
@@ -92,7 +91,9 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     review = with_certificates(review, found_together, {run.id: run for run in chosen}, home)
     review = review.model_copy(update={"code_version": code_version()})
     with suppress(Unusable):
-        last_review.keep(_kept(review, order, [run for run in chosen if run.id in usable]), home)
+        run_statistics.keep_review(
+            _kept(review, order, [run for run in chosen if run.id in usable]), home
+        )
     return Reviewed(review, () if out is None else (_write(review, out),))
 
 

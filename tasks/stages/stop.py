@@ -10,24 +10,21 @@ from pathlib import Path
 from secrets import token_hex
 
 from schemas.base import NotThere, Unusable
-from schemas.run_log import ENDED
-from schemas.station import StationFile
-from schemas.stop import StopAnswer, Stopped, StopRequest
+from schemas.recording import ENDED
+from schemas.station import StationFile, StopAnswer, Stopped, StopRequest
 from storage import settings, stations
 from storage.home import Home
-from storage.station_lock import (
+from storage.stations import (
+    answer_in,
     end_status,
     is_dead,
     is_held,
-    read_status,
-    status_file_of,
-)
-from storage.station_stop import (
-    answer_in,
     kept_station_file,
     lock_out,
     note_in_trail,
+    read_status,
     request_stop,
+    status_file_of,
     take_back,
 )
 from tasks.words import cause_of, message, statement
@@ -69,7 +66,7 @@ def stop_station(station: str, by: str, home: Home, lockout: bool = True) -> Sto
     if not is_held(id_, home):
         take_back(home.locks, id_)
         if stopped.at_rest and not _lives(id_, home):
-            from tasks.station.stopping import stopped_by  # late, as below
+            from tasks.station.connected_station import stopped_by  # late, as below
 
             end_status(id_, f"stopped by {by}", home, statement(stopped_by(by)))
     seconds = time.monotonic() - began_s
@@ -138,7 +135,7 @@ def _answer(request: StopRequest, home: Home) -> StopAnswer | None:
 
 def _directly(file: StationFile, by: str) -> Stopped:
     # late: the drivers take longer to import than a run's process needs to answer
-    from tasks.station.stopping import axes_of, is_at_rest, stop_directly
+    from tasks.station.connected_station import axes_of, is_at_rest, stop_directly
 
     id_, state, fault, cause = file.station.id, None, "", None
     try:

@@ -7,12 +7,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from schemas.station import StationFile
-from schemas.stop import StopAnswer, StopRequest
+from schemas.station import StationFile, StopAnswer, StopRequest
 from storage.home import Home
-from storage.station_lock import end_status, one_run_on, share_status
-from storage.station_stop import answer_stop, keep_station_file, request_in, take_back
-from tasks.station.stopping import StopSwitch, axes_of, stopped_by
+from storage.stations import (
+    answer_stop,
+    end_status,
+    keep_station_file,
+    one_run_on,
+    request_in,
+    share_status,
+    take_back,
+)
+from tasks.station.connected_station import StopSwitch, axes_of, stopped_by
 from tasks.words import statement
 
 LOOK_S = 0.1  # between two looks for a request

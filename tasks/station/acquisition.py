@@ -11,25 +11,24 @@ from schemas.procedure import Procedure
 from schemas.recording import Manifest
 from schemas.station import StationFile
 from schemas.text import Remark, Statement
-from tasks.station.anomalies import MEASURED, remarks_on
 from tasks.station.clock import StationClock
-from tasks.station.connected_station import Bench, connected
-from tasks.station.drivers.unit import UnitDriver
-from tasks.station.plan import plan
-from tasks.station.ports import Ask, Table
-from tasks.station.progress import Progress, Tracker
-from tasks.station.recorder import Recorder
-from tasks.station.requirements import check_attended, check_limits, check_procedure
-from tasks.station.run_manifest import Interrupted, ManifestBuilder, remaining
-from tasks.station.sequencer import Sequencer
-from tasks.station.stopping import (
+from tasks.station.connected_station import (
     OPERATOR,
+    Bench,
     StopRequested,
     StopSwitch,
+    connected,
     run_until_stopped,
     stopped_by,
 )
-from tasks.station.unit_recorder import Sink, UnitRecorder
+from tasks.station.drivers.unit import UnitDriver
+from tasks.station.monitor import MEASURED, remarks_on
+from tasks.station.plan import check_attended, check_limits, check_procedure, plan
+from tasks.station.ports import Ask, Table
+from tasks.station.progress import Progress, Tracker
+from tasks.station.recorder import Recorder, Sink, UnitRecorder
+from tasks.station.run_manifest import Interrupted, ManifestBuilder, remaining
+from tasks.station.sequencer import Sequencer
 from tasks.words import Message, cause_of, message, texts
 
 LEAVE_TIMEOUT_S = 8.0  # lines of text with a pause behind each take seconds

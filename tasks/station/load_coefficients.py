@@ -9,7 +9,7 @@ import numpy as np
 import serial
 
 from schemas.base import Unusable
-from schemas.correction import CorrectedUnit, Correction
+from schemas.calibration import CorrectedUnit, Correction
 from schemas.recording import Unit
 from schemas.station import StationFile
 from schemas.unit_link import CoefficientLines, UnitLink

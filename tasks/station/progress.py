@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from schemas.run_log import Alarm, State
+from schemas.recording import Alarm, State
 from tasks.station.clock import StationClock, wall_s
 from tasks.station.recorder import Recorder
 from tasks.words import message

@@ -12,10 +12,8 @@ from schemas.procedure import Procedure, Refix
 from schemas.recording import Manifest, Mount, Recording, Segment, Stream
 from schemas.station import StationFile
 from schemas.unit_link import UnitLink
-from tasks.station.anomalies import MEASURED
-from tasks.station.monitor import check_unit
-from tasks.station.plan import PlannedSegment
-from tasks.station.requirements import mount_in
+from tasks.station.monitor import MEASURED, check_unit
+from tasks.station.plan import PlannedSegment, mount_in
 
 GAP_INTERVALS = 1.5
 PERSONS = "; "  # between those who carried out the parts of a run

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 from schemas.procedure import Oscillation, Procedure, Refix
 from schemas.station import StationFile
-from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock, wall_s
 from tasks.station.connected_station import Bench
+from tasks.station.monitor import Anomaly
 from tasks.station.plan import PlannedSegment, SetPoint, move_s, nearest_turn, rate_change_s
 from tasks.station.ports import TableState, check_trips, oscillating
 from tasks.station.progress import Tracker

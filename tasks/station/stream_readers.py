@@ -11,10 +11,9 @@ import numpy as np
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Stream, joined
 from schemas.unit_link import ClockComparison
-from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock, wall_s
-from tasks.station.drivers.samples import no_samples
-from tasks.station.drivers.unit import UnitDriver
+from tasks.station.drivers.unit import UnitDriver, no_samples
+from tasks.station.monitor import Anomaly
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
 
 BLOCKS = 12  # spans of time of which the least delay counts

@@ -9,9 +9,8 @@ from functools import cache
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.uncertainty import Budget, BudgetInput, Correlation, Distribution, Kind
-from tasks.segments.one_pass import cosine_and_sine
-from tasks.uncertainty.distributions import NEGLIGIBLE, characteristic_function
+from schemas.calibration import Budget, BudgetInput, Correlation, Distribution, EvaluationType
+from tasks.segments.summarise import cosine_and_sine
 from tasks.uncertainty.propagation import (
     TWO_SIGMA,
     checked_correlation,
@@ -19,6 +18,7 @@ from tasks.uncertainty.propagation import (
     effective_dof,
     variance_terms,
 )
+from tasks.uncertainty.type_a import NEGLIGIBLE, characteristic_function
 from tasks.words import Message, message, texts
 
 PROBABILITY = 0.95
@@ -109,7 +109,7 @@ class InputQuantity:
     name: Message | str
     unit: str
     u: float
-    kind: Kind
+    kind: EvaluationType
     distribution: Distribution
     estimate: float = 0.0
     dof: float = math.inf

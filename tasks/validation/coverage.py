@@ -7,20 +7,22 @@ ideal run without noise says of a unit.
 import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from decimal import Decimal
 from multiprocessing import get_context
 from typing import TypeVar
 
 import numpy as np
 import pandas as pd
 
-from schemas.calibration import Calibration, Item
+from schemas.calibration import TARGET_SHARE, Calibration, Check, Coverage, Item
 from schemas.recording import Recording
-from schemas.validation import TARGET_SHARE, Check, Coverage
 from tasks.quality.yields import wilson
+from tasks.uncertainty.monte_carlo import combine_as_example
 from tasks.validation import run1536, run2003
 from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH, checked, clause_item
 from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit
 from tasks.words import message
+from tasks.words.numbers import round_up
 
 Job = TypeVar("Job")
 Done = TypeVar("Done")
@@ -177,3 +179,43 @@ def recovery_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str, C
         )
         checks[name] = checked(largest <= MAX_ERROR, stated)
     return checks
+
+
+# The worked examples of both Appendices A, computed by the code that prints them.
+
+# The example's title, what is added up to u₃, and u_c and U as printed.
+SCALE = ("A.1", (1.22e-4,), "2.12e-4", "4.3e-4")
+BIAS = ("A.2", (3.41e-5,) * 6, "2.68e-4", "5.36e-4")
+PAIR = ("A.3", (2.51e-3,) * 2, "5.02e-3", "1.1e-2")
+ZERO = ("A.2", (3.41e-5,) * 4, "2.20e-4", "4.4e-4")
+EXAMPLES = {
+    "gyro_scale_factor": SCALE,
+    "gyro_cross_coupling": SCALE,
+    "gyro_fit_offset": SCALE,  # of the same straight line
+    "gyro_bias": BIAS,
+    "gyro_g_sensitivity": PAIR,
+    "accel_scale_factor": SCALE,
+    "accel_cross_coupling": SCALE,
+    "accel_bias": BIAS,
+    "accel_rate_sensitivity": PAIR,
+    "ahrs_scale_factor": SCALE,
+    "ahrs_zero_offset": ZERO,
+    "ahrs_misalignment": PAIR,
+}
+DIGITS = 3
+
+
+def example_check(item: str) -> Check:
+    """Whether the example that an item's uncertainty follows comes out to its printed digits."""
+    clause, components, u_c, U = EXAMPLES[item]
+    specification = "JJF 1536-2015" if item.startswith("ahrs") else "JJF 2003-2022"
+    budget = combine_as_example(item, "1", 0.0, components)
+    printed = Decimal(repr(budget.U)) if len(U.split("e")[0]) > DIGITS else round_up(budget.U)
+    passed = Decimal(repr(budget.u_c)) == Decimal(u_c) and printed == Decimal(U)
+    return checked(
+        passed,
+        message(
+            "validation-example", specification=specification, clause=clause, u_c=u_c, U=U,
+            result=f"u_c = {budget.u_c:.2e}, U = {printed:.2e}",
+        ),
+    )  # fmt: skip

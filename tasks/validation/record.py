@@ -8,24 +8,26 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from schemas.calibration import Calibration, Method
-from schemas.validation import (
+from schemas.calibration import (
     EVIDENCE,
     TARGET_SHARE,
+    Calibration,
     Check,
     Coverage,
     ItemValidation,
+    Method,
     ValidationRecord,
 )
-from tasks.conformity.reasons import Doubt
+from tasks.conformity.limits import Doubt
 from tasks.rendering import draw, inline, page
-from tasks.specifications.items import item_title
+from tasks.specifications.estimate import item_title
 from tasks.validation.fingerprint import fingerprint, text_digest
 from tasks.version import code_version
 from tasks.words import Message, Sayable, clauses, message, worded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 
 TEMPLATE = Path(__file__).parent / "templates" / "validation.html"
 LOWEST = 0.88  # share that the picture shows

@@ -5,11 +5,16 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import ANGLE, AXES, Manifest, Recording
-from tasks.station.virtual.unit import DEGREE
+from tasks.station.virtual.config import DEGREE
 from tasks.uncertainty.equipment import JJF1536
 from tasks.validation.run2003 import matrix, vector
-from tasks.validation.simulated_calibration import Journey, TableErrors, accumulated_angles
-from tasks.validation.simulated_units import SimulatedUnit, recording_of
+from tasks.validation.simulated_units import (
+    Journey,
+    SimulatedUnit,
+    TableErrors,
+    accumulated_angles,
+    recording_of,
+)
 
 RATE_HZ = 4.0
 REST_S, RATE_S, POSITION_S, TURNS_S = 20.0, 20.0, 1800.0, 36.0  # 7.1.1, 7.2.1, 7.3.1

@@ -3,12 +3,17 @@
 import numpy as np
 
 from schemas.recording import ACCEL, AXES, GYRO, Recording
-from tasks.station.virtual.config import EARTH_RATE_RAD_S
-from tasks.station.virtual.unit import DEGREE
+from tasks.station.virtual.config import DEGREE, EARTH_RATE_RAD_S
 from tasks.uncertainty.equipment import JJF2003
 from tasks.validation.record import WITHOUT_EARTH
-from tasks.validation.simulated_calibration import Journey, Site, TableErrors, sensed_rates
-from tasks.validation.simulated_units import SimulatedUnit, recording_of
+from tasks.validation.simulated_units import (
+    Journey,
+    SimulatedUnit,
+    Site,
+    TableErrors,
+    recording_of,
+    sensed_rates,
+)
 
 RATE_HZ = 20.0
 DWELL_S, WHOLE_TURNS_S = 30.0, 36.0  # of a point; in which every rate makes whole turns

@@ -10,11 +10,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from schemas.calibration import Calibration, Method
-from schemas.equipment import EquipmentLimit, LimitName
+from schemas.calibration import Calibration, Method, ScenarioValidation
+from schemas.laboratory import EquipmentLimit, LimitName
 from schemas.recording import ACCEL, GYRO, Recording, Stream
-from schemas.validation import ScenarioValidation
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import evaluation_for
 from tasks.validation.coverage import (
     Calibrate,
     Errors,

@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 
 from schemas.recording import ACCEL, GYRO, Segment
 from storage.catalogue import runs
-from storage.formats.stream_file import memory_bytes
+from storage.formats.folder import memory_bytes
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003

@@ -4,10 +4,10 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
-from flows.on_prefect.prefect_server import connect
+from flows.on_prefect.server import connect
 from schemas.orders import CalibrateOrder, ReprocessOrder
 from storage.catalogue import runs
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.home import Home
 from tasks.stages.estimate import estimate
 from tasks.stages.reprocess import reprocess
@@ -49,10 +49,10 @@ def prefect() -> Section:
         run, _ = runs.add(recording(ROWS), home)
         bare = processor_s(partial(estimate, run, home))
         connect(home)
-        from flows.on_prefect import prefect_flows
+        from flows.on_prefect import flows
 
         order = CalibrateOrder(run=run.id, home=folder)
-        work = partial(prefect_flows.run_now, prefect_flows.calibrate, order)
+        work = partial(flows.run_now, flows.calibrate, order)
         flow = processor_s(work, FLOWS)
     note = f"One flow run costs {flow - bare:.2f} s, whatever is in it; `reprocess` is one flow."
     figures = (Figure("estimation", bare), Figure("the same as a flow run of its own", flow))

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Station, Stream, Unit
-from storage.formats.mcap.bag import Bag
-from storage.formats.mcap.reader import read_mcap
-from storage.formats.mcap.topics import IMU_TOPIC
+from storage.formats.mcap.messages import IMU_TOPIC
+from storage.formats.mcap.reader import Bag, read_mcap
 from storage.formats.mcap.writer import write_mcap
 from tests.bench.measure import Figure, Section, processor_s
 

@@ -9,7 +9,7 @@ from imucal import FerrarisCalibration, FerrarisSignalRegions
 
 from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
 from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.information.allan import allan_curve
+from tasks.calibrate.information.noise import allan_curve
 from tasks.specifications.jjf2003 import JJF2003
 from tests.bench.measure import Figure, Section, processor_s
 from tests.bench.recordings import GRAVITY, NOISE, RATE_HZ

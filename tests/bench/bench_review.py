@@ -6,9 +6,8 @@ from pathlib import Path
 
 from schemas.review import RunStatistics
 from storage.home import Home
-from storage.run_statistics import keep, load
-from tasks.review.pool import ReviewedRun, pooled
-from tasks.review.run_statistics import VERSION, statistics_of
+from storage.run_statistics import keep_statistics, load
+from tasks.review.pool import VERSION, ReviewedRun, pooled, statistics_of
 from tasks.review.search import search
 from tests.bench.measure import Figure, Section, processor_s
 from tests.proof.fleets import draw, drawn_runs, played
@@ -28,7 +27,7 @@ def many_runs() -> Section:
             some = [run for run in fleet.runs if run.affected == affected][:MADE]
             for number, run in enumerate(some):
                 made = statistics_of(played(fleet, run))
-                keep(_digest(number, affected), VERSION, made, home)
+                keep_statistics(_digest(number, affected), VERSION, made, home)
         figures = (
             Figure("the limit: read and unpack", processor_s(partial(_read, home), 1)),
             Figure(

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 from schemas.certificate import Laboratory
-from schemas.equipment import EquipmentFile
+from schemas.laboratory import EquipmentFile
 from storage.formats import recordings
 from storage.formats.convert import Changes
 from storage.home import Home
 from tasks.certificate.mandatory import CLAUSE_8, MANDATORY
 from tasks.conformity import check_capabilities
-from tasks.stages.imports.log import understand
+from tasks.stages.logger_table import understand
 
 GUIDE = Path("deploy/guide")
 PARTY = {"name": "L", "name_zh": "实", "address": "a", "address_zh": "址"}

@@ -52,7 +52,7 @@ print(dcc_of(certificate).decode())
 REPORT = """.venv/bin/python - <<'END'
 from pathlib import Path
 from tasks.explain.report import write_report
-from tasks.model.effect import effect_name
+from tasks.model.term import effect_name
 from tests.tasks.explain.report import made_report
 
 found = made_report.finding(effect="lever_arm", title=effect_name("lever_arm"))

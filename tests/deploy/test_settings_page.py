@@ -1,7 +1,7 @@
 """deploy/guide/settings.md is what the models say."""
 
 from deploy.settings_page import PAGE, text
-from schemas.environment import variables
+from schemas.laboratory import variables
 
 
 def test_the_page_of_settings_is_that_of_the_models() -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from deploy.station_protocol import frame_fields, text
-from tasks.station.virtual.protocol import FRAMES
+from tasks.station.virtual.config import FRAMES
 
 ROOT = Path(__file__).parents[2]
 

@@ -11,7 +11,7 @@ import pytest
 import typer.main
 
 from flows.cli import app
-from flows.deploy_commands import _write_unit
+from flows.operating_commands import _write_unit
 from storage.home import Home
 
 UNITS = sorted(Path("deploy/systemd").glob("mimucal-*"))

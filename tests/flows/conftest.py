@@ -19,9 +19,9 @@ import pyarrow.parquet as pq
 import pytest
 import typer.main
 
-from flows import cli, run_orders
+from flows import cli, execute
 from schemas.orders import CalibrateOrder
-from storage.catalogue import run_index
+from storage.catalogue import runs
 from storage.home import Home
 from tasks.validation import record
 
@@ -33,7 +33,7 @@ asyncio.run(provide_database_interface().create_db())
 
 SERVE = """
 import socket, sys
-from flows.on_prefect.prefect_server import serve
+from flows.on_prefect.server import serve
 serve(socket.socket(fileno=int(sys.argv[1])))
 """
 
@@ -150,7 +150,7 @@ def calibrated_once(plant_on_earth: Path, tmp_path_factory: pytest.TempPathFacto
         for name in ("MIMUCAL_DATABASE", "MIMUCAL_STORE"):
             patch.delenv(name, raising=False)
         patch.setenv("MIMUCAL_HOME", str(folder))
-        run_orders.calibrate(CalibrateOrder(run=str(plant_on_earth)))
+        execute.calibrate(CalibrateOrder(run=str(plant_on_earth)))
     return folder
 
 
@@ -158,7 +158,7 @@ def calibrated_once(plant_on_earth: Path, tmp_path_factory: pytest.TempPathFacto
 def run_on_earth(calibrated_once: Path, home: Path) -> str:
     """The id of that run, which this home holds as well."""
     shutil.copytree(calibrated_once, home)
-    (run,) = run_index.all_runs(Home(home))
+    (run,) = runs.all_runs(Home(home))
     return run.id
 
 

@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from schemas.evidence import EvidenceFile
+from schemas.calibration import EvidenceFile
 from storage.home import Home
 from tests.drafts import draft
 from tests.own_limits import laboratory_file

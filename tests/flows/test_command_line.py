@@ -14,9 +14,7 @@ import pytest
 from mcap.writer import Writer
 
 from storage.formats.folder import read_folder
-from storage.formats.mcap.cdr import encode
-from storage.formats.mcap.definitions import schema_text
-from storage.formats.mcap.topics import IMU, TEMPERATURE
+from storage.formats.mcap.messages import IMU, TEMPERATURE, encode, schema_text
 from storage.formats.mcap.writer import write_mcap
 from tests.own_limits import laboratory_file
 
@@ -344,7 +342,7 @@ def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("storage.catalogue.run_index.all_runs", stop)
+    monkeypatch.setattr("storage.catalogue.runs.all_runs", stop)
     done = mimucal("runs")
     assert (done.code, done.err) == (1, "stopped by the operator\n")
 

@@ -12,15 +12,14 @@ import pytest
 
 from schemas.station import StationFile
 from tasks.station import procedures
-from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
-from tasks.station.virtual.unit import draw_unit
+from tasks.station.virtual.config import VirtualStation, draw_unit
+from tasks.station.virtual.servers import running
 from tests.tasks.station.over_sockets import SPEED, table_and_watchdog
 
 pytestmark = pytest.mark.real_time
 ACQUIRE = """
 import signal, sys
-from flows import run_orders
+from flows import execute as run_orders
 from schemas.base import BrokenOff
 from schemas.orders import AcquireOrder
 for ignored in (signal.SIGHUP, signal.SIGQUIT):

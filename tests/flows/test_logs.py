@@ -9,9 +9,8 @@ import pytest
 
 from flows.logs import set_up
 from schemas.base import Unusable
-from tasks.stages.events import logged, logger_of
-from tasks.station.connected_station import Bus, OnBus, bus
-from tasks.station.stopping import StopSwitch
+from tasks.stages.stage import logged, logger_of
+from tasks.station.connected_station import Bus, OnBus, StopSwitch, bus
 
 
 @pytest.fixture(autouse=True)

@@ -9,7 +9,7 @@ import pytest
 
 from flows.validate import run_validate
 from schemas.base import Unusable
-from schemas.environment import variables
+from schemas.laboratory import variables
 from tasks.validation.coverage import MIN_UNITS
 from tests.storage.full_home import HOMES
 

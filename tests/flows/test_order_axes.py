@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from flows import run_orders
-from schemas.certificate_orders import CertifyOrder
-from schemas.orders import CalibrateOrder
+from flows import execute
+from schemas.orders import CalibrateOrder, CertifyOrder
 from schemas.recording import Recording
 from storage.catalogue import results, runs
 from storage.home import Home
@@ -26,13 +25,13 @@ def test_an_order_decides_about_which_axes_its_certificate_is(
     laboratory_file(home)
     place = Home(home)
     run, _ = runs.add(ideal_run(dwell=1.0), place)
-    plain = run_orders.calibrate(CalibrateOrder(run=run.id))
+    plain = execute.calibrate(CalibrateOrder(run=run.id))
     assert plain.settings["axes"] == "fixture"
     for axes, blocked in (("fixture", False), ("mounting plane", True)):
         order = {"client": PARTY, "received": "2026-05-01", "axes": axes}
         path = tmp_path / "order.json"
         path.write_text(json.dumps(order), encoding="utf-8")
-        paper = run_orders.certify(CertifyOrder(run=run.id, client_order=str(path))).certificate
+        paper = execute.certify(CertifyOrder(run=run.id, client_order=str(path))).certificate
         made = paper.calibration
         assert made.settings["axes"] == axes
         assert (CODE in {remark.code for remark in made.remarks}) is blocked

@@ -8,7 +8,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.recording import Recording
 from storage import retention
-from storage.catalogue import run_index, runs, trail
+from storage.catalogue import audit_trail, runs
 from storage.home import Home
 
 
@@ -20,12 +20,12 @@ def store(home: Path, ideal_run: Callable[..., Recording]) -> Home:
 
 
 def test_nothing_is_deleted_unless_it_is_asked_for(store: Home, mimucal) -> None:
-    (run,) = run_index.all_runs(store)
+    (run,) = runs.all_runs(store)
     listed = mimucal("prune", "--before", "2999-01-01", "--json").json
     assert (listed["format"], listed["deleted"]) == ("mimu-prune/1", False)
     assert [(each["run"], each["what"]) for each in listed["found"]] == [(run.id, "recording")]
     assert run.id in mimucal("prune", "--before", "2999-01-01").out
-    assert run_index.all_runs(store) == [run]
+    assert runs.all_runs(store) == [run]
     assert mimucal("prune", "--before", "2000-01-01", "--json").json["found"] == []
 
 
@@ -36,8 +36,8 @@ def test_a_deletion_names_who_did_it(store: Home, mimucal, monkeypatch: pytest.M
     assert "--by NAME" in refused.err
     done = mimucal("prune", "--before", "2999-01-01", "--delete", "--by", "Li Na", "--json")
     assert (done.code, len(done.json["found"]), done.json["refused"]) == (0, 1, [])
-    assert run_index.all_runs(store) == []
-    assert [entry.person for entry in trail.entries(store)] == ["Li Na"]
+    assert runs.all_runs(store) == []
+    assert [entry.person for entry in audit_trail.entries(store)] == ["Li Na"]
 
 
 def test_a_home_in_which_nothing_can_be_deleted_is_one_refusal(
@@ -52,4 +52,4 @@ def test_a_home_in_which_nothing_can_be_deleted_is_one_refusal(
     refused = mimucal("prune", "--before", "2999-01-01", "--delete", "--by", "Li Na")
     assert (refused.code, refused.out) == (2, "")
     assert refused.err.count("cannot be written") == 1
-    assert len(run_index.all_runs(store)) == 2
+    assert len(runs.all_runs(store)) == 2

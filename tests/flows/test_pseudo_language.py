@@ -9,11 +9,10 @@ from xml.etree import ElementTree
 import pytest
 from lxml import html
 
-from flows.pages.page import View
+from flows.pages.parts import View
 from flows.pages.register import PAGES
 from flows.pages.shell import page_at
-from flows.print_calibration import print_calibration
-from flows.print_discrepancy import print_discrepancy
+from flows.shown_results import print_calibration, print_discrepancy
 from schemas.certificate import Certificate
 from storage.catalogue import certificates, results
 from storage.catalogue.certificates import record_of
@@ -24,7 +23,7 @@ from tasks.certificate.dcc import dcc_of
 from tasks.certificate.pdf import render
 from tasks.explain.explanation import Explanation
 from tasks.explain.report import write_report
-from tasks.model.effect import effect_name
+from tasks.model.term import effect_name
 from tasks.stages.explain import Explained
 from tasks.words import MAIN
 from tests.pseudo_language import phrases, spoken

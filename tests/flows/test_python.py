@@ -8,7 +8,7 @@ import mimucal
 import numpy as np
 import pytest
 
-from storage.formats.columns import write_columns
+from storage.formats.content import write_columns
 
 README = Path(__file__).parents[2] / "README.md"
 EXAMPLE = re.compile(r"```python\n(.*?)```", re.DOTALL)

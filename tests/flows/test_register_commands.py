@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from schemas.certificate import Certificate
-from schemas.decision import Decision
 from schemas.recording import Manifest, Recording
-from storage.catalogue import results, run_index, runs
+from schemas.tolerance import Decision
+from storage.catalogue import results, runs
 from storage.home import Home
 from tests.keep import keep
 from tests.table_dcc import ANGLES, RATES, document
@@ -36,7 +36,7 @@ def add(home: Path, ideal_run: Callable[..., Recording], mimucal) -> Callable[..
 
 
 def certified(home: Home, run: str, number: str, **more: Any) -> None:
-    kept, day = run_index.find(run, home), date(2026, 6, 1)
+    kept, day = runs.find(run, home), date(2026, 6, 1)
     fields = {
         "number": number, "state": "issued", "calibrated_on": day, "issued_on": day,
         "due": date(2027, 6, 1), "laboratory": None, "order": None,

@@ -10,17 +10,17 @@ from typing import Any
 
 import pytest
 
-from flows import carry_out, run_orders
+from flows import execute
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
-from schemas.decision import Decision
 from schemas.history import Reprocessing
 from schemas.orders import ReprocessOrder
 from schemas.recording import Recording
-from storage.catalogue import results, run_index, runs
+from schemas.tolerance import Decision
+from storage.catalogue import results, runs
 from storage.home import Home
-from tasks.stages import make_again
+from tasks.stages import reprocess
 from tasks.stages.reprocess import plan as planned_by
 from tests.earlier_results import EARLIER, newest, plant, two_calibrated
 from tests.keep import keep, take_number
@@ -42,14 +42,14 @@ def store(home: Path, calibrated: Home) -> Home:
 
 
 def reprocessed(**order: Any) -> Reprocessing:
-    return run_orders.reprocess(ReprocessOrder(workers=1, **order))
+    return execute.reprocess(ReprocessOrder(workers=1, **order))
 
 
 def test_the_same_code_changes_nothing_and_keeps_nothing_new(store: Home) -> None:
     report = reprocessed()
     assert (report.done, report.unchanged, report.failed) == (2, 2, 0)
     assert (report.changed, report.flips) == ((), ())
-    for run in run_index.all_runs(store):
+    for run in runs.all_runs(store):
         assert len(results.of_run(run, store)) == 1
 
 
@@ -65,7 +65,7 @@ def test_exactly_the_values_that_earlier_code_had_otherwise_are_reported(
     assert change.after == first.items["gyro_scale_factor"].value["x"]
     assert change.in_U == pytest.approx(3.0)
     assert newest(store) == [first, second]  # made again bit for bit
-    kept = results.of_run(run_index.find(first.run, store), store)
+    kept = results.of_run(runs.find(first.run, store), store)
     assert [each.code_version for each in kept] == [first.code_version, EARLIER, first.code_version]
     assert "code_version" in str(kept[-1].why)
     written = json.loads((tmp_path / "report/report.json").read_text(encoding="utf-8"))
@@ -78,7 +78,7 @@ def test_exactly_the_values_that_a_change_of_the_code_moves_are_reported(
 ) -> None:
     """Later code gives the z gyro half a U more bias, and one accelerometer twice the U."""
     before = {each.run: each for each in newest(store)}
-    earlier = make_again.calibration_of
+    earlier = reprocess.calibration_of
 
     def changed(run: Any, *more: Any) -> Calibration:
         made = earlier(run, *more)
@@ -95,8 +95,8 @@ def test_exactly_the_values_that_a_change_of_the_code_moves_are_reported(
         }
         return made.model_copy(update={"items": made.items | items, "code_version": "9.9.9"})
 
-    monkeypatch.setattr(make_again, "calibration_of", changed)
-    monkeypatch.setattr(make_again, "code_version", lambda: "9.9.9")
+    monkeypatch.setattr(reprocess, "calibration_of", changed)
+    monkeypatch.setattr(reprocess, "code_version", lambda: "9.9.9")
     monkeypatch.setattr("tasks.stages.reprocess.code_version", lambda: "9.9.9")
     report = reprocessed()
     assert {(each.run, each.item, each.element) for each in report.changed} == {
@@ -162,20 +162,20 @@ def test_a_report_that_cannot_be_written_leaves_the_earlier_one(
 def test_a_failed_recording_is_a_row_and_is_tried_again(
     store: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    bad, _ = run_index.all_runs(store)
-    estimate = make_again.calibration_of
+    bad, _ = runs.all_runs(store)
+    estimate = reprocess.calibration_of
 
     def fails(run: Any, *more: Any) -> Calibration:
         if run.id == bad.id:
             raise ZeroDivisionError("a planted fault")
         return estimate(run, *more)
 
-    monkeypatch.setattr(make_again, "calibration_of", fails)
+    monkeypatch.setattr(reprocess, "calibration_of", fails)
     report = reprocessed()
     assert (report.done, report.failed) == (1, 1)
     assert report.failures[0].run == bad.id
     assert "planted fault" in report.failures[0].why
-    monkeypatch.setattr(make_again, "calibration_of", estimate)
+    monkeypatch.setattr(reprocess, "calibration_of", estimate)
     again = reprocessed()
     assert (again.done, again.done_before, again.failed) == (2, 1, 0)
 
@@ -187,19 +187,19 @@ def test_a_dry_run_says_what_would_be_done_and_does_nothing(store: Home, mimucal
     planned = mimucal("reprocess", "--dry-run", "--json").json
     assert (len(planned["runs"]), planned["results"], planned["done_before"]) == (2, 2, 0)
     assert {path: path.stat().st_mtime_ns for path in store.raw.iterdir()} == before
-    assert all(len(results.of_run(run, store)) == 1 for run in run_index.all_runs(store))
+    assert all(len(results.of_run(run, store)) == 1 for run in runs.all_runs(store))
 
 
 @pytest.mark.parametrize("option", ["station", "model", "serial", "procedure", "equipment"])
 def test_a_name_that_no_run_has_is_refused_with_those_that_are_known(
     store: Home, mimucal, option: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(carry_out, "as_flow_run", pytest.fail)  # it needs no server
+    monkeypatch.setattr(execute, "as_flow_run", pytest.fail)  # it needs no server
     for more in ((), ("--dry-run",)):
         refused = mimucal("reprocess", f"--{option}", "nobody", *more)
         assert refused.code == 2
         assert f"--{option} nobody" in refused.err
-        known = run_index.all_runs(store)[0].model_dump().get(option)
+        known = runs.all_runs(store)[0].model_dump().get(option)
         assert known is None or str(known) in refused.err
 
 
@@ -229,7 +229,7 @@ def test_a_certificate_whose_u_grew_is_reported_though_a_later_result_has_it_alr
     number = _certified(store, first.run)
     results.save(first.model_copy(update={"code_version": "0.1.0"}), store)  # who knows the limit
     store.tolerances.mkdir(parents=True)
-    unit = runs.load(run_index.find(first.run, store), store).manifest.unit
+    unit = runs.load(runs.find(first.run, store), store).manifest.unit
     limit = {"item": "gyro_scale_factor", "unit": "1", "elements": ["x"], "magnitude": 10.0}
     limits = {
         "format": "mimu-tolerance/1", "manufacturer": unit.manufacturer, "model": unit.model,
@@ -248,7 +248,7 @@ def test_a_certificate_whose_u_grew_is_reported_though_a_later_result_has_it_alr
 
 def _certified(home: Home, run: str) -> str:
     """A certificate that prints the newest result of a run."""
-    kept = run_index.find(run, home)
+    kept = runs.find(run, home)
     number = take_number(home, "T")
     day = date(2026, 11, 22)
     certificate = Certificate(
@@ -273,7 +273,7 @@ def _certified(home: Home, run: str) -> str:
 def test_an_order_that_cannot_be_is_one_sentence(
     mimucal, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], named: str
 ) -> None:
-    monkeypatch.setattr(carry_out, "as_flow_run", pytest.fail)
+    monkeypatch.setattr(execute, "as_flow_run", pytest.fail)
     done = mimucal("reprocess", *arguments)
     assert done.code == 2
     assert named in done.err

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flows import run_orders
+from flows import execute
 from schemas.orders import ReprocessOrder
 from schemas.recording import Recording
-from storage.catalogue import results, run_index, runs
+from storage.catalogue import results, runs
 from storage.home import Home
 from tasks.stages import on_cluster
 from tests.storage.s3_server import Store, serving
@@ -73,9 +73,9 @@ def test_a_cluster_makes_the_same_results_though_a_worker_is_killed(
     store = Home(home)
     for k in range(4):
         runs.add(ideal_run(dwell=1.0, Kg=(1.0 + 0.01 * k) * np.eye(3)), store)
-    local = run_orders.reprocess(ReprocessOrder(workers=1))
+    local = execute.reprocess(ReprocessOrder(workers=1))
     assert (local.done, local.failed) == (4, 0)
-    expected = {run.id: results.of_run(run, store)[0] for run in run_index.all_runs(store)}
+    expected = {run.id: results.of_run(run, store)[0] for run in runs.all_runs(store)}
     (home / "catalog.sqlite").rename(home / "local.sqlite")
     for k in range(4):
         runs.add(ideal_run(dwell=1.0, Kg=(1.0 + 0.01 * k) * np.eye(3)), store)
@@ -85,9 +85,9 @@ def test_a_cluster_makes_the_same_results_though_a_worker_is_killed(
             os.kill(workers[0], signal.SIGKILL)
 
     order = ReprocessOrder(engine="dask", scheduler=address)
-    report = run_orders.reprocess(order, killing)
+    report = execute.reprocess(order, killing)
     assert (report.done, report.failed) == (4, 0), report.failures
-    for run in run_index.all_runs(store):
+    for run in runs.all_runs(store):
         (made,) = results.of_run(run, store)  # and nothing twice
         assert (made.id, made.calibration) == (expected[run.id].id, expected[run.id].calibration)
     assert bucket.faults > 2
@@ -99,6 +99,6 @@ def test_a_worker_on_another_store_makes_nothing(
 ) -> None:
     runs.add(ideal_run(dwell=1.0), Home(home))
     monkeypatch.setenv("MIMUCAL_STORE", os.environ["MIMUCAL_STORE"].replace("/mimu?", "/other?"))
-    report = run_orders.reprocess(ReprocessOrder(engine="dask", scheduler=scheduler[0]))
+    report = execute.reprocess(ReprocessOrder(engine="dask", scheduler=scheduler[0]))
     assert (report.done, report.failed) == (0, 1)
     assert "same MIMUCAL_DATABASE and MIMUCAL_STORE" in report.failures[0].why

@@ -25,12 +25,10 @@ from storage import settings
 from storage.catalogue import runs
 from storage.formats.folder import read_folder
 from storage.home import Home
-from tasks.experiment import abilities, separation
-from tasks.experiment.choose import Choice, Experiment
-from tasks.experiment.open_question import OpenQuestion
-from tasks.explain.channels import CHANNELS
+from tasks.experiment import blocks, separation
+from tasks.experiment.choose import Choice, Experiment, OpenQuestion
 from tasks.explain.explain import explain as as_it_is
-from tasks.explain.explanation import Explanation, Finding
+from tasks.explain.explanation import CHANNELS, Explanation, Finding
 from tasks.stages import next_recording
 from tasks.words import LANGUAGES, say
 from tests.own_limits import laboratory_file
@@ -80,7 +78,7 @@ def engine(monkeypatch) -> Callable[[int], dict[str, Any]]:
 
         monkeypatch.setattr("tasks.stages.explain.prepare", prepare)
         monkeypatch.setattr("tasks.stages.explain.explained", explained)
-        for room in ("tasks.explain.explain", "tasks.stages.explain_several"):
+        for room in ("tasks.explain.explain", "tasks.stages.explain"):
             monkeypatch.setattr(f"{room}.explain", explained)
         # Of the page that is kept; a report that is asked for has its own.
         monkeypatch.setattr("tasks.stages.explain.pictures_of", lambda *_: BLANK)
@@ -374,7 +372,7 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
         monkeypatch.setattr(next_recording, "open_question", lambda *_: question)
         monkeypatch.setattr(separation.UnitNoise, "of", lambda *_: None)
         able = SimpleNamespace(chamber=None)
-        monkeypatch.setattr(abilities.Abilities, "of_recording", lambda *_: able)
+        monkeypatch.setattr(blocks.Abilities, "of_recording", lambda *_: able)
         least = Choice(PROCEDURE, 1.5, left, 30.0, left)
         monkeypatch.setattr(Experiment, "shortest", lambda *_: least)
         typical = replace(least, expected=1.25 * left)

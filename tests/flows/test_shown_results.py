@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from flows.print_calibration import print_calibration
+from flows.shown_results import print_calibration
 from schemas.calibration import Information
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003

@@ -8,7 +8,7 @@ import threading
 import pytest
 
 from flows.signals import ENDINGS, ending_as_ctrl_c, pausing, stopping
-from tasks.station.stopping import OPERATOR, StopSwitch
+from tasks.station.connected_station import OPERATOR, StopSwitch
 
 
 @pytest.mark.parametrize("ending", ENDINGS)

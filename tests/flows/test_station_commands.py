@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from flows import station as commands
-from schemas.limits import Limits
+from flows import station_commands as commands
+from schemas.laboratory import Limits
 from storage.home import Home
-from storage.station_lock import write_status
+from storage.stations import write_status
 from tasks.station.virtual.config import VirtualStation, station_file
 from tests.storage.test_stations import status
 from tests.tasks.station.sample_stations import sample

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from flows.station_page import StationPage, page_server
-from schemas.stop import Stopped
+from schemas.station import Stopped
 from storage.home import Home
-from storage.station_lock import one_run_on, write_status
+from storage.stations import one_run_on, write_status
 from tests.storage.test_stations import status
 
 FORM = {"Content-Type": "application/x-www-form-urlencoded"}

@@ -10,10 +10,10 @@ import pandas as pd
 import pyarrow.dataset as ds
 import pytest
 
+from schemas.calibration import BudgetInput
 from schemas.history import Change
 from schemas.orders import CalibrateOrder
 from schemas.recording import Recording
-from schemas.uncertainty import BudgetInput
 from storage import dataframes
 from storage.catalogue import runs
 from storage.home import Home

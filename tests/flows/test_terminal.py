@@ -9,12 +9,11 @@ from collections.abc import Iterator
 import pytest
 from rich.console import Console
 
-from flows import acquisition_view, refix_prompt
-from flows.printing import FRAMED, print_rows
-from flows.progress import remaining
+from flows import acquisition_view, terminal
+from flows.terminal import FRAMED, print_rows, remaining
 from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
-from schemas.run_log import Alarm
+from schemas.recording import Alarm
 from tasks.explain.progress import BEHIND, report_progress
 from tasks.station import procedures
 from tasks.station.progress import Progress
@@ -36,7 +35,7 @@ def keyboard(monkeypatch) -> Iterator[int]:
 async def asked(keys: int, *, after_s: float) -> float:
     """How long a question waited (s) when Enter is pressed so long after it was asked."""
     loop = asyncio.get_running_loop()
-    ask, began = refix_prompt.at_terminal(), loop.time()
+    ask, began = terminal.at_terminal(), loop.time()
     assert ask is not None
     loop.call_later(after_s, os.write, keys, b"\n")
     await asyncio.wait_for(ask(REFIX), 10.0)
@@ -58,7 +57,7 @@ def test_an_enter_pressed_before_it_was_asked_does_not_count(keyboard):
 def test_a_terminal_that_closes_ends_the_run_with_a_sentence(keyboard):
     async def close() -> None:
         asyncio.get_running_loop().call_later(0.05, os.write, keyboard, b"\x04")
-        ask = refix_prompt.at_terminal()
+        ask = terminal.at_terminal()
         assert ask is not None
         await asyncio.wait_for(ask(REFIX), 10.0)
 
@@ -69,7 +68,7 @@ def test_a_terminal_that_closes_ends_the_run_with_a_sentence(keyboard):
 def test_where_standard_input_is_no_terminal_there_is_nobody(monkeypatch, tmp_path):
     with (tmp_path / "empty").open("w+") as file:
         monkeypatch.setattr(sys, "stdin", file)
-        assert refix_prompt.at_terminal() is None
+        assert terminal.at_terminal() is None
 
 
 # What is shown of an acquisition, on a terminal and elsewhere.

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tasks" / "certificate"))
-from tasks.certificate.documents import faces_of
+from tasks.certificate.pdf import faces_of
 from tests.tasks.certificate.sample_certificate import certificate
 
 

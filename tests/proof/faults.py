@@ -17,17 +17,16 @@ from schemas.procedure import Procedure
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment
 from schemas.station import StationFile
 from storage.catalogue import runs
-from storage.catalogue.run_index import Run
-from storage.formats.mcap.chunk_writer import ChunkWriter
+from storage.catalogue.runs import Run
+from storage.formats.mcap.chunks import ChunkWriter
 from storage.home import Home
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.specifications.register import specification_for
 from tasks.stages.acquire import acquire_run
 from tasks.station.acquisition import Acquired
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import FAULTS, StationFault
-from tasks.station.virtual.process import running
+from tasks.station.virtual.servers import running
 from tests.proof.kills import RESUMES_SPEED as CLIENTS_SPEED
 from tests.proof.kills import killed_and_resumed
 from tests.proof.study import Count, Out, Seed, Write, hold, table

@@ -16,9 +16,8 @@ from schemas.recording import Manifest, Recording
 from schemas.review import Review, ReviewFinding, RunStatistics
 from storage.run_statistics import decoded, encoded
 from tasks.explain.explain import explain
-from tasks.review.pool import ReviewedRun, pooled
+from tasks.review.pool import VERSION, ReviewedRun, pooled, statistics_of
 from tasks.review.report import review_of
-from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.review.search import search
 from tasks.review.several_recordings import reviewed_runs
 from tasks.stages.fan_out import processors

@@ -18,9 +18,8 @@ from schemas.base import Unusable
 from schemas.described import RegisterType
 from schemas.unit_link import AnyFrame, BinaryFrame, TextFrame
 from tasks.station.drivers.modbus import Order, decode, encode
-from tasks.station.drivers.samples import no_samples
 from tasks.station.drivers.text_device import Answer
-from tasks.station.drivers.unit import find_frames
+from tasks.station.drivers.unit import find_frames, no_samples
 from tests.proof.study import Count, Out, Seed, Write, hold, line
 
 Damage = Callable[[bytes, random.Random], bytes]

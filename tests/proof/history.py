@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
-from flows.progress import counting
+from flows.terminal import counting
 from schemas.orders import Estimation
 from schemas.recording import Recording
-from storage.catalogue import run_index, runs
+from storage.catalogue import runs
 from storage.catalogue.results import newest, of_run
 from storage.home import Home
 from tasks.stages.estimate import calibration_of
@@ -74,7 +74,7 @@ def _faults(made: Made) -> Iterator[str]:
 
 
 def _made(home: Home, count: int) -> Made:
-    there = len(run_index.all_runs(home))
+    there = len(runs.all_runs(home))
     with counting("recordings") as report:
         for number, each in enumerate(_variations(count), start=1):
             if number > there:
@@ -85,7 +85,7 @@ def _made(home: Home, count: int) -> Made:
         check=True, capture_output=True, text=True,
     )  # fmt: skip
     report_ = json.loads(done.stdout)
-    some, began = run_index.all_runs(home)[:BARE], time.perf_counter()
+    some, began = runs.all_runs(home)[:BARE], time.perf_counter()
     again = [calibration_of(run, home, Estimation(), None) for run in some]
     bare_s = (time.perf_counter() - began) / len(some)
     kept = [one.calibration for run in some if (one := newest(of_run(run, home)))]

@@ -17,12 +17,12 @@ import httpx
 import sqlalchemy as sql
 from argon2 import PasswordHasher
 
-from flows import run_orders
+from flows import execute
 from flows.orders.signed_orders import accepted, sign
 from flows.pages.register import PAGES
 from schemas.access import ROLES
 from schemas.base import Unusable
-from schemas.certificate_orders import CheckOrder, IssueOrder, StepOrder, WithdrawOrder
+from schemas.orders import CheckOrder, IssueOrder, StepOrder, WithdrawOrder
 from storage.catalogue import database, tables, users
 from storage.home import Home
 from tests.drafts import draft
@@ -73,9 +73,9 @@ def _attack(_: int) -> tuple[list[Tried], bool]:
             users.add(role, role, QUICK.hash(PASSWORD), home, "Admin")
         drafts = [draft(home, serial).certificate.number for serial in "123"]
         for key in drafts[1:]:
-            run_orders.check(CheckOrder(certificate=key, by="verifier", home=name))
+            execute.check(CheckOrder(certificate=key, by="verifier", home=name))
         issue = IssueOrder(certificate=drafts[2], by="issuer", home=name)
-        number = run_orders.issue(issue).certificate.number
+        number = execute.issue(issue).certificate.number
         before = _stand(home)
         with _log() as lines:
             with served(home) as address:

@@ -19,16 +19,15 @@ from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.recording import ACCEL, GYRO, Recording
 from schemas.station import StationFile
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
-from tasks.stages.acquire import acquire_run
-from tasks.stages.left_run import left_runs
+from tasks.stages.acquire import acquire_run, left_runs
 from tasks.station import procedures
 from tasks.station.acquisition import Acquired
 from tasks.station.run_manifest import interrupted
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
+from tasks.station.virtual.servers import running
 from tests.proof.study import Count, Out, Seed, Write, folder_of, hold, table
 from tests.proof.virtual_runs import Sent, Tap, comes_to_rest
 from tests.tasks.station.over_sockets import ignore
@@ -40,7 +39,7 @@ START_S = 120.0
 Moments = tuple[float, float]
 ACQUIRE = """
 import sys
-from flows import run_orders
+from flows import execute as run_orders
 from schemas.orders import (AcquireOrder)
 run_orders.acquire(AcquireOrder(station=sys.argv[1], procedure=sys.argv[2], attended=False))
 """

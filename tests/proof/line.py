@@ -14,18 +14,16 @@ import sqlalchemy as sql
 from schemas.base import Frozen
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order, Party, Step
-from schemas.decision import Decision
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
 from schemas.recording import ACCEL, GYRO, Manifest, Recording
 from schemas.text import Remark
-from schemas.tolerance import Limit, Tolerance
-from storage.catalogue import database, equipment, lineage, result_rows, runs, tables
+from schemas.tolerance import Decision, Limit, Tolerance
+from storage.catalogue import database, equipment, results, runs, tables
 from storage.catalogue.results import result_id
 from storage.catalogue.runs import unit_id
 from storage.formats.manifest import MANIFEST
 from storage.home import Home
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.conformity import decide
 from tasks.specifications.register import specification_for
 from tasks.stages.certify import due_date
@@ -626,18 +624,18 @@ def _add(
     rows["runs"].append({
         "id": calibration.run, "digest": calibration.digest,
         "recording_id": calibration.recording_id, "unit": key, "standard": manifest.standard,
-        "imported_at": taken_in, "seconds": SECONDS, "rows": ROWS, **lineage.provenance(manifest),
+        "imported_at": taken_in, "seconds": SECONDS, "rows": ROWS, **runs.provenance(manifest),
     })  # fmt: skip
     rows["results"].append({
         "id": result, "run": calibration.run, "method": calibration.method,
         "code_version": calibration.code_version, "made_at": taken_in, "document": document,
     })  # fmt: skip
-    rows["elements"] += [{"result": result} | row for row in result_rows.elements_of(calibration)]
-    outcome = result_rows.outcome_of(calibration)
+    rows["elements"] += [{"result": result} | row for row in results.elements_of(calibration)]
+    outcome = results.outcome_of(calibration)
     rows["outcomes"].append({"result": result, "made_at": taken_in} | outcome)
     rows["equipment"] += [
-        {"run": calibration.run, "document": lineage.MANIFEST, **used.model_dump()}
-        for used in lineage.equipment_of(manifest)
+        {"run": calibration.run, "document": runs.STANDARD_DOCUMENT, **used.model_dump()}
+        for used in runs.equipment_of(manifest)
     ]
     _keep_manifest(home, calibration.digest, manifest)
     is_invalid = calibration.validity.verdict == "invalid"
@@ -646,7 +644,7 @@ def _add(
         certificate = certificate_of(unit, run, manifest, issued)
         rows["certificates"].append(row_of(certificate, run, result, key))
         rows["decisions"] += [
-            {"certificate": issued} | row for row in result_rows.decisions_of(run.decision)
+            {"certificate": issued} | row for row in results.decisions_of(run.decision)
         ]
         text = certificate.model_dump_json()
         (home.certificates / f"{issued}.json").write_text(text, encoding="utf-8")

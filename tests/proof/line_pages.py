@@ -19,11 +19,10 @@ from urllib.parse import urlencode
 import numpy as np
 from scipy import stats
 
-from flows.printing import stdout
-from flows.progress import counting
+from flows.terminal import counting, stdout
 from schemas.base import Unusable
 from schemas.orders import ExplainOrder, ReviewOrder
-from storage.catalogue.run_index import find
+from storage.catalogue.runs import find
 from storage.home import Home
 from tasks.stages.explain import explain_run
 from tasks.stages.review import review_runs

@@ -11,7 +11,7 @@ import numpy as np
 import typer
 
 from schemas.base import Frozen, Unusable
-from schemas.next_recording import NextRecording
+from schemas.discrepancy import NextRecording
 from schemas.orders import NextOrder
 from schemas.procedure import Procedure
 from schemas.recording import Recording
@@ -21,11 +21,11 @@ from storage.catalogue import runs
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
-from tasks.experiment.abilities import Abilities
-from tasks.experiment.open_question import open_question
+from tasks.experiment.blocks import Abilities
+from tasks.experiment.choose import open_question
 from tasks.experiment.separation import left_by_real_fit
 from tasks.explain.explain import explain
-from tasks.explain.search.special_case import HOLDS
+from tasks.explain.search.stepwise import HOLDS
 from tasks.stages.next_recording import next_recording
 from tasks.station.virtual.config import VirtualStation
 from tasks.version import code_version

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pypdfium2  # type: ignore[import-untyped]
 
-from schemas.calibration import Calibration
+from schemas.calibration import Calibration, ValidationRecord
 from schemas.certificate import (
     AsFound,
     Certificate,
@@ -18,19 +18,16 @@ from schemas.certificate import (
     Step,
     StepName,
 )
-from schemas.configuration import configuration_of
-from schemas.decision import Decision
-from schemas.equipment import ErrorBound, MeasurementStandard
+from schemas.laboratory import ErrorBound, MeasurementStandard
 from schemas.recording import Recording
+from schemas.station import configuration_of
 from schemas.text import BOTH, CONTRACTED, Remark
-from schemas.tolerance import Tolerance
-from schemas.validation import ValidationRecord
+from schemas.tolerance import Decision, Tolerance
 from storage import settings
 from tasks import conformity
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
-from tasks.certificate.differences import differences
-from tasks.certificate.documents import faces_of
+from tasks.calibrate.calibrate import calibrate, evaluation_for
+from tasks.certificate.content import differences
+from tasks.certificate.pdf import faces_of
 from tasks.curves import curves_of_run, history
 from tasks.specifications.register import BY_STANDARD
 from tasks.stages.certify import due_date

@@ -30,13 +30,11 @@ from flows.station_page import StationPage, page_server
 from schemas.base import BrokenOff, Unusable
 from schemas.orders import AcquireOrder
 from schemas.procedure import Procedure
-from schemas.run_log import ENDED
-from schemas.station import StationFile
-from schemas.stop import Stopped
+from schemas.recording import ENDED
+from schemas.station import StationFile, Stopped
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
-from storage.station_lock import end_dead_statuses, is_held, statuses
-from storage.station_stop import request_in
+from storage.stations import end_dead_statuses, is_held, request_in, statuses
 from tasks.stages.stop import stop_station
 from tasks.station.sequencer import Sequencer
 from tasks.station.virtual.config import VirtualStation
@@ -135,7 +133,7 @@ def begin(folder: Path, environment: dict[str, str], resume: bool = False) -> Ba
 
 
 def _acquire(folder: Path, environment: dict[str, str], resume: bool) -> None:
-    from flows import run_orders
+    from flows import execute
 
     for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
         signal.signal(each, signal.SIG_DFL)
@@ -148,7 +146,7 @@ def _acquire(folder: Path, environment: dict[str, str], resume: bool) -> None:
     with (folder / "run.log").open("a") as log, patch.object(Sequencer, "_watch", _hanging(folder)):
         sys.stderr = sys.stdout = log
         try:
-            run_orders.acquire(order)
+            execute.acquire(order)
         except (BrokenOff, Unusable) as end:
             log.write(f"{end}\n")
             log.flush()

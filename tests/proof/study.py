@@ -18,7 +18,7 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from flows.progress import counting
+from flows.terminal import counting
 from schemas.base import Unusable
 from schemas.text import Statement
 from tasks.version import code_version

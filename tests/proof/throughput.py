@@ -24,7 +24,7 @@ from storage.formats.mcap.writer import RawWriter
 from tasks.station import procedures
 from tasks.station.acquisition import NewRecording, RunRequest, acquire
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
+from tasks.station.virtual.servers import running
 from tests.proof.study import Out, Write, hold, table
 
 CASES = ((8, 1000.0), (1, 10_000.0))  # stations, frames in a second of each

@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from schemas.base import first_fault
-from schemas.equipment import EquipmentLimit, MeasurementStandard
+from schemas.laboratory import EquipmentLimit, MeasurementStandard
 from schemas.tolerance import Limit, Tolerance
 
 ROWS = [{"at": 10.0, "deviation": 1e-5, "U": 1e-5}, {"at": 50.0, "deviation": 1e-5, "U": 1e-5}]

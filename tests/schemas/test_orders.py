@@ -5,8 +5,7 @@ from datetime import date
 import pytest
 
 from schemas.base import Unusable
-from schemas.certificate_orders import CertifyOrder, ProduceOrder, WithdrawOrder
-from schemas.orders import CalibrateOrder, order_of
+from schemas.orders import CalibrateOrder, CertifyOrder, ProduceOrder, WithdrawOrder, order_of
 
 
 def test_terms_as_text_are_names_each_once() -> None:

@@ -6,9 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from schemas.base import Unusable
-from schemas.secret_urls import escaped, filled, has_secret, login_apart, shown
-from storage.catalogue.connection import name_of, url_of
+from schemas.base import Unusable, escaped, filled, has_secret, login_apart, shown
+from storage.catalogue.database import name_of, url_of
 from storage.home import Home
 
 PLACES = [

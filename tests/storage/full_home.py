@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from unittest import mock
 
-from schemas.certificate import Certificate
+from schemas.certificate import Certificate, Signature
 from schemas.discrepancy import (
     Detection,
     Discrepancy,
@@ -21,9 +21,8 @@ from schemas.discrepancy import (
     HeldOut,
     ReportedFinding,
 )
-from schemas.production import ProductionOrder
+from schemas.orders import ProductionOrder
 from schemas.recording import Manifest, Unit
-from schemas.signature import Signature
 from schemas.text import Statement
 from storage.catalogue import (
     certificates,
@@ -31,15 +30,11 @@ from storage.catalogue import (
     discrepancies,
     equipment,
     orders,
-    reminders,
-    reprocessing,
     results,
     runs,
-    sessions,
-    signatures,
     users,
 )
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
@@ -64,9 +59,9 @@ def fill(home: Home) -> None:
     first = results.save(calibration, home)
     again = calibration.model_copy(update={"code_version": "2"})
     results.save(again, home, why="a new version")
-    made = reprocessing.ToMake(run=run, before=first)
-    reprocessing.keep_fault(made, "the disk was full", "circumstances", 1.0, home)
-    with mock.patch("tasks.certificate.documents.render", _pdf):
+    made = results.ToMake(run=run, before=first)
+    results.keep_fault(made, "the disk was full", "circumstances", 1.0, home)
+    with mock.patch("tasks.certificate.pdf.render", _pdf):
         for serial in ("1", "2", "3", "4"):
             key = drafts.draft(home, serial).certificate.number
             if serial > "1":
@@ -76,16 +71,16 @@ def fill(home: Home) -> None:
     withdraw(issued, home, "Zhao", "the wrong unit")
     number = next(e.number for e in certificates.register(home) if e.state == "issued")
     key = (number, -30, "mail")
-    reminders.claim(home, key, NOW, lambda tries: timedelta(hours=tries))
-    reminders.note(home, key, NOW, "no answer")
+    equipment.claim(home, key, NOW, lambda tries: timedelta(hours=tries))
+    equipment.note(home, key, NOW, "no answer")
     discrepancies.keep(run, _explained(), "<p>The table is tilted.</p>", NOW, home)
     orders.add([_order()], home)
     users.add("li", "verifier", "$argon2id$none", home, "Wang")
-    sessions.end(sessions.begin("li", "192.0.2.1", home), "192.0.2.1", home)
+    users.end(users.begin("li", "192.0.2.1", home), "192.0.2.1", home)
     signature = Signature(
         person="Li", signed_at=NOW, nonce="0" * 32, signed_on="li@bench", mac="0" * 64
     )
-    signatures.take(signature, "certify", run.id, "flow run", home)
+    certificates.take(signature, "certify", run.id, "flow run", home)
 
 
 def _ideal(home: Home) -> Run:

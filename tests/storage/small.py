@@ -7,9 +7,9 @@ import numpy as np
 
 from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
-from schemas.decision import Decision
 from schemas.recording import ACCEL, GYRO, Recording, Stream
-from storage.catalogue.run_index import Run
+from schemas.tolerance import Decision
+from storage.catalogue.runs import Run
 from tests.manifests import manifest_of
 
 

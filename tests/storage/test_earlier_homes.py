@@ -18,9 +18,8 @@ from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
 from storage.backup.back_up import back_up
-from storage.backup.restore import restore
-from storage.backup.upgrade import is_needed, rehearse, upgrade
-from storage.catalogue import certificates, database, dump, results, run_index, runs, tables
+from storage.backup.restore import is_needed, rehearse, restore, upgrade
+from storage.catalogue import certificates, database, dump, results, runs, tables
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from storage.verify import verify
@@ -126,7 +125,7 @@ def test_recordings_results_and_certificates_are_read_and_nothing_is_at_fault(
 ) -> None:
     home, _ = upgraded
     assert verify(home)[1] == []
-    run = next(each for each in run_index.all_runs(home) if each.recording_id == "ideal")
+    run = next(each for each in runs.all_runs(home) if each.recording_id == "ideal")
     expected = ideal_run(dwell=1.0, gravity=GRAVITY)
     is_restored = not (home.path / "columns").exists()  # they are not in a backup
     loaded = runs.load(run, home) if is_restored else runs.from_columns(run, home)
@@ -149,6 +148,6 @@ def test_a_home_of_a_development_version_is_refused_with_the_way_out(earlier: Ho
         upgrade(earlier, "1")
     with dump.alone(earlier) as connection:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '0012'"))
-    for use in (is_needed, run_index.all_runs):
+    for use in (is_needed, runs.all_runs):
         with pytest.raises(Unusable, match=r"revision 0012.*development version.*to 0013 by"):
             use(earlier)

@@ -14,9 +14,9 @@ import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from storage import secret_files, verify
-from storage.catalogue import certificates, database, run_index, runs, tables
-from storage.catalogue.run_index import Run
+from storage import verify, whole_files
+from storage.catalogue import certificates, database, runs, tables
+from storage.catalogue.runs import Run
 from storage.home import Home, home
 from storage.whole_files import writing_to
 from tests.keep import take_number
@@ -30,9 +30,9 @@ from pathlib import Path
 import sqlalchemy.dialects.sqlite
 from schemas.base import Unusable
 from storage.catalogue import certificates, runs
-from storage.catalogue import run_index
+from storage.catalogue import runs as run_index
 from tests.keep import take_number
-from storage.formats.columns import read_columns
+from storage.formats.content import read_columns
 from storage.home import Home
 from storage.verify import verify
 home = Home(Path(sys.argv[1]))
@@ -89,12 +89,12 @@ def test_an_older_catalogue_that_cannot_be_written_is_refused(
     monkeypatch.setattr(os, "access", lambda *_: False)
     catalogue = re.escape(str(fresh.path / "catalog.sqlite"))
     with pytest.raises(Unusable, match=f"^{catalogue} has revision 0013.*copy the home"):
-        run_index.all_runs(fresh)
+        runs.all_runs(fresh)
 
 
 def test_home_that_is_a_file_is_refused_for_reading(fresh: Home) -> None:
     fresh.path.write_text("")
-    for read in (run_index.all_runs, certificates.register, verify.verify):
+    for read in (runs.all_runs, certificates.register, verify.verify):
         with pytest.raises(Unusable, match="MIMUCAL_HOME"):
             read(fresh)
 
@@ -104,7 +104,7 @@ def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(fresh: Home
     for file in fresh.path.glob("catalog.sqlite-*"):
         file.unlink()
     os.truncate(fresh.path / "catalog.sqlite", 0)
-    for read in (run_index.all_runs, lambda home: run_index.find(run.id, home)):
+    for read in (runs.all_runs, lambda home: runs.find(run.id, home)):
         with pytest.raises(Unusable, match="backup"):
             read(fresh)
     assert (fresh.path / "catalog.sqlite").stat().st_size == 0
@@ -113,7 +113,7 @@ def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(fresh: Home
 def test_empty_catalogue_of_an_empty_home_is_made(fresh: Home) -> None:
     fresh.path.mkdir()
     (fresh.path / "catalog.sqlite").touch()
-    assert run_index.all_runs(fresh) == []
+    assert runs.all_runs(fresh) == []
     with database.changing(fresh) as connection:
         assert connection.scalar(sql.select(sql.func.count()).select_from(tables.runs)) == 0
 
@@ -134,11 +134,11 @@ def test_catalogue_is_a_file_in_the_home_unless_the_environment_names_a_database
 
 
 def test_looking_into_a_fresh_home_finds_nothing_and_makes_nothing(fresh: Home) -> None:
-    assert run_index.all_runs(fresh) == []
+    assert runs.all_runs(fresh) == []
     assert certificates.register(fresh) == []
     assert verify.verify(fresh) == (0, [])
     with pytest.raises(Unusable, match="mimucal runs"):
-        run_index.find("r1", fresh)
+        runs.find("r1", fresh)
     assert not fresh.path.exists()
 
 
@@ -186,8 +186,8 @@ def test_home_may_have_any_name(fresh: Home, name: str) -> None:
 def test_a_secret_is_made_once_for_its_owner_alone(tmp_path: Path) -> None:
     tmp_path.chmod(0o755)  # a home that everybody may read does not share it
     path = tmp_path / "orders.key"
-    made = secret_files.made(path)
-    assert secret_files.made(path) == secret_files.read(path) == made
+    made = whole_files.made(path)
+    assert whole_files.made(path) == whole_files.read(path) == made
     assert path.stat().st_mode & 0o777 == 0o600
     assert [each.name for each in tmp_path.iterdir()] == ["orders.key"]
 
@@ -195,17 +195,17 @@ def test_a_secret_is_made_once_for_its_owner_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize("rights", [0o640, 0o604, 0o660])
 def test_a_secret_that_others_may_read_is_none(tmp_path: Path, rights: int) -> None:
     path = tmp_path / "orders.key"
-    secret_files.made(path)
+    whole_files.made(path)
     path.chmod(rights)
     with pytest.raises(Unusable, match="chmod 600"):
-        secret_files.made(path)
+        whole_files.made(path)
 
 
 def test_a_link_in_the_place_of_a_secret_is_refused(tmp_path: Path) -> None:
-    secret_files.made(tmp_path / "known.key")
+    whole_files.made(tmp_path / "known.key")
     (tmp_path / "orders.key").symlink_to(tmp_path / "known.key")
     with pytest.raises(Unusable, match="a file of its own"):
-        secret_files.made(tmp_path / "orders.key")
+        whole_files.made(tmp_path / "orders.key")
 
 
 def test_what_is_too_short_to_be_a_secret_is_refused(tmp_path: Path) -> None:
@@ -213,10 +213,10 @@ def test_what_is_too_short_to_be_a_secret_is_refused(tmp_path: Path) -> None:
     path.write_text("secret\n")
     path.chmod(0o600)
     with pytest.raises(Unusable, match="6 characters"):
-        secret_files.read(path)
+        whole_files.read(path)
 
 
 def test_a_secret_that_is_missing_is_not_made_by_reading(tmp_path: Path) -> None:
     with pytest.raises(Unusable, match="cannot be read"):
-        secret_files.read(tmp_path / "orders.key")
+        whole_files.read(tmp_path / "orders.key")
     assert not list(tmp_path.iterdir())

@@ -8,8 +8,8 @@ import pytest
 
 from schemas.recording import Recording
 from storage import retention
-from storage.catalogue import results, run_index, runs, trail
-from storage.catalogue.run_index import Run
+from storage.catalogue import audit_trail, results, runs
+from storage.catalogue.runs import Run
 from storage.home import Home
 from storage.verify import verify
 from tests.keep import keep
@@ -38,10 +38,10 @@ def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(fresh: Home
     results.save(calibrated(used), fresh)
     assert found(fresh) == {(unused.id, "recording"), (used.id, "columns")}
     assert delete(fresh) == []
-    assert run_index.all_runs(fresh) == [used]
+    assert runs.all_runs(fresh) == [used]
     assert [path.name for path in fresh.raw.iterdir()] == [f"{used.digest}.mcap"]
     assert list(fresh.columns.iterdir()) == []
-    first, second = trail.entries(fresh)
+    first, second = audit_trail.entries(fresh)
     assert (first.person, first.action, first.subject) == ("Li", "delete recording", unused.id)
     assert json.loads(first.details)["digest"] == unused.digest
     assert (second.action, second.subject) == ("delete columns", used.id)
@@ -88,7 +88,7 @@ def test_a_run_that_is_calibrated_meanwhile_stays(fresh: Home) -> None:
     deleted, refused = retention.delete(can_go, "Li", fresh, lambda *_: None)
     assert deleted == []
     assert "now depends on it" in refused[0].why
-    assert trail.entries(fresh) == []
+    assert audit_trail.entries(fresh) == []
     assert runs.load(run, fresh).digest == run.digest
 
 
@@ -101,7 +101,7 @@ def test_columns_are_kept_where_the_raw_recording_is_damaged(fresh: Home) -> Non
     (why,) = delete(fresh)
     assert str(raw) in why
     assert runs.load(run, fresh).digest == run.digest
-    assert trail.entries(fresh) == []
+    assert audit_trail.entries(fresh) == []
 
 
 @pytest.mark.real_time
@@ -149,6 +149,6 @@ def test_a_draft_that_was_broken_off_is_named_and_goes(fresh: Home) -> None:
     assert (young.exists(), other.exists(), *(path.exists() for path in left)) == (
         True, True, False, False,
     )  # fmt: skip
-    gone = [entry.subject for entry in trail.entries(fresh) if entry.action == "delete draft"]
+    gone = [entry.subject for entry in audit_trail.entries(fresh) if entry.action == "delete draft"]
     assert gone == sorted(path.name for path in left)
     assert {fault.what for fault in verify(fresh)[1]} == {str(other)}

@@ -9,15 +9,9 @@ from pathlib import Path
 import pytest
 
 from schemas.base import Unusable
-from schemas.run_log import RunStatus
+from schemas.recording import RunStatus
 from storage.home import Home
-from storage.station_lock import (
-    end_dead_statuses,
-    one_run_on,
-    share_status,
-    statuses,
-    write_status,
-)
+from storage.stations import end_dead_statuses, one_run_on, share_status, statuses, write_status
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
 
@@ -63,7 +57,7 @@ def test_stations_of_another_computer_live_as_long_as_their_status_is_renewed(
     monkeypatch.delenv("MIMUCAL_STATION")
     ((shared, is_dead),) = statuses(home)
     assert (shared.state, is_dead) == ("measuring", False)
-    monkeypatch.setattr("storage.station_lock.SILENCE", timedelta(0))
+    monkeypatch.setattr("storage.stations.SILENCE", timedelta(0))
     assert statuses(home) == [(shared, True)]
 
 
@@ -89,7 +83,7 @@ HOLDER = (
     "import sys\n"
     "from pathlib import Path\n"
     "from storage.home import Home\n"
-    "from storage.station_lock import one_run_on\n"
+    "from storage.stations import one_run_on\n"
     "with one_run_on('T1', Home(Path(sys.argv[1]))):\n"
     "    print('held', flush=True)\n"
     "    sys.stdin.read()\n"

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sql
 
-from storage.catalogue import database, results, runs, tables, trail
-from storage.catalogue.run_index import Run
-from storage.formats.columns import write_columns
+from storage.catalogue import audit_trail, database, results, runs, tables
+from storage.catalogue.runs import Run
+from storage.formats.content import write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.verify import StoreFault, verify
@@ -185,7 +185,7 @@ def test_a_file_changed_together_with_its_hash_is_found(fresh: Home, filled: Run
 
 
 def test_a_certificate_that_the_trail_does_not_know_is_found(fresh: Home, filled: Run) -> None:
-    end = sql.update(tables.trail_end).values(number=0, hash=trail.NOTHING_BEFORE)
+    end = sql.update(tables.trail_end).values(number=0, hash=audit_trail.NOTHING_BEFORE)
     by_force(fresh, sql.delete(tables.trail), end)
     assert "A-1 is in the register, and the trail does not know it" in only_fault(fresh).why
 

@@ -2,9 +2,8 @@
 
 from schemas.calibration import Calibration
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import without_information
-from tasks.calibrate.evaluation import Evaluation, evaluation_for
-from tasks.specifications.specification import Specification
+from tasks.calibrate.calibrate import Evaluation, evaluation_for, without_information
+from tasks.specifications.estimate import Specification
 
 
 def items_only(

@@ -1,9 +1,8 @@
 """The Line page: what each station is doing, what is to be seen to, what waits, and the day."""
 
-from flows.pages.line.data import data
-from flows.pages.line.layout import layout
-from flows.pages.line.models import LineNow, LineQuestion
-from flows.pages.page import Page
+from flows.pages.line.data import LineNow, LineQuestion, data
+from flows.pages.line.page import layout
+from flows.pages.parts import Page
 
 REFRESH_S = 2.0
 

@@ -3,32 +3,98 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import date
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import Field
 
-from flows.pages.run.data import certificate_shown
-from flows.pages.specification_order import place
-from flows.pages.unit.models import (
-    LISTED,
-    AdjustmentShown,
-    AsMeasured,
-    ElementHistory,
-    Reading,
-    UnitQuestion,
-    UnitShown,
-)
-from schemas.base import Unusable
+from flows.pages.parts import place
+from flows.pages.run.data import CertificateShown, certificate_shown
+from schemas.base import Finite, Frozen, Unusable
+from schemas.text import Statement
 from storage import settings
-from storage.catalogue import certificates, units
+from storage.catalogue import certificates, selection
 from storage.catalogue.certificates import AS_LEFT, Entry
-from storage.catalogue.units import UnitLine
+from storage.catalogue.selection import UnitLine
 from storage.home import Home
 from tasks.quality.charts import DriftRate, drift
-from tasks.specifications.items import ITEMS, item_title, symbol
+from tasks.specifications.estimate import ITEMS, item_title, symbol
 from tasks.stages.remind import NoAdvice, advice_by, sentence
 from tasks.words import cause_of, message, statement
+
+# One unit over the years, and the list of all units.
+
+LISTED = 2000
+AsMeasured = Literal["found", "left", "invalid"]
+
+
+class UnitQuestion(Frozen):
+    """A unit by its number in the catalogue, else the units with all words of `search`.
+
+    item: whose history is drawn; the first where none is named.
+    """
+
+    id: int | None = Field(default=None, ge=1, le=2**31)
+    item: str | None = Field(default=None, max_length=100)
+    search: str = Field(default="", max_length=200)
+
+
+class Reading(Frozen):
+    """What one run found. state: as found, as left after an adjustment, or of an invalid run."""
+
+    run: str
+    day: date
+    station: str | None
+    state: AsMeasured
+    value: Finite | None
+    U: Finite | None
+
+
+class AdjustmentShown(Frozen):
+    """The value as found before an adjustment and as left after it, with the runs."""
+
+    found: Reading
+    left: Reading
+
+
+class ElementHistory(Frozen):
+    """An element over the years. lower, upper: limits that count now. value, U: of the last valid
+    run.
+    """
+
+    item: str
+    title: Statement
+    element: str
+    symbol: str
+    unit: str
+    lower: Finite | None
+    upper: Finite | None
+    value: Finite | None
+    U: Finite | None
+    drift: DriftRate | None
+    readings: tuple[Reading, ...]
+    adjustments: tuple[AdjustmentShown, ...]
+
+
+class UnitShown(Frozen):
+    """A unit, or the list. limits_of: the certificate whose limits stand beside the values;
+    limits_by: the document of the model's limits, where no certificate has any. advice: on the
+    interval of recalibration; why_no_advice: null where there is one.
+    """
+
+    total: int
+    units: tuple[UnitLine, ...]
+    unit: UnitLine | None = None
+    item: str | None = None
+    limits_of: str | None = None
+    limits_by: str | None = None
+    elements: tuple[ElementHistory, ...] = ()
+    certificates: tuple[CertificateShown, ...] = ()
+    advice: Statement | None = None
+    why_no_advice: Statement | None = None
+
 
 YEAR_D = 365.25
 Element = tuple[str, str]  # item, element
@@ -47,9 +113,9 @@ class _Limits:
 def data(question: UnitQuestion, home: Home) -> UnitShown:
     """A unit, or the units that are searched for; raises Unusable for a number that none has."""
     if question.id is None:
-        total, lines = units.unit_list(question.search, LISTED, home)
+        total, lines = selection.unit_list(question.search, LISTED, home)
         return UnitShown(total=total, units=tuple(lines))
-    line = units.unit_line(question.id, home)
+    line = selection.unit_line(question.id, home)
     entries, limits = certificates.of_unit(line.id, home), _limits(line, home)
     elements = tuple(_elements(line, limits, home))
     items = list(dict.fromkeys(each.item for each in elements))
@@ -77,7 +143,7 @@ def _advice(entries: list[Entry], line: UnitLine, home: Home) -> dict[str, Any]:
 
 def _limits(line: UnitLine, home: Home) -> _Limits:
     """Of the issued certificate that counts, else of the model."""
-    edges = units.limits_of(line.certificate, home) if line.certificate else {}
+    edges = selection.limits_of(line.certificate, home) if line.certificate else {}
     if edges:
         return _Limits(edges, certificate=line.certificate)
     tolerance = settings.tolerance_for(line.manufacturer, line.model, home)
@@ -93,9 +159,9 @@ def _limits(line: UnitLine, home: Home) -> _Limits:
 
 
 def _elements(line: UnitLine, limits: _Limits, home: Home) -> Iterator[ElementHistory]:
-    runs = units.runs_of(line.id, home)
+    runs = selection.runs_of(line.id, home)
     measured: dict[Element, dict[str, tuple[Any, ...]]] = defaultdict(dict)
-    for run, item, element, *numbers in units.readings_of(line.id, home):
+    for run, item, element, *numbers in selection.readings_of(line.id, home):
         measured[item, element][run] = tuple(numbers)
     for item, element in sorted(measured, key=lambda of: place(*of)):
         of_runs = measured[item, element]

@@ -34,9 +34,9 @@ def open(path: str | PathLike[str]) -> Recording:
     >>> recording.manifest.unit.serial
     'V00001'
     """
-    from tasks.stages import import_checks
+    from tasks.stages import import_recording
 
-    return import_checks.read(Path(path))
+    return import_recording.read(Path(path))
 
 
 def calibrate(recording: Recording, method: Method | None = None) -> Calibration:
@@ -129,7 +129,7 @@ def simulate(
     import pandas as pd
 
     from schemas.recording import ACCEL, GYRO
-    from tasks.model.simulate import predict
+    from tasks.model.model import predict
     from tasks.model.terms.standard import STANDARD_TERMS
     from tasks.motion.whole import whole_motion
 

@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from schemas.recording import AXES, UPS, Segment
-from storage.formats.logger import clocks
-from storage.formats.logger.clocks import Times
+from storage.formats.logger import units
 from storage.formats.logger.sheet import Sheet, read_protocol
-from storage.formats.logger.units import DEG, TIME, plain, scale
+from storage.formats.logger.units import DEG, TIME, Times, plain, scale
 
 NAMES: Mapping[str, tuple[str, ...]] = {
     "start": ("start", "begin", "from", "t_start", "start_time", "time", "t"),
@@ -96,7 +95,7 @@ def _clock(
     if not len(seconds):
         return 0.0, 1.0
     if starts.kind == "epoch" or (starts.kind == "of day" and log.kind == "epoch"):
-        day = 0.0 if starts.kind == "epoch" else np.floor(first / clocks.DAY_S) * clocks.DAY_S
+        day = 0.0 if starts.kind == "epoch" else np.floor(first / units.DAY_S) * units.DAY_S
         return origin - day, 1.0
     unit = next(
         (u for u in re.findall(r"[_(\[ ](\w+)[)\]]?$", sheet.names[places["start"]]) if u in TIME),
@@ -141,7 +140,7 @@ class _Line:
         numbers = pd.to_numeric(text.str.replace(",", "."), errors="coerce").to_numpy(float)
         if np.isfinite(numbers).any():
             return Times(numbers, "number")
-        return clocks.of_text(text)
+        return units.of_text(text)
 
     def degrees(self, name: str, faults: list[str]) -> float | None:
         """A rate or an angle in deg/s or deg, whatever unit stands in its header."""

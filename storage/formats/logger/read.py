@@ -28,17 +28,20 @@ from schemas.recording import (
     Unit,
 )  # fmt: skip
 from schemas.text import Seen
-from storage.formats.checks import check_stream, first
 from storage.formats.convert import STANDARD_GRAVITY, Changes
-from storage.formats.logger import clocks
-from storage.formats.logger.columns import Column, find_columns
-from storage.formats.logger.no_data import several_sensors, without_marks
-from storage.formats.logger.scales import scale_of
+from storage.formats.logger import units
+from storage.formats.logger.columns import (
+    Column,
+    find_columns,
+    scale_of,
+    several_sensors,
+    without_marks,
+)
 from storage.formats.logger.sheet import Sheet, read_sheet
 from storage.formats.logger.tables import readers
 from storage.formats.logger.timing import timed
 from storage.formats.logger.units import Scale, is_in_g, plain
-from storage.formats.manifest import check_controls
+from storage.formats.manifest import check_controls, check_stream, first
 
 STANDARD_G = (
     f"g is the standard {STANDARD_GRAVITY} m/s², for the local one was not given: biases in m/s² "
@@ -74,7 +77,7 @@ class Understood:
     notes: tuple[str, ...]
     gravity: float
     mapping: Mapping[str, object]
-    breaks: tuple[clocks.ClockBreak, ...]
+    breaks: tuple[units.ClockBreak, ...]
     lines: np.ndarray
 
 
@@ -145,7 +148,7 @@ def read_log(
     mapping = {
         "columns": {c: one.name for c, one in used.items()},
         "units": {n: scales[c].text for n, c in _one_of_each(scales).items()}
-        | ({"t": timing.times.unit} if plain(timing.times.unit) in clocks.TIME else {}),
+        | ({"t": timing.times.unit} if plain(timing.times.unit) in units.TIME else {}),
         **({"axes": changes.axes.text} if changes.axes else {}),
     }
     source = hashlib.sha256(path.read_bytes()).hexdigest()

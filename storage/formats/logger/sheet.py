@@ -11,20 +11,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from schemas.base import Unusable
-from storage.formats.logger.lines import (
+from storage.formats.logger.tables import (
     CLOCK,
     NUMBER,
     SPACES,
+    Lines,
+    content,
     decimal_comma,
     fields_of,
     is_value,
     plain_line,
 )
-from storage.formats.logger.tables import Lines, content
 from storage.formats.logger.units import quantity_of
 
 if TYPE_CHECKING:
     import pandas as pd
+
 
 HEAD = 200  # lines in which preamble and header end
 COMMENTS = ("#", "%", "//", "!")

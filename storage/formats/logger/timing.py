@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from storage.formats.checks import MAX_TIME_S
-from storage.formats.logger import clocks, protocol
-from storage.formats.logger.clocks import Times
+from storage.formats.logger import protocol, units
 from storage.formats.logger.columns import Column
 from storage.formats.logger.protocol import Protocol
 from storage.formats.logger.sheet import Sheet
-from storage.formats.logger.units import plain
+from storage.formats.logger.units import Times, plain
+from storage.formats.manifest import MAX_TIME_S
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -121,16 +120,16 @@ def _times(
         text = sheet.text(column.place)
         if text.str.contains(":").mean() > 0.5:
             day = _day_column(sheet, column)
-            return _checked(sheet, column, clocks.of_text(day + text), notes), "by its form"
+            return _checked(sheet, column, units.of_text(day + text), notes), "by its form"
     values = sheet.numbers(column.place)
-    stated_unit = next((u for u in (column.unit, column.name) if plain(u) in clocks.TIME), "")
+    stated_unit = next((u for u in (column.unit, column.name) if plain(u) in units.TIME), "")
     given = unit or stated_unit
-    times = clocks.of_numbers(values, given, column.name)
+    times = units.of_numbers(values, given, column.name)
     how = "--units" if unit else "header" if given else BY_INTERVAL
     if times is None and stated:
         usual = float(np.median(np.diff(values)))
         factor = 1.0 / (float(stated[1] or stated[2]) * usual)
-        times = Times(clocks.unwrapped(values) * factor, "number", "s")
+        times = Times(units.unwrapped(values) * factor, "number", "s")
         how = "by the rate in the preamble"
         notes.append(f"one count of {column.name} is {factor:.4g} s by the rate in the preamble")
     if times is None:
@@ -154,7 +153,7 @@ def _step(times: Times) -> float:
 def _is_odd(times: Times) -> bool:
     """Whether rows come less often or more often than inertial units are read."""
     step = _step(times)
-    return not clocks.RATES[0] <= 1.0 / max(step, 1e-12) <= clocks.RATES[1]
+    return not units.RATES[0] <= 1.0 / max(step, 1e-12) <= units.RATES[1]
 
 
 def _day_column(sheet: Sheet, column: Column) -> "pd.Series | str":
@@ -181,11 +180,11 @@ def _checked(sheet: Sheet, column: Column, times: Times, notes: list[str]) -> Ti
             "--units t=100Hz"
         )
         return replace(times, seconds=np.arange(len(seconds)) * 0.01)
-    running, moved_at = clocks.running_on(seconds)
+    running, moved_at = units.running_on(seconds)
     begun_at = np.searchsorted(sheet.lines, sheet.begun)
-    times = replace(times, breaks=clocks.breaks_of(times, moved_at, begun_at))
+    times = replace(times, breaks=units.breaks_of(times, moved_at, begun_at))
     seconds = running
-    spread, shared = clocks.apart(seconds)
+    spread, shared = units.apart(seconds)
     back = np.flatnonzero(np.diff(spread) <= 0)
     if len(back):
         sheet.faults.append(
@@ -195,7 +194,7 @@ def _checked(sheet: Sheet, column: Column, times: Times, notes: list[str]) -> Ti
     elif shared:
         notes.append(f"{shared} rows share a stamp with another: spread evenly until the next")
     usual = float(np.median(np.diff(spread)))
-    if not len(back) and 0.0 < usual < 1.0 / clocks.FASTEST:
+    if not len(back) and 0.0 < usual < 1.0 / units.FASTEST:
         sheet.faults.append(
             f"column {column.name}: rows are {usual:.2g} s apart as {times.unit}, and no inertial "
             "unit is read so often; give the right one, as --units t=s or t=ms"

@@ -14,9 +14,8 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import FORMAT, Manifest, Recording, Stream, joined
 from storage.formats.content import NANO, as_raw, nanoseconds
-from storage.formats.mcap.cdr import encode
-from storage.formats.mcap.chunk_writer import ChunkWriter
-from storage.formats.mcap.topics import MESSAGES
+from storage.formats.mcap.chunks import ChunkWriter
+from storage.formats.mcap.messages import MESSAGES, encode
 from storage.whole_files import drafted
 
 BLOCK = 60.0  # s: largest distance in time between chunks of different topics

@@ -3,11 +3,13 @@
 from collections.abc import Mapping
 
 from schemas.calibration import Information, Item
-from tasks.calibrate.information.earth import earth_information
+from tasks.calibrate.information.entry import (
+    earth_information,
+    line_information,
+    repeatability_information,
+)
 from tasks.calibrate.information.lever_arm import lever_arm_information
-from tasks.calibrate.information.line import line_information
 from tasks.calibrate.information.noise import noise_information
-from tasks.calibrate.information.repeatability import repeatability_information
 from tasks.specifications.evidence import ClauseEvidence
 
 

@@ -15,8 +15,8 @@ from schemas.calibration import Information, Item
 from schemas.recording import ACCEL, AXES, Recording, Stream
 from tasks.calibrate.information.entry import entry, or_why_not, type_b, without_type_b
 from tasks.model.fit import Fit, fit
+from tasks.model.model import predict
 from tasks.model.noise import RowNoise
-from tasks.model.simulate import predict
 from tasks.model.term import Term
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import ACCEL_RATE_SENSITIVITY, ACCEL_TERMS

@@ -13,13 +13,12 @@ from tasks.explain.confounding.delays import (
     shape_count,
     starting_values,
 )
+from tasks.explain.noise import equations_of
 from tasks.explain.search.candidates import Candidate
-from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.refit import fitted
+from tasks.explain.search.fitted import FittedSelection, fitted
 from tasks.explain.search.stepwise import Selected, Selection
-from tasks.explain.whitening import equations_of
+from tasks.model.fit import inverse
 from tasks.model.model import Model
-from tasks.model.regression import inverse
 from tasks.model.term import Term
 
 STRETCH = 30.0  # s of what has no segments

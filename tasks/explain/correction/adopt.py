@@ -9,21 +9,19 @@ import numpy as np
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.recording import Recording, Stream
 from schemas.text import Remark, no_text, text_fields
-from tasks.calibrate.information.earth import WITHOUT_EARTH
-from tasks.explain.channels import CHANNELS
-from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
+from tasks.calibrate.information.entry import WITHOUT_EARTH
 from tasks.explain.correction.sensitivity import (
+    CorrectionLines,
     UncertainInput,
     correlation_of,
     uncertain_inputs,
+    with_lines,
 )
-from tasks.explain.determined import DeterminedModel
-from tasks.explain.explanation import Finding
-from tasks.model.effect import effect_name
+from tasks.explain.explanation import CHANNELS, DeterminedModel, Finding
+from tasks.model.term import effect_name
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.words import Message, clauses, message, remark, statement
-from tasks.words.quantities import quantity
-from tasks.words.rounding import USUAL_K
+from tasks.words.numbers import USUAL_K, quantity
 
 Calibrate = Callable[[Recording], Calibration]
 EARTH, G_SENSITIVITY = "earth_rotation", "gyro_g_sensitivity"

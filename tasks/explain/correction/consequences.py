@@ -10,14 +10,12 @@ from scipy.sparse.csgraph import connected_components
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
-from schemas.decision import Decision
 from schemas.discrepancy import Consequence, VerdictChange
-from schemas.equipment import EquipmentLimit, LimitName
+from schemas.laboratory import EquipmentLimit, LimitName
 from schemas.recording import ANGLE, Recording
-from schemas.tolerance import Tolerance
+from schemas.tolerance import Decision, Tolerance
 from tasks import conformity
-from tasks.calibrate.calibrate import without_information
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import evaluation_for, without_information
 from tasks.explain.correction.adopt import Calibrate, Corrections, corrected
 from tasks.explain.explanation import Explanation
 from tasks.specifications.register import specification_for

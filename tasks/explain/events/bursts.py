@@ -7,23 +7,156 @@ state. A step or a peak has more beside its frequency than an oscillation has.
 """
 
 from dataclasses import dataclass, replace
+from itertools import product
+from typing import Self
 
 import numpy as np
 from scipy.fft import next_fast_len, rfft
+from scipy.optimize import minimize
 from scipy.signal import correlate
 from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.events.event import AddedSignal, channel_names
-from tasks.explain.events.noise import RATE_CHANGE, equalised, median_by_state, motion_states
-from tasks.explain.events.residual import Residual, peak_offset
-from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, damped_wave
+from tasks.explain.events.event import (
+    RATE_CHANGE,
+    AddedSignal,
+    Residual,
+    amplitude_parameters,
+    channel_names,
+    equalised,
+    median_by_state,
+    motion_states,
+    peak_offset,
+    significant_channels,
+)
+from tasks.explain.events.lines import Comb, OrderSpectrum, find_comb, order_spectrum
+from tasks.explain.explanation import ACCELS, GYROS
+from tasks.model.fit import plain_prediction
 from tasks.motion.samples import in_blocks
-from tasks.words import message
+from tasks.motion.whole import Motion
+from tasks.words import Message, message
+
+# Damped oscillations from given starting times: the contribution of impacts and bursts.
+
+BEYOND_GRID = 1.5  # times that a shape may lie beyond a grid
+LIFETIME = 7.0  # decay times after which nothing is left of an oscillation
+SIGNIFICANT_RINGING = 4.0  # standard uncertainties from which a channel has the oscillation
+
+
+@dataclass(frozen=True)
+class Ringing:
+    """Oscillations of one shape: starts (m,) s, rising, one complex amplitude (6,) of them all,
+    and the chi-squared (6,) that it gains.
+
+    Each adds Re(amplitude·exp((2πi·f − 1/decay)·age)). frequency: Hz. decay: s.
+    """
+
+    starts: np.ndarray
+    amplitude: np.ndarray
+    gain: np.ndarray
+    frequency: float
+    decay: float
+
+    @property
+    def channels(self) -> tuple[int, ...]:
+        """The channels in which it is significant; at least the strongest."""
+        return significant_channels(self.gain, SIGNIFICANT_RINGING**2)
+
+    def signal(self, t: np.ndarray) -> np.ndarray:
+        """What the oscillations add to the readings (n, 6), in the channels that have them."""
+        rung = np.zeros((len(t), 6))
+        amplitude = np.where(np.isin(np.arange(6), self.channels), self.amplitude, 0.0)
+        last = np.searchsorted(self.starts, t, side="right") - 1
+        first = np.searchsorted(self.starts, t - LIFETIME * self.decay, side="right")
+        for back in range(int((last - first).max(initial=-1)) + 1):
+            rows = np.flatnonzero(last - back >= first)
+            age = t[rows] - self.starts[last[rows] - back]
+            rung[rows] += (amplitude * damped_wave(age, self.frequency, self.decay)[:, None]).real
+        return rung
+
+    def event(
+        self, number: FoundParameter, relative_u: float, p_value: float, description: Message
+    ) -> AddedSignal:
+        """The event; number: of the oscillations. relative_u: of the decay time."""
+        u = np.abs(self.amplitude) / np.sqrt(np.maximum(self.gain, 1e-300))
+        u_frequency = relative_u / (2 * np.pi * self.decay)
+        parameters = (
+            number,
+            FoundParameter(name="frequency", value=self.frequency, unit="Hz", u=u_frequency),
+            FoundParameter(name="decay", value=self.decay, unit="s", u=relative_u * self.decay),
+            *amplitude_parameters(self.channels, self.amplitude, u),
+        )
+        return AddedSignal(
+            "unnamed", self.channels, parameters, p_value, description, (self.signal,)
+        )
+
+
+def damped_wave(age: np.ndarray, frequency: float, decay: float) -> np.ndarray:
+    """exp((2πi·f − 1/decay)·age), complex (n,)."""
+    return np.asarray(np.exp((2j * np.pi * frequency - 1 / decay) * age))
+
+
+@dataclass(frozen=True)
+class Aligned:
+    """Rows after one of some starts: which (n,) of them, age (n,) s since then, and the values
+    (n, 6) and weight (n, 6) of a residual."""
+
+    start: np.ndarray
+    age: np.ndarray
+    values: np.ndarray
+    weight: np.ndarray
+
+    @classmethod
+    def after(cls, starts: np.ndarray, residual: Residual, longest: float) -> Self:
+        """The rows of a residual less than so long (s) after the last of the starts (m,) s."""
+        last = np.searchsorted(starts, residual.t, side="right") - 1
+        age = np.where(last >= 0, residual.t - starts[np.maximum(last, 0)], np.inf)
+        rows = np.flatnonzero(age < longest)
+        return cls(last[rows], age[rows], residual.values[rows], residual.weight[rows])
+
+    def aged(self, age: np.ndarray) -> Self:
+        """The same rows with other ages (n,), without those before their start."""
+        begun = age >= 0
+        return type(self)(self.start[begun], age[begun], self.values[begun], self.weight[begun])
+
+    def amplitude(self, frequency: float, decay: float) -> tuple[np.ndarray, np.ndarray]:
+        """Complex amplitude (6,) of oscillations of one shape, and the chi-squared it gains."""
+        wave = damped_wave(self.age, frequency, decay)
+        columns = np.column_stack([wave.real, -wave.imag])
+        squares = self.weight**2
+        right = columns.T @ (self.values * squares)  # (2, 6)
+        products = np.einsum("ni,nj->nij", columns, columns).reshape(len(wave), 4)
+        normal = (products.T @ squares).T.reshape(6, 2, 2)
+        parts = np.einsum("cij,jc->ci", np.linalg.pinv(normal, hermitian=True), right)
+        return parts[:, 0] + 1j * parts[:, 1], np.einsum("ci,ic->c", parts, right)
+
+    def cost(self, log_shape: np.ndarray) -> float:
+        """Chi-squared less what oscillations of a shape, log (frequency, decay), gain."""
+        return -float(self.amplitude(*np.exp(log_shape))[1].sum())
+
+    def shape(self, frequencies: np.ndarray, decays: np.ndarray) -> tuple[float, float]:
+        """Frequency (Hz) and decay (s) that gain most, on a grid and then by a simplex search."""
+        grid = [(self.cost(np.log([f, d])), f, d) for f in frequencies for d in decays]
+        best = minimize(self.cost, np.log(min(grid)[1:]), method="Nelder-Mead",
+                        bounds=log_bounds(frequencies, decays),
+                        options={"xatol": 1e-3, "fatol": 0.01, "maxiter": 80})  # fmt: skip
+        frequency, decay = np.exp(best.x)
+        return float(frequency), float(decay)
+
+
+def log_bounds(frequencies: np.ndarray, decays: np.ndarray) -> list[tuple[float, float]]:
+    """Logarithms that a search from a grid may reach."""
+    return [
+        (float(np.log(grid.min() / BEYOND_GRID)), float(np.log(grid.max() * BEYOND_GRID)))
+        for grid in (frequencies, decays)
+    ]
+
 
 BLOCK_RATE = 25.0  # Hz, of the means that bursts are looked for in
-FALSE_ALARM = 1e-6  # its trials are not quite counted: waves, decays and starts are correlated
-SIGNIFICANT = 5.0  # of the noise: a further burst of a known wave
+BURST_FALSE_ALARM = (
+    1e-6  # its trials are not quite counted: waves, decays and starts are correlated
+)
+SIGNIFICANT_BURST = 5.0  # of the noise: a further burst of a known wave
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
 RELATIVE_SIZE = (0.5, 2.0)  # of a further burst, over that of the known one
 MIN_ROWS = 100
@@ -31,7 +164,7 @@ MAX_BURSTS = 60  # more are no odd events
 MAX_ROUNDS = 3
 MAX_DECAY = 8.0  # s
 MAX_TIMES = 8  # that are listed
-DECAYS = (0.3, 0.9, 2.7)  # s, that are tried
+BURST_DECAYS = (0.3, 0.9, 2.7)  # s, that are tried
 SLOWEST, FASTEST = 0.6, 10.0  # Hz
 WINDOW, PADDED = 3.0, 8.0  # decays that a window lasts, and with the zeros after it
 MAX_FILLED = 12  # decays that an oscillation may fill
@@ -104,16 +237,16 @@ def _all_alike(blocks: Residual, state: np.ndarray, strongest: Transient) -> Rin
     """All bursts with the shape of the strongest transient, then with their common shape."""
     frequencies = strongest.frequency * np.array([0.95, 1.0, 1.05])
     decays = strongest.decay * np.array([0.5, 0.8, 1.2, 1.8])
-    fit = _fit(blocks, np.array([strongest.start]), frequencies, decays)
+    fit = _fit_burst(blocks, np.array([strongest.start]), frequencies, decays)
     for _ in range(MAX_ROUNDS):
         starts = _matched_starts(blocks, state, fit)
         if not 0 < len(starts) <= MAX_BURSTS:
             break
-        fit = _fit(blocks, starts, np.array([fit.frequency]), np.array([fit.decay]))
+        fit = _fit_burst(blocks, starts, np.array([fit.frequency]), np.array([fit.decay]))
     return fit
 
 
-def _fit(
+def _fit_burst(
     blocks: Residual, starts: np.ndarray, frequencies: np.ndarray, decays: np.ndarray
 ) -> Ringing:
     """Shape and amplitude that bursts with these starts have in common."""
@@ -142,7 +275,7 @@ def _matched_starts(blocks: Residual, state: np.ndarray, fit: Ringing) -> np.nda
     likely = np.where(alike, deviate, 0.0)
     likely[-max(1, int(fit.decay / step)) :] = 0.0  # too little is left of it there
     starts: list[float] = []
-    while likely.max() > SIGNIFICANT and len(starts) <= MAX_BURSTS:
+    while likely.max() > SIGNIFICANT_BURST and len(starts) <= MAX_BURSTS:
         top = int(likely.argmax())
         starts.append(blocks.t[top] + step * peak_offset(deviate, top))
         likely[np.abs(blocks.t - blocks.t[top]) < 2 * fit.decay] = 0.0
@@ -160,9 +293,9 @@ def find_transients(blocks: Residual, white: np.ndarray) -> tuple[list[Transient
 
     With them the number of windows and frequencies that were searched.
     """
-    spectra = [(decay, *_peak_power(blocks, white, decay)) for decay in DECAYS]
+    spectra = [(decay, *_peak_power(blocks, white, decay)) for decay in BURST_DECAYS]
     searched = sum(power.size for _, _, _, power in spectra)
-    threshold = float(gamma.isf(FALSE_ALARM / max(searched, 1), white.shape[1]))
+    threshold = float(gamma.isf(BURST_FALSE_ALARM / max(searched, 1), white.shape[1]))
     found = [
         Transient(float(starts[row]), float(frequencies[k]), decay, float(power[row, k]))
         for decay, starts, frequencies, power in spectra
@@ -204,3 +337,166 @@ def _peak_power(
     even = (state != RATE_CHANGE)[:, None]
     peaks = np.where(even & ~slow & (beside < MAX_BESIDE * inner), inner, 0.0)
     return t[starts], frequencies[BESIDE : reach - BESIDE], peaks
+
+
+# Impacts that recur at a multiple of the outer table axis' rotation, as from a damaged bearing.
+
+IMPACT_FALSE_ALARM = 1e-4
+MIN_SPEED = 0.02  # rad/s; slower, an angle's noise may pass a place by itself
+LONGEST_IMPACT = 0.06  # s of an impact
+EARLY = -0.01  # s before an impact that are looked at, for it may come earlier
+AGE_BINS = 10  # by which a place is judged without a shape
+FREQUENCIES = np.geomspace(2.0, 40.0, 12)  # Hz
+IMPACT_DECAYS = np.geomspace(0.003, 0.05, 6)  # s
+HALVINGS = 4  # of the steps of per_turn and place
+
+
+def find_impacts(residual: Residual) -> AddedSignal | None:
+    """Impacts in the residual of the accelerometers."""
+    axes, t = residual.motion.axes, residual.t
+    if axes is None or len(t) < 2:
+        return None
+    residual = residual.without_channels(GYROS)
+    angle, speed = axes.angles[:, 0], axes.speeds[:, 0]
+    orders = order_spectrum(residual, angle, speed, ACCELS)
+    comb = find_comb(orders) if orders is not None else None
+    if orders is None or comb is None or comb.p_value > IMPACT_FALSE_ALARM:
+        return None
+    turns = np.where(np.abs(speed) > MIN_SPEED, angle / (2 * np.pi), np.nan)
+    per_turn, place = _refined_comb(residual, turns, orders, comb)
+    per_turn, fit = _fit_impact(residual, turns, orders.middle, per_turn, place)
+    u = 1 / (orders.range * per_turn * np.sqrt(comb.gain))
+    return fit.event(
+        FoundParameter(name="per_turn", value=per_turn, unit="1", u=u),
+        float(1 / np.sqrt(fit.gain.sum())), comb.p_value,
+        message("events-impacts", per_turn=f"{per_turn:.2f}", channels=channel_names(fit.channels)),
+    )  # fmt: skip
+
+
+def crossings(t: np.ndarray, turns: np.ndarray, per_turn: float, place: float) -> np.ndarray:
+    """Times (m,) s at which an angle (n,) in turns, NaN: at rest, passes a place in its cycles."""
+    cycle = turns * per_turn - place
+    number = np.floor(cycle)
+    before = np.flatnonzero(np.abs(np.diff(number)) > 0)
+    edge = np.maximum(number[before], number[before + 1])
+    share = (edge - cycle[before]) / (cycle[before + 1] - cycle[before])
+    return np.asarray(t[before] + share * (t[before + 1] - t[before]))
+
+
+def _refined_comb(
+    residual: Residual, turns: np.ndarray, orders: OrderSpectrum, comb: Comb
+) -> tuple[float, float]:
+    """Impacts a turn and their place, from all rows in rotation, by a shrinking pattern search."""
+
+    def gain(per_turn: float, place: float) -> float:
+        starts = crossings(residual.t, turns, per_turn, place)
+        part = Aligned.after(starts, residual, LONGEST_IMPACT)
+        # Bins grow with the age: an impact is sharp at first.
+        cell = (np.sqrt(part.age / LONGEST_IMPACT) * AGE_BINS).astype(int)
+        total = 0.0
+        for channel in ACCELS:
+            squares = part.weight[:, channel] ** 2
+            weighted = np.bincount(cell, part.values[:, channel] * squares, AGE_BINS)
+            information = np.bincount(cell, squares, AGE_BINS)
+            total += float((weighted**2 / np.maximum(information, 1e-30)).sum())
+        return total
+
+    best = (gain(comb.per_turn, comb.place), comb.per_turn, comb.place)
+    steps = np.array([0.3 / orders.range, 0.02])
+    for _ in range(HALVINGS):
+        _, per_turn, place = best
+        for more, later in product((-1, 0, 1), repeat=2):
+            number = per_turn + more * steps[0]
+            at = place + (number - per_turn) * orders.middle + later * steps[1]
+            best = max(best, (gain(number, at), number, at))
+        steps = steps / 2
+    return best[1], best[2] % 1.0
+
+
+def _fit_impact(
+    residual: Residual, turns: np.ndarray, middle: float, per_turn: float, place: float
+) -> tuple[float, Ringing]:
+    """Impacts a turn, and the oscillations, that together gain most."""
+    t, starts = residual.t, crossings(residual.t, turns, per_turn, place)
+    part = Aligned.after(starts + EARLY, residual, LONGEST_IMPACT - EARLY)
+    age = part.age + EARLY
+    at = np.searchsorted(t, starts) - 1
+    cycles_a_second = per_turn * (turns[at + 1] - turns[at]) / (t[at + 1] - t[at])
+    period = (1 / cycles_a_second)[part.start]
+    lead = ((turns[at] - middle) / cycles_a_second)[part.start]
+
+    def cost(tried: np.ndarray) -> float:
+        # A place further on is passed later; more impacts a turn come the earlier, the further.
+        later, more = tried[:2] * scale
+        return part.aged(age - later * period + more * lead).cost(tried[2:])
+
+    scale = np.array([0.01, 0.01 / max(float(np.ptp(turns[at])), 1.0)])
+    shape = part.aged(age).shape(FREQUENCIES, IMPACT_DECAYS)
+    first = np.concatenate([[0.0, 0.0], np.log(shape)])
+    simplex = np.vstack([first, first + 0.3 * np.eye(4)])
+    best = minimize(cost, first, method="Nelder-Mead",
+                    bounds=[(-10.0, 10.0)] * 2 + log_bounds(FREQUENCIES, IMPACT_DECAYS),
+                    options={"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.1,
+                             "maxiter": 250}).x  # fmt: skip
+    later, more = best[:2] * scale
+    frequency, decay = map(float, np.exp(best[2:]))
+    starts = crossings(t, turns, per_turn + more, (place + later + more * middle) % 1.0)
+    gained = Aligned.after(starts, residual, LIFETIME * decay).amplitude(frequency, decay)
+    return per_turn + more, Ringing(starts, *gained, frequency, decay)
+
+
+# Readings that settle as a recording begins, or are torn as it ends.
+#
+# Loggers begin with an empty row and filters with empty memories: a few readings far from all
+# others, which a fit of everything else would be bent by. They are sought beside the prediction
+# of a fit without the ends, so that they need not be alone to stand out.
+
+LONGEST_S, LONGEST_SETTLING_SHARE = (
+    2.0,
+    0.02,
+)  # s, and of the recording: an end that is longer is no end
+USUAL = 0.999  # of the other residuals are smaller
+BEYOND = 3.0  # times that: an end that stands out
+
+
+def find_settling(readings: np.ndarray, motion: Motion) -> tuple[np.ndarray, tuple[Message, ...]]:
+    """Which readings (n, 6) bool at the ends say nothing, and remarks on them.
+
+    readings: (n, 6) rad/s and m/s². An end is twice as long as readings of one channel stand out,
+    and of all: a filter's go on settling when they no longer do, or follow a motion that begins.
+    """
+    count, length = len(readings), 0
+    if motion.interval > 0.0:
+        length = int(min(LONGEST_S / motion.interval, LONGEST_SETTLING_SHARE * count))
+    masked = np.zeros(readings.shape, bool)
+    if not length:
+        return masked, ()
+    ends = np.zeros(readings.shape, bool)
+    ends[:length] = ends[-length:] = True
+    residual = np.abs(readings - plain_prediction(readings, motion, ends))
+    remarks: list[Message] = []
+    for rows, name in ((slice(0, length), "start"), (slice(-1, -length - 1, -1), "end")):
+        settled = _settled_after(residual[rows], residual[length:-length])
+        if not settled.any():
+            continue
+        masked[rows] |= np.arange(length)[:, None] < 2 * settled.max()
+        channels = channel_names(tuple(np.flatnonzero(settled).tolist()))
+        seconds = f"{2.0 * settled.max() * motion.interval:.3g}"
+        remarks.append(message(f"events-settling-{name}", channels=channels, seconds=seconds))
+    return masked, tuple(remarks)
+
+
+def _settled_after(end: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(6,) number of rows from the outermost in which a channel's residual stands out.
+
+    end: (rows, 6) sizes, the outermost first; others: (n, 6). None where the end itself is not
+    known, and none where it stands out as far as it is looked at.
+    """
+    settled = np.zeros(end.shape[1], int)
+    for channel, sizes in enumerate(others.T):
+        known = sizes[np.isfinite(sizes)]
+        usual = float(np.quantile(known, USUAL)) if len(known) else 0.0
+        far = end[:, channel] > BEYOND * usual
+        if usual and far[0]:
+            settled[channel] = np.flatnonzero(far)[-1] + 1
+    return np.where(2 * settled <= len(end), settled, 0)

@@ -14,10 +14,16 @@ from scipy.special import ndtr
 from scipy.stats import binom
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.channels import TRIADS
-from tasks.explain.events.event import CHANNELS, TRIAD_NAMES, UNITS, Event
-from tasks.explain.events.noise import noise_by_rate
-from tasks.explain.events.plateau import Plateau, find_plateaus
+from tasks.explain.events.event import (
+    CHANNELS,
+    TRIAD_NAMES,
+    UNITS,
+    Event,
+    Plateau,
+    find_plateaus,
+    noise_by_rate,
+)
+from tasks.explain.explanation import TRIADS
 from tasks.model.fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.readings.lattice import Quantiser

@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.whitening import Noise, at_blocks, frequencies, in_band, in_time, weighted
-from tasks.model.regression import WhitenedEquations, of_channel
+from tasks.explain.noise import Noise, at_blocks, frequencies, in_band, in_time, weighted
+from tasks.model.fit import WhitenedEquations, of_channel
 from tasks.model.term import Column
 
 CELL_LENGTH = 30.0  # s of what has no segments, or a body moved by hand

@@ -22,19 +22,18 @@ import numpy as np
 from schemas.recording import Stream
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import fitted_columns
-from tasks.explain.explanation import UNNAMED
-from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.explanation import CERTAIN, UNNAMED
+from tasks.explain.inputs.blocks import FullRate
 from tasks.explain.inputs.prepared import Prepared
-from tasks.explain.inputs.seen_places import smoothed_motion
+from tasks.explain.inputs.reference import smoothed_motion
 from tasks.explain.inputs.simulated_reading import simulated_reading
-from tasks.explain.odds import CERTAIN
-from tasks.explain.whitening import equations_of, scores_of
+from tasks.explain.noise import equations_of, scores_of
+from tasks.model.fit import inverse
 from tasks.model.model import Model
-from tasks.model.regression import inverse
 from tasks.model.terms.axes import turned_by
 from tasks.model.terms.standard import GYRO_MATRIX
+from tasks.motion.encoders import lost_acceleration
 from tasks.motion.pose import TrackedMotion, motion_smoothed_twice
-from tasks.motion.smoothing_error import lost_acceleration
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion
 

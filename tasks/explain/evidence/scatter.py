@@ -16,7 +16,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from tasks.explain.evidence.cells import CellEquations
-from tasks.model.regression import inverse
+from tasks.model.fit import inverse
 
 MOST_PRIOR = 0.5  # of what is known of a parameter: with more of it the data do not determine it
 CHANCE = 1e-3  # that cells scatter so far by noise alone: from there on they are believed

@@ -7,15 +7,15 @@ worse.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from scipy.stats import f as fisher
 
-from tasks.explain.channels import EVERY
-from tasks.explain.evidence.cells import scatter_cells
+from tasks.explain.evidence.cells import CellEquations, scatter_cells
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.homogeneity import PartwiseEstimate, partitions, partwise
-from tasks.explain.evidence.lookalikes import (
+from tasks.explain.evidence.left_over import (
     SIZE,
     Examined,
     jump_at_one_end,
@@ -24,10 +24,162 @@ from tasks.explain.evidence.lookalikes import (
     swings,
     unseen_turning,
 )
-from tasks.explain.explanation import UNNAMED, Refusal
-from tasks.explain.odds import COVERAGE
+from tasks.explain.evidence.scatter import cell_influence
+from tasks.explain.explanation import COVERAGE, EVERY, TRIADS, UNNAMED, Partition, Refusal
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import columns_of
-from tasks.model.regression import inverse
+from tasks.model.fit import inverse
+
+# Whether a finding's parameters agree in every part of a recording, as a law requires.
+#
+# The parameters are estimated apart in each part, all else in common, and compared (Wald's test)
+# by a covariance that holds in a wrong model: the model's correlations, and the variance that the
+# cells of each part show by their scatter where that is larger.
+
+DETERMINED = 0.05  # of the whole recording's information on a parameter: less determines nothing
+MIN_DEGREES = 2.0  # of the scatter of the cells
+
+
+@dataclass(frozen=True)
+class PartwiseEstimate:
+    """Parameters estimated apart in the parts of one partition.
+
+    values: (parts, k), NaN where a part does not determine them. p: that they are the same.
+    spread: (k,) standard deviation between the parts beyond what noise makes. differing: the share
+    of the finding's amplitude in the recording by which the parts differ beyond noise.
+    """
+
+    partition: Partition
+    values: np.ndarray
+    p: float
+    spread: np.ndarray
+    differing: float
+
+    def among(self, places: np.ndarray, count: int) -> "PartwiseEstimate":
+        """The same where the parameters stand at some places (k,) among `count`."""
+        values, spread = np.full((len(self.values), count), np.nan), np.zeros(count)
+        values[:, places], spread[places] = self.values, self.spread
+        return replace(self, values=values, spread=spread)
+
+
+def partwise(
+    equations: CellEquations,
+    own: np.ndarray,
+    prior: np.ndarray,
+    values: np.ndarray,
+    partition: Partition,
+    parts: np.ndarray,
+) -> PartwiseEstimate | None:
+    """The estimate of the columns `own` (k,) in each part; None where fewer than two have any.
+
+    prior, values: (q,) of all columns. parts: (parts, cells, 6) bool.
+    """
+    count, k = len(prior), len(own)
+    others = np.setdiff1d(np.arange(count), own)
+    rest, size = len(others), len(others) + k * len(parts)
+    normal, right = np.zeros((equations.cells, size, size)), np.zeros((equations.cells, size))
+    for number, part in enumerate(parts):
+        place = np.empty(count, int)
+        place[others] = np.arange(rest)
+        place[own] = rest + k * number + np.arange(k)
+        of_part, of_right = equations.normal(part)
+        normal[:, place[:, None], place] += of_part
+        right[:, place] += of_right
+    apart = np.arange(rest, size)
+    everywhere = np.concatenate([others, *[own] * len(parts)])
+    influence, change = cell_influence(normal, right, apart, prior[everywhere], values[everywhere])
+    model = np.diag(influence.covariance)
+    information = np.divide(1.0, model, out=np.zeros(len(model)), where=model > 0)
+    information = information.reshape(len(parts), k)
+    known = information > DETERMINED * information.sum(axis=0)
+    known &= known.sum(axis=0) > 1
+    if not known.any():
+        return None
+    variance = np.maximum(model, np.diag(influence.robust_covariance))
+    estimates = values[own] + change.reshape(len(parts), k)
+    root = np.sqrt(np.divide(variance, model, out=np.ones(len(model)), where=model > 0))
+    covariance = influence.covariance * root[:, None] * root
+    contrasts = _contrasts(known)
+    differences = contrasts @ estimates.ravel()
+    distance = differences @ inverse(contrasts @ covariance @ contrasts.T) @ differences
+    degrees = max(MIN_DEGREES, float(influence.effective_cells[known.ravel()].mean()) - 1.0)
+    return PartwiseEstimate(
+        partition,
+        np.where(known, estimates, np.nan),
+        float(fisher.sf(distance / len(differences), len(differences), degrees)),
+        *_beyond_noise(estimates, known, variance.reshape(known.shape), information),
+    )
+
+
+def _contrasts(known: np.ndarray) -> np.ndarray:
+    """(m, parts·k) differences of each parameter between parts that determine it."""
+    rows = []
+    for q in range(known.shape[1]):
+        first, *more = np.flatnonzero(known[:, q]).tolist() or [0]
+        for part in more:
+            row = np.zeros(known.shape)
+            row[first, q], row[part, q] = 1.0, -1.0
+            rows.append(row.ravel())
+    return np.array(rows)
+
+
+def _beyond_noise(
+    estimates: np.ndarray, known: np.ndarray, variance: np.ndarray, information: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Standard deviation (k,) between the parts beyond noise, and the share of the amplitude."""
+    weight = np.where(known, information, 0.0)
+    total = np.maximum(weight.sum(axis=0), 1e-300)
+    mean = (weight * estimates).sum(axis=0) / total
+    off = np.where(known, (estimates - mean) ** 2, 0.0)
+    noise = np.where(known, variance, 0.0)
+    parts = np.maximum(known.sum(axis=0), 2)
+    expected = noise.sum(axis=0) * (parts - 1) / parts
+    spread = np.sqrt(np.maximum(off.sum(axis=0) - expected, 0.0) / (parts - 1))
+    left = float((weight * (off - noise)).sum())
+    amplitude = float((total * mean**2)[known.any(axis=0)].sum())
+    return spread, float(np.sqrt(max(left, 0.0) / max(amplitude, 1e-300)))
+
+
+def partitions(
+    blocks: Blocks, cells: np.ndarray, information: np.ndarray
+) -> Iterator[tuple[Partition, np.ndarray]]:
+    """What divides the recording, and its parts (parts, cells, 6) bool.
+
+    cells: (n,) number of each row's cell. information: (cells,) that each has on the parameters,
+    by which time and rate are halved.
+    """
+    count = len(information)
+    edges = np.searchsorted(cells, np.arange(count + 1))
+    rate = np.linalg.norm(np.nan_to_num(blocks.motion.rate), axis=1)
+    used = np.asarray((blocks.weight > 0).any(axis=1))
+    speed, upward = np.zeros(count), np.zeros((count, 3))
+    for n, (start, stop) in enumerate(pairwise(edges)):
+        rows = slice(start, stop)
+        turns = rate[rows] ** 2 * used[rows]
+        speed[n] = np.sqrt(turns.sum() / max(1, int(used[rows].sum())))
+        upward[n] = np.abs(np.nan_to_num(blocks.motion.up[rows])).sum(axis=0)
+    first = _first_half(np.arange(count), information)
+    yield "time", _of_cells(first, ~first)
+    slow = _first_half(np.argsort(speed, kind="stable"), information)
+    yield "rate", _of_cells(slow, ~slow)
+    known = upward.any(axis=1)
+    yield "up", _of_cells(*(known & (upward.argmax(axis=1) == axis) for axis in range(3)))
+    channels = np.array(EVERY)
+    every = np.ones((count, 1), bool)
+    yield "triad", np.stack([every & np.isin(channels, triad) for triad in TRIADS])
+    yield "axis", np.stack([every & (channels % 3 == axis) for axis in range(3)])
+
+
+def _first_half(order: np.ndarray, information: np.ndarray) -> np.ndarray:
+    """(cells,) bool: those that come first in an order and have half of the information."""
+    share = np.empty(len(order))
+    share[order] = np.cumsum(information[order]) - 0.5 * information[order]
+    return np.asarray(share <= 0.5 * information.sum())
+
+
+def _of_cells(*parts: np.ndarray) -> np.ndarray:
+    return np.stack([np.repeat(part[:, None], len(EVERY), axis=1) for part in parts])
+
 
 UNLIKE = 1e-3  # p value, corrected, from which on the parts of a recording are not alike
 MATERIAL = 0.25  # of a finding's amplitude: parts that differ by less are one law, and u covers it

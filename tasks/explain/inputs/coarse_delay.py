@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import orth
 
-from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.inputs.blocks import FullRate
 from tasks.motion.samples import interpolated
 
 WIDTHS = (0.32, 0.16, 0.08, 0.04)  # s: windows of mean rates, from slow to fast

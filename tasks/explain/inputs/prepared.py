@@ -5,39 +5,37 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.recording import Recording
-from tasks.explain.channels import CHANNELS
-from tasks.explain.events.code_fault import code_fault, find_torn_codes
-from tasks.explain.events.detect import events_in_readings
+from schemas.recording import Recording, Segment
+from tasks.explain.events.codes import code_fault, find_repeats, find_torn_codes
+from tasks.explain.events.detect import (
+    Fault,
+    events_in_readings,
+    find_gravity_removed,
+    find_settings,
+)
 from tasks.explain.events.event import Events
-from tasks.explain.events.faults import Fault, find_gravity_removed, find_settings
-from tasks.explain.events.lost_samples import LostSamples, aligned_prediction
-from tasks.explain.events.repeats import find_repeats
-from tasks.explain.inputs.blocks import Blocks, block_means
+from tasks.explain.events.stamps import LostSamples, aligned_prediction
+from tasks.explain.explanation import CHANNELS
+from tasks.explain.inputs.blocks import Blocks, FullRate, block_means, full_rate
 from tasks.explain.inputs.coarse_delay import coarse_delay
-from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.labels import disturbed_rows, moved_labels
-from tasks.explain.inputs.recorded_signals import within_jumps
-from tasks.explain.inputs.reference import ReferencePrediction
-from tasks.explain.inputs.tracked_body import in_unit_axes
+from tasks.explain.inputs.reference import ReferencePrediction, in_unit_axes
+from tasks.explain.inputs.signals import within_jumps
 from tasks.explain.progress import Progress, report_progress, silent
 from tasks.model.fit import plain_prediction
 from tasks.model.terms.timing import shifted_within
-from tasks.motion.angle_rates import as_mean_rates
+from tasks.motion.encoders import as_mean_rates
 from tasks.motion.samples import SLOW, bridged
-from tasks.motion.whole import Motion
-from tasks.readings.codes import codes_put_right
-from tasks.readings.label_shift import shift_of_labels
+from tasks.motion.whole import Motion, attitude_stream, whole_motion
+from tasks.readings.codes import codes_put_right, offset_taken_off
 from tasks.readings.lattice import quantiser_of
-from tasks.readings.offset_binary import offset_taken_off
-from tasks.readings.plausibility import on_sight
+from tasks.readings.plausibility import longest_run, on_sight, shift_of_labels
 from tasks.readings.rows import (
     empty_remarks,
     rows_without_readings,
     without_readings_removed,
 )
 from tasks.readings.stamps import with_instants
-from tasks.readings.standing import longest_run
 from tasks.segments.find import segments_of
 from tasks.words import Sayable, say
 
@@ -261,3 +259,26 @@ def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarra
 def advanced(recording: Recording, delay: float) -> Recording:
     """The recording with the unit's stamps `delay` seconds earlier."""
     return replace(recording, imu=replace(recording.imu, t=recording.imu.t - delay))
+
+
+# The segments of a recording by which a report says where something sits.
+
+TURNING = 0.1  # rad/s: what turns so much does not rest, whatever the noise of its poses
+
+
+def shown_segments(recording: Recording) -> tuple[Segment, ...]:
+    """The labelled segments, or those found; no rest where poses turn, as where a hand moves so
+    evenly that the quietest tenth of its readings is no quieter than the rest.
+    """
+    segments = segments_of(recording)
+    if recording.manifest.segments or attitude_stream(recording) is not recording.reference:
+        return segments
+    turns = np.linalg.norm(whole_motion(recording).rate, axis=1)
+    return tuple(each for each in segments if not _turns(each, recording, turns))
+
+
+def _turns(segment: Segment, recording: Recording, turns: np.ndarray) -> bool:
+    own = turns[recording.imu.rows(segment.t_start, segment.t_end)]
+    own = own[np.isfinite(own)]
+    still = not len(own) or np.sqrt((own**2).mean()) < TURNING
+    return segment.kind == "static" and not still

@@ -12,10 +12,9 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import Recording, Stream
-from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.inputs.seen_places import smoothed_motion
-from tasks.motion.pose import Tracking
-from tasks.motion.pose_frames import PLACE, POSE
+from tasks.explain.inputs.blocks import FullRate
+from tasks.explain.inputs.reference import smoothed_motion
+from tasks.motion.pose import PLACE, POSE, Tracking
 from tasks.motion.reference_noise import EncoderNoise
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion, whole_motion

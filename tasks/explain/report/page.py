@@ -10,20 +10,16 @@ import pyarrow.parquet as pq
 
 from schemas.base import Unusable
 from schemas.discrepancy import Discrepancy
-from tasks.explain.channels import CHANNELS
-from tasks.explain.explanation import Explanation
-from tasks.explain.report import names, statements
-from tasks.explain.report.before_after import before_after_svg
-from tasks.explain.report.cells import cells_of
-from tasks.explain.report.shares import shares_svg
-from tasks.explain.report.verdict import detected, small_remainders, tested
+from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.report import statements
+from tasks.explain.report.discrepancy import before_after_svg, cells_of
+from tasks.explain.report.verdict import detected, shares_svg, small_remainders, tested
 from tasks.explain.report.where import where_svg
 from tasks.rendering import inline_each, page
 from tasks.rendering.chart import FINDINGS, GREY, picture_file
 from tasks.version import code_version
 from tasks.words import LANGUAGES, message, say
-from tasks.words.quantities import chi2, percent, quantities
-from tasks.words.rounding import USUAL_K
+from tasks.words.numbers import USUAL_K, chi2, percent, quantities
 
 TEMPLATE = Path(__file__).parent / "templates" / "report.html"
 BADGES = {"no_mismatch": "good", "explained": "good", "partly_explained": "part",
@@ -78,7 +74,7 @@ def report_html(
         small=small_remainders(discrepancy),
         colours=dict(enumerate(FINDINGS)),
         other_colour=GREY,
-        names=names,
+        names=statements,
         statements=statements,
         coverage=USUAL_K,
         quantities=quantities,

@@ -8,32 +8,115 @@ from schemas.discrepancy import (
     EvidenceFor,
     FoundParameter,
     ReportedFinding,
+    VerdictChange,
 )
 from schemas.text import Statement
-from tasks.explain.correction.consequences import moved_by
-from tasks.explain.evidence.shares import MOSTLY_NOISE
-from tasks.explain.explanation import UNNAMED
-from tasks.explain.report.names import (
-    before_and_after,
-    capital,
-    channel_title,
-    element_title,
-    lower,
-    parameter_text,
-    shift_text,
-    verdict_title,
-)
-from tasks.model.effect import effect_name
-from tasks.words import Message, Sayable, clauses, message, statement
-from tasks.words.quantities import (
+from tasks.explain.correction.consequences import OVERALL, moved_by
+from tasks.explain.events.event import channel_names
+from tasks.explain.evidence.findings import MOSTLY_NOISE
+from tasks.explain.explanation import CHANNELS, UNNAMED, Finding, Refusal
+from tasks.model.term import effect_name
+from tasks.specifications.estimate import ITEMS
+from tasks.words import Message, Sayable, clauses, known, message, statement
+from tasks.words.numbers import (
+    USUAL_K,
+    Quantities,
     chi2,
     multiple,
     percent,
     plain,
     power_of_ten,
     probability,
+    quantities,
+    quantity,
+    rough_quantity,
 )
-from tasks.words.rounding import USUAL_K
+
+# Names of channels, elements and quantities with U in the sentences of the report.
+
+
+def channel_title(channels: str) -> Message:
+    """“gyro x” of “gyro_x”; several where an entry of `Where` names several: “gyro_x, gyro_y”."""
+    names = channels.split(", ")
+    titles = (message(f"channel-{name}") if name in CHANNELS else name for name in names)
+    return message("list", entries=tuple(titles))
+
+
+def short_channel_title(channel: str) -> Message:
+    """“accel. x” of “accel_x”, where there is little room."""
+    return message(f"channel-{channel}.short")
+
+
+def element_title(item: str, element: str) -> Sayable:
+    """An element of a certificate's item; the item where the element is empty."""
+    if item == OVERALL:
+        return message("report-whole-certificate")
+    if item not in ITEMS:
+        return f"{item} {element}".strip()
+    defined = ITEMS[item]
+    return defined.element_title(element) if element else defined.title
+
+
+def verdict_title(verdict: str) -> Sayable:
+    """“pass”, “fail”, “inconclusive”."""
+    id_ = f"conformity-verdict.{verdict}"
+    return message(id_) if known(id_) else verdict
+
+
+def change_title(change: VerdictChange) -> Message:
+    """“fail → pass”."""
+    before, after = verdict_title(change.before), verdict_title(change.after)
+    return message("report-change", before=before, after=after)
+
+
+def shift_text(moved: Consequence) -> str:
+    """By how many U an element of the certificate moves, with its sign; empty where it does not."""
+    by = moved.in_U
+    return multiple(by) if by else ""
+
+
+def before_and_after(moved: Consequence) -> Quantities:
+    """An element's value without the finding and with it, each that is there with its U."""
+    U_before = moved.U if moved.U_before is None else moved.U_before  # of an earlier version
+    values = [moved.before, moved.after]
+    pairs = zip(values, [U_before, moved.U], strict=True)
+    return quantities(values, [None if value is None else U for value, U in pairs], moved.unit)
+
+
+def capital(phrase: Sayable) -> Message:
+    """The text with a capital initial; a symbol stays as it is."""
+    return message("initial", text=phrase)
+
+
+def sentence(phrase: Sayable) -> Message:
+    """What stands alone as a sentence, with its full stop."""
+    return capital(message("report-sentence", text=phrase))
+
+
+def lower(phrase: Sayable) -> Message:
+    """The text with a lower-case initial; a symbol stays as it is."""
+    return message("initial.lower", text=phrase)
+
+
+def parameter_name(name: str) -> Sayable:
+    """“vertical rate” of “vertical_rate”, “gyro x” of “gyro_x”; a symbol stays: “r_x”."""
+    for kind in ("parameter-", "channel-", "triad-"):
+        if known(kind + name):
+            return message(kind + name)
+    quantity, _, channel = name.partition("_")
+    if channel in CHANNELS and known("parameter-of-" + quantity):
+        return message("parameter-of-" + quantity, channel=channel_title(channel))
+    channel, _, number = name.rpartition("_")
+    if channel in CHANNELS and number.isdigit():
+        return message("report-factor", channel=channel_title(channel), number=int(number))
+    return name if name[1:2] == "_" else name.replace("_", " ")
+
+
+def parameter_text(parameter: FoundParameter) -> Message:
+    """“vertical rate = (9.66 ± 0.40) °/h”; U = 2 u."""
+    size = quantity(parameter.value, USUAL_K * parameter.u, parameter.unit)
+    return message("report-parameter", name=parameter_name(parameter.name), size=size)
+
 
 MAX_PARAMETERS, MAX_PLACES = 3, 2  # in a sentence; tables hold all of them
 MAX_POWER = 100  # a power of ten beyond which the size of a probability says no more
@@ -247,3 +330,96 @@ def _consequence(
 
 def _significance(parameter: FoundParameter) -> float:
     return abs(parameter.value) / parameter.u if parameter.u > 0 else float("inf")
+
+
+# Describes findings without a name, and why a name of the catalogue was refused.
+
+# Reasons without figures.
+PLAIN = ("reference_noise", "placed", "one_end", "both_ways", "swings", "switching")
+USUAL = {"s": "time", "m": "length", "rad": "angle"}  # kinds of causes, by the SI unit
+LARGER = 1.5  # times the limit of what is plausible, from which it is given as a multiple
+FAR_BEYOND = 5.0  # times, from which a unit or range may be wrong: 9.8, 57.3, 1000, powers of two
+
+
+def title_of(finding: Finding) -> Sayable:
+    """What a finding is called; without a name by its pattern, by all names that it may be."""
+    if finding.group:
+        effects = clauses([*map(effect_name, finding.group)], by="report-or")
+        return message("report-one-of", effects=effects)
+    if finding.effect != UNNAMED:
+        return finding.title
+    return message("report-without-name", pattern=pattern_of(finding))
+
+
+def pattern_of(finding: Finding) -> Sayable:
+    """What an unnamed finding follows; where a name was refused, with the channels that do."""
+    if finding.refusal is None:
+        return finding.title
+    channels = channel_names(finding.channels)
+    return message("report-pattern", pattern=finding.title, channels=channels)
+
+
+def setting_suspected(finding: Finding, left_over: Mapping[str, float]) -> bool:
+    """Whether an implausible size is likely to be a wrong setting: it is many times the limit, and
+    explains nearly everything.
+
+    left_over: χ² per degree of freedom of the residual in each channel.
+    """
+    if finding.refusal is None or not far_beyond(finding.refusal):
+        return False
+    return all(left_over.get(CHANNELS[c], 0.0) < MOSTLY_NOISE for c in finding.channels)
+
+
+def usual_cause(refusal: Refusal) -> Message:
+    """Which setting makes a parameter of this unit implausible."""
+    return message("report-usual", kind=USUAL.get(refusal.unit, "scale"))
+
+
+def far_beyond(refusal: Refusal) -> bool:
+    """Whether a parameter is many times what is plausible."""
+    return _times(refusal) > FAR_BEYOND
+
+
+def _times(refusal: Refusal) -> float:
+    """How many times its limit an implausible parameter is; one where that says nothing."""
+    value, limit = refusal.value or 0.0, refusal.limit or 0.0
+    return value / limit if value * limit > 0.0 else 1.0
+
+
+def refused(refusal: Refusal, setting: bool) -> Message:
+    """Why a finding does not get the name it resembles, with the figures against it.
+
+    setting: a wrong setting is suspected.
+    """
+    arguments = {"effect": effect_name(refusal.name), "parameter": ""}
+    if refusal.parameter is not None:
+        arguments["parameter"] = parameter_name(refusal.parameter)
+    if refusal.kind in PLAIN:
+        kind, placed = refusal.kind.replace("_", "-"), int(refusal.value or 0)
+        return message(f"report-refused-{kind}", effect=arguments["effect"], placed=placed)
+    if refusal.kind == "channel_worse":
+        channel = "" if refusal.channel is None else channel_title(CHANNELS[refusal.channel])
+        return message("report-refused-channel", **arguments, channel=channel)
+    if refusal.kind == "inhomogeneous":
+        sizes = {"smallest": refusal.smallest, "largest": refusal.largest}
+        shown = {key: rough_quantity(value or 0.0, refusal.unit) for key, value in sizes.items()}
+        return message(
+            "report-refused-inhomogeneous", **arguments, **shown, parts=refusal.parts or "time"
+        )
+    if refusal.kind in ("overshadowed", "form_error"):
+        times, left = plain(refusal.value or 0.0, 2), chi2(refusal.limit or 1.0)
+        kind = refusal.kind.replace("_", "-")
+        return message(f"report-refused-{kind}", **arguments, times=times, chi2=left)
+    value, limit = refusal.value or 0.0, refusal.limit or 0.0
+    multiple = _times(refusal)
+    if multiple > LARGER:  # it is said how many times as large, in which no sign has a place
+        limit = abs(limit)
+    shown = {"value": rough_quantity(value, refusal.unit)}
+    shown["limit"] = rough_quantity(limit, refusal.unit)
+    if refusal.kind == "undetermined":
+        return message("report-refused-undetermined", **arguments, **shown)
+    return message(
+        "report-refused-implausible", **arguments, **shown, larger=int(multiple > LARGER),
+        times=plain(multiple, 2),
+        usual=usual_cause(refusal) if setting else message("report-usual", kind="alike"),
+    )  # fmt: skip

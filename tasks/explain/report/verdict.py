@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,20 +10,30 @@ from schemas.discrepancy import Detection, Discrepancy, HeldOut, ReportedFinding
 from schemas.recording import MEASURED, TRIADS, Recording
 from schemas.text import Remark, Statement
 from tasks.explain.correction.consequences import OVERALL, moved_by
-from tasks.explain.evidence.shares import MOSTLY_NOISE
-from tasks.explain.explanation import UNNAMED
-from tasks.explain.report.names import (
+from tasks.explain.evidence.findings import MOSTLY_NOISE
+from tasks.explain.explanation import CHANNELS, UNNAMED
+from tasks.explain.report.statements import (
+    LEAST,
     before_and_after,
+    capital,
     channel_title,
+    either,
     element_title,
     lower,
     parameter_text,
+    rivals,
+    sentences,
     shift_text,
+    short_channel_title,
 )
-from tasks.explain.report.statements import LEAST, either, rivals, sentences
-from tasks.model.effect import LOGGER
-from tasks.words import Message, Sayable, clauses, message, statement
-from tasks.words.quantities import chi2, percent, plain, probability
+from tasks.model.term import LOGGER
+from tasks.rendering.chart import AFTER, BEFORE, FINDINGS, GREY, LETTER, draw, text_width
+from tasks.words import Message, Sayable, clauses, message, say, statement
+from tasks.words.numbers import chi2, percent, plain, probability
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 CLEAR_GAIN = 0.95  # what a residual falls to where it is worth stating
 
@@ -183,3 +194,94 @@ def _moved(discrepancy: Discrepancy) -> Sayable:
         element=lower(element_title(most.item, most.element)), before=made.text(0),
         after=made.text(1), times=shift_text(most),
     )  # fmt: skip
+
+
+# shares.svg: the share of the mismatch that each finding removes, and the rest by channel.
+
+WIDTH, HEAD, FOOT, ROW = 1040, 48, 22, 30  # px
+SHARE_BARS, CHANNEL_BARS = (30, 230), (790, 980)  # px
+MAX_TITLE = 405  # px of a title beside a bar
+REST = "#b8b8b8"
+BAR = 0.62  # of a row
+
+
+def shares_svg(discrepancy: Discrepancy, language: str) -> str:
+    """The picture, its words in a language."""
+    bars = share_bars(discrepancy, language)
+    rows = max(len(bars), len(CHANNELS))
+    height = HEAD + ROW * rows + FOOT
+
+    def content(figure: "Figure") -> None:
+        figure.set_layout_engine("none")
+        bottom, top = FOOT / height, ROW * rows / height
+        left, right = (
+            figure.add_axes((start / WIDTH, bottom, (end - start) / WIDTH, top))
+            for start, end in (SHARE_BARS, CHANNEL_BARS)
+        )
+        _draw_shares(left, bars, rows)
+        left.set_title(say(message("chart-shares"), language), fontsize=15, pad=10)
+        _draw_left_over(right, discrepancy, rows, language)
+
+    return draw(say(message("chart-shares.title"), language), WIDTH, height, content)
+
+
+def share_bars(discrepancy: Discrepancy, language: str) -> list[tuple[str, float, str]]:
+    """(title, share of the mismatch, colour) of each finding, and of what none explains."""
+    bars = [
+        (
+            say(capital(finding.title), language),
+            finding.share,
+            FINDINGS[k] if k < len(FINDINGS) else GREY,
+        )
+        for k, finding in enumerate(discrepancy.findings)
+    ]
+    rest = say(message("chart-not-explained"), language)
+    return [*bars, (rest, 1.0 - discrepancy.explained_share, REST)]
+
+
+def _draw_shares(axes: Any, bars: list[tuple[str, float, str]], rows: int) -> None:
+    axes.set(xlim=(0.0, 1.0), ylim=(rows, 0))
+    for row, (title, share, colour) in enumerate(bars):
+        axes.barh(row + 0.5, 1.0, BAR, color="#f5f5f5")
+        axes.barh(row + 0.5, min(max(share, 0.0), 1.0), BAR, color=colour)
+        words = f"{percent(share)}  {_cut(title)}"
+        axes.annotate(words, (1, row + 0.5), xytext=(8, 0), va="center",
+                      textcoords="offset points", fontsize=12)  # fmt: skip
+    axes.set_axis_off()
+
+
+def _cut(title: str) -> str:
+    """What there is room for."""
+    if text_width(title) <= MAX_TITLE:
+        return title
+    while text_width(title) > MAX_TITLE - LETTER:
+        title = title[:-1]
+    return title + "…"
+
+
+def _draw_left_over(axes: Any, discrepancy: Discrepancy, rows: int, language: str) -> None:
+    values = [discrepancy.left_over.get(channel) for channel in CHANNELS]
+    largest = max([2.0, *(value for value in values if value is not None)])
+    smallest = min([0.5, *(value for value in values if value)])
+    axes.set(xlim=(smallest, 1.3 * largest), ylim=(rows, 0), xscale="log")
+    axes.axvline(1.0, color=GREY, linewidth=1)
+    alone, unknown = (
+        say(message(id_), language) for id_ in ("chart-noise-alone", "chart-not-known")
+    )
+    axes.annotate(alone, (1.0, rows), xytext=(0, -12), color=GREY, fontsize=11,
+                  textcoords="offset points", ha="center", va="center")  # fmt: skip
+    for row, (channel, value) in enumerate(zip(CHANNELS, values, strict=True)):
+        title = say(short_channel_title(channel), language)
+        axes.annotate(title, (0, row + 0.5), xycoords=("axes fraction", "data"), xytext=(-8, 0),
+                      textcoords="offset points", ha="right", va="center")  # fmt: skip
+        if value is None:
+            axes.annotate(unknown, (1.0, row + 0.5), xytext=(6, 0), color=GREY, va="center",
+                          textcoords="offset points")  # fmt: skip
+            continue
+        axes.barh(
+            row + 0.5, value - 1.0, BAR, left=1.0, color=BEFORE if value >= MOSTLY_NOISE else AFTER
+        )
+        axes.annotate(chi2(value), (max(value, 1.0), row + 0.5), xytext=(6, 0), va="center",
+                      textcoords="offset points")  # fmt: skip
+    axes.set_title(say(message("chart-left-over"), language), fontsize=15, pad=10, x=-0.65)
+    axes.set_axis_off()

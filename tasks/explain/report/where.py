@@ -8,16 +8,16 @@ import numpy as np
 
 from schemas.discrepancy import Discrepancy, ReportedFinding
 from schemas.recording import MEASURED, Segment
-from tasks.explain.channels import CHANNELS
-from tasks.explain.explanation import UNNAMED
-from tasks.explain.report.cells import ExcessCells
-from tasks.explain.report.names import capital, short_channel_title
+from tasks.explain.explanation import CHANNELS, UNNAMED
+from tasks.explain.report.discrepancy import ExcessCells
+from tasks.explain.report.statements import capital, short_channel_title
 from tasks.rendering.chart import FINDINGS, GREY, PALE, draw, text_width, time_axis
 from tasks.words import message, say
-from tasks.words.quantities import percent
+from tasks.words.numbers import percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 
 WIDTH, LEFT, RIGHT, TOP, ROW = 1040, 128, 896, 84, 50  # px
 THRESHOLDS = (4.0, 8.0, 16.0, 32.0, 64.0)  # standard deviations above noise

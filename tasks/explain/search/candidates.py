@@ -1,16 +1,199 @@
 """Candidates: terms of the catalogue and empirical ones, as columns of a design matrix."""
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
+from scipy.fft import rfft, rfftfreq
 
-from tasks.explain.channels import EVERY, TRIADS
-from tasks.explain.search.behaviours import UnlistedForm
-from tasks.explain.search.empirical_terms import scale_factor_drift, slow_drift
-from tasks.model.term import Column, Inputs, Term
+from tasks.explain.explanation import ACCELS, EVERY, GYROS, TRIADS, UNNAMED
+from tasks.explain.noise import (
+    ChannelResidual,
+    Noise,
+    at_blocks,
+    in_band,
+    in_time,
+    padded_length,
+    weighted,
+)
+from tasks.explain.search.design import BandedDesign, ChannelDesign, residuals, with_columns
+from tasks.explain.search.empirical import (
+    SINUSOIDS,
+    regression_term,
+    scale_factor_drift,
+    slow_drift,
+)
+from tasks.model.fit import inverse
+from tasks.model.term import STILL, Column, G, Inputs, SensorTerm, Term, turned
 from tasks.model.terms.electronics import BANDWIDTH
+from tasks.model.terms.hysteresis import faded, last_peak, last_sign, stopped
+from tasks.motion.samples import bridged, first_order_lag
 from tasks.motion.whole import Motion
+from tasks.words import message
+
+# Kinds of behaviour as random functions of their own drive: forms that no publication lists.
+#
+# A hysteresis is a sum of plays and relays of several widths, which remember rate, angle or
+# specific force; a non-linearity a function of the own input that bends at many places; a
+# rectification one of the vibration and of the speeds that make it; a late temperature, or the
+# heat of turning, a distribution of lags. Each weight is normal about zero, of one variance in a
+# kind: a Gaussian process of the drive, whose weights the evidence integrates out (Preisach's and
+# Prandtl's operators with random weights; C. E. Rasmussen and C. K. I. Williams, Gaussian
+# Processes for Machine Learning, 2006, 2.7).
+
+SHARES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7)  # of the largest drive: radii of plays
+# Of the largest rate: slower turns are not remembered.
+FAST = (0.0, 0.05, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85)
+ANGLES = (0.03, 0.1, 0.3, 1.0, 3.0)  # rad
+FORGOTTEN = (6.0, 20.0, 60.0)  # s
+LEVELS = (-0.75, -0.3, 0.3, 0.75)  # of the largest specific force: thresholds of relays
+BENDS = np.arange(-0.9, 0.95, 0.15)  # of the largest input
+SPEEDS = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7)  # of the largest rate: where a rectification bends
+OWN_SPEEDS = (0.0, 0.3, 0.6)
+LAGS = (8.0, 20.0, 45.0, 90.0, 180.0, 400.0, 900.0)  # s
+HEAT_LAGS = (20.0, 45.0, 90.0, 180.0, 400.0)  # s
+FAST_HEATS = 0.4  # of the largest rate
+BENT_LAGS = (45.0, 180.0)  # s
+GIVING_WAY = (0.3, 1.0, 2.5)  # K: radii of plays
+# A table shakes more the faster it turns; the air is warmer before the unit is.
+OF_SHAKING, OF_HEATING = ("ω_i²", "|ω_j|", "ω⁴"), ("lag(ω²)", "lag(|ω|)")
+OF_TEMPERATURE = ("air_temperature",)
+FEW = 0.5  # K: a smaller change of temperature shows no lag
+Bank = Callable[[Motion, Inputs, int], list[np.ndarray]]
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """A kind of behaviour in the channels of a triad, or of both.
+
+    name: of the catalogue, for all of its forms. bank: the columns of a channel. empirical: what an
+    empirical term follows that is a form of it, in these channels.
+    """
+
+    kind: str
+    name: str
+    family: str
+    channels: tuple[int, ...]
+    bank: Bank
+    empirical: tuple[str, ...] = ()
+
+
+def behaviours(motion: Motion) -> Iterator["UnlistedForm"]:
+    """A term for each kind of behaviour that a recording can show."""
+    inputs = Inputs.of(motion)
+    for one in _possible(motion):
+        yield _term(one, len(one.bank(motion, inputs, one.channels[0])))
+
+
+def _possible(motion: Motion) -> Iterator[Behaviour]:
+    if turned(motion):
+        yield Behaviour("hysteresis", "hysteresis", "memory", GYROS, _memories_of_rate)
+        yield Behaviour("hysteresis", "hysteresis", "memory", ACCELS, _memories_of_force)
+        yield Behaviour("non-linearity", "gyro_scale_nonlinearity", "gyro", GYROS, _bent)
+        yield Behaviour(
+            "rectification", "vibration_rectification", "accelerometer", ACCELS, _shaken, OF_SHAKING
+        )
+        yield Behaviour("heating", UNNAMED, UNNAMED, EVERY, _heated, OF_HEATING)
+    yield Behaviour("non-linearity", "accel_nonlinearity", "accelerometer", ACCELS, _bent)
+    temperature = motion.recorded.get("temperature")
+    if temperature is not None and np.nanmax(temperature) - np.nanmin(temperature) > FEW:
+        yield Behaviour(
+            "late temperature", "temperature_bias", "environment", EVERY, _late, OF_TEMPERATURE
+        )
+
+
+def _term(one: Behaviour, count: int) -> "UnlistedForm":
+    title = message(f"explain-unlisted-{one.kind.replace(' ', '-')}")
+    shared = one.channels == EVERY
+    term = regression_term(one.kind, title, one.channels, count, one.bank, shared)
+    return UnlistedForm(
+        one.name, one.family, "sensor", "Σₖ wₖ·sₖ, wₖ normal", "random function of its own drive",
+        term.parameters, own_title=title, reads=term.reads, form_of=one, per_channel=count,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class UnlistedForm(SensorTerm):
+    """A kind of behaviour in a form that no publication lists. per_channel: number of columns."""
+
+    form_of: Behaviour = field(kw_only=True)
+    per_channel: int = field(kw_only=True)
+
+
+def _share(values: np.ndarray) -> np.ndarray:
+    """(n, …) of the largest; zero where it is not known."""
+    known = np.nan_to_num(values)
+    return np.asarray(known / max(float(np.abs(known).max(initial=0.0)), 1e-9))
+
+
+def _memories_of_rate(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    rate = motion.rate[:, channel]
+    top = float(np.abs(np.nan_to_num(motion.rate)).max())
+    angle = np.cumsum(np.nan_to_num(rate)) * motion.interval
+    return [
+        *(stopped(rate, share * top) for share in SHARES),
+        *(stopped(angle, radius) for radius in ANGLES),
+        *(last_sign(rate, max(STILL, share * top)) for share in FAST),
+        *(faded(rate, motion.t, seconds, STILL) for seconds in FORGOTTEN),
+        last_peak(rate, STILL),
+    ]
+
+
+def _memories_of_force(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    force = inputs.force[:, channel % 3]
+    change, still = np.gradient(force, motion.t), 1e-3 * G
+    levels = [G * level for level in LEVELS]
+    return [
+        *(stopped(force, share * G) for share in SHARES[1:]),
+        *(_relay(force, up, down) for up in levels for down in levels if up > down),
+        last_sign(change, still),
+        *(faded(change, motion.t, seconds, still) for seconds in FORGOTTEN),
+    ]
+
+
+def _relay(drive: np.ndarray, up: float, down: float) -> np.ndarray:
+    """(n,) 1 since the drive last rose above `up`, −1 since it last fell below `down`; 0 before."""
+    rows = np.arange(len(drive))
+    raised = np.maximum.accumulate(np.where(drive > up, rows, -1))
+    fell = np.maximum.accumulate(np.where(drive < down, rows, -1))
+    return np.sign(raised - fell).astype(float)
+
+
+def _bent(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    x = _share(inputs.rate if channel in GYROS else inputs.force)[:, channel % 3]
+    return [np.abs(x - bend) for bend in BENDS]
+
+
+def _shaken(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    shares = np.abs(_share(motion.rate))
+    speed = _share(np.linalg.norm(shares, axis=1))
+    power = _share(motion.recorded.get("vibration", np.zeros(len(speed))))
+    return [
+        *(np.maximum(speed - least, 0.0) for least in SPEEDS),
+        *(np.maximum(shares[:, j] - least, 0.0) for j in range(3) for least in OWN_SPEEDS),
+        power, np.sqrt(power), power / (power + 0.2),
+    ]  # fmt: skip
+
+
+def _heated(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    """Of what turning heats: of its power, and of that of fast turns alone."""
+    speed = _share(np.linalg.norm(np.nan_to_num(motion.rate), axis=1))
+    loads = speed**2, np.maximum(speed - FAST_HEATS, 0.0)
+    return [first_order_lag(load, motion.interval, tau) for load in loads for tau in HEAT_LAGS]
+
+
+def _late(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    """Deviations from the first temperature, K: what was in balance before."""
+    known = bridged(motion.recorded["temperature"][:, None])[:, 0]
+    above = known - known[0]
+    late = partial(first_order_lag, above, motion.interval)
+    return [
+        *(late(seconds) for seconds in LAGS),
+        *(late(seconds) ** 2 / 10.0 for seconds in BENT_LAGS),
+        *(radius * stopped(late(LAGS[0]), radius) for radius in GIVING_WAY),
+    ]
+
 
 LINEAR_STEP = 1e-3  # of the plausible range: small enough to be linear
 NUMERICAL_ZERO = 1e-6  # of the largest change in a triad
@@ -298,3 +481,161 @@ def parts_of(columns: Sequence[Collection[int]]) -> Iterator[tuple[int, ...]]:
     parts = [tuple(triad) for triad in triads if all(triads)]
     parts += [tuple(some) for some in by_channel.values() if len(by_channel) > 1]
     yield from dict.fromkeys(part for part in parts if len(part) < len(present))
+
+
+# Proposes instants at which a bias may have stepped, and periods of recurring contributions.
+#
+# A grid of times or periods fine enough to miss nothing would have hundreds of columns. The
+# whitened residual shows for all of them at once how much each would gain; the best few become
+# the shapes of the candidates.
+
+TIME, PERIOD = "time", "period"
+STEP_DISTANCE = 15.0  # s between two proposed steps
+CORRELATED = 5.0  # s within which two steps look alike in a noise that drifts
+STEP_GRID = 24  # times at which a step's own size is computed; between them it is smooth
+MIN_PERIODS = 4.0  # of a sinusoid in a run
+MAX_FREQUENCY = 1.0  # Hz
+OVERSAMPLING = 4  # points of the spectrum for each independent one
+
+
+def with_proposed_shapes(
+    design: BandedDesign,
+    candidates: Sequence[Candidate],
+    noises: Sequence[Noise],
+    selected: Sequence[Candidate] = (),
+    beside: Sequence[Candidate] | None = None,
+) -> tuple[BandedDesign, list[Candidate]]:
+    """Design and candidates with the best times for steps and the best periods for sinusoids.
+
+    selected: candidates that stay as they are. beside: the candidates beside which the others are
+    proposed; the selected ones if not given.
+    """
+    left = residuals(design, members_of(selected if beside is None else beside), noises)
+    terms = _proposed_terms(design, candidates, noises, selected, left)
+    span = len(design.blocks.t) / design.blocks.rate
+    columns, updated = {}, []
+    for candidate in candidates:
+        term = terms.get(candidate.term.key)
+        if term is None:
+            updated.append(candidate)
+            continue
+        fresh = columns_of(term, design.blocks.motion)
+        columns.update({p: fresh[q] for p, q in zip(candidate.members, candidate.own, strict=True)})
+        independent = span / CORRELATED if _shape(term) == TIME else span * MAX_FREQUENCY
+        updated.append(replace(candidate, term=term, shape_trials=independent))
+    return with_columns(design, columns), updated
+
+
+def _shape(term: Term) -> str:
+    """The name of its only shape; nothing where it has none or several."""
+    return term.shapes[0].name if len(term.shapes) == 1 else ""
+
+
+def _proposed_terms(
+    design: BandedDesign,
+    candidates: Sequence[Candidate],
+    noises: Sequence[Noise],
+    selected: Sequence[Candidate],
+    left: Sequence[ChannelResidual],
+) -> Mapping[tuple[str, int], Term]:
+    """The terms with a time or a period, but those selected, with their proposed shapes, by key."""
+    steps, sinusoids = _gains(design, left, noises)
+    held = {candidate.term.key for candidate in selected}
+    shapes: dict[tuple[str, tuple[int, ...]], list[float]] = {}
+    terms: dict[tuple[str, int], Term] = {}
+    for candidate in candidates:
+        shape = _shape(candidate.term)
+        if shape not in (TIME, PERIOD) or candidate.term.key in held | set(terms):
+            continue
+        channels = tuple(sorted({c for p in candidate.members for c in design.columns[p]}))
+        if (shape, channels) not in shapes:
+            gain = (steps if shape == TIME else sinusoids)[list(channels)].sum(axis=0)
+            best = _best_times if shape == TIME else _best_periods
+            shapes[shape, channels] = best(gain, design)
+        if shapes[shape, channels]:
+            terms[candidate.term.key] = candidate.term.shaped((shapes[shape, channels].pop(0),))
+    return terms
+
+
+def _gains(
+    design: BandedDesign, left: Sequence[ChannelResidual], noises: Sequence[Noise]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Chi-squared of a step at each time (6, n) and of a sinusoid of each frequency (6, m)."""
+    steps = np.zeros((len(left), len(design.blocks.t)))
+    sinusoids = np.zeros((len(left), len(_frequencies(design))))
+    for c, channel in enumerate(design.channels):
+        if channel is not None:
+            score = _score(design, c, left[c], noises[c])
+            steps[c] = _step_gains(design, c, channel, score, noises[c])
+            sinusoids[c] = _sinusoid_gains(design, c, score, noises[c])
+    return steps, sinusoids
+
+
+def _score(design: BandedDesign, c: int, left: ChannelResidual, noise: Noise) -> np.ndarray:
+    """(n,) residual divided by the noise's covariance: its product with a column is a score."""
+    weight = design.blocks.weight[:, c]
+    whitened = left.coefficients / noise.of_coefficients(design.bands)
+    padded = padded_length(len(design.blocks.compared))
+    return at_blocks(in_time(whitened, padded)[None], design.blocks)[0] * weight
+
+
+def _step_gains(
+    design: BandedDesign, c: int, channel: ChannelDesign, score: np.ndarray, noise: Noise
+) -> np.ndarray:
+    """(n,) chi-squared that a step at each time would gain in one channel."""
+    count = len(score)
+    root = np.sqrt(noise.of_coefficients(design.bands))
+    at = np.linspace(0.02 * count, 0.98 * count, STEP_GRID).astype(int)
+    rows = np.arange(count)
+    later = [np.where(rows >= start, 1.0, 0.0) for start in at]
+    stack = weighted(later, design.blocks.weight[:, c], design.blocks)
+    steps = in_band(stack, design.blocks) / root
+    base = channel.base / root
+    shared = steps @ base.T
+    size = (steps**2).sum(axis=1)
+    size = size - np.einsum("kb,bd,kd->k", shared, inverse(base @ base.T), shared)
+    summed = np.cumsum(score[::-1])[::-1]
+    known = np.interp(rows, at, np.maximum(size, 1e-300))
+    return np.asarray(summed**2 / known)
+
+
+def _sinusoid_gains(design: BandedDesign, c: int, score: np.ndarray, noise: Noise) -> np.ndarray:
+    """(m,) chi-squared that a sinusoid of each frequency would gain in one channel."""
+    power = np.abs(rfft(score, OVERSAMPLING * len(score))) ** 2
+    frequency = _frequencies(design)
+    weight = float((design.blocks.weight[:, c] ** 2).sum())
+    variance = noise.variance(np.maximum(frequency, frequency[1]))
+    return np.asarray(2.0 * power * variance / max(weight, 1e-300))
+
+
+def _frequencies(design: BandedDesign) -> np.ndarray:
+    return np.asarray(rfftfreq(OVERSAMPLING * len(design.blocks.t), 1.0 / design.blocks.rate))
+
+
+def _best_times(gain: np.ndarray, design: BandedDesign) -> list[float]:
+    t, edge = design.blocks.t, len(gain) // 50
+    inner = np.zeros_like(gain)
+    inner[edge : len(gain) - edge] = gain[edge : len(gain) - edge]
+    best = _best(inner, STEP_TIMES, lambda k: np.abs(t - t[k]) < STEP_DISTANCE)
+    return [float(t[k]) for k in best]
+
+
+def _best_periods(gain: np.ndarray, design: BandedDesign) -> list[float]:
+    frequency = _frequencies(design)
+    span = len(design.blocks.t) / design.blocks.rate
+    inner = np.where((frequency > MIN_PERIODS / span) & (frequency < MAX_FREQUENCY), gain, 0.0)
+    best = _best(inner, SINUSOIDS, lambda k: np.abs(frequency - frequency[k]) < 2.0 / span)
+    return [float(1.0 / frequency[k]) for k in best]
+
+
+def _best(gain: np.ndarray, count: int, near: Callable[[int], np.ndarray]) -> list[int]:
+    """Where gain (n,) is largest, at most `count` times, nothing near (n,) bool another."""
+    found: list[int] = []
+    left = gain.copy()
+    for _ in range(count):
+        best = int(np.argmax(left))
+        if left[best] <= 0:
+            break
+        found.append(best)
+        left[near(best)] = 0.0
+    return found

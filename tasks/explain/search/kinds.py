@@ -6,10 +6,8 @@ forms of every name and with empirical terms, less those that the kinds have amo
 
 from collections.abc import Sequence
 
-from tasks.explain.explanation import UNNAMED
-from tasks.explain.odds import COVERAGE
-from tasks.explain.search.behaviours import behaviours
-from tasks.explain.search.candidates import Candidate
+from tasks.explain.explanation import COVERAGE, UNNAMED
+from tasks.explain.search.candidates import Candidate, behaviours
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.stepwise import Selected
 from tasks.model.model import Model

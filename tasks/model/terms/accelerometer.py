@@ -4,8 +4,17 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from schemas.recording import Recording
-from tasks.model.parameters import ACCEL_FIRST, G, each_axis, own, same, turned
-from tasks.model.term import Parameter, SensorTerm, Term
+from tasks.model.term import (
+    ACCEL_FIRST,
+    G,
+    Parameter,
+    SensorTerm,
+    Term,
+    each_axis,
+    own,
+    same,
+    turned,
+)
 from tasks.motion.whole import Motion
 
 ORDERS = (2, 3)

@@ -5,11 +5,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import single
-from tasks.model.term import Parameter, Term
-from tasks.motion.small_rotation import with_small_rotation
+from tasks.model.term import Parameter, Term, single
 from tasks.motion.table import TableAxes
-from tasks.motion.whole import Motion
+from tasks.motion.whole import Motion, with_small_rotation
 
 PARALLEL = 0.1  # sine of the angle between axes below which they have no common normal
 UPRIGHT = 0.7  # share of the first axis along the vertical above which it is a vertical one

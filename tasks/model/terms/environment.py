@@ -3,10 +3,8 @@
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import Printed, each_channel, same, triads
-from tasks.model.term import Parameter, SensorTerm, Term
-from tasks.motion.lag import first_order_lag
-from tasks.motion.samples import bridged
+from tasks.model.term import Parameter, Printed, SensorTerm, Term, each_channel, same, triads
+from tasks.motion.samples import bridged, first_order_lag
 from tasks.motion.whole import Motion
 
 REFERENCE = 25.0  # °C

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import AXES, Recording
-from tasks.model.parameters import OFF_DIAGONAL, G, each_axis, each_pair, turned
-from tasks.model.term import Inputs, Parameter, Term
+from tasks.model.term import OFF_DIAGONAL, G, Inputs, Parameter, Term, each_axis, each_pair, turned
 from tasks.model.terms.axes import turned_by
 from tasks.motion.whole import Motion
 from tasks.words import message

@@ -5,18 +5,20 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import (
+from tasks.model.term import (
     DEG,
     GYRO_FIRST,
     MATRIX,
     STILL,
     G,
+    Parameter,
+    SensorTerm,
+    Term,
     crossed,
     each_axis,
     each_pair,
     own,
 )
-from tasks.model.term import Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
 from tasks.words import message
 

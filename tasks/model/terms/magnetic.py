@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import GYRO_FIRST, crossed, each_pair
-from tasks.model.term import Column, Inputs, Parameter, Term
+from tasks.model.term import GYRO_FIRST, Column, Inputs, Parameter, Term, crossed, each_pair
 from tasks.model.terms.axes import level_axes
 from tasks.motion.whole import Motion
 

@@ -1,8 +1,15 @@
 """Biases that change by themselves: a step, a random walk."""
 
 from schemas.recording import Recording
-from tasks.model.parameters import ACCEL_FIRST, GYRO_FIRST, each_channel, same
-from tasks.model.term import Parameter, SensorTerm, Term
+from tasks.model.term import (
+    ACCEL_FIRST,
+    GYRO_FIRST,
+    Parameter,
+    SensorTerm,
+    Term,
+    each_channel,
+    same,
+)
 from tasks.motion.whole import Motion
 
 WANDER = 12.0  # chi-squared that a wander, whose strength few slow waves tell, makes of a jump

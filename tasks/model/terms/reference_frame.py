@@ -9,11 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import single
-from tasks.model.term import Term
+from tasks.model.term import Term, single
 from tasks.model.terms.axes import level_axes
-from tasks.motion.small_rotation import crossed
-from tasks.motion.whole import Motion
+from tasks.motion.whole import Motion, crossed
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import single
-from tasks.model.term import Inputs, Term
+from tasks.model.term import Inputs, Term, single
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import Motion
 

@@ -8,15 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import AXES
-from tasks.model.parameters import (
+from tasks.model.term import (
     ACCEL_FIRST,
     GYRO_FIRST,
     MATRIX,
     OFF_DIAGONAL,
+    Inputs,
+    Parameter,
+    SensorTerm,
     crossed,
     own,
 )
-from tasks.model.term import Inputs, Parameter, SensorTerm
 from tasks.motion.whole import Motion
 
 

@@ -5,10 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import single
-from tasks.model.term import Parameter, Term
-from tasks.motion.small_rotation import with_small_rotation
-from tasks.motion.whole import Motion
+from tasks.model.term import Parameter, Term, single
+from tasks.motion.whole import Motion, with_small_rotation
 
 MAX_PER_TURN = 24
 AXIS = Parameter("axis", "k", "1", "1", (1.0, 9.0))  # table axis from outside, from 1

@@ -7,8 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from schemas.recording import Recording
-from tasks.model.parameters import ACCEL_FIRST, single
-from tasks.model.term import Term
+from tasks.model.term import ACCEL_FIRST, Term, single
 from tasks.motion.whole import Motion
 
 NODES = range(-4, 6)  # rows about the one asked for that an interpolated reading rests on

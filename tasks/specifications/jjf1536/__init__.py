@@ -8,23 +8,22 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import ANGLE, AXES, GYRO, Recording
 from schemas.text import Remark
-from tasks.segments.conditions import Conditions
+from tasks.segments.find import Conditions
 from tasks.specifications.course import course_remarks, with_course
 from tasks.specifications.estimate import (
+    AHRS_ITEMS,
     DEG,
     ClauseResult,
+    Section,
+    Specification,
     merged,
     scaled,
     with_equipment,
 )
-from tasks.specifications.items import AHRS_ITEMS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_position
 from tasks.specifications.jjf1536.misalignment import MISALIGNMENT, misalignment_items
-from tasks.specifications.jjf1536.scale import SCALE_FACTOR, scale_items
-from tasks.specifications.jjf1536.zero import ZERO_OFFSET, zero_items
-from tasks.specifications.mean_motion import mean_motion, mean_rates
-from tasks.specifications.specification import Section, Specification
-from tasks.specifications.unit_model import doubled, errors_of_unit
+from tasks.specifications.jjf1536.zero import SCALE_FACTOR, ZERO_OFFSET, scale_items, zero_items
+from tasks.specifications.unit_model import doubled, errors_of_unit, mean_motion, mean_rates
 from tasks.uncertainty.equipment import JJF1536 as EQUIPMENT
 from tasks.uncertainty.equipment import Equipment
 from tasks.words import message, remark

@@ -14,6 +14,7 @@ from schemas.text import Remark
 from tasks.motion.table import mean_rate
 from tasks.specifications.estimate import (
     DEG,
+    OFF_DIAGONAL_ELEMENTS,
     ClauseResult,
     Estimate,
     Estimates,
@@ -24,9 +25,8 @@ from tasks.specifications.estimate import (
     u_of_means,
     undetermined,
 )
-from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
-from tasks.specifications.rates import weights_about
+from tasks.specifications.unit_model import weights_about
 from tasks.uncertainty.budget import observed
 from tasks.words import Message, message, remark
 

@@ -5,26 +5,24 @@ from functools import partial
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording
-from tasks.segments.conditions import Conditions
+from tasks.segments.find import Conditions
 from tasks.specifications.course import course_remarks, with_course
 from tasks.specifications.estimate import (
     DEG,
+    MIMU_ITEMS,
     ClauseResult,
     Estimates,
     ItemEstimate,
+    Section,
+    Specification,
     merged,
     scaled,
     with_equipment,
 )
-from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.gather import gather
-from tasks.specifications.items import MIMU_ITEMS
-from tasks.specifications.jjf2003.rate_sensitivity import rate_sensitivity_item
-from tasks.specifications.jjf2003.tumble import tumble_items
-from tasks.specifications.jjf2003.turning import gyro_matrix, turning_items
-from tasks.specifications.mean_motion import mean_motion
-from tasks.specifications.specification import Section, Specification
-from tasks.specifications.unit_model import doubled, errors_of_unit
+from tasks.specifications.evidence import ClauseEvidence, gather
+from tasks.specifications.jjf2003.positions import tumble_items
+from tasks.specifications.jjf2003.turning import gyro_matrix, rate_sensitivity_item, turning_items
+from tasks.specifications.unit_model import doubled, errors_of_unit, mean_motion
 from tasks.uncertainty.equipment import JJF2003 as EQUIPMENT
 from tasks.uncertainty.equipment import Equipment
 

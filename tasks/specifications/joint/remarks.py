@@ -7,7 +7,6 @@ import numpy as np
 
 from schemas.recording import AXES, UPS, Axis
 from schemas.text import Remark
-from tasks.specifications.earth_gain import earth_rotation_message
 from tasks.specifications.estimate import (
     DEG,
     Estimates,
@@ -17,11 +16,9 @@ from tasks.specifications.estimate import (
     scaled,
     undetermined,
 )
-from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.joint.gravity_fit import FEWEST_RESTS, GravityFit
-from tasks.specifications.joint.moves import MovesFit
-from tasks.specifications.joint.segment_motion import SegmentMotion
-from tasks.specifications.joint.solution import Joint
+from tasks.specifications.evidence import ClauseEvidence, earth_rotation_message
+from tasks.specifications.joint.moves import FEWEST_RESTS, GravityFit, MovesFit
+from tasks.specifications.joint.solution import Joint, SegmentMotion
 from tasks.words import Message, Sayable, clauses, message, remark
 
 CLAUSES = {"gyro": "JJF 2003-2022, 5.1 eq. (1)", "accel": "JJF 2003-2022, 5.2 eq. (2)"}

@@ -1,11 +1,18 @@
 """Reads and commands a described device, whatever its protocol."""
 
+import re
+import time
 from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
 from typing import Any, Protocol
 
+import serial
+
 from schemas.base import Unusable
 from schemas.described import Described
+from schemas.recording import Unit
+from schemas.unit_link import SerialQuery, UnitLink
+from tasks.words import message
 
 Values = Mapping[str, Any]  # by name; a tuple with one for each axis where it is of an axis
 
@@ -54,3 +61,71 @@ async def check_expected(described: Described, backend: Backend, what: str) -> N
                     f"the {what} at {backend.url} reads {each} as {name} where the station file "
                     f"expects {expected}: check its url, or describe this {what} there"
                 )
+
+
+# The serial number of the unit that is mounted, as the unit itself tells it.
+
+OTHER_UNIT = "station-cause.other-unit"
+ANSWER_S = 2.0
+ASK_EVERY_S = 0.5  # a unit that is busy drops a line; 4 requests in all
+READ_TIMEOUT_S = 0.05
+READ_BYTES = 4096
+LONGEST = 64  # characters of a serial number
+
+
+def confirm(unit: Unit, link: UnitLink) -> str | None:
+    """The serial number of the unit at a link; None where its description has no `identify`.
+
+    Raises Unusable where it is not that of `unit`, and where the unit does not tell it.
+    """
+    if link.identify is None:
+        return None
+    try:
+        serial = serial_of(link, link.identify)
+    except Unusable as fault:
+        raise Unusable(str(fault), message("station-cause.no-serial", unit=unit.serial)) from fault
+    if serial != unit.serial:
+        raise Unusable(
+            f"the unit on {link.url} says that it is {serial}, and the run is ordered for "
+            f"{unit.serial}: mount {unit.serial}, or order {serial}",
+            message(OTHER_UNIT, found=serial, ordered=unit.serial),
+        )
+    return serial
+
+
+def serial_of(link: UnitLink, query: SerialQuery) -> str:
+    """What the unit answers; raises Unusable where it does not, or its line cannot be opened."""
+    try:
+        with serial.serial_for_url(
+            link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
+        ) as port:
+            found = _answer(port, query)
+    except (OSError, ValueError) as error:  # pyserial's own is an OSError
+        raise Unusable(
+            f"the unit's line {link.url} cannot be opened ({error}): check the cable and "
+            "unit_link.url of the station file"
+        ) from error
+    if found is None:
+        raise Unusable(
+            f"the unit on {link.url} did not tell its serial number: “{query.request}” was not "
+            f"answered with “{query.answer}” within {ANSWER_S:g} s; check its supply, the cable "
+            "and unit_link.identify of the station file"
+        )
+    return found
+
+
+def _answer(port: Any, query: SerialQuery) -> str | None:
+    """The serial number in the answer, among the frames that the unit continues to send."""
+    pattern = re.compile(
+        re.escape(query.answer.encode()) + rb"([\x21-\x29\x2b\x2d-\x7e ]{1,%d})[,*\r\n]" % LONGEST
+    )
+    longest = len(query.answer) + LONGEST + 1
+    received, end_s, ask_s = b"", time.monotonic() + ANSWER_S, 0.0
+    while (now_s := time.monotonic()) < end_s:
+        if now_s >= ask_s:
+            port.write((query.request + query.terminator).encode())
+            ask_s = now_s + ASK_EVERY_S
+        received = received[-longest:] + port.read(READ_BYTES)
+        if found := pattern.search(received):
+            return found[1].decode("ascii").strip()
+    return None

@@ -7,7 +7,9 @@ from typing import Any, TypeAlias
 
 from schemas.base import Unusable
 from schemas.described import Described, ModbusDevice, TextDevice
-from schemas.devices import (
+from schemas.procedure import Refix
+from schemas.station import (
+    SET_TEMPERATURE,
     ChamberDevice,
     FixtureDevice,
     ModbusChamber,
@@ -17,11 +19,8 @@ from schemas.devices import (
     TextChamber,
     TextFixture,
 )
-from schemas.procedure import Refix
-from schemas.station import SET_TEMPERATURE
 from tasks.station.drivers.backend import Backend, check_expected
-from tasks.station.drivers.modbus import ModbusLink
-from tasks.station.drivers.modbus_device import ModbusBackend
+from tasks.station.drivers.modbus import ModbusBackend, ModbusLink
 from tasks.station.drivers.table import DescribedTable
 from tasks.station.drivers.text_device import TextBackend, TextLink
 from tasks.station.ports import Chamber, Climate, Fixture, Table

@@ -9,11 +9,10 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.described import Register
-from schemas.devices import Capture, ModbusTable, TextTable
+from schemas.station import Capture, ModbusTable, TextTable
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Backend, Values
-from tasks.station.drivers.modbus import decode, encode
-from tasks.station.drivers.modbus_device import ModbusBackend
+from tasks.station.drivers.modbus import ModbusBackend, decode, encode
 from tasks.station.ports import EncoderBlock
 
 LATE_S = 5.0  # a poll that comes later leaves a gap: longer than what is read again

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.devices import ModbusTable, TextTable
+from schemas.station import ModbusTable, TextTable
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import Backend
 from tasks.station.drivers.encoders import (
@@ -18,7 +18,7 @@ from tasks.station.drivers.encoders import (
     PolledEncoders,
     Unwrapped,
 )
-from tasks.station.drivers.modbus_device import ModbusBackend
+from tasks.station.drivers.modbus import ModbusBackend
 from tasks.station.ports import TRIPS, AxisState, EncoderBlock, TableState, check_trips
 from tasks.words import message
 

@@ -1,21 +1,424 @@
 """The unit under test: frames on its line, its silences and restarts."""
 
+import logging
+import queue
+import re
+import socket
+import threading
+import time
+from binascii import crc32, crc_hqx
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache, reduce
+from operator import xor
+from pathlib import Path
+from typing import Any, Protocol
+
 import numpy as np
+import serial
+from pymodbus.framer import FramerRTU
 
 from schemas.base import Unusable
 from schemas.recording import Stream
-from schemas.unit_link import AnyFrame, BinaryFrame, UnitLink
-from tasks.station.clock import wall_s
-from tasks.station.drivers.frames import find_binary, find_text
-from tasks.station.drivers.samples import (
-    FrameSearch,
-    counter_turn,
-    no_samples,
-    stamp_turn_us,
-    to_stream,
+from schemas.unit_link import (
+    CHECK_BYTES,
+    SIZES,
+    AnyFrame,
+    BinaryField,
+    BinaryFrame,
+    Check,
+    FrameField,
+    TextFrame,
+    UnitLink,
 )
+from tasks.station.clock import wall_s
+from tasks.station.drivers.modbus import host_and_port
 from tasks.station.ports import Line
 from tasks.words import message
+
+# The unit's line, read by a thread so that no byte is lost while the run is busy.
+
+LOG = logging.getLogger("mimucal.station.unit")
+READ_BYTES = 4096
+READ_TIMEOUT_S = 0.05
+
+
+class Source(Protocol):
+    """Where bytes come from. Both raise OSError where nothing more will come."""
+
+    def read(self, most: int, /) -> bytes:
+        """What has come, after READ_TIMEOUT_S at the latest."""
+
+    def close(self) -> None: ...
+
+
+class UnitLine:
+    """Reads from when it is made until it is closed. Raises Unusable where it cannot be opened."""
+
+    def __init__(self, link: UnitLink) -> None:
+        self._link = link
+        self._chunks: queue.SimpleQueue[tuple[float, bytes]] = queue.SimpleQueue()
+        self._done = threading.Event()
+        self.broken: str | None = None
+        try:
+            self._source = _opened(link)
+        except (OSError, ValueError) as error:  # pyserial's own is an OSError
+            raise Unusable(
+                f"the unit's line {link.url} cannot be opened ({error}): check the cable "
+                f"and unit_link.url of the station file",
+                message("station-cause.line", unit=link.url),
+            ) from error
+        LOG.info("opened", extra={"of": link.url})
+        self._thread = threading.Thread(target=self._read, name="unit", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Read to the end, and hang up."""
+        self.end()
+        self._source.close()
+
+    def end(self) -> None:
+        """Read what is on the line now, and no more."""
+        self._done.set()
+        self._thread.join()
+
+    def received(self) -> tuple[bytes, float]:
+        """What came since the last call, and the time.monotonic() at which the last came."""
+        chunks = []
+        arrived_s = 0.0
+        while not self._chunks.empty():
+            arrived_s, chunk = self._chunks.get_nowait()
+            chunks.append(chunk)
+        return b"".join(chunks), arrived_s
+
+    def _read(self) -> None:
+        while not self._done.is_set():
+            try:
+                chunk = self._source.read(READ_BYTES)
+            except OSError as error:
+                self.broken = (
+                    f"the unit's line {self._link.url} broke ({error}): check the unit and the "
+                    f"cable"
+                )
+                LOG.error("broken", extra={"of": self._link.url, "cause": str(error)})
+                return
+            if chunk:
+                self._chunks.put((time.monotonic(), chunk))
+
+
+def _opened(link: UnitLink) -> Source:
+    if link.url.startswith("udp://"):
+        return _Udp(link.url)
+    if link.url.startswith("file://"):
+        return _File(Path(link.url.removeprefix("file://")))
+    return _Serial(link)
+
+
+class _Serial:
+    """A serial line or a TCP connection, whatever pyserial opens."""
+
+    def __init__(self, link: UnitLink) -> None:
+        self._port: Any = serial.serial_for_url(
+            link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
+        )
+
+    def read(self, most: int) -> bytes:
+        """What has come; a socket of pyserial does not tell how much that is."""
+        data: bytes = self._port.read(most)
+        return data
+
+    def close(self) -> None:
+        self._port.close()
+
+
+class _Udp:
+    """Datagrams sent to an address of this machine."""
+
+    def __init__(self, url: str) -> None:
+        address = host_and_port(url.replace("udp://", "socket://", 1))
+        assert address is not None
+        family = socket.AF_INET6 if ":" in address[0] else socket.AF_INET
+        self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        try:
+            self._socket.bind(address)
+        except OSError:
+            self._socket.close()
+            raise
+        self._socket.settimeout(READ_TIMEOUT_S)
+
+    def read(self, most: int) -> bytes:
+        """The next datagram, if one comes."""
+        try:
+            return self._socket.recv(most)
+        except TimeoutError:
+            return b""
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+class _File:
+    """A file that another program is writing, from its end on."""
+
+    def __init__(self, path: Path) -> None:
+        if not path.is_file():
+            raise OSError("there is no such file")
+        self._file = path.open("rb")
+        self._file.seek(0, 2)
+
+    def read(self, most: int) -> bytes:
+        """What was written since."""
+        data = self._file.read(most)
+        if not data:
+            time.sleep(READ_TIMEOUT_S)
+        return data
+
+    def close(self) -> None:
+        self._file.close()
+
+
+# The unit's samples decoded from its frames, of either kind.
+
+COUNTER_TURN = 2**32
+NO_COUNTER = -1
+LAST_STAMP_US = 2.0**62
+
+
+def sample_type(frame: AnyFrame) -> np.dtype:
+    """A numpy record: counter, stamp (µs since power-on) and the channels' values in SI."""
+    return np.dtype(
+        [("counter", "<i8"), ("stamp", "<i8"), ("values", "<f8", (len(frame.channels),))]
+    )
+
+
+def no_samples(frame: AnyFrame) -> np.ndarray:
+    """None at all, (0,)."""
+    return np.empty(0, sample_type(frame))
+
+
+@dataclass(frozen=True)
+class FrameSearch:
+    """What was found in some bytes: samples (n,), how many frames were bad, and bytes left over."""
+
+    samples: np.ndarray
+    bad: int
+    rest: bytes
+
+
+def to_stream(samples: np.ndarray, frame: AnyFrame, shift_us: int = 0) -> Stream:
+    """Samples over their own time stamps, moved by `shift_us`."""
+    columns = dict(zip(frame.channels, samples["values"].T, strict=True))
+    return Stream((samples["stamp"] + shift_us) / 1e6, columns)
+
+
+def counter_turn(frame: AnyFrame) -> int:
+    """The number of frames after which the counter wraps; that of 32 bits if unknown."""
+    bits = _bits(frame, "counter")
+    return COUNTER_TURN if bits is None else min(2**bits, COUNTER_TURN)
+
+
+def stamp_turn_us(frame: AnyFrame) -> int | None:
+    """The time after which the time stamp wraps, µs; None if it does not within a lifetime."""
+    bits = _bits(frame, "time")
+    if bits is None or bits > 32:
+        return None
+    factor = next(field.factor for field in frame.fields if field.name == "time")
+    return round(2**bits * factor * 1e6)
+
+
+def _bits(frame: AnyFrame, name: str) -> int | None:
+    if isinstance(frame, TextFrame):
+        return None
+    field = next((field for field in frame.fields if field.name == name), None)
+    if field is None or field.type.startswith("float"):
+        return None
+    return 8 * SIZES[field.type] - field.type.startswith("int")
+
+
+def filled(frame: AnyFrame, raw: dict[str, np.ndarray], n: int) -> np.ndarray:
+    """Samples (n,) from the raw values of each field, (n,) each; stamps are -1 if there are
+    none.
+    """
+    samples = np.empty(n, sample_type(frame))
+    fields: dict[str, FrameField] = {field.name: field for field in frame.fields}
+    samples["counter"] = raw.get("counter", NO_COUNTER)
+    samples["stamp"] = -1
+    if "time" in raw:
+        stamps = np.rint(raw["time"] * (fields["time"].factor * 1e6))
+        is_time = np.abs(stamps) < LAST_STAMP_US  # nan is none
+        samples["stamp"] = np.where(is_time, stamps, 0)
+    for place, name in enumerate(frame.channels):
+        samples["values"][:, place] = raw[name] * fields[name].factor
+    return samples[is_time] if "time" in raw else samples
+
+
+# Frames of the unit, binary or lines of text: found in a byte stream, checked and decoded.
+
+# of each number there is one way to read it: a damaged line must not be tried for ever
+NUMBER = rb"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+MOST_BYTES = 4096  # of a line; what is longer is no line
+CHECK_DIGITS = {"xor8": 2, "crc16_xmodem": 4}
+
+
+def find_binary(data: bytes, frame: BinaryFrame) -> FrameSearch:
+    """Every frame with a correct checksum, wherever it starts.
+
+    `rest` goes before the next bytes. Bytes of a frame's length that begin with the sync bytes,
+    have a wrong checksum and overlap no good frame count as a bad frame. The search continues at
+    the next byte, so that garbage costs no frame whose own bytes are intact.
+    """
+    size = frame.size
+    if len(data) < size:
+        return FrameSearch(no_samples(frame), 0, data)
+    octets = np.frombuffer(data, np.uint8)
+    starts = _sync_places(octets, frame)
+    rows = np.lib.stride_tricks.sliding_window_view(octets, size)[starts]
+    good = _is_good(rows, frame)
+    taken = _without_overlap(starts[good], size)
+    samples = _read(octets[taken[:, None] + np.arange(size)], frame)
+    end = int(taken[-1]) + size if len(taken) else 0
+    # two frames long, so that what a bad one touches is known when it is counted
+    rest_from = max(end, len(data) - 2 * size + 1, 0)
+    bad = _apart(starts[~good & (starts < rest_from)], taken, size)
+    return FrameSearch(samples, bad, data[rest_from:])
+
+
+def _is_good(rows: np.ndarray, frame: BinaryFrame) -> np.ndarray:
+    width = CHECK_BYTES[frame.check]
+    stated = np.zeros(len(rows), np.uint64)
+    order = frame.check_byte_order or frame.byte_order
+    places = range(width) if order == "big" else reversed(range(width))
+    for place in places:
+        stated = (stated << np.uint64(8)) | rows[:, rows.shape[1] - width + place]
+    return np.asarray(check_sums(frame.check, rows[:, frame.check_from : -width]) == stated)
+
+
+def _read(rows: np.ndarray, frame: BinaryFrame) -> np.ndarray:
+    """Samples (n,) of rows of octets, (n, size)."""
+    raw, start = {}, len(frame.sync_bytes)
+    for field in frame.fields:
+        end = start + SIZES[field.type]
+        octets = np.ascontiguousarray(rows[:, start:end])
+        raw[field.name] = octets.view(_type(field, frame))[:, 0]
+        start = end
+    return filled(frame, raw, len(rows))
+
+
+def _type(field: BinaryField, frame: BinaryFrame) -> np.dtype:
+    return np.dtype(field.type).newbyteorder("<" if frame.byte_order == "little" else ">")
+
+
+def _sync_places(octets: np.ndarray, frame: BinaryFrame) -> np.ndarray:
+    last = len(octets) - frame.size + 1
+    is_sync = np.ones(last, bool)
+    for place, octet in enumerate(frame.sync_bytes):
+        is_sync &= octets[place : last + place] == octet
+    return np.flatnonzero(is_sync)
+
+
+def _without_overlap(starts: np.ndarray, size: int) -> np.ndarray:
+    """Of good frames that overlap, the last: one whose end was lost may run into it by chance."""
+    if np.all(np.diff(starts) >= size):
+        return starts
+    taken: list[int] = []
+    for start in reversed(starts.tolist()):
+        if not taken or start + size <= taken[-1]:
+            taken.append(start)
+    return np.array(taken[::-1], dtype=starts.dtype)
+
+
+def _apart(places: np.ndarray, taken: np.ndarray, size: int) -> int:
+    """How many of the places are a frame's length or more from every frame taken."""
+    apart = np.abs(places[:, None] - taken).min(axis=1, initial=size)
+    return int(np.count_nonzero(apart >= size))
+
+
+def check_sums(kind: Check, rows: np.ndarray) -> np.ndarray:
+    """The check sum of each row of octets, (n, k) -> (n,) uint64."""
+    return np.array([CHECKS[kind](row.tobytes()) for row in rows], np.uint64)
+
+
+def _crc16_modbus(octets: bytes) -> int:
+    low_first = FramerRTU.compute_CRC(octets)
+    return low_first >> 8 | (low_first & 0xFF) << 8
+
+
+CHECKS: dict[str, Callable[[bytes], int]] = {
+    "sum8": lambda octets: sum(octets) & 0xFF,
+    "xor8": lambda octets: reduce(xor, octets, 0),
+    "crc16_xmodem": lambda octets: crc_hqx(octets, 0),
+    "crc16_ccitt_false": lambda octets: crc_hqx(octets, 0xFFFF),
+    "crc16_modbus": _crc16_modbus,
+    "crc32": crc32,
+}
+
+
+def find_text(data: bytes, frame: TextFrame) -> FrameSearch:
+    """Every whole line that matches the frame and has a correct checksum.
+
+    `rest` goes before the next bytes. If frames have no checksum, a line counts only after the end
+    of another: the beginning of the first one may be missing.
+    """
+    end = frame.terminator.encode()
+    *lines, rest = data.split(end)
+    found: list[tuple[float, ...]] = []
+    bad = 0
+    for place, line in enumerate(lines):
+        values = _values(line, frame)
+        is_whole = frame.check != "none" or place > 0
+        if values is not None and is_whole:
+            found.append(values)
+        elif (is_whole and frame.start and frame.start.encode() in line) or (
+            is_whole and not frame.start and line
+        ):
+            bad += 1
+    if frame.check == "none" and lines:
+        rest = end + rest
+    return FrameSearch(_samples(found, frame), bad, rest[-MOST_BYTES:])
+
+
+def _samples(found: list[tuple[float, ...]], frame: TextFrame) -> np.ndarray:
+    if not found:
+        return no_samples(frame)
+    columns = np.array(found).T
+    raw = {field.name: column for field, column in zip(frame.fields, columns, strict=True)}
+    return filled(frame, raw, len(found))
+
+
+def _values(line: bytes, frame: TextFrame) -> tuple[float, ...] | None:
+    """The numbers of a line, None where it is no good frame; what is before it does not count."""
+    if frame.start:
+        begin = line.rfind(frame.start.encode())
+        if begin < 0:
+            return None
+        line = line[begin:]
+    match = _pattern(frame).fullmatch(line)
+    if match is None:
+        return None
+    *texts, stated = match.groups() if frame.check != "none" else (*match.groups(), b"")
+    if frame.check != "none" and int(stated, 16) != _check(line, frame):
+        return None
+    values = tuple(map(float, texts))
+    return values if np.isfinite(values).all() else None
+
+
+def _check(line: bytes, frame: TextFrame) -> int:
+    return CHECKS[frame.check](line[line[:1] in (b"$", b"!") : line.rindex(b"*")])
+
+
+@lru_cache
+def _pattern(frame: TextFrame) -> re.Pattern[bytes]:
+    blank = frame.separator == " "
+    separator = b" +" if blank else b" *" + re.escape(frame.separator.encode()) + b" *"
+    fields = separator.join(
+        re.escape(field.prefix.encode()) + rb"(" + NUMBER + rb")" for field in frame.fields
+    )
+    check = b""
+    if frame.check != "none":
+        check = rb"\*([0-9a-fA-F]{%d})" % CHECK_DIGITS[frame.check]
+    start = re.escape(frame.start.encode())
+    return re.compile(start + b" *" + fields + b" *" + check + rb"\r?")
+
 
 LONGEST_STEP_US = 3_000_000
 STEPS = 10  # of a slow unit, that a step may be long

@@ -1,24 +1,293 @@
 """Settings of a virtual station, its station file, and the truth that the file omits."""
 
 import math
+import struct
 import tomllib
 from datetime import date
 from importlib.resources import files
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
 
 from schemas.base import Finite, Frozen
-from schemas.equipment import ErrorBound, LimitName, MeasurementStandard
-from schemas.limits import ChamberLimits
-from schemas.recording import Mount, TableAxis
+from schemas.laboratory import ChamberLimits, ErrorBound, LimitName, MeasurementStandard
+from schemas.recording import ACCEL, ANGLE, GYRO, Mount, TableAxis, Vector
 from schemas.station import StationFile
 from schemas.text import CONTRACTED, text_fields
 from tasks.station import stations
-from tasks.station.virtual.protocol import FRAMES, SERIAL_ANSWER, SERIAL_REQUEST, TRIADS
-from tasks.station.virtual.unit import G, UnitTruth, draw_ahrs, draw_unit
 from tasks.words import Message, message, statement
+
+# The protocol of the virtual station: register maps, and the layout of the unit's frames.
+#
+# `python -m deploy.station_protocol` prints it as deploy/station.md. A client knows it from a
+# station file alone (tasks/station/stations/mimucal.toml), and never from here.
+
+TABLE_DEVICE = 1
+CHAMBER_DEVICE = 2
+FIXTURE_DEVICE = 3
+
+RegisterType = Literal["uint16", "uint32", "int32", "uint64", "float32"]
+WORDS: dict[str, int] = {"uint16": 1, "uint32": 2, "int32": 2, "uint64": 4, "float32": 2}
+
+
+class Register(Frozen):
+    """One named value in holding registers, high word first."""
+
+    name: str
+    address: int = Field(ge=0)
+    type: RegisterType
+    unit: str
+    writable: bool
+    meaning: str
+
+    @property
+    def words(self) -> int:
+        return WORDS[self.type]
+
+
+def _register(
+    name: str, address: int, kind: RegisterType, unit: str, meaning: str, writable: bool = False
+) -> Register:
+    return Register(
+        name=name, address=address, type=kind, unit=unit, writable=writable, meaning=meaning
+    )
+
+
+TABLE_IDENT = 0x4D54
+MAP_VERSION = 1
+TABLE_REGISTERS = (
+    _register("ident", 0, "uint16", "1", "0x4D54: a mimucal table"),
+    _register("map_version", 1, "uint16", "1", "1"),
+    _register("axes", 2, "uint16", "1", "number of axes, outer first"),
+    _register("status", 3, "uint16", "1", "bits of TABLE_STATUS"),
+    _register("station_time", 4, "uint64", "us", "time since the station was switched on"),
+    _register("watchdog", 8, "uint16", "ms", "wall time without a poll of the client that set it "
+              "after which the table stops; 0 switches it off", writable=True),
+    _register("command", 9, "uint16", "1", "1 resets faults, 2 stops every axis, "
+              "3 stops every axis as quickly as the table may", writable=True),
+    _register("capture_period", 10, "uint32", "us", "time between two captured encoder samples"),
+)  # fmt: skip
+
+AXIS_BASE = 16
+AXIS_STRIDE = 16
+AXIS_REGISTERS = (
+    _register("mode", 0, "uint16", "1", "0 off, 1 go to angle, 2 hold rate, 3 ramp to rest",
+              writable=True),
+    _register("status", 1, "uint16", "1", "bits of AXIS_STATUS"),
+    _register("target_angle", 2, "float32", "deg", "where mode 1 goes", writable=True),
+    _register("target_rate", 4, "float32", "deg/s", "the rate of mode 2, the speed of mode 1",
+              writable=True),
+    _register("acceleration_limit", 6, "float32", "deg/s2", "of every ramp", writable=True),
+    _register("angle", 8, "int32", "counts", "encoder, runs on past whole turns"),
+    _register("rate", 10, "float32", "deg/s", "rate of the axis"),
+    _register("counts_per_turn", 12, "uint32", "1", "encoder counts in a turn"),
+)  # fmt: skip
+
+CAPTURE_VALUES = 57  # a block holds as many samples of every axis as these allow
+CAPTURE_REGISTERS = (
+    _register("capture_from", 100, "uint32", "1", "number of the first sample wanted; the block "
+              "then starts there, or at the oldest sample kept", writable=True),
+    _register("capture_count", 102, "uint16", "1", "samples in the block, as many as "
+              "57 values hold: at most 57 of one axis, 19 of three"),
+    _register("capture_first", 103, "uint32", "1", "number of the block's first sample; sample n "
+              "was taken at station time n × capture_period"),
+    _register("capture_samples", 105, "int32", "counts", "the encoders, axis after axis, sample "
+              "after sample: 19 × 3 values"),
+)  # fmt: skip
+
+CHAMBER_REGISTERS = (
+    _register("temperature", 0, "float32", "degC", "air in the chamber"),
+    _register("humidity", 2, "float32", "%RH", "relative humidity"),
+    _register("supply_voltage", 4, "float32", "V", "supply of the unit under test"),
+    _register("pressure", 6, "float32", "hPa", "air pressure"),
+    _register("station_time", 8, "uint64", "us", "when these were measured"),
+    _register("target", 12, "float32", "degC", "where the air goes", writable=True),
+)  # fmt: skip
+
+FIXTURE_REGISTERS = (
+    _register("qw", 0, "float32", "1", "attitude of the fixture on the payload, as quaternion",
+              writable=True),
+    _register("qx", 2, "float32", "1", "", writable=True),
+    _register("qy", 4, "float32", "1", "", writable=True),
+    _register("qz", 6, "float32", "1", "", writable=True),
+    _register("turn", 8, "uint16", "1", "1 turns the fixture to that attitude", writable=True),
+    _register("status", 9, "uint16", "1", "bits of FIXTURE_STATUS"),
+    _register("supply", 10, "uint16", "1", "supply of the unit: 0 off, 1 on", writable=True),
+    _register("supply_on_time", 11, "uint64", "us", "station time at which the supply was last "
+              "switched on"),
+)  # fmt: skip
+
+AXIS_STATUS = {"ready": 1, "moving": 2, "settled": 4, "fault": 8, "emergency_stop": 16,
+               "interlock": 32}  # fmt: skip
+TABLE_STATUS = {"ready": 1, "fault": 8, "emergency_stop": 16, "interlock": 32, "watchdog": 64}
+MODES = {"off": 0, "angle": 1, "rate": 2, "stop": 3}
+COMMANDS = {"reset": 1, "stop": 2, "quick_stop": 3}
+FIXTURE_STATUS = {"ready": 1, "turning": 2}
+
+TRIADS = {"gyro": GYRO, "accel": ACCEL, "angle": ANGLE}
+
+
+class Frame(Frozen):
+    """What a unit sends for each sample, little-endian.
+
+    Sync, counter, time stamp (us since the unit's power-on), counts of each triad (x, y, z),
+    temperature in 0.01 degC, CRC-16/XMODEM (binascii.crc_hqx, start 0) over everything before it.
+    """
+
+    sync: int
+    triads: tuple[tuple[Literal["gyro", "accel", "angle"], Literal["i", "q"]], ...]
+
+    @property
+    def format(self) -> str:
+        """For the module struct."""
+        return "<HIQ" + "".join(f"3{code}" for _, code in self.triads) + "hH"
+
+    @property
+    def size(self) -> int:
+        """Bytes of a whole frame."""
+        return struct.calcsize(self.format)
+
+
+FRAMES = {
+    "rates": Frame(sync=0x55AA, triads=(("gyro", "i"), ("accel", "i"))),
+    "angles": Frame(sync=0x55AB, triads=(("angle", "q"), ("accel", "i"))),
+}
+
+# Lines of text on a unit's connection, each ended by CR LF; answers come among the frames.
+SERIAL_REQUEST, SERIAL_ANSWER = "$SERIAL?", "$SERIAL,"
+MOUNT_REQUEST, MOUNT_ANSWER, REFUSAL = "$MOUNT,", "$MOUNTED,", "$REFUSED,"
+
+
+# The true errors of a unit under test: drawn from a seed and hidden from its calibration.
+
+Matrix = tuple[Vector, Vector, Vector]
+DEGREE = float(np.pi / 180.0)
+G = 9.80665  # m/s², the standard value: a unit for drawing sizes, not the gravity at the station
+
+
+class TriadTruth(Frozen):
+    """Three like sensors. In units of the triad's quantity: rad/s or m/s²."""
+
+    scale: Matrix
+    bias: Vector
+    bias_per_kelvin: Vector
+    bandwidth_hz: Finite = Field(gt=0)
+    white: Finite = Field(ge=0, description="random walk: density, per √Hz")
+    flicker: Finite = Field(ge=0, description="standard deviation of each relaxation")
+    full_scale: Finite = Field(gt=0)
+    lsb: Finite = Field(gt=0)
+
+
+class UnitTruth(Frozen):
+    """A strapdown unit. Matrix rows are the sensors that read, columns the body axes.
+
+    gyro, accel: the two triads. g_sensitivity: (rad/s) per (m/s²). places_m: where each
+    accelerometer sits, from the intersection of the table's axes, in the body frame. The
+    biases hold at `settled_degc`; the unit warms up toward the air plus `self_heating_k`.
+    angle_lsb: rad in a count, of a unit that accumulates angles (an AHRS). label: its serial number
+    where that is not made of the seed.
+    """
+
+    seed: int
+    label: str | None = None
+    gyro: TriadTruth
+    accel: TriadTruth
+    g_sensitivity: Matrix
+    places_m: Matrix
+    angle_lsb: Finite | None = Field(default=None, gt=0)
+    rate_hz: Finite = Field(default=100.0, gt=0, le=1000)
+    clock_offset_s: Finite = Field(default=0.0, ge=0, description="station time at power-on")
+    clock_skew: Finite = Field(default=0.0, description="the unit's clock runs 1 + skew")
+    self_heating_k: Finite = 8.0
+    heating_time_s: Finite = Field(default=120.0, gt=0)
+    settled_degc: Finite = 28.0
+
+    @property
+    def frame(self) -> Literal["rates", "angles"]:
+        """The frame that it sends, of tasks.station.virtual.protocol.FRAMES."""
+        return "rates" if self.angle_lsb is None else "angles"
+
+    @property
+    def serial(self) -> str:
+        """Its serial number, which it tells whoever asks."""
+        return self.label or f"{'V' if self.angle_lsb is None else 'A'}{self.seed:05d}"
+
+    @property
+    def rate_sensitivity_m(self) -> np.ndarray:
+        """The P of model (2) of JJF 2003 that the places imply: (3, 3), m.
+
+        A turn ω about body axis j gives the point r the acceleration −ω²·(r − (r·e_j)·e_j);
+        accelerometer i takes it through its row of the scale matrix.
+        """
+        parts = np.array(self.accel.scale) * np.array(self.places_m)
+        return parts - parts.sum(axis=1, keepdims=True)
+
+
+def draw_ahrs(seed: int) -> UnitTruth:
+    """A unit that accumulates angles, with better gyros; the same for the same seed."""
+    unit = draw_unit(seed)
+    rng = np.random.default_rng(np.random.SeedSequence((seed, 2)))
+    errors = rng.normal(0.0, 1.0, (3, 3)) * np.where(np.eye(3, dtype=bool), 3e-4, 8e-4)
+    better = {
+        "scale": (np.eye(3) + errors).tolist(),
+        "bias": rng.normal(0.0, 2e-3 * DEGREE, 3).tolist(),
+        "bias_per_kelvin": rng.normal(0.0, 2e-5 * DEGREE, 3).tolist(),
+        "white": 1e-5,
+        "flicker": 5e-7,
+    }
+    level = {"bias": rng.normal(0.0, 3e-3 * G, 3).tolist()}
+    values = unit.model_dump() | {
+        "gyro": unit.gyro.model_dump() | better,
+        "accel": unit.accel.model_dump() | level,
+        "g_sensitivity": np.zeros((3, 3)).tolist(),
+        "angle_lsb": 1e-5 * DEGREE,
+        "rate_hz": 10.0,
+    }
+    return UnitTruth.model_validate(values)
+
+
+def draw_unit(seed: int) -> UnitTruth:
+    """An industrial MEMS unit, the same for the same seed."""
+    rng = np.random.default_rng(seed)
+
+    def vector(size: float) -> Any:
+        return rng.normal(0.0, size, 3).tolist()
+
+    def square(diagonal: float, rest: float) -> np.ndarray:
+        drawn = rng.normal(0.0, 1.0, (3, 3))
+        return drawn * np.where(np.eye(3, dtype=bool), diagonal, rest)
+
+    gyro = TriadTruth(
+        scale=(np.eye(3) + square(3e-3, 2e-3)).tolist(),
+        bias=vector(0.2 * DEGREE),
+        bias_per_kelvin=vector(5e-4 * DEGREE),
+        bandwidth_hz=40.0,
+        white=5e-5,
+        flicker=5e-6,
+        full_scale=500.0 * DEGREE,
+        lsb=500.0 * DEGREE / 2**19,
+    )
+    accel = TriadTruth(
+        scale=(np.eye(3) + square(3e-3, 2e-3)).tolist(),
+        bias=vector(0.03 * G),
+        bias_per_kelvin=vector(5e-5 * G),
+        bandwidth_hz=50.0,
+        white=100e-6 * G,
+        flicker=1e-5 * G,
+        full_scale=10.0 * G,
+        lsb=10.0 * G / 2**19,
+    )
+    sensitivity = square(1e-3, 1e-3) * DEGREE / G
+    places = rng.uniform(-1e-3, 1e-3, (3, 3))
+    return UnitTruth(
+        seed=seed,
+        gyro=gyro,
+        accel=accel,
+        g_sensitivity=sensitivity.tolist(),
+        places_m=places.tolist(),
+    )
+
 
 STEP_S = 1e-3  # of the plant, station time
 STEP_US = 1000

@@ -7,8 +7,160 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from schemas.base import Unusable
-from tasks.station.virtual import line_faults as line
-from tasks.station.virtual import unit_faults as unit
+
+# What a faulty line does to the unit's frames.
+
+Wire = Callable[[np.ndarray, list[bytes]], list[bytes]]  # (numbers (n,), frames) -> frames
+
+GARBAGE_EVERY = 20
+DROPPED_FROM, DROPPED_EVERY = 190, 200  # the last ten of each two hundred
+
+
+def silence(numbers: np.ndarray, sent: list[bytes]) -> list[bytes]:
+    return []
+
+
+def drop(numbers: np.ndarray, sent: list[bytes]) -> list[bytes]:
+    keep = numbers % DROPPED_EVERY < DROPPED_FROM
+    return [frame for frame, kept in zip(sent, keep, strict=True) if kept]
+
+
+def _each(every: int, change: Callable[[bytes, int], bytes]) -> Wire:
+    """A change of the frames whose number is a multiple of `every`."""
+
+    def transmit(numbers: np.ndarray, sent: list[bytes]) -> list[bytes]:
+        return [
+            change(frame, number) if number % every == 0 else frame
+            for number, frame in zip(numbers.tolist(), sent, strict=True)
+        ]
+
+    return transmit
+
+
+def _random_bytes(frame: bytes, number: int) -> bytes:
+    return np.random.default_rng(number).bytes(len(frame))
+
+
+def _flip(frame: bytes, number: int) -> bytes:
+    place, bit = number % len(frame), number // 100 % 8
+    return frame[:place] + bytes([frame[place] ^ 1 << bit]) + frame[place + 1 :]
+
+
+garble = _each(
+    GARBAGE_EVERY,
+    lambda frame, _: frame[:20] + bytes([frame[20] ^ 0x5A]) + frame[21:] + b"\xaa\x55\x00",
+)
+repeat = _each(50, lambda frame, _: frame + frame)
+merge = _each(40, lambda frame, _: frame[:-3])
+cut = _each(60, lambda frame, _: frame[: len(frame) // 2])
+flip = _each(100, _flip)
+noise = _each(1, _random_bytes)
+
+
+def swap(numbers: np.ndarray, sent: list[bytes]) -> list[bytes]:
+    swapped = list(sent)
+    for place in np.flatnonzero(numbers[:-1] % 80 == 0).tolist():
+        swapped[place], swapped[place + 1] = swapped[place + 1], swapped[place]
+    return swapped
+
+
+# Faults of a unit: changes to its counts and to its clock.
+
+# (numbers (n,), counts (n, 6)) -> counts; (numbers (n,), stamps (n,) us, first) -> both
+Counts = Callable[[np.ndarray, np.ndarray], np.ndarray]
+Stamps = Callable[[np.ndarray, np.ndarray, int], tuple[np.ndarray, np.ndarray]]
+
+SPIKE_COUNTS = 100_000
+SPIKE_EVERY = 1500  # samples
+OUTLIER_COUNTS = 3000
+CEILING_COUNTS = 2**19 // 10
+SCATTER_COUNTS = 1000
+DRIFT_COUNTS = 5  # per sample
+
+
+def _hold(column: int, value: int) -> Counts:
+    def change(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+        held = counts.copy()
+        held[:, column] = value
+        return held
+
+    return change
+
+
+stick = _hold(1, 12345)
+stick_accel = _hold(5, 12345)
+
+
+def zero(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    return np.zeros_like(counts)
+
+
+def saturate(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    clipped = counts.copy()
+    clipped[:, 0] = np.clip(clipped[:, 0], -CEILING_COUNTS, CEILING_COUNTS)
+    return clipped
+
+
+def spike(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    spiked = counts.copy()
+    spiked[numbers % SPIKE_EVERY == SPIKE_EVERY - 1, :] += SPIKE_COUNTS
+    return spiked
+
+
+def outliers(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    off = counts.copy()
+    off[numbers % 10 == 0, :3] += OUTLIER_COUNTS
+    return off
+
+
+def turn_sign(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    turned = counts.copy()
+    turned[:, 0] *= -1
+    return turned
+
+
+def swap_axes(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    return counts[:, [1, 0, 2, 3, 4, 5]]
+
+
+def scatter(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    noisy = counts.copy()
+    hashed = (numbers.astype(np.int64) * 2_654_435_761) % 2**32 / 2**32 - 0.5
+    noisy[:, 2] += np.rint(hashed * 2 * SCATTER_COUNTS).astype(counts.dtype)
+    return noisy
+
+
+def drift(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    drifted = counts.copy()
+    drifted[:, 0] += (numbers * DRIFT_COUNTS).astype(counts.dtype)
+    return drifted
+
+
+def restart(numbers: np.ndarray, stamps: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
+    since = numbers - first
+    period = stamps[0] / max(int(numbers[0]), 1)
+    return since, np.rint(since * period).astype(np.uint64)
+
+
+def drift_clock(
+    numbers: np.ndarray, stamps: np.ndarray, first: int
+) -> tuple[np.ndarray, np.ndarray]:
+    period = stamps[0] / max(int(numbers[0]), 1)
+    return numbers, np.rint(stamps + 0.01 * period * (numbers - first)).astype(np.uint64)
+
+
+def jump_clock(
+    numbers: np.ndarray, stamps: np.ndarray, first: int
+) -> tuple[np.ndarray, np.ndarray]:
+    return numbers, stamps + np.uint64(1_000_000)
+
+
+def stop_clock(
+    numbers: np.ndarray, stamps: np.ndarray, first: int
+) -> tuple[np.ndarray, np.ndarray]:
+    period = stamps[0] / max(int(numbers[0]), 1)
+    return numbers, np.full(len(stamps), round(first * period), np.uint64)
+
 
 HUNTING_RAD = np.radians(30.0 / 3600.0)
 SHAKING_RAD = np.radians(0.05)
@@ -66,9 +218,9 @@ class Condition:
     is_dead: bool = False
     cuts_unit: bool = False
     held_frames: int = 0  # until there are so many
-    stamps: tuple[unit.Stamps, ...] = ()
-    counts: tuple[unit.Counts, ...] = ()
-    wire: tuple[line.Wire, ...] = ()
+    stamps: tuple[Stamps, ...] = ()
+    counts: tuple[Counts, ...] = ()
+    wire: tuple[Wire, ...] = ()
 
 
 Change = Callable[[Condition], Condition]
@@ -82,15 +234,15 @@ def _set(**changes: Any) -> Change:
     return lambda now: replace(now, **changes)
 
 
-def _counts(change: unit.Counts) -> Change:
+def _counts(change: Counts) -> Change:
     return lambda now: replace(now, counts=(*now.counts, change))
 
 
-def _stamps(change: unit.Stamps) -> Change:
+def _stamps(change: Stamps) -> Change:
     return lambda now: replace(now, stamps=(*now.stamps, change))
 
 
-def _wire(change: line.Wire) -> Change:
+def _wire(change: Wire) -> Change:
     return lambda now: replace(now, wire=(*now.wire, change))
 
 
@@ -137,31 +289,31 @@ FAULTS: dict[str, tuple[Change, str]] = {
     "fixture_stays": (_set(fixture_stays=True), "the fixture does not turn"),
     "busy_computer": (_set(busy_s=0.2), "the station's computer is busy for every other 0.2 s"),
     "power_cut": (_set(is_dead=True), "the station is gone: its process ends"),
-    "unit_silent": (_wire(line.silence), "the unit sends nothing more"),
-    "unit_garbage": (_wire(line.garble), "each 20th frame has a wrong byte and noise behind it"),
-    "unit_drops": (_wire(line.drop), "the last ten of each 200 frames are lost"),
+    "unit_silent": (_wire(silence), "the unit sends nothing more"),
+    "unit_garbage": (_wire(garble), "each 20th frame has a wrong byte and noise behind it"),
+    "unit_drops": (_wire(drop), "the last ten of each 200 frames are lost"),
     "unit_late": (_set(held_frames=100), "frames come in bouts of a hundred"),
-    "unit_repeats": (_wire(line.repeat), "each 50th frame is sent twice"),
-    "unit_merges": (_wire(line.merge), "each 40th frame runs into the next: its end is lost"),
-    "unit_cuts": (_wire(line.cut), "each 60th frame is cut in half"),
-    "unit_swaps": (_wire(line.swap), "two neighbouring frames of each 80 change places"),
-    "unit_bit_flips": (_wire(line.flip), "a bit of each 100th frame is wrong"),
-    "unit_noise_line": (_wire(line.noise), "random bytes come in the place of frames"),
+    "unit_repeats": (_wire(repeat), "each 50th frame is sent twice"),
+    "unit_merges": (_wire(merge), "each 40th frame runs into the next: its end is lost"),
+    "unit_cuts": (_wire(cut), "each 60th frame is cut in half"),
+    "unit_swaps": (_wire(swap), "two neighbouring frames of each 80 change places"),
+    "unit_bit_flips": (_wire(flip), "a bit of each 100th frame is wrong"),
+    "unit_noise_line": (_wire(noise), "random bytes come in the place of frames"),
     "unit_cut": (_set(cuts_unit=True), "the unit's connection ends, and can be made again"),
-    "stuck_channel": (_counts(unit.stick), "gyro y stands at one value"),
-    "stuck_accel": (_counts(unit.stick_accel), "accelerometer z stands at one value"),
-    "zero_readings": (_counts(unit.zero), "every channel reads 0"),
-    "saturated_axis": (_counts(unit.saturate), "gyro x reads no more than a tenth of its range"),
-    "spike": (_counts(unit.spike), "each 1500th sample is far off"),
-    "outliers": (_counts(unit.outliers), "a tenth of the samples is off"),
-    "wrong_sign": (_counts(unit.turn_sign), "gyro x has the wrong sign"),
-    "swapped_axes": (_counts(unit.swap_axes), "gyro x and y change places"),
-    "noisy_channel": (_counts(unit.scatter), "gyro z scatters by a degree per second"),
-    "bias_drifts": (_counts(unit.drift), "the bias of gyro x runs away"),
-    "unit_restarts": (_stamps(unit.restart), "the unit starts anew: clock and counter at 0"),
-    "unit_clock_drifts": (_stamps(unit.drift_clock), "the unit's clock runs 1 % fast"),
-    "unit_clock_jumps": (_stamps(unit.jump_clock), "the unit's clock jumps ahead by 1 s"),
-    "unit_clock_stands": (_stamps(unit.stop_clock), "the unit's clock stands"),
+    "stuck_channel": (_counts(stick), "gyro y stands at one value"),
+    "stuck_accel": (_counts(stick_accel), "accelerometer z stands at one value"),
+    "zero_readings": (_counts(zero), "every channel reads 0"),
+    "saturated_axis": (_counts(saturate), "gyro x reads no more than a tenth of its range"),
+    "spike": (_counts(spike), "each 1500th sample is far off"),
+    "outliers": (_counts(outliers), "a tenth of the samples is off"),
+    "wrong_sign": (_counts(turn_sign), "gyro x has the wrong sign"),
+    "swapped_axes": (_counts(swap_axes), "gyro x and y change places"),
+    "noisy_channel": (_counts(scatter), "gyro z scatters by a degree per second"),
+    "bias_drifts": (_counts(drift), "the bias of gyro x runs away"),
+    "unit_restarts": (_stamps(restart), "the unit starts anew: clock and counter at 0"),
+    "unit_clock_drifts": (_stamps(drift_clock), "the unit's clock runs 1 % fast"),
+    "unit_clock_jumps": (_stamps(jump_clock), "the unit's clock jumps ahead by 1 s"),
+    "unit_clock_stands": (_stamps(stop_clock), "the unit's clock stands"),
 }
 
 

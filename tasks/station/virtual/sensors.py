@@ -3,8 +3,7 @@
 import numpy as np
 from scipy import signal
 
-from tasks.station.virtual.config import STEP_S
-from tasks.station.virtual.unit import TriadTruth, UnitTruth
+from tasks.station.virtual.config import STEP_S, TriadTruth, UnitTruth
 
 FLICKER_TIMES_S = (1.0, 10.0, 100.0, 1000.0)
 

@@ -3,19 +3,139 @@
 import asyncio
 import logging
 import math
+import subprocess
+import sys
 import time
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from schemas.base import Unusable
 from schemas.station import StationFile
 from tasks.station.clock import wall_s
-from tasks.station.virtual.config import STEP_S, VirtualStation, station_file
-from tasks.station.virtual.controller import Controller, ControllerServer
+from tasks.station.virtual.config import (
+    MOUNT_ANSWER,
+    MOUNT_REQUEST,
+    REFUSAL,
+    SERIAL_ANSWER,
+    SERIAL_REQUEST,
+    STEP_S,
+    VirtualStation,
+    station_file,
+)
 from tasks.station.virtual.faults import Condition, StationFault
+from tasks.station.virtual.registers import Controller, ControllerServer
 from tasks.station.virtual.simulation import Simulation
-from tasks.station.virtual.unit_line import attend
+
+# The virtual station in a process of its own, for demonstrations and tests.
+#
+# `python -m tasks.station.virtual.process CONFIG SPEED FAULT...` writes the station file as one
+# line of JSON, and ends when standard input closes.
+
+END_S = 5.0
+
+
+@contextmanager
+def running(
+    config: VirtualStation, speed: float, faults: Iterable[StationFault] = ()
+) -> Iterator[StationFile]:
+    """A running station; it ends with the block, or with this process.
+
+    speed: station seconds in a wall second. Raises Unusable with the station's own sentence where
+    it cannot start.
+    """
+    with subprocess.Popen(
+        [
+            sys.executable,
+            "-P",
+            "-m",
+            __name__,
+            config.model_dump_json(),
+            str(speed),
+            *map(str, faults),
+        ],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # Ctrl-C is for this process, which then ends the station
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            answer = process.stdout.readline()
+            if not answer.startswith("{"):
+                raise Unusable(
+                    answer.strip() or "the virtual station did not start: see its messages"
+                )
+            yield StationFile.model_validate_json(answer)
+        finally:
+            process.stdin.close()
+            try:
+                process.wait(END_S)
+            except subprocess.TimeoutExpired:
+                process.kill()
+
+
+async def _serve_until_input_ends(config: str, speed: str, *faults: str) -> None:
+
+    serving = asyncio.ensure_future(
+        serve(
+            VirtualStation.model_validate_json(config),
+            speed=float(speed),
+            faults=[StationFault.parse(text) for text in faults],
+            ready=lambda station: print(station.model_dump_json(), flush=True),
+        )
+    )
+    input_ended = asyncio.get_running_loop().run_in_executor(None, sys.stdin.read)
+    await asyncio.wait((serving, input_ended), return_when=asyncio.FIRST_COMPLETED)
+    if serving.done():
+        try:
+            serving.result()
+        except Unusable as error:
+            print(error, flush=True)
+    serving.cancel()
+
+
+if __name__ == "__main__":
+    asyncio.run(_serve_until_input_ends(*sys.argv[1:]))
+
+
+# The lines of text on a unit's connection: the unit tells its serial number, and another unit is
+# mounted by those who send what an operator's hands would do.
+
+LONGEST = 64  # characters of a serial number
+
+
+async def attend(
+    simulation: Simulation,
+    place: int,
+    lines: asyncio.StreamReader,
+    client: asyncio.StreamWriter,
+) -> None:
+    """Answers each line of a client of the unit at a place, until it hangs up."""
+    try:
+        while line := await lines.readline():
+            answered = answer(simulation, place, line.decode("ascii", "replace").strip())
+            if answered is not None:
+                client.write(f"{answered}\r\n".encode("ascii", "replace"))
+    except (OSError, ValueError):  # it is gone, or sends what is no line
+        return
+
+
+def answer(simulation: Simulation, place: int, line: str) -> str | None:
+    """What a line is answered with; None for what is no request, and from a unit without supply."""
+    if line.startswith(MOUNT_REQUEST):
+        unit = line.removeprefix(MOUNT_REQUEST)
+        serial, _, seed = unit.partition(",")
+        if not (0 < len(serial) <= LONGEST and serial.isprintable() and seed.isdecimal()):
+            return f"{REFUSAL}send {MOUNT_REQUEST}SERIAL,SEED"
+        simulation.mount(place, serial, int(seed))
+        return f"{MOUNT_ANSWER}{serial}"
+    if line != SERIAL_REQUEST or not simulation.is_supplied:
+        return None
+    mounted = (simulation.config.unit, *simulation.config.neighbours)[place]
+    return f"{SERIAL_ANSWER}{mounted.serial}"
+
 
 LOG = logging.getLogger("mimucal.station.virtual")
 SLICE_WALL_S = 0.005

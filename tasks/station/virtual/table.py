@@ -7,9 +7,82 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
-from tasks.station.virtual.config import STEP_S, TableDesign
-from tasks.station.virtual.profile import STANDING, Profile, to_angle, to_rate
-from tasks.station.virtual.protocol import AXIS_STATUS, MODES, TABLE_STATUS
+from schemas.laboratory import ChamberLimits
+from schemas.recording import Mount
+from tasks.station.virtual.config import (
+    AXIS_STATUS,
+    FIXTURE_STATUS,
+    MODES,
+    STEP_S,
+    TABLE_STATUS,
+    TableDesign,
+)
+
+# The motion commanded by a drive: pieces of constant acceleration.
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Pieces that begin at `t` (s) with angle (rad), rate (rad/s) and acceleration: (m,) each.
+
+    The last piece continues indefinitely.
+    """
+
+    t: np.ndarray
+    angle: np.ndarray
+    rate: np.ndarray
+    acceleration: np.ndarray
+
+    def at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Angle and rate at the times (n,), none before the first piece."""
+        piece = np.searchsorted(self.t, t, side="right") - 1
+        since = t - self.t[piece]
+        rate, acceleration = self.rate[piece], self.acceleration[piece]
+        angle = self.angle[piece] + since * (rate + 0.5 * since * acceleration)
+        return angle, rate + since * acceleration
+
+
+def _chain(
+    t: float, angle: float, rate: float, pieces: tuple[tuple[float, float], ...], last_rate: float
+) -> Profile:
+    """Pieces (duration, acceleration) one after the other, then `last_rate` for ever."""
+    rows = []
+    for duration, acceleration in pieces:
+        rows.append((t, angle, rate, acceleration))
+        t += duration
+        angle += duration * (rate + 0.5 * duration * acceleration)
+        rate += duration * acceleration
+    rows.append((t, angle, last_rate, 0.0))
+    return Profile(*np.array(rows).T)
+
+
+def to_rate(t: float, angle: float, rate: float, target: float, limit: float) -> Profile:
+    """From angle and rate at t to the target rate (rad/s) with the acceleration limit."""
+    ramp = (abs(target - rate) / limit, float(np.copysign(limit, target - rate)))
+    return _chain(t, angle, rate, (ramp,), target)
+
+
+STANDING = to_rate(0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def to_angle(
+    t: float, angle: float, rate: float, target: float, speed: float, limit: float
+) -> Profile:
+    """From angle and rate at t to rest at the target angle (rad), not faster than speed > 0."""
+    would_stop_at = angle + rate * abs(rate) / (2.0 * limit)
+    way = 1.0 if target >= would_stop_at else -1.0
+    distance, start = way * (target - angle), way * rate
+    peak = min(speed, float(np.sqrt(max(limit * distance + start**2 / 2.0, 0.0))))
+    gain = 1.0 if peak >= start else -1.0
+    ramps = (gain * (peak**2 - start**2) + peak**2) / (2.0 * limit)
+    cruise = max(distance - ramps, 0.0)
+    pieces = (
+        (abs(peak - start) / limit, way * gain * limit),
+        (cruise / speed, 0.0),
+        (peak / limit, -way * limit),
+    )
+    return _chain(t, angle, rate, pieces, 0.0)
+
 
 DEGREE = np.pi / 180.0
 SETTLED_AFTER_S = 0.5
@@ -208,3 +281,118 @@ class VirtualTable:
         """Bits of TABLE_STATUS."""
         ready = 0 if self.refuses else TABLE_STATUS["ready"]
         return ready | sum(TABLE_STATUS[name] for name in self.trips)
+
+
+# Rotations as unit quaternions (w, x, y, z), many at once in arrays of shape (4, n).
+#
+# A rotation takes vectors of the inner frame to the outer one: v_outer = R(q)·v_inner.
+#
+# Written out because scipy's Rotation (1.17) takes thirteen times as long for the tracks of
+# `tasks.validation.simulated_units`, which are made by the thousand; the tests hold it
+# against scipy.
+
+
+def about(direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Rotations (4, n) about one unit direction (3,) by the angles (n,) in rad."""
+    half = np.asarray(angle) / 2.0
+    return np.vstack([np.cos(half), direction[:, None] * np.sin(half)])
+
+
+def conjugate(q: np.ndarray) -> np.ndarray:
+    """The rotations back, (4, n)."""
+    return q * np.array([[1.0], [-1.0], [-1.0], [-1.0]])
+
+
+def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """R(p)·R(q), (4, n); either may have n = 1."""
+    w, x, y, z = p
+    a, b, c, d = q
+    return np.stack(
+        [
+            w * a - x * b - y * c - z * d,
+            w * b + x * a + y * d - z * c,
+            w * c - x * d + y * a + z * b,
+            w * d + x * c - y * b + z * a,
+        ]
+    )
+
+
+def up_in_body(q: np.ndarray) -> np.ndarray:
+    """The outer frame's third axis in the inner frame, R(q)ᵀ·(0, 0, 1): (3, n)."""
+    w, x, y, z = q
+    return np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)])
+
+
+def rotation_vector(q: np.ndarray) -> np.ndarray:
+    """Rotation vectors (3, n) in rad of rotations by less than half a turn."""
+    sine = np.sqrt(q[1] ** 2 + q[2] ** 2 + q[3] ** 2)
+    turning = sine > 0
+    factor = np.full_like(sine, 2.0)
+    factor[turning] = 2.0 * np.arctan2(sine[turning], q[0][turning]) / sine[turning]
+    return q[1:] * factor
+
+
+# The fixture that turns the unit over on the payload, and the unit's supply.
+
+MINUTE_S = 60.0
+SPEED = np.radians(60.0)
+ACCELERATION = np.radians(60.0)
+
+
+class VirtualChamber:
+    """Starts at the temperature of the air and stays there until commanded otherwise."""
+
+    def __init__(self, design: ChamberLimits, degc: float) -> None:
+        self._rate = design.rate_k_min / MINUTE_S
+        self.target = degc
+        self._since_s, self._from = 0.0, degc
+
+    def go_to(self, now_s: float, degc: float) -> None:
+        """Sets out for a temperature from where the air is."""
+        self._from, self._since_s = self.degc(now_s), now_s
+        self.target = degc
+
+    def degc(self, now_s: float) -> float:
+        """Of the air at a station time (s)."""
+        way = self._rate * (now_s - self._since_s)
+        return self._from + min(max(self.target - self._from, -way), way)
+
+
+class VirtualFixture:
+    """Turns about one axis from an attitude to the wanted one; `seat`: the unit's place in it."""
+
+    def __init__(self, seat: Mount) -> None:
+        self.wanted = np.array([1.0, 0.0, 0.0, 0.0])
+        self._seat = _unit(np.array(seat.quaternion_wxyz))
+        self._from = self.wanted[:, None].copy()
+        self._axis = np.array([0.0, 0.0, 1.0])
+        self._profile = STANDING
+
+    def turn(self, now: float) -> None:
+        """Sets out for the wanted attitude from where it is."""
+        self._from = self._attitude(np.array([now]))
+        way = product(conjugate(self._from), _unit(self.wanted))
+        vector = rotation_vector(way if way[0, 0] >= 0 else -way)[:, 0]
+        angle = float(np.linalg.norm(vector))
+        self._axis = vector / angle if angle else self._axis
+        self._profile = to_angle(now, 0.0, 0.0, angle, SPEED, ACCELERATION)
+
+    def still_since(self) -> float:
+        """Station time (s) since which it does not move."""
+        return float(self._profile.t[-1])
+
+    def status(self, now: float) -> int:
+        """Bits of FIXTURE_STATUS."""
+        return FIXTURE_STATUS["ready" if now >= self.still_since() else "turning"]
+
+    def mount(self, t: np.ndarray) -> np.ndarray:
+        """Attitude of the unit on the payload at the times (n,), as quaternions (4, n)."""
+        return product(self._attitude(t), self._seat)
+
+    def _attitude(self, t: np.ndarray) -> np.ndarray:
+        angle, _ = self._profile.at(t)
+        return product(self._from, about(self._axis, angle))
+
+
+def _unit(quaternion: np.ndarray) -> np.ndarray:
+    return (quaternion / np.linalg.norm(quaternion))[:, None]

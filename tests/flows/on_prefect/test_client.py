@@ -8,7 +8,7 @@ from threading import Thread
 import pytest
 from prefect.settings import PREFECT_API_URL, temporary_settings
 
-from flows.on_prefect import prefect_queue
+from flows.on_prefect import queue
 from flows.on_prefect.deployments import deploy_line
 from schemas.base import Unusable
 from storage.home import Home
@@ -39,7 +39,7 @@ def url(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
         thread.start()
         url = f"http://127.0.0.1:{server.server_port}/api"
         monkeypatch.setenv("PREFECT_API_URL", url)
-        monkeypatch.setattr(prefect_queue, "connect", lambda _: None)
+        monkeypatch.setattr(queue, "connect", lambda _: None)
         with temporary_settings({PREFECT_API_URL: url}):
             yield url
         server.shutdown()
@@ -55,9 +55,9 @@ def test_deploying_with_a_wrong_password_names_it_in_one_sentence(url: str, tmp_
 def test_an_order_that_waits_and_a_worker_say_that_the_password_is_wrong(
     url: str, tmp_path: Path
 ) -> None:
-    notice = prefect_queue.submit([], Home(tmp_path))
+    notice = queue.submit([], Home(tmp_path))
     assert notice is not None
     assert REFUSED in notice
     assert "the order waits" in notice
     with pytest.raises(Unusable, match="then start the worker again"):
-        prefect_queue.give_up_pending("station-A", Home(tmp_path))
+        queue.give_up_pending("station-A", Home(tmp_path))

@@ -12,7 +12,7 @@ import pytest
 from prefect.server.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 
-from flows.on_prefect import prefect_flows
+from flows.on_prefect import flows
 from flows.on_prefect.deployments import (
     OF_THE_LINE,
     deploy_line,
@@ -21,7 +21,7 @@ from flows.on_prefect.deployments import (
     remove_station,
 )
 from storage.home import Home
-from tasks.stages.examine_prefect import examine_prefect
+from tasks.stages.doctor import examine_prefect
 from tasks.stages.prefect_api import get, post
 from tasks.station.virtual.config import VirtualStation, station_file
 from tests.prefect_line import PASSWORD, PrefectLine, flow_runs, prefect_line, wait_for
@@ -114,7 +114,7 @@ def test_no_deployment_names_the_checkout_or_a_password(line, monkeypatch) -> No
 def test_each_deployment_is_a_flow_that_takes_its_parameters(line) -> None:
     for each in OF_THE_LINE:
         made = deployment(f"{each.flow}/{each.flow}")
-        flow = getattr(prefect_flows, each.flow)
+        flow = getattr(flows, each.flow)
         if made["parameters"]:
             flow.validate_parameters(made["parameters"])
         assert set(made["parameter_openapi_schema"]["properties"]) == {"order"}

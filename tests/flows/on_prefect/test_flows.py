@@ -17,19 +17,17 @@ from prefect.client.schemas.objects import FlowRun, State, StateType
 from prefect.context import FlowRunContext
 from prefect.states import Crashed
 
-from flows.on_prefect import artifacts, late_runs, run_names
+from flows.on_prefect import artifacts, flows, queue
 from flows.on_prefect.artifacts import PROGRESS_EVERY_S, UNANSWERED_S, ProgressArtifact
 from flows.on_prefect.deployments import environment
-from flows.on_prefect.hooks import free_station
-from flows.on_prefect.late_runs import one_of_those_due
-from flows.orders.order_queue import give
-from schemas.certificate_orders import ProduceOrder
-from schemas.production import OrderRequest, ProductionOrder
-from schemas.recording import Unit
-from schemas.run_log import RunStatus
+from flows.on_prefect.flows import free_station
+from flows.on_prefect.queue import one_of_those_due
+from flows.orders.production import give
+from schemas.orders import OrderRequest, ProduceOrder, ProductionOrder
+from schemas.recording import RunStatus, Unit
 from storage.catalogue import orders
 from storage.home import Home
-from storage.station_lock import one_run_on, write_status
+from storage.stations import one_run_on, write_status
 from tasks.station.virtual import config
 from tests.flows.order_homes import add_station
 
@@ -51,7 +49,7 @@ def station_file(tmp_path: Path) -> Path:
 def stopped(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
     calls: list[tuple[str, str]] = []
     monkeypatch.setattr(
-        "flows.on_prefect.hooks.stop_station",
+        "flows.on_prefect.flows.stop_station",
         lambda id_, by, _, **lockout: calls.append((id_, by)),
     )
     return calls
@@ -114,13 +112,13 @@ def test_prefect_finds_our_hook_by_the_import_path_that_it_gives_it(
 ) -> None:
     home = Home(tmp_path / "home")
     add_station(home.path)
-    monkeypatch.setattr("flows.orders.order_queue.start_worker", lambda *_: None)
+    monkeypatch.setattr("flows.orders.production.start_worker", lambda *_: None)
     begun_and_died("1", home)
     assert [each.state for each in orders.listed(home)] == ["running"]
     runner = Path(str(find_spec("prefect.runner").submodule_search_locations[0]))  # type: ignore[union-attr, index]
     manifest = {
         "working_directory": str(tmp_path),
-        "runtime_entrypoint": "flows.on_prefect.prefect_flows.produce",
+        "runtime_entrypoint": "flows.on_prefect.flows.produce",
     }
     (tmp_path / "manifest").write_text(json.dumps(manifest), encoding="utf-8")
     run = FlowRun(
@@ -179,7 +177,7 @@ def carried_out(monkeypatch: pytest.MonkeyPatch):
 
         context = SimpleNamespace(flow_run=own)
         monkeypatch.setattr(FlowRunContext, "get", classmethod(lambda cls: context))
-        monkeypatch.setattr(late_runs, "get_client", client)
+        monkeypatch.setattr(queue, "get_client", client)
         return one_of_those_due(lambda order: f"done {order}")("it")
 
     return start
@@ -228,8 +226,8 @@ def test_a_run_of_the_queue_is_called_by_the_unit_and_procedure_of_its_order(
     )  # fmt: skip
     orders.add([made], Home(tmp_path))
     order = ProduceOrder(home=str(tmp_path), station="A", number="1")
-    monkeypatch.setattr(run_names, "flow_run", SimpleNamespace(parameters={"order": order}))
-    assert run_names.of_acquisition() == "S7 short"
+    monkeypatch.setattr(flows, "flow_run", SimpleNamespace(parameters={"order": order}))
+    assert flows.of_acquisition() == "S7 short"
 
 
 # Progress on Prefect's pages: rare updates, rarer ones while the server does not answer.

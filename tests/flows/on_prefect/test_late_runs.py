@@ -9,8 +9,8 @@ import pytest
 from prefect.client.schemas.objects import FlowRun, State, StateType
 from prefect.context import FlowRunContext
 
-from flows.on_prefect import late_runs
-from flows.on_prefect.late_runs import one_of_those_due
+from flows.on_prefect import queue
+from flows.on_prefect.queue import one_of_those_due
 
 DEPLOYMENT = uuid4()
 BEGAN = datetime(2026, 11, 27, 8, tzinfo=UTC)
@@ -49,7 +49,7 @@ def carried_out(monkeypatch: pytest.MonkeyPatch):
 
         context = SimpleNamespace(flow_run=own)
         monkeypatch.setattr(FlowRunContext, "get", classmethod(lambda cls: context))
-        monkeypatch.setattr(late_runs, "get_client", client)
+        monkeypatch.setattr(queue, "get_client", client)
         return one_of_those_due(lambda order: f"done {order}")("it")
 
     return start

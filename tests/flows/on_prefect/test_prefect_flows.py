@@ -20,9 +20,8 @@ import httpx
 import pytest
 
 from storage.home import Home
-from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
-from tasks.station.virtual.unit import draw_unit
+from tasks.station.virtual.config import VirtualStation, draw_unit
+from tasks.station.virtual.servers import running
 from tests.drafts import draft
 from tests.earlier_results import newest, plant, two_calibrated
 
@@ -72,12 +71,12 @@ dwell_s = 6.0
 ORDERS = """
 import asyncio, json, os, sqlite3, sys
 from collections import Counter
-from flows import run_orders
-from flows.carry_out import as_flow_run, carry_out
-from schemas.certificate_orders import CheckOrder, IssueOrder, ProduceOrder
+from flows import execute as run_orders
+from flows.execute import as_flow_run, carry_out
+from schemas.orders import CheckOrder, IssueOrder, ProduceOrder
 from schemas.orders import ApplyOrder, CalibrateOrder
 from storage.catalogue import database
-from storage.catalogue.connection import Busy
+from storage.catalogue.database import Busy
 from storage.home import home
 
 station, procedure, out, key = sys.argv[1:]

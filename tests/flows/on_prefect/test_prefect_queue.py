@@ -10,9 +10,9 @@ import httpx
 import pytest
 from prefect.settings import PREFECT_API_URL, temporary_settings
 
-from flows.on_prefect import prefect_queue
-from flows.on_prefect.prefect_server import QUIET
-from flows.on_prefect.worker import work_at_station, work_for_line
+from flows.on_prefect import queue
+from flows.on_prefect.queue import work_at_station, work_for_line
+from flows.on_prefect.server import QUIET
 from storage.catalogue import orders
 from storage.home import Home
 from tests.flows.order_homes import add_station
@@ -92,7 +92,7 @@ def test_each_order_is_one_flow_run_whatever_happens_to_the_server(
     asked(prefect_server, f"flow_runs/{again.flow_run}/set_state", state={"type": "PENDING"})
     order(prefect_server, *add)
     assert orders.find("1", line).flow_run == again.flow_run
-    monkeypatch.setattr(prefect_queue, "BEGINS_WITHIN", timedelta())
+    monkeypatch.setattr(queue, "BEGINS_WITHIN", timedelta())
     order(prefect_server, *add)
     assert orders.find("1", line).flow_run not in (None, again.flow_run)
     states = {run["id"]: run["state_type"] for run in runs(prefect_server)}

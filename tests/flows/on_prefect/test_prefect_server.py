@@ -18,7 +18,7 @@ import pytest
 from prefect.client import base
 from prefect.settings import PREFECT_CLIENT_MAX_RETRIES, temporary_settings
 
-from flows.on_prefect import prefect_server
+from flows.on_prefect import server
 from schemas.base import Unusable
 
 
@@ -27,10 +27,10 @@ def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(
 ) -> None:
     for name in ("PREFECT_API_URL", "PREFECT_HOME"):  # what is set meanwhile goes with the test
         monkeypatch.setenv(name, str(tmp_path))
-    monkeypatch.setattr(prefect_server, "serve", lambda listener: sys.exit("no room"))
+    monkeypatch.setattr(server, "serve", lambda listener: sys.exit("no room"))
     with pytest.raises(Unusable, match=r"see .*server\.log.*PREFECT_API_URL"):
-        prefect_server._start(tmp_path)
-    assert "no room" in (tmp_path / prefect_server.LOG).read_text()
+        server._start(tmp_path)
+    assert "no room" in (tmp_path / server.LOG).read_text()
 
 
 def test_only_its_command_ends_a_server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -38,24 +38,24 @@ def test_only_its_command_ends_a_server(tmp_path: Path, monkeypatch: pytest.Monk
         print("serves")
         time.sleep(600)
 
-    monkeypatch.setattr(prefect_server, "serve", serve)
-    path = tmp_path / prefect_server.LOG
+    monkeypatch.setattr(server, "serve", serve)
+    path = tmp_path / server.LOG
     with path.open("ab") as log, socket.create_server(("127.0.0.1", 0)) as listener:
-        prefect_server._fork(listener, log)
+        server._fork(listener, log)
     (child,) = active_children()
     while "serves" not in path.read_text():
         time.sleep(0.01)
-    for stop in prefect_server.STOPPING:  # as `pkill -f mimucal` would
+    for stop in server.STOPPING:  # as `pkill -f mimucal` would
         os.kill(child.pid or 0, stop)
     child.join(0.2)
     assert child.is_alive()
-    prefect_server._end(child)
+    server._end(child)
     assert child.exitcode == -signal.SIGTERM
 
 
 SERVING = """
 import os, socket, sys, time
-from flows.on_prefect import prefect_server
+from flows.on_prefect import server as prefect_server
 def serve(listener):
     print("serves", os.getpid(), flush=True)
     time.sleep(600)
@@ -68,7 +68,7 @@ time.sleep(600)
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the kernel of Linux ends it")
 def test_a_server_ends_with_a_command_that_is_killed(tmp_path: Path) -> None:
-    log = tmp_path / prefect_server.LOG
+    log = tmp_path / server.LOG
     with subprocess.Popen([sys.executable, "-c", SERVING, log]) as command:
         while not (log.exists() and log.read_text().endswith("\n")):
             assert command.poll() is None
@@ -83,13 +83,13 @@ def test_a_setting_of_prefect_that_it_refuses_is_named(monkeypatch: pytest.Monke
     monkeypatch.setenv("PREFECT_CLIENT_MAX_RETRIES", "many")
     monkeypatch.setattr(prefect.settings, "get_current_settings", prefect.settings.Settings)
     with pytest.raises(Unusable, match=r"max_retries is 'many'.*PREFECT_"):
-        prefect_server._import_prefect()
+        server._import_prefect()
 
 
 def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
-    (tmp_path / prefect_server.LOG).mkdir()  # no file can be opened there, as on a read-only disk
+    (tmp_path / server.LOG).mkdir()  # no file can be opened there, as on a read-only disk
     with pytest.raises(Unusable, match=r"cannot be written .*MIMUCAL_HOME"):
-        prefect_server._start(tmp_path)
+        server._start(tmp_path)
 
 
 def answering(statuses: Iterator[int], clock: Iterator[float]):
@@ -99,7 +99,7 @@ def answering(statuses: Iterator[int], clock: Iterator[float]):
         await send({"type": "http.response.start", "status": next(statuses), "headers": []})
         await send({"type": "http.response.body", "body": b"{}"})
 
-    return prefect_server.asked_again_when_busy(app, lambda: next(clock))
+    return server.asked_again_when_busy(app, lambda: next(clock))
 
 
 def asked(app, monkeypatch: pytest.MonkeyPatch) -> int:

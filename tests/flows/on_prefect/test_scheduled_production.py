@@ -16,14 +16,13 @@ from prefect.client.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 from prefect.states import Cancelling
 
-from schemas.production import ProductionOrder
-from storage.catalogue import certificates, orders, run_index
+from schemas.orders import ProductionOrder
+from storage.catalogue import certificates, orders, runs
 from storage.home import Home
-from storage.station_lock import statuses
+from storage.stations import statuses
 from tasks.stages.prefect_api import post
-from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
-from tasks.station.virtual.unit import draw_unit
+from tasks.station.virtual.config import VirtualStation, draw_unit
+from tasks.station.virtual.servers import running
 from tests.flows.on_prefect.test_prefect_flows import SHORT
 from tests.prefect_line import PASSWORD, PrefectLine, flow_runs, prefect_line, wait_for
 
@@ -132,17 +131,17 @@ def test_ten_runs_that_nobody_ordered_end_in_a_draft_each_none_twice_and_none_mi
         late = [run for run in runs if run["state_type"] == "CANCELLED"]
         assert len(done) + len(late) == len(runs)
         assert all("a newer run" in run["state"]["message"] for run in late)
-        stored = [run for run in run_index.all_runs(home) if run.station == station]
+        stored = [run for run in runs.all_runs(home) if run.station == station]
         assert len(stored) == len(done)
     drafts = Counter(entry.run for entry in certificates.register(home))
-    assert sorted(drafts) == sorted(run.id for run in run_index.all_runs(home))
+    assert sorted(drafts) == sorted(run.id for run in runs.all_runs(home))
     assert set(drafts.values()) == {1}
 
 
 def test_a_server_that_is_killed_and_comes_back_costs_neither_recording_nor_draft(
     line, client
 ) -> None:
-    before = {run.id for run in run_index.all_runs(Home(line.home))}
+    before = {run.id for run in runs.all_runs(Home(line.home))}
     run = begin(line, client, "S-1")
     line.kill_server()
     stored = wait_for(

@@ -6,15 +6,14 @@ from pathlib import Path
 import pytest
 
 from flows.orders import outcomes
-from flows.orders.order_queue import give, submit
-from flows.pages.line.data import acknowledge, data
-from flows.pages.line.models import AlarmPressed, LineQuestion
+from flows.orders.production import give, submit
+from flows.pages.line.data import AlarmPressed, LineQuestion, acknowledge, data
 from schemas.access import Visitor
 from schemas.base import NotThere, Unusable
-from schemas.production import OrderRequest
-from storage.catalogue import orders, trail
+from schemas.orders import OrderRequest
+from storage.catalogue import audit_trail, orders
 from storage.home import Home
-from tasks.stages.alert import Sent
+from tasks.stages.remind import Sent
 from tasks.words import cause_of, message
 from tests.flows.order_homes import add_station, no_workers
 
@@ -46,7 +45,7 @@ def sent(home: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def actions(home: Path) -> list[tuple[str, str, str]]:
-    found = trail.entries(Home(home))
+    found = audit_trail.entries(Home(home))
     return [(each.person, each.action, each.subject) for each in found]
 
 

@@ -12,18 +12,25 @@ from typing import Any
 
 import pytest
 
-from flows import run_orders
+from flows import execute
 from flows.orders import production
-from flows.orders.order_queue import cancel, give, retry, submit, take_up_left
-from flows.orders.production import Production, carry_out, work_at
+from flows.orders.production import (
+    Production,
+    cancel,
+    carry_out,
+    give,
+    retry,
+    submit,
+    take_up_left,
+    work_at,
+)
 from schemas.base import BrokenOff, Unusable
-from schemas.certificate_orders import ProduceOrder
-from schemas.production import OrderRequest, ProductionOrder
+from schemas.orders import OrderRequest, ProduceOrder, ProductionOrder
 from schemas.recording import Unit
-from storage.catalogue import orders, trail
+from storage.catalogue import audit_trail, orders
 from storage.home import Home
 from storage.order_lock import one_order_at, only_worker_of
-from storage.station_lock import one_run_on
+from storage.stations import one_run_on
 from tasks.words import message
 from tests.flows.order_homes import add_station, no_workers
 
@@ -31,7 +38,7 @@ POPEN = subprocess.Popen  # before it is replaced
 HOLD = """
 import sys, time
 from flows.orders.production import carry_out
-from schemas.certificate_orders import ProduceOrder
+from schemas.orders import ProduceOrder
 def work(production):
     print("begun", flush=True)
     time.sleep(600)
@@ -76,7 +83,7 @@ class Work:
 @pytest.fixture
 def worked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Work], Work]:
     def use(work: Work) -> Work:
-        monkeypatch.setattr(run_orders, "produce", lambda order: carry_out(order, work))
+        monkeypatch.setattr(execute, "produce", lambda order: carry_out(order, work))
         return work
 
     return use
@@ -181,7 +188,7 @@ def test_after_an_invalid_run_an_order_is_measured_again_under_its_number(
     orders.finish("1", "failed", line, "run r1 is invalid: the unit was touched")
     monkeypatch.setattr(orders, "_is_invalid", lambda runs, _: "r1" in runs)
     assert retry("1", "Li", line).order.runs == ()
-    last = json.loads(trail.entries(line)[-1].details)
+    last = json.loads(audit_trail.entries(line)[-1].details)
     assert last == {"again": True, "reason": "run r1 is invalid: the unit was touched",
                     "runs": ["r1"]}  # fmt: skip
     orders.claim("1", line)

@@ -7,14 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from flows.orders.order_queue import give
-from flows.orders.production import work_at
-from schemas.production import OrderRequest
-from storage.catalogue import orders, run_index
+from flows.orders.production import give, work_at
+from schemas.orders import OrderRequest
+from storage.catalogue import orders, runs
 from storage.home import Home
-from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.protocol import MOUNT_REQUEST
-from tasks.station.virtual.unit import draw_unit
+from tasks.station.virtual.config import MOUNT_REQUEST, VirtualStation, draw_unit
 from tests.flows.on_prefect.test_prefect_flows import SHORT
 from tests.flows.order_homes import no_workers
 from tests.tasks.station.in_thread import serving
@@ -73,7 +70,7 @@ def test_the_queue_waits_for_the_unit_that_is_ordered_or_for_the_orders_cancella
     assert "says that it is U-1, and the run is ordered for U-2: mount U-2" in hindrances["U-2"]
     assert "mount U-3" in hindrances["U-3"]
     assert (last.state, last.runs) == ("cancelled", ())
-    kept = {run.id: run.serial for run in run_index.all_runs(place)}
+    kept = {run.id: run.serial for run in runs.all_runs(place)}
     assert [kept[order.runs[0]] for order in (first, second)] == ["U-1", "U-2"]
     drafts = [key for order in (first, second) for key in order.certificates]
     assert len(set(drafts)) == sum(order.state == "done" for order in (first, second))

@@ -7,16 +7,15 @@ from typing import Any
 
 import pytest
 
-from flows import run_orders
-from flows.carry_out import carry_out
+from flows import execute
+from flows.execute import carry_out
 from flows.orders import signed_orders
 from flows.orders.signed_orders import accepted, carry_out_signed, sign
 from schemas.base import Unusable
-from schemas.certificate_orders import CertifyOrder, CheckOrder, ProduceOrder, StepOrder
-from schemas.orders import AcquireOrder
-from storage.catalogue import trail, users
+from schemas.orders import AcquireOrder, CertifyOrder, CheckOrder, ProduceOrder, StepOrder
+from storage.catalogue import audit_trail, users
 from storage.catalogue.certificates import register
-from storage.catalogue.connection import Busy
+from storage.catalogue.database import Busy
 from storage.home import Home
 from tests.drafts import draft
 
@@ -49,7 +48,7 @@ def test_a_signed_order_is_carried_out_once_and_the_trail_says_who_signed_where(
     taken("check", signed)
     with pytest.raises(Unusable, match="used already"):
         taken("check", signed)
-    entries = {entry.action: entry for entry in trail.entries(place)}
+    entries = {entry.action: entry for entry in audit_trail.entries(place)}
     assert (entries["sign check"].person, entries["sign check"].subject) == (
         "Zhao", order.certificate,
     )  # fmt: skip
@@ -65,7 +64,7 @@ def test_a_name_alone_gives_no_order(
         taken("check", order.model_copy(update={"by": "Ghost"}))
     assert "Ghost" in caplog.text
     assert not (place.path / "orders.key").exists()
-    assert trail.entries(place)[-1].action == "refuse check"
+    assert audit_trail.entries(place)[-1].action == "refuse check"
 
 
 @pytest.mark.parametrize(
@@ -193,9 +192,9 @@ def test_an_order_that_the_rules_refuse_is_not_kept_for_a_better_moment(
 def test_pages_carry_out_what_they_signed_and_a_desk_needs_no_signature(
     place: Home, order: CheckOrder
 ) -> None:
-    assert carry_out_signed(run_orders.check, order).state == "checked"
+    assert carry_out_signed(execute.check, order).state == "checked"
     other = CheckOrder(certificate=draft(place, "2").certificate.number, by="Zhao")
-    assert carry_out(run_orders.check, other, other.certificate).state == "checked"
+    assert carry_out(execute.check, other, other.certificate).state == "checked"
     assert state(place) == {"checked"}
 
 
@@ -214,4 +213,4 @@ def test_what_a_stranger_sent_is_printable_in_the_trail(place: Home, order: Chec
     sent = order.model_copy(update={"by": "G\x00\ud800\n" + "h" * 500})
     with pytest.raises(Unusable, match=r"G\?\?\?hhh"):
         taken("check", sent)
-    assert len(trail.entries(place)[-1].details) < 800
+    assert len(audit_trail.entries(place)[-1].details) < 800

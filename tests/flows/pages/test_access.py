@@ -8,15 +8,14 @@ import httpx
 import pytest
 from flask.testing import FlaskClient
 
-from flows.pages import passwords
-from flows.pages.access import session_cookie
-from flows.pages.app import make_app
-from flows.pages.serve import serve
+from flows.pages import login
+from flows.pages.app import make_app, serve
+from flows.pages.login import session_cookie
 from schemas.access import MAY, ROLES, User, Visitor
 from schemas.base import Unusable
-from storage import secret_files
-from storage.catalogue import trail, users
-from storage.catalogue.connection import Busy
+from storage import whole_files
+from storage.catalogue import audit_trail, users
+from storage.catalogue.database import Busy
 from storage.home import Home
 from tests.pages_server import served
 
@@ -26,7 +25,7 @@ PAGE = {"Accept": "text/html"}
 
 @pytest.fixture
 def home(tmp_path: Path) -> Home:
-    users.add("Wang Li", "operator", passwords.hashed(PASSWORD), Home(tmp_path), "Admin")
+    users.add("Wang Li", "operator", login.hashed(PASSWORD), Home(tmp_path), "Admin")
     return Home(tmp_path)
 
 
@@ -68,19 +67,19 @@ def test_a_session_begins_with_the_password_and_ends_with_the_user(
     cookie = client.get_cookie(session_cookie(home))
     assert cookie is not None
     assert (cookie.http_only, cookie.same_site) == (True, "Lax")
-    users.add("Wang Li", "operator", passwords.hashed("another password"), home, "Admin")
+    users.add("Wang Li", "operator", login.hashed("another password"), home, "Admin")
     assert client.get("/api/v1/runs").status_code == 401
 
 
 def test_a_session_of_a_user_who_was_removed_is_none(client: FlaskClient, home: Home) -> None:
     log_in(client)
     users.remove("Wang Li", home, "Admin")
-    users.add("Zhao Min", "viewer", passwords.hashed(PASSWORD), home, "Admin")
+    users.add("Zhao Min", "viewer", login.hashed(PASSWORD), home, "Admin")
     assert client.get("/api/v1/runs").status_code == 401
-    actions = [(entry.person, entry.action, entry.subject) for entry in trail.entries(home)]
+    actions = [(entry.person, entry.action, entry.subject) for entry in audit_trail.entries(home)]
     assert ("Admin", "remove user", "Wang Li") in actions
     hashes = [user.password for user in users.users(home).values()]
-    assert not any(one in entry.details for entry in trail.entries(home) for one in hashes)
+    assert not any(one in entry.details for entry in audit_trail.entries(home) for one in hashes)
 
 
 def test_a_session_outlives_the_process_that_serves(client: FlaskClient, home: Home) -> None:
@@ -119,7 +118,7 @@ def test_a_session_that_was_left_is_over_for_every_copy_of_its_cookie(
     for server in (client, make_app(home).server.test_client()):
         server.set_cookie(session_cookie(home), kept.value)
         assert server.get("/api/v1/runs").status_code == 401
-    actions = [(entry.person, entry.action) for entry in trail.entries(home)]
+    actions = [(entry.person, entry.action) for entry in audit_trail.entries(home)]
     assert actions[-2:] == [("Wang Li", "log in"), ("Wang Li", "log out")]
 
 
@@ -136,7 +135,7 @@ def test_a_login_leads_to_a_page_of_ours_and_nowhere_else(client: FlaskClient) -
 def test_tries_that_fail_shut_the_gate_for_the_name_at_the_address_alone(
     client: FlaskClient, home: Home
 ) -> None:
-    users.add("Zhao Min", "viewer", passwords.hashed(PASSWORD), home, "Admin")
+    users.add("Zhao Min", "viewer", login.hashed(PASSWORD), home, "Admin")
     codes = [log_in(client, "wrong") for _ in range(6)]
     assert codes == [403] * 5 + [429]
     assert log_in(client) == 429
@@ -144,7 +143,7 @@ def test_tries_that_fail_shut_the_gate_for_the_name_at_the_address_alone(
     assert log_in(client, name="Zhao Min") == 302
     client.environ_base["REMOTE_ADDR"] = "10.0.0.9"
     assert log_in(client) == 302
-    refusals = [entry for entry in trail.entries(home) if entry.action.startswith("refuse")]
+    refusals = [entry for entry in audit_trail.entries(home) if entry.action.startswith("refuse")]
     assert [entry.action for entry in refusals] == [
         *["refuse log in"] * 5, "refuse further tries to log in"
     ]  # fmt: skip
@@ -156,14 +155,14 @@ def test_a_name_that_nobody_has_is_shut_like_any_other_and_not_kept(
     client: FlaskClient, home: Home
 ) -> None:
     assert [log_in(client, "wrong", "hunter2 (a password)") for _ in range(6)] == [403] * 5 + [429]
-    assert not any("hunter2" in entry.model_dump_json() for entry in trail.entries(home))
+    assert not any("hunter2" in entry.model_dump_json() for entry in audit_trail.entries(home))
 
 
 def test_many_addresses_do_not_try_one_account_forever_nor_one_address_all_accounts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(passwords, "DUMMY_HASH", "none")  # takes no time, on purpose
-    gate = passwords.Gate()
+    monkeypatch.setattr(login, "DUMMY_HASH", "none")  # takes no time, on purpose
+    gate = login.Gate()
     user = User(name="W", role="viewer", password="none", added_at="2026-11-27T00:00:00Z")
     for number in range(20):
         gate.check(user, "wrong", "W", f"10.0.0.{number}")
@@ -216,7 +215,7 @@ def test_the_header_of_a_proxy_is_believed_from_its_address_alone(home: Home) ->
 
 
 def test_a_proxy_on_this_machine_is_known_by_its_secret(home: Home) -> None:
-    secret = secret_files.made(home.path / "proxy.secret")
+    secret = whole_files.made(home.path / "proxy.secret")
     asked = behind_proxy(
         home,
         'addresses = ["127.0.0.1"]\nheader = "X-Remote-User"\nsecret_file = "proxy.secret"\n',
@@ -237,7 +236,7 @@ def test_a_proxy_on_this_machine_without_a_secret_is_refused(home: Home, address
 
 
 def test_a_proxys_secret_that_others_may_read_is_refused(home: Home) -> None:
-    secret_files.made(home.path / "proxy.secret")
+    whole_files.made(home.path / "proxy.secret")
     (home.path / "proxy.secret").chmod(0o644)
     with pytest.raises(Unusable, match="can be read by others"):
         behind_proxy(
@@ -269,7 +268,7 @@ def test_without_its_database_the_frame_is_there_and_the_json_says_why(
     def stopped(_: Home) -> dict[str, users.User]:
         raise Busy("The catalogue cannot be used.")
 
-    monkeypatch.setattr("flows.pages.access.users", stopped)
+    monkeypatch.setattr("flows.pages.login.users", stopped)
     assert client.get("/runs", headers=PAGE).status_code == 200
     refused = client.get("/api/v1/runs")
     assert (refused.status_code, refused.json) == (503, {"error": "The catalogue cannot be used."})

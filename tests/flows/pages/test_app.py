@@ -7,7 +7,7 @@ import pytest
 from flask.testing import FlaskClient
 
 from flows.pages.app import CELLS, GRID, UNUSED, make_app
-from flows.pages.page import Page, View
+from flows.pages.parts import Page, View
 from flows.pages.register import PAGES
 from flows.pages.shell import page_at
 from storage.home import Home

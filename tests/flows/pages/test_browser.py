@@ -8,7 +8,7 @@ from werkzeug.serving import make_server
 
 from flows.pages import shell
 from flows.pages.app import make_app
-from storage.catalogue import connection, database, runs
+from storage.catalogue import database, runs
 from storage.home import Home
 from tasks.words import LANGUAGES, message, say
 from tests.drafts import draft, recording_of
@@ -78,7 +78,7 @@ def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
     def rows(*asked):
         if stopped.is_set():
             cause = message("station-cause.catalogue")
-            raise connection.Busy("The catalogue cannot be used (it was stopped).", cause)
+            raise database.Busy("The catalogue cannot be used (it was stopped).", cause)
         return reading(*asked)
 
     monkeypatch.setattr(database, "rows", rows)

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from schemas.review import KeptReview
-from storage import dataframes, last_review
-from storage.catalogue import discrepancies, run_index
+from storage import dataframes, run_statistics
+from storage.catalogue import discrepancies, runs
 from storage.home import Home
 from tests.flows.pages.test_discrepancy import discrepancy, review
 from tests.pages_server import served
@@ -29,9 +29,9 @@ def kept(
     table = dataframes.runs(home).sort_values("recorded_on")
     run = str(table[table["station"] == "ST-01"]["id"].iloc[-1])
     at = datetime(2026, 11, 1, tzinfo=UTC)
-    discrepancies.keep(run_index.find(run, home), discrepancy("axis_tilt"), "<p>told</p>", at, home)
+    discrepancies.keep(runs.find(run, home), discrepancy("axis_tilt"), "<p>told</p>", at, home)
     found: KeptReview = review("station", "ST-01", "2025-01-05T08:00", "2024-11-01T08:00")
-    last_review.keep(found, home)
+    run_statistics.keep_review(found, home)
     return home, run
 
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from flows.pages import access
+from flows.pages import login
 from schemas.access import Visitor
-from schemas.stop import StopRequest
+from schemas.station import StopRequest
 from storage.home import Home
-from storage.station_stop import lock_out, lockout_of
+from storage.stations import lock_out, lockout_of
 from tests.pages_server import served
 from tests.tasks.station.sample_stations import sample
 from tests.watched_page import watched_page
@@ -54,9 +54,9 @@ def page(home: Home, pressed_at: list[Any], faults: list[str]) -> Iterator[Any]:
         raise OSError("the table's cable is out")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("flows.pages.line.stops.stop_station", stop)
+        patch.setattr("flows.pages.line.data.stop_station", stop)
         operator = Visitor(name="Wang", role="operator")
-        patch.setattr(access, "_identified", lambda *_: operator)
+        patch.setattr(login, "_identified", lambda *_: operator)
         with served(home) as address, watched_page(address, faults, "en-GB") as page:
             page.goto(f"{address}/line")
             page.wait_for_selector(".stop >> nth=1")

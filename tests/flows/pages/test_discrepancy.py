@@ -10,9 +10,8 @@ import pytest
 
 from flows.pages.app import make_app
 from flows.pages.discrepancy import PAGE
-from flows.pages.discrepancy.data import data
-from flows.pages.discrepancy.models import DiscrepancyQuestion
-from flows.pages.page import View
+from flows.pages.discrepancy.data import DiscrepancyQuestion, data
+from flows.pages.parts import View
 from schemas.discrepancy import (
     Consequence,
     Detection,
@@ -33,8 +32,8 @@ from schemas.review import (
     Touched,
 )
 from schemas.text import Remark, Statement
-from storage import dataframes, last_review
-from storage.catalogue import discrepancies, results, run_index, runs
+from storage import dataframes, run_statistics
+from storage.catalogue import discrepancies, results, runs
 from storage.home import Home
 from tests.drafts import calibration_of, recording_of
 from tests.proof.line import Line
@@ -97,7 +96,7 @@ def home(line_store: tuple[Home, Line], tmp_path_factory: pytest.TempPathFactory
     other = table[table["station"] == "ST-02"]["id"].iloc[0]
     for run, effect in ((first, None), (second, "axis_tilt"), (other, "lever_arm")):
         at = datetime(2026, 11, 1, tzinfo=UTC)
-        discrepancies.keep(run_index.find(run, home), discrepancy(effect), "<p>told</p>", at, home)
+        discrepancies.keep(runs.find(run, home), discrepancy(effect), "<p>told</p>", at, home)
     return home
 
 
@@ -125,7 +124,7 @@ def test_a_choice_of_station_or_effect_takes_the_runs_that_meet_it(home: Home) -
 
 def test_a_run_that_is_explained_again_has_the_new_answer_alone(home: Home) -> None:
     clean = next(run.run for run in data(EVERYTHING, home).newest if not run.findings)
-    run = run_index.find(clean, home)
+    run = runs.find(clean, home)
     before = discrepancies.explained_runs(home)
     at = datetime(2026, 11, 2, tzinfo=UTC)
     discrepancies.keep(run, discrepancy("time_offset"), "<p>again</p>", at, home)
@@ -140,7 +139,7 @@ def test_a_run_that_is_explained_again_has_the_new_answer_alone(home: Home) -> N
 def test_a_carrier_of_the_last_review_names_its_certificates(
     home: Home, level: str, carrier: str, field: str
 ) -> None:
-    last_review.keep(review(level, carrier, "2025-01-05T08:00:00+00:00"), home)
+    run_statistics.keep_review(review(level, carrier, "2025-01-05T08:00:00+00:00"), home)
     shown = data(EVERYTHING, home).review
     assert shown is not None
     (carried,) = shown.findings
@@ -153,7 +152,9 @@ def test_a_carrier_of_the_last_review_names_its_certificates(
 
 
 def test_certificates_of_the_time_in_which_it_may_have_begun_are_counted_beside(home: Home) -> None:
-    last_review.keep(review("station", "ST-01", "2025-01-05T08:00", "2024-03-10T08:00"), home)
+    run_statistics.keep_review(
+        review("station", "ST-01", "2025-01-05T08:00", "2024-03-10T08:00"), home
+    )
     shown = data(EVERYTHING, home).review
     assert shown is not None
     (between,) = shown.findings[0].uncertain
@@ -174,7 +175,7 @@ def test_a_touched_certificate_says_by_how_much_and_leads_to_its_run(home: Home)
         Touched(certificate=own["number"], item=item, element="x", in_U=in_U)
         for item, in_U in by.items()
     )
-    last_review.keep(review("station", "ST-01", "2025-01-05", touched=touched), home)
+    run_statistics.keep_review(review("station", "ST-01", "2025-01-05", touched=touched), home)
     shown = data(EVERYTHING, home)
     assert shown.review is not None
     (paper,) = shown.review.findings[0].moved
@@ -193,7 +194,7 @@ def test_an_effect_of_single_runs_leads_to_these_runs(home: Home) -> None:
 
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: str) -> None:
-    last_review.keep(review("site", "39.90°", "fleet 7"), home)
+    run_statistics.keep_review(review("site", "39.90°", "fleet 7"), home)
     for place in (home, Home(tmp_path / "none")):
         found = data(EVERYTHING, place)
         json.loads(found.model_dump_json(), parse_constant=pytest.fail)
@@ -228,7 +229,7 @@ def test_a_carrier_stands_once_with_all_its_effects_and_what_to_do(
         "alternatives": (Carrier(level="station", carrier="ST-01", delta_bic=1.0),),
     })  # fmt: skip
     both = kept.review.model_copy(update={"findings": (finding, lever)})
-    last_review.keep(kept.model_copy(update={"review": both}), home)
+    run_statistics.keep_review(kept.model_copy(update={"review": both}), home)
     monkeypatch.setenv("TZ", "Asia/Shanghai")
     time.tzset()
     text = str(PAGE.layout(data(EVERYTHING, home), View(), EVERYTHING).to_plotly_json())

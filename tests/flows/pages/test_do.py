@@ -9,15 +9,14 @@ from typing import Any
 
 import pytest
 
-from flows.pages.do.layout import answer, chosen, data, layout, step_answer
-from flows.pages.do.models import DoQuestion
-from flows.pages.do.orders import FIELDS, Orders
-from flows.pages.page import View
+from flows.pages.do.actions import FIELDS, DoQuestion, Orders
+from flows.pages.do.page import answer, chosen, data, layout, step_answer
+from flows.pages.parts import View
 from schemas.access import MAY, ROLES, Action, Role, Visitor
 from schemas.base import Unusable
-from storage.catalogue import orders, trail
+from storage.catalogue import audit_trail, orders
 from storage.home import Home
-from storage.station_lock import one_run_on, write_status
+from storage.stations import one_run_on, write_status
 from tests.drafts import UNDECIDED, draft
 from tests.flows.order_homes import CLIENT, add_station, no_workers
 from tests.flows.pages.test_line import ordered, status
@@ -72,7 +71,7 @@ def test_each_role_may_do_what_is_stated_and_is_refused_all_else(tmp_path: Path)
             given.give(action, {}, visitor)
         assert ("may not do this" in str(refused.value)) == bool(asked)
     assert set(FIELDS) == set(MAY) - {"stop"}
-    assert {entry.action.split()[0] for entry in trail.entries(Home(tmp_path))} == {"refuse"}
+    assert {entry.action.split()[0] for entry in audit_trail.entries(Home(tmp_path))} == {"refuse"}
 
 
 def test_three_persons_take_a_draft_to_its_number_and_the_trail_names_them(tmp_path: Path) -> None:
@@ -86,7 +85,7 @@ def test_three_persons_take_a_draft_to_its_number_and_the_trail_names_them(tmp_p
     assert number.startswith("LAB-")
     withdraw = {"certificate": number, "reason": "wrong table"}
     given.give("withdraw", withdraw, Visitor(name="Chen", role="issuer"))
-    steps = [(entry.person, entry.action) for entry in trail.entries(home)]
+    steps = [(entry.person, entry.action) for entry in audit_trail.entries(home)]
     assert [step for step in steps if step[1] in ("check", "issue", "withdraw")] == [
         ("Zhao", "check"), ("Chen", "issue"), ("Chen", "withdraw")
     ]  # fmt: skip
@@ -105,7 +104,7 @@ def test_long_work_is_a_process_of_the_command_line_with_an_entry_in_the_trail(
     assert first[-3:] == ["certify", "--json", run]
     assert second[-4:] == ["reprocess", "--json", "--since=2026-01-01", "--station=T1"]
     assert (environment["MIMUCAL_USER"], environment["MIMUCAL_HOME"]) == ("Li", str(tmp_path))
-    assert [entry.action for entry in trail.entries(home)][-2:] == [
+    assert [entry.action for entry in audit_trail.entries(home)][-2:] == [
         "order certify", "order reprocess",
     ]  # fmt: skip
     assert {each.state for each in given.given()} == {"running"}

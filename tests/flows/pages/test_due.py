@@ -7,12 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from flows.pages.due import PAGE
-from flows.pages.due.data import data, due_state
-from flows.pages.due.models import DueQuestion, DueShown
-from flows.pages.page import View
+from flows.pages.due import PAGE, DueQuestion, DueShown, data, due_state
+from flows.pages.parts import View
 from schemas.base import Unusable
-from storage.catalogue import certificates, equipment, reminders
+from storage.catalogue import certificates, equipment
 from storage.home import Home
 from tasks.reminders.send import pause
 from tasks.stages.remind import due_units
@@ -28,8 +26,8 @@ def home(line_store: tuple[Home, Line], tmp_path_factory: pytest.TempPathFactory
     shutil.copytree(line_store[0].path, copy.path)
     for number, fault in enumerate((None, "no such mailbox")):
         key = (due_units(copy)[number].certificate, -30, f"client {number} mail")
-        assert reminders.claim(copy, key, NOW, pause)
-        reminders.note(copy, key, NOW, fault)
+        assert equipment.claim(copy, key, NOW, pause)
+        equipment.note(copy, key, NOW, fault)
     return copy
 
 

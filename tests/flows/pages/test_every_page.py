@@ -11,16 +11,15 @@ from typing import Any
 
 import pytest
 
-from flows.pages.do.layout import answer, chosen
-from flows.pages.page import View
+from flows.pages.do.page import answer, chosen
+from flows.pages.parts import View
 from flows.pages.shell import page_at
 from schemas.access import Visitor
-from schemas.stop import StopRequest
+from schemas.station import StopRequest
 from schemas.text import Remark
-from storage.catalogue import certificates, discrepancies, orders, reminders, results, runs
+from storage.catalogue import certificates, discrepancies, equipment, orders, results, runs
 from storage.home import Home
-from storage.station_lock import write_status
-from storage.station_stop import lock_out
+from storage.stations import lock_out, write_status
 from tests.drafts import calibration_of, draft, recording_of
 from tests.flows.pages.test_discrepancy import discrepancy
 from tests.flows.pages.test_line import ordered, status
@@ -50,8 +49,8 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Home:
     orders.finish("A-1", "failed", home, CAUSE)
     orders.note("A-2", home, fault=CAUSE)
     key = (next(iter(_drafts(home))), -30, "mail")
-    reminders.claim(home, key, NOW, lambda tries: NOW - NOW)
-    reminders.note(home, key, NOW, CAUSE)
+    equipment.claim(home, key, NOW, lambda tries: NOW - NOW)
+    equipment.note(home, key, NOW, CAUSE)
     (home.path / "stations").mkdir()
     (home.path / "stations" / "broken.toml").write_text("format = 1", encoding="utf-8")
     return home

@@ -9,11 +9,11 @@ import pytest
 from flask.testing import FlaskClient
 from prometheus_client.parser import text_string_to_metric_families
 
-from flows.pages import health, passwords
+from flows.pages import health, login
 from flows.pages.app import make_app
 from storage.catalogue import database, tables, users
 from storage.home import Home
-from storage.station_lock import write_status
+from storage.stations import write_status
 from tests.pages_server import served
 from tests.proof.line import Line
 from tests.storage.test_stations import status
@@ -45,7 +45,7 @@ def credentials() -> dict[str, str]:
 @pytest.fixture
 def known(tmp_path: Path) -> Home:
     """A home with a user, whose pages ask for a name."""
-    users.add("Wang Li", "viewer", passwords.hashed(PASSWORD), Home(tmp_path), "Admin")
+    users.add("Wang Li", "viewer", login.hashed(PASSWORD), Home(tmp_path), "Admin")
     return Home(tmp_path)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from flows.pages.page import Page, View
+from flows.pages.parts import Page, View
 from flows.pages.register import PAGES
 from flows.pages.shell import page_at
 from storage.catalogue import results, runs

@@ -11,25 +11,30 @@ from typing import Any
 
 import pytest
 
-from flows.pages import access, local_time
+from flows.pages import login, parts
 from flows.pages.app import make_app
-from flows.pages.line import PAGE, flow_runs
-from flows.pages.line.card import KINDS, card
-from flows.pages.line.data import SILENT, acknowledge, output
-from flows.pages.line.models import AlarmPressed, LineNow, LineQuestion, StationNow
-from flows.pages.page import View
+from flows.pages.line import PAGE, data
+from flows.pages.line.data import (
+    SILENT,
+    AlarmPressed,
+    LineNow,
+    LineQuestion,
+    StationNow,
+    acknowledge,
+    output,
+)
+from flows.pages.line.page import KINDS, card
+from flows.pages.parts import View
 from schemas.access import ROLES, Visitor
 from schemas.base import Unusable
-from schemas.production import ProductionOrder
-from schemas.recording import Unit
-from schemas.run_log import Alarm, RunStatus
-from schemas.stop import StopAnswer, StopRequest
-from storage.catalogue import database, orders, reminders, runs
-from storage.catalogue.connection import Busy
+from schemas.orders import ProductionOrder
+from schemas.recording import Alarm, RunStatus, Unit
+from schemas.station import StopAnswer, StopRequest
+from storage.catalogue import database, equipment, orders, runs
+from storage.catalogue.database import Busy
 from storage.home import Home
-from storage.station_lock import one_run_on, write_status
-from storage.station_stop import answer_stop, lock_out
-from tasks.station import anomalies
+from storage.stations import answer_stop, lock_out, one_run_on, write_status
+from tasks.station import monitor
 from tasks.words import identifiers, known
 from tests.drafts import draft
 from tests.tasks.station.sample_stations import sample
@@ -156,9 +161,7 @@ def test_every_state_has_a_colour_and_a_word() -> None:
 
 def test_every_kind_of_alarm_says_what_to_do() -> None:
     kinds = [name.removeprefix("station-alarm-") for name in identifiers("station-alarm-")]
-    assert {each.replace("_", "-") for each in (*anomalies.FAILURES, *anomalies.CONDITIONS)} <= {
-        *kinds
-    }
+    assert {each.replace("_", "-") for each in (*monitor.FAILURES, *monitor.CONDITIONS)} <= {*kinds}
     assert [kind for kind in (*kinds, "given-up") if not known(f"station-todo.{kind}")] == []
 
 
@@ -192,8 +195,8 @@ def test_failed_orders_and_reminders_are_alarms(tmp_path: Path) -> None:
     orders.finish("A-1", "failed", home, "another unit is mounted")
     number = draft(home, "9").certificate.number
     key = (number, -30, "mail")
-    reminders.claim(home, key, now, lambda tries: timedelta(hours=1))
-    reminders.note(home, key, now, "mailbox full")
+    equipment.claim(home, key, now, lambda tries: timedelta(hours=1))
+    equipment.note(home, key, now, "mailbox full")
     unsent, failed = line_of(home).alarms
     assert (failed.station, failed.about) == ("T1", "V7")
     assert "another unit is mounted" in failed.cause.en
@@ -249,19 +252,19 @@ def test_today_is_the_day_where_the_pages_are_served(
     assert (made.runs, made.valid, made.passed, made.issued) == (1, 1, 1, 0)
     assert made.by_station == {"T1": 1}
     assert output(date(2026, 11, 27), home).runs == 0
-    monkeypatch.setattr(local_time, "datetime", Clock)
-    assert local_time.today() == date(2026, 11, 28)
-    assert local_time.hour_of(evening) == "01:30"
-    assert local_time.hour_of(evening - timedelta(days=1)) == "2026-11-27 01:30"
-    assert dict(local_time.zone().arguments) == {"zone": "CST", "offset": "+08:00"}
+    monkeypatch.setattr(parts, "datetime", Clock)
+    assert parts.today() == date(2026, 11, 28)
+    assert parts.hour_of(evening) == "01:30"
+    assert parts.hour_of(evening - timedelta(days=1)) == "2026-11-27 01:30"
+    assert dict(parts.zone().arguments) == {"zone": "CST", "offset": "+08:00"}
 
 
 def press(home: Home, station: str, visitor: Visitor = OPERATOR) -> Any:
     """The answer to a press of Stop."""
     server = make_app(home).server
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(access, "_identified", lambda *_: visitor)
-        patch.setattr(access.CSRFProtect, "protect", lambda _: None)
+        patch.setattr(login, "_identified", lambda *_: visitor)
+        patch.setattr(login.CSRFProtect, "protect", lambda _: None)
         return server.test_client().post("/api/v1/stop", json={"station": station})
 
 
@@ -276,7 +279,7 @@ def test_operators_and_administrators_stop_a_station_and_nobody_else(
         asked.append((station, by))
         raise Unusable("the table does not answer")
 
-    monkeypatch.setattr("flows.pages.line.stops.stop_station", stop)
+    monkeypatch.setattr("flows.pages.line.data.stop_station", stop)
     answer = press(home, "T1", visitor)
     may = role in ("operator", "administrator")
     assert asked == ([("T1", "Li")] if may else [])
@@ -370,7 +373,7 @@ def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[tuple[str, str | No
         Thread(target=made.serve_forever, daemon=True).start()
         monkeypatch.setenv("PREFECT_API_URL", f"http://127.0.0.1:{made.server_port}/api")
         monkeypatch.setenv("PREFECT_API_AUTH_STRING", "line:secret")
-        flow_runs._asked.cache_clear()
+        data._asked.cache_clear()
         yield asked
         made.shutdown()
 
@@ -393,14 +396,14 @@ def test_prefects_runs_are_named_by_deployment_and_subject(
 
 def test_without_a_server_there_are_no_other_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("PREFECT_API_URL", raising=False)
-    assert not flow_runs.flow_runs().server
+    assert not data.flow_runs().server
 
 
 def test_a_server_that_does_not_answer_is_said_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:9/api")
-    flow_runs._asked.cache_clear()
+    data._asked.cache_clear()
     line = line_of(Home(tmp_path))
     assert line.flows.fault
     assert "did not answer" in line.flows.fault

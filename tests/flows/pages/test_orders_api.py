@@ -7,7 +7,7 @@ import pytest
 from flask.testing import FlaskClient
 from werkzeug.test import TestResponse
 
-from flows.pages import passwords
+from flows.pages import login
 from flows.pages.app import make_app
 from storage.catalogue import orders, users
 from storage.home import Home
@@ -30,7 +30,7 @@ def begun(monkeypatch: pytest.MonkeyPatch) -> Begun:
 def home(tmp_path: Path, begun: Begun) -> Home:
     add_station(tmp_path)
     for name, role in (("mes", "operator"), ("Zhao", "viewer")):
-        users.add(name, role, passwords.hashed(PASSWORD), Home(tmp_path), "Admin")
+        users.add(name, role, login.hashed(PASSWORD), Home(tmp_path), "Admin")
     return Home(tmp_path)
 
 

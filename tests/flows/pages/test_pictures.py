@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 import pytest
 
 from flows.pages import due, quality, signals, unit
-from flows.pages.page import Page, Theme, View
+from flows.pages.parts import Page, Theme, View
 from storage.home import Home
 from tests.proof.line import Line, recorded_runs
 

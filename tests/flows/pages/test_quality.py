@@ -14,17 +14,15 @@ import pandas as pd
 import pytest
 
 from flows.pages.app import make_app
-from flows.pages.numbers import csv_of
-from flows.pages.page import View
-from flows.pages.passwords import hashed
+from flows.pages.login import hashed
+from flows.pages.parts import View, csv_of
 from flows.pages.quality import PAGE
-from flows.pages.quality.data import data
-from flows.pages.quality.models import QualityQuestion, QualityShown
+from flows.pages.quality.data import QualityQuestion, QualityShown, data
 from schemas.base import Unusable
 from storage import dataframes
-from storage.catalogue import certificates, results, run_index, users
+from storage.catalogue import certificates, results, runs, users
 from storage.home import Home
-from tasks.quality.golden import FEWEST
+from tasks.quality.charts import FEWEST
 from tests.drafts import DECIDED, UNDECIDED, draft
 from tests.proof.line import Line
 
@@ -61,7 +59,7 @@ def visits(home: Home, model: str) -> tuple[list[str], set[str]]:
 
 
 def _invalid(home: Home) -> set[str]:
-    of_runs = [each for run in run_index.all_runs(home) for each in results.of_run(run, home)]
+    of_runs = [each for run in runs.all_runs(home) for each in results.of_run(run, home)]
     return {each.run for each in of_runs if each.calibration.validity.verdict == "invalid"}
 
 

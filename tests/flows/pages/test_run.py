@@ -9,15 +9,14 @@ from flask.testing import FlaskClient
 from plotly.utils import PlotlyJSONEncoder
 
 from flows.pages.app import make_app
-from flows.pages.page import View
-from flows.pages.run.data import data
-from flows.pages.run.lineage import lineage
-from flows.pages.run.models import RunQuestion, RunShown, SignalsQuestion
+from flows.pages.parts import View
+from flows.pages.run.data import RunQuestion, RunShown, SignalsQuestion, data
+from flows.pages.run.page import lineage
 from flows.pages.shell import page_at
 from flows.pages.signals import data as signals
 from schemas.base import Unusable
 from storage.catalogue import results, runs
-from storage.catalogue.run_index import find
+from storage.catalogue.runs import find
 from storage.home import Home
 from tests.drafts import UNDECIDED, calibration_of, draft, recording_of
 

@@ -7,7 +7,7 @@ from typing import get_args
 
 import pytest
 
-from flows.pages.page import View
+from flows.pages.parts import View, result_state, validity_state, verdict_state
 from flows.pages.runs import (
     RunsQuestion,
     columns,
@@ -16,7 +16,6 @@ from flows.pages.runs import (
     data,
     filter_model,
 )
-from flows.pages.states import result_state, validity_state, verdict_state
 from schemas.base import Unusable
 from schemas.certificate import State
 from schemas.text import RunVerdict

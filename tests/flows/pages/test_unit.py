@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flows.pages.page import View
+from flows.pages.parts import View
 from flows.pages.unit import PAGE
-from flows.pages.unit.data import data
-from flows.pages.unit.models import UnitQuestion, UnitShown
+from flows.pages.unit.data import UnitQuestion, UnitShown, data
 from schemas.base import Unusable
 from storage import dataframes
 from storage.catalogue import certificates, runs

@@ -19,7 +19,7 @@ import pyarrow.parquet as pq
 from schemas.calibration import Calibration
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.register import specification_for
-from tasks.stages import import_checks
+from tasks.stages import import_recording
 
 DEG, G = np.pi / 180.0, 9.8015
 EARTH, LATITUDE = 7.292115e-5, 39.9 * DEG  # rad/s
@@ -320,7 +320,7 @@ def estimated(read: np.ndarray, dt: float, seconds: float) -> np.ndarray:
 
 def calibrated(folder: Path) -> Calibration:
     """By the program, of the recording as it lies on disk."""
-    recording = import_checks.read(folder)
+    recording = import_recording.read(folder)
     specification = specification_for(recording.manifest.standard)
     return calibrate(specification, recording, run="proof", code_version="-")
 

@@ -7,8 +7,7 @@ import numpy as np
 
 from schemas.calibration import Calibration, Method
 from schemas.recording import Manifest, Recording, Stream
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.specifications.register import SPECIFICATIONS
 from tests.proof.coverage.bench import SCENARIOS, record
 

@@ -9,14 +9,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.calibration import Method
-from schemas.equipment import EquipmentLimit, LimitName
+from schemas.laboratory import EquipmentLimit, LimitName
 from schemas.recording import ACCEL, GYRO, Recording, Stream
-from tasks.station.virtual.unit import DEGREE
+from tasks.station.virtual.config import DEGREE
 from tasks.uncertainty.equipment import JJF2003, ErrorLimit
 from tasks.validation import run2003
 from tasks.validation.coverage import RUNS, simulate, truth_by
-from tasks.validation.simulated_calibration import Journey, TableErrors, sensed_rates
-from tasks.validation.simulated_units import SimulatedUnit, draw_simulated_unit, recording_of
+from tasks.validation.simulated_units import (
+    Journey,
+    SimulatedUnit,
+    TableErrors,
+    draw_simulated_unit,
+    recording_of,
+    sensed_rates,
+)
 
 POLLED_S, POLLS_HZ = 2e-3, 10.0  # within which a polled angle's time is known, and how often
 TURNED = {  # body axes in the fixture of a table of one axis: about x, then z, degrees

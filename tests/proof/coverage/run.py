@@ -5,10 +5,8 @@ import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-from schemas.calibration import Method
-from schemas.validation import TARGET_SHARE, Coverage
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
+from schemas.calibration import TARGET_SHARE, Coverage, Method
+from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import Errors, errors_of, interval_of_share, summarise
 from tests.proof.coverage.other_tables import OTHERS

@@ -13,8 +13,7 @@ from pathlib import Path
 
 import psutil
 
-from flows.printing import stdout
-from flows.progress import counting, working
+from flows.terminal import counting, stdout, working
 from tests.proof.factory import works as parts
 from tests.proof.factory.close import closed, read
 from tests.proof.factory.disturbances import PARTS

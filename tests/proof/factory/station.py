@@ -14,10 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from schemas.station import StationFile
-from tasks.station.virtual.config import TableDesign, VirtualStation
+from tasks.station.virtual.config import TableDesign, VirtualStation, draw_unit
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import serve
-from tasks.station.virtual.unit import draw_unit
 from tests.proof.factory.draw import OUT
 
 CAPTURE_MS = 100

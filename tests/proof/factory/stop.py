@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
-from schemas.run_log import RunStatus
+from schemas.recording import RunStatus
 from schemas.station import StationFile
-from tasks.station.virtual.unit import draw_unit
+from tasks.station.virtual.config import draw_unit
 from tests.proof.factory.facts import Order
 from tests.proof.factory.works import Works
 from tests.proof.virtual_runs import comes_to_rest

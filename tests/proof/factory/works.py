@@ -174,7 +174,7 @@ class Works:
             self._part(f"dask worker {number + 1}", (
                 sys.executable, "-m", "distributed.cli.dask_worker", self.scheduler, "--nthreads",
                 1, "--no-nanny", "--no-dashboard", "--death-timeout", 60, "--preload",
-                "tasks.stages.make_again",
+                "tasks.stages.reprocess",
             )) for number in range(DASK_WORKERS)
         ]  # fmt: skip
         for part in parts:

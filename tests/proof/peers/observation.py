@@ -16,8 +16,7 @@ from scipy.optimize import nnls
 from schemas.discrepancy import Dimension
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.explain.evidence.cells import FOLDS, fold_cells
-from tasks.explain.inputs.blocks import Blocks, block_means
-from tasks.explain.inputs.full_rate import full_rate
+from tasks.explain.inputs.blocks import Blocks, block_means, full_rate
 from tasks.model.term import Inputs
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import Motion

@@ -10,7 +10,7 @@ from typing import Any
 import psycopg
 import pytest
 
-from schemas.production import ProductionOrder
+from schemas.orders import ProductionOrder
 from storage.catalogue import orders
 from storage.home import Home
 from tasks.stages.issue import check, issue

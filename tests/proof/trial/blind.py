@@ -18,10 +18,9 @@ from schemas.calibration import Calibration
 from schemas.recording import Recording
 from storage.formats.folder import read_folder
 from tasks.calibrate.calibrate import calibrate
-from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.explain import explain
-from tasks.explain.explanation import Explanation
+from tasks.explain.explanation import CHANNELS, Explanation
 from tasks.specifications.register import specification_for
 from tasks.words import say
 from tests.proof.study import answers

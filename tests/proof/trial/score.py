@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 
-from schemas.decision import Verdict
 from schemas.recording import ACCEL, GYRO
+from schemas.tolerance import Verdict
 from tasks.validation.coverage import interval_of_share
 from tests.proof.plant.case import channel_noise
 from tests.proof.trial.blind import ANSWER, ANSWERS, CERTIFICATE, PREDICTION, UNNAMED

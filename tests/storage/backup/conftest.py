@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from storage.catalogue import results, runs, trail
+from storage.catalogue import audit_trail, results, runs
 from storage.catalogue.database import changing
 from storage.home import Home
 from tests.keep import keep
@@ -26,7 +26,7 @@ def filled() -> Fill:
             results.save(calibrated(run, bias), home)
         keep(certified(recording, calibrated(run, 0.125), "A-1"), home)
         with changing(home) as connection:
-            trail.add(connection, "李", "add user", "赵", role="viewer")
+            audit_trail.add(connection, "李", "add user", "赵", role="viewer")
         home.tolerances.mkdir()
         (home.tolerances / "U.toml").write_text('format = "mimu-tolerance/1"\n')
         (home.path / "orders.key").write_bytes(b"key")

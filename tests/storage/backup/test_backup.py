@@ -12,10 +12,9 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from storage.backup import back_up as backing_up
-from storage.backup.back_up import back_up
-from storage.backup.objects import Objects
+from storage.backup.back_up import Objects, back_up
 from storage.backup.restore import restore
-from storage.catalogue import database, run_index, runs, tables, trail
+from storage.catalogue import audit_trail, database, runs, tables
 from storage.catalogue.dump import lines, snapshot, tables_of
 from storage.home import RESTORING, Home
 from storage.verify import verify
@@ -73,8 +72,8 @@ def test_a_home_comes_back_whole_from_either_database_to_either(
     with database.changing(other) as connection:  # keys go on behind those that came
         unit = {"manufacturer": "M", "model": "U", "serial": "new"}
         connection.execute(sql.insert(tables.units).values(unit))
-        trail.add(connection, "Li", "add user", "Zhao")
-    assert list(trail.faults(other)) == []
+        audit_trail.add(connection, "Li", "add user", "Zhao")
+    assert list(audit_trail.faults(other)) == []
 
 
 def test_a_second_backup_copies_only_what_is_new(fresh: Home, filled: Fill, backups: Path) -> None:
@@ -110,7 +109,7 @@ def test_what_is_written_meanwhile_is_in_the_next_backup_and_never_half_in_this_
     restore(backups, None, other, silent)
     assert rows(other) == before
     assert verify(other)[1] == []
-    assert len(run_index.all_runs(fresh)) == len(run_index.all_runs(other)) + 1
+    assert len(runs.all_runs(fresh)) == len(runs.all_runs(other)) + 1
 
 
 def test_what_is_missing_from_the_home_is_named(fresh: Home, filled: Fill, backups: Path) -> None:
@@ -166,7 +165,7 @@ def test_a_restore_that_was_broken_off_is_no_home_until_it_is_gone_on_with(
 
     with pytest.raises(KeyboardInterrupt):
         restore(backups, None, other, ends)
-    for use in (run_index.all_runs, take_number):
+    for use in (runs.all_runs, take_number):
         with pytest.raises(Unusable, match="mimucal restore"):
             use(other)
     restore(backups, None, other, silent)

@@ -8,14 +8,12 @@ import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from storage.backup import upgrade as upgrading
-from storage.backup.back_up import back_up
-from storage.backup.objects import Objects
-from storage.backup.restore import restore
-from storage.backup.upgrade import back, confirm, is_needed, rehearse, upgrade
-from storage.catalogue import database, dump, run_index
+from storage.backup import restore as upgrading
+from storage.backup.back_up import Objects, back_up
+from storage.backup.restore import back, confirm, is_needed, rehearse, restore, upgrade
+from storage.catalogue import database, dump, runs
 from storage.home import Home
-from storage.station_lock import one_run_on, write_status
+from storage.stations import one_run_on, write_status
 from storage.verify import verify
 from tests import postgres
 from tests.keep import take_number
@@ -58,7 +56,7 @@ def test_reading_and_writing_an_older_catalogue_ask_for_the_upgrade_and_change_n
     earlier: Home,
 ) -> None:
     before = contents(earlier)
-    for use in (run_index.all_runs, take_number, verify):
+    for use in (runs.all_runs, take_number, verify):
         with pytest.raises(Unusable, match="`mimucal upgrade`"):
             use(earlier)
     assert contents(earlier) == before

@@ -11,16 +11,8 @@ from schemas.base import Unusable
 from schemas.certificate import Certificate, Replaced
 from schemas.recording import Recording
 from schemas.text import Remark
-from storage.catalogue import (
-    certificates,
-    database,
-    keep_certificate,
-    results,
-    run_index,
-    runs,
-    tables,
-)
-from storage.catalogue.completion import complete_certificates
+from storage.catalogue import certificates, database, results, runs, tables
+from storage.catalogue.run_states import complete_certificates
 from storage.home import Home
 from tests.drafts import draft
 from tests.keep import keep, take_number
@@ -88,7 +80,7 @@ def test_certificate_comes_back_as_it_went_in(fresh: Home, kept: Keep) -> None:
     (entry,) = certificates.register(fresh)
     assert (fresh.path / entry.pdf).read_bytes() == PDF
     assert (entry.number, entry.verdict, entry.due) == ("A-1", "pass", date(2027, 11, 21))
-    assert entry.result == results.of_run(run_index.find(entry.run, fresh), fresh)[0].id
+    assert entry.result == results.of_run(runs.find(entry.run, fresh), fresh)[0].id
 
 
 def test_a_number_that_is_taken_is_refused_and_its_files_stay(fresh: Home, kept: Keep) -> None:
@@ -119,11 +111,11 @@ def test_versions_of_a_draft_have_files_of_their_own(fresh: Home, kept: Keep) ->
     draft = kept("draft-1", state="draft")
     (one,) = certificates.register(fresh)
     with database.changing(fresh) as connection:
-        keep_certificate.remove(connection, one)
+        certificates.remove(connection, one)
     kept("draft-1", state="draft", budgets=True)
     (other,) = certificates.register(fresh)
     assert not one.files.keys() & other.files.keys()
-    keep_certificate.remove_files([one], [], fresh)
+    certificates.remove_files([one], [], fresh)
     assert not any((fresh.path / name).exists() for name in one.files)
     assert certificates.find("draft-1", fresh) != draft
 
@@ -131,12 +123,12 @@ def test_versions_of_a_draft_have_files_of_their_own(fresh: Home, kept: Keep) ->
 def test_keys_of_drafts_are_free_ones(fresh: Home, kept: Keep) -> None:
     run = runs.add(kept("draft-r1234567", state="draft") and _recording(fresh), fresh)[0].id
     with database.changing(fresh) as connection:
-        assert keep_certificate.free_key(connection, "r1234567abcd") == "draft-r1234567-2"
-        assert keep_certificate.free_key(connection, run) == f"draft-{run[:8]}"
+        assert certificates.free_key(connection, "r1234567abcd") == "draft-r1234567-2"
+        assert certificates.free_key(connection, run) == f"draft-{run[:8]}"
 
 
 def _recording(home: Home) -> Recording:
-    return runs.load(run_index.all_runs(home)[0], home)
+    return runs.load(runs.all_runs(home)[0], home)
 
 
 def test_certificate_points_to_the_result_that_it_prints(fresh: Home) -> None:
@@ -186,7 +178,7 @@ def test_neither_drafts_nor_what_was_amended_or_withdrawn_has_a_due_date(
     assert [line.certificate for line in certificates.due(fresh, ever)] == ["A-1"]
     for state in ("amended", "withdrawn"):
         with database.changing(fresh) as connection:
-            keep_certificate.change_state(connection, "A-1", state)
+            certificates.change_state(connection, "A-1", state)
         assert certificates.due(fresh, ever) == []
 
 

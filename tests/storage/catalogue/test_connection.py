@@ -8,8 +8,7 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from storage.catalogue import database, tables
-from storage.catalogue.connection import engine_of, opened_once, url_of
-from storage.catalogue.database import BUSY_S
+from storage.catalogue.database import BUSY_S, engine_of, opened_once, url_of
 from storage.home import Home
 
 FILE = "catalog.sqlite"

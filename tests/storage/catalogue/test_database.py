@@ -12,9 +12,9 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
-from storage.catalogue import certificates, database, run_index, tables
-from storage.catalogue import connection as connections
-from storage.catalogue.connection import Busy, engine_of, url_of
+from storage.catalogue import certificates, database, runs, tables
+from storage.catalogue import database as connections
+from storage.catalogue.database import Busy, engine_of, url_of
 from storage.home import Home
 from tests.keep import take_number
 from tests.migrated import as_migrated, dump, every_revision
@@ -132,14 +132,14 @@ def test_catalogue_of_a_newer_program_is_refused(either: Home) -> None:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
     engine_of(url_of(either), database.BUSY_S).dispose()  # as in another process
     with pytest.raises(Unusable, match=r"revision 9999.*update mimucal"):
-        run_index.all_runs(either)
+        runs.all_runs(either)
 
 
 def test_catalogue_that_is_no_database_is_one_sentence(fresh: Home) -> None:
     fresh.path.mkdir()
     (fresh.path / "catalog.sqlite").write_text("not a database, but longer than a header " * 9)
     with pytest.raises(Unusable, match=r"catalog\.sqlite cannot be used \(file is not a database"):
-        run_index.all_runs(fresh)
+        runs.all_runs(fresh)
 
 
 @pytest.mark.parametrize("url", ["mysql://lab@host/db", "sqlite://", "nonsense"])
@@ -148,7 +148,7 @@ def test_database_of_another_kind_is_refused(
 ) -> None:
     monkeypatch.setenv("MIMUCAL_DATABASE", url)
     with pytest.raises(Unusable, match=r"MIMUCAL_DATABASE.*postgresql://"):
-        run_index.all_runs(fresh)
+        runs.all_runs(fresh)
 
 
 def test_password_of_the_database_is_not_printed(
@@ -156,7 +156,7 @@ def test_password_of_the_database_is_not_printed(
 ) -> None:
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab:secret@127.0.0.1:1/mimucal")
     with pytest.raises(Unusable, match=r"127\.0\.0\.1") as caught:
-        run_index.all_runs(fresh)
+        runs.all_runs(fresh)
     assert "secret" not in str(caught.value)
 
 

@@ -5,8 +5,8 @@ from datetime import date
 import pytest
 
 from schemas.base import Unusable
-from schemas.equipment import IntermediateCheck, MeasurementStandard
-from storage.catalogue import equipment, trail
+from schemas.laboratory import IntermediateCheck, MeasurementStandard
+from storage.catalogue import audit_trail, equipment
 from storage.home import Home
 
 FIRST, SECOND = date(2025, 3, 1), date(2026, 3, 1)
@@ -77,7 +77,7 @@ def test_what_renews_nothing_is_refused(home: Home, given: MeasurementStandard, 
 
 def test_the_trail_tells_who_changed_the_register(home: Home) -> None:
     equipment.renew([RENEWED], home, "Wang")
-    assert [(each.person, each.action, each.subject) for each in trail.entries(home)] == [
+    assert [(each.person, each.action, each.subject) for each in audit_trail.entries(home)] == [
         ("Li", "add equipment", "T-1"), ("Wang", "renew equipment", "T-1"),
     ]  # fmt: skip
 
@@ -88,5 +88,5 @@ def test_a_check_stands_beside_the_certificate_of_its_day_until_that_is_renewed(
     assert equipment.add_check("T-1", check, home, "Wang").certificate == "C-1"
     assert equipment.on_day(home, date(2025, 6, 1))["T-1"].checks == (check,)
     assert equipment.on_day(home, SECOND)["T-1"].checks == ()
-    *_, last = trail.entries(home)
+    *_, last = audit_trail.entries(home)
     assert (last.person, last.action, last.subject) == ("Wang", "check equipment", "T-1")

@@ -9,9 +9,9 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.certificate import Order
-from schemas.production import ProductionOrder
+from schemas.orders import ProductionOrder
 from schemas.recording import Unit
-from storage.catalogue import orders, runs, trail
+from storage.catalogue import audit_trail, orders, runs
 from storage.home import Home
 from storage.order_lock import only_worker_of
 from tests.storage.small import small
@@ -41,7 +41,7 @@ def test_an_order_is_kept_as_it_was_given_and_twice_the_same_is_one(fresh: Home)
     again = order(person="Zhao", ordered_at=NOW + timedelta(hours=1))
     assert orders.add([again], fresh) == [(order(), False)]
     assert orders.listed(fresh) == [order()]
-    assert [(e.person, e.action, e.subject) for e in trail.entries(fresh)] == [
+    assert [(e.person, e.action, e.subject) for e in audit_trail.entries(fresh)] == [
         ("Li", "order acquire", "1")
     ]
 
@@ -59,7 +59,7 @@ def test_another_content_under_a_number_is_refused_and_nothing_beside_it_is_kept
     with pytest.raises(Unusable, match=f"order 1 is there already .* another {what}: give it"):
         orders.add([order("2"), order(**changes)], fresh)
     assert [each.number for each in orders.listed(fresh)] == ["1"]
-    assert len(trail.entries(fresh)) == 1
+    assert len(audit_trail.entries(fresh)) == 1
 
 
 def test_of_four_processes_that_claim_twenty_orders_each_order_has_one(
@@ -98,7 +98,10 @@ def test_a_cancelled_order_waits_no_more_until_it_is_repeated(fresh: Home) -> No
     assert orders.waiting(fresh, "T2") == []
     assert orders.retry("1", "Zhao", fresh).state == "waiting"
     assert [each.number for each in orders.waiting(fresh, "T1")] == ["1", "2"]
-    assert [entry.action for entry in trail.entries(fresh)][2:] == ["cancel order", "order acquire"]
+    assert [entry.action for entry in audit_trail.entries(fresh)][2:] == [
+        "cancel order",
+        "order acquire",
+    ]
     with pytest.raises(Unusable, match="there is no order '3'"):
         orders.cancel("3", "Zhao", fresh)
 

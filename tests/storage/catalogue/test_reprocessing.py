@@ -2,9 +2,9 @@
 
 import pytest
 
-from storage.catalogue import reprocessing, results, runs
-from storage.catalogue.reprocessing import keep, keep_fault, made_under, to_make
-from storage.catalogue.run_index import Run
+from storage.catalogue import results, runs
+from storage.catalogue.results import keep, keep_fault, made_under, to_make
+from storage.catalogue.runs import Run
 from storage.home import Home
 from tests.storage.small import calibrated, small
 
@@ -63,7 +63,7 @@ def test_result_and_note_are_kept_both_or_neither(
     def power_cut(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(reprocessing, "_note", power_cut)
+    monkeypatch.setattr(results, "_note", power_cut)
     with pytest.raises(KeyboardInterrupt):
         keep(waiting, calibrated(run), "now", 1.0, fresh)
     assert results.of_run(run, fresh) == []

@@ -10,16 +10,7 @@ from schemas.base import Unusable
 from schemas.calibration import AdoptedTerm
 from schemas.orders import Selection
 from storage import dataframes, verify
-from storage.catalogue import (
-    certificates,
-    database,
-    reminders,
-    reprocessing,
-    results,
-    run_index,
-    runs,
-    tables,
-)
+from storage.catalogue import certificates, database, equipment, results, runs, tables
 from storage.catalogue.selection import impact_of, select
 from storage.catalogue.unchanged import version
 from storage.home import Home
@@ -140,14 +131,14 @@ def test_a_commit_gives_the_catalogue_another_version(shared_catalogue: Home) ->
 
 
 def test_looking_makes_no_folder_with_postgresql(shared_catalogue: Home) -> None:
-    assert run_index.all_runs(shared_catalogue) == []
+    assert runs.all_runs(shared_catalogue) == []
     assert not shared_catalogue.path.exists()
 
 
 def test_store_works_the_same_on_postgresql(shared_catalogue: Home) -> None:
     home, recording = shared_catalogue, small()
     run = runs.add(recording, home)[0]
-    assert runs.add(recording, home)[0] == run == run_index.find(run.id[:4], home)
+    assert runs.add(recording, home)[0] == run == runs.find(run.id[:4], home)
     results.save(calibrated(run), home)
     results.save(calibrated(run, 0.5), home)
     assert [result.why for result in results.of_run(run, home)] == [
@@ -172,13 +163,13 @@ def test_a_reminder_asked_for_at_once_on_postgresql_is_sent_by_one(
     keep(certified(recording, calibrated(run), "A-1"), shared_catalogue)
     script = """
 from datetime import UTC, datetime
-from storage.catalogue import reminders
+from storage.catalogue import equipment as reminders
 from tasks.reminders.send import pause
 print(reminders.claim(home, ("A-1", -30, "mail"), datetime(2027, 1, 1, tzinfo=UTC), pause))
 """
     claims = at_once(script, shared_catalogue, processes=4)
     assert sorted(claim.strip() for claim in claims) == ["False", "False", "False", "True"]
-    (kept,) = reminders.all_reminders(shared_catalogue)
+    (kept,) = equipment.all_reminders(shared_catalogue)
     assert (kept.tries, kept.sent_at) == (1, None)
 
 
@@ -194,12 +185,12 @@ def test_history_is_made_again_and_asked_for_as_in_sqlite(shared_catalogue: Home
     before = results.save(calibrated(run, code_version="0.1.0+a"), shared_catalogue)
     chosen = Selection(station="T1", code_version="0.1.0", since=run.imported_at.date())
     assert [each.id for each in select(chosen, shared_catalogue)] == [run.id]
-    (waiting,) = reprocessing.to_make([run], "now", shared_catalogue)
-    reprocessing.keep_fault(waiting, "the bucket was off", "now", 1.0, shared_catalogue)
-    reprocessing.keep(waiting, calibrated(run, 0.5), "now", 1.0, shared_catalogue)
-    (made,) = reprocessing.made_under("now", shared_catalogue)
+    (waiting,) = results.to_make([run], "now", shared_catalogue)
+    results.keep_fault(waiting, "the bucket was off", "now", 1.0, shared_catalogue)
+    results.keep(waiting, calibrated(run, 0.5), "now", 1.0, shared_catalogue)
+    (made,) = results.made_under("now", shared_catalogue)
     assert (made.before, made.fault) == (before, None)
-    assert reprocessing.to_make([run], "now", shared_catalogue) == []
+    assert results.to_make([run], "now", shared_catalogue) == []
     table = dataframes.results(shared_catalogue)
     assert list(table.loc[table["newest"], "value"].dropna()) == [0.5]
     assert len(impact_of(Selection(equipment="T1"), shared_catalogue).results) == 2

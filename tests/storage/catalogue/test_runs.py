@@ -17,12 +17,11 @@ import sqlalchemy as sql
 from schemas.base import Unusable
 from schemas.orders import Selection
 from schemas.recording import Manifest
-from storage.catalogue import database, results, run_index, runs, tables
-from storage.catalogue.completion import complete_runs
+from storage.catalogue import database, results, runs, tables
+from storage.catalogue.run_states import complete_runs
 from storage.catalogue.selection import select
 from storage.formats import recordings
-from storage.formats.columns import write_columns
-from storage.formats.content import digest
+from storage.formats.content import digest, write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.verify import verify
@@ -31,7 +30,7 @@ from tests.storage.small import calibrated, certified, small
 
 STEPS = (
     "storage.formats.mcap.writer.write_mcap",
-    "storage.formats.columns.write_columns",
+    "storage.formats.content.write_columns",
     "storage.catalogue.runs.unit_id",
 )
 
@@ -54,12 +53,12 @@ def test_run_says_what_it_is(fresh: Home) -> None:
     assert (run.recording_id, run.standard, run.rows) == ("small", "other", 300)
     assert run.seconds == pytest.approx(2.99)
     assert before <= run.imported_at <= datetime.now(UTC)
-    assert run_index.all_runs(fresh) == [run]
+    assert runs.all_runs(fresh) == [run]
 
 
 def test_second_import_of_same_content_is_the_same_run(fresh: Home) -> None:
     assert runs.add(small(), fresh)[0] == runs.add(small(), fresh)[0]
-    assert len(run_index.all_runs(fresh)) == 1
+    assert len(runs.all_runs(fresh)) == 1
     assert len(list(fresh.raw.iterdir())) == 1
 
 
@@ -76,7 +75,7 @@ path = Path(arguments[0])
 print(runs.add(recordings.read(path), home, source=path)[0].id)
 """
     text = at_once(script, either, str(tmp_path / "source"), processes=3)
-    (run,) = run_index.all_runs(either)
+    (run,) = runs.all_runs(either)
     assert text == [f"{run.id}\n"] * 3
     assert [path.name for path in either.raw.iterdir()] == [f"{run.digest}.mcap"]
     assert [path.name for path in either.columns.iterdir()] == [run.digest]
@@ -98,7 +97,7 @@ def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
         broken.setattr(step, break_off)
         with pytest.raises(KeyboardInterrupt):
             runs.add(small(), fresh)
-    assert run_index.all_runs(fresh) == []
+    assert runs.all_runs(fresh) == []
     assert not list(fresh.path.rglob(".*"))
     run = runs.add(small(), fresh)[0]
     assert runs.load(run, fresh).digest == run.digest
@@ -127,7 +126,7 @@ runs.add(recordings.read(source), home)
 """
     command = [sys.executable, "-c", script, step, str(fresh.path), str(tmp_path / "source")]
     assert subprocess.run(command, check=False).returncode == -9
-    assert run_index.all_runs(fresh) == []
+    assert runs.all_runs(fresh) == []
     run = runs.add(small(), fresh)[0]
     assert runs.load(run, fresh).digest == run.digest
     assert verify(fresh) == (2, [])
@@ -193,18 +192,18 @@ def test_run_is_found_by_every_name_that_it_has(fresh: Home) -> None:
     run = runs.add(small(name="first"), fresh)[0]
     runs.add(small(start=1.0, name="second"), fresh)
     for reference in (run.id, run.id[:5], run.digest, run.digest[:8], "first"):
-        assert run_index.find(reference, fresh) == run
+        assert runs.find(reference, fresh) == run
 
 
 def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home) -> None:
     one, two = runs.add(small(), fresh)[0], runs.add(small(start=1.0), fresh)[0]
     with pytest.raises(Unusable, match=rf"2 runs \({one.id}, {two.id}\).*mimucal runs"):
-        run_index.find("small", fresh)
+        runs.find("small", fresh)
     with pytest.raises(Unusable, match=r"2 runs"):
-        run_index.find("r", fresh)
+        runs.find("r", fresh)
     for nobody in ("r%", "_", "nobody", ""):
         with pytest.raises(Unusable, match=r"There is no run .*mimucal runs"):
-            run_index.find(nobody, fresh)
+            runs.find(nobody, fresh)
 
 
 def test_source_taken_in_before_is_known_by_its_bytes(fresh: Home, tmp_path: Path) -> None:
@@ -231,7 +230,7 @@ def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
     assert (
         runs.imported_before(folder, fresh)
         == runs.imported_before(file, fresh)
-        == run_index.find(*ids, fresh)
+        == runs.find(*ids, fresh)
     )
 
 
@@ -342,7 +341,7 @@ def test_stations_serials_procedures_and_days_choose(fresh: Home, recorded) -> N
     assert chosen(fresh, procedure="JJF 2003-2022") == [two]
     assert chosen(fresh, until=date(2026, 3, 1)) == [one]
     assert chosen(fresh, since=date(2026, 3, 2), until=date(2026, 3, 2)) == [two]
-    today = run_index.find(three, fresh).imported_at.date()
+    today = runs.find(three, fresh).imported_at.date()
     assert chosen(fresh, since=date(2026, 3, 2)) == [two, three]
     assert chosen(fresh, since=today) == [three]  # by its import: its manifest gives no day
 
@@ -357,7 +356,7 @@ def test_the_moment_of_the_first_row_gives_the_day_where_no_station_did(
 
 
 def test_the_version_of_the_newest_result_chooses(fresh: Home, recorded) -> None:
-    old, new = (run_index.find(recorded(start), fresh) for start in (0.0, 1.0))
+    old, new = (runs.find(recorded(start), fresh) for start in (0.0, 1.0))
     for run in (old, new):
         results.save(calibrated(run, code_version="0.1.0+a"), fresh)
     results.save(calibrated(new, code_version="0.2.0+b"), fresh)
@@ -368,7 +367,7 @@ def test_the_version_of_the_newest_result_chooses(fresh: Home, recorded) -> None
 def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificates(
     fresh: Home, recorded
 ) -> None:
-    run = run_index.find(recorded(0.0, recorded_at="2026-03-01", equipment=[TABLE]), fresh)
+    run = runs.find(recorded(0.0, recorded_at="2026-03-01", equipment=[TABLE]), fresh)
     recording = runs.load(run, fresh)
     party = dict.fromkeys(("name", "name_zh", "address", "address_zh"), "L")
     laboratory = {"party": party, "equipment": [TABLE | {"certificate": "C2"}]}
@@ -381,14 +380,14 @@ def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificate
         connection.execute(sql.delete(tables.equipment))
         unknown = dict.fromkeys(("station", "procedure", "recorded_on"))
         connection.execute(sql.update(tables.runs).values(**unknown))
-    assert run_index.find(run.id, fresh).station is None
+    assert runs.find(run.id, fresh).station is None
     complete_runs(fresh)
-    assert run_index.find(run.id, fresh) == run
+    assert runs.find(run.id, fresh) == run
     assert set(database.rows(fresh, sql.select(tables.equipment))) == set(expected)
 
 
 def test_equipment_that_is_no_record_keeps_no_run_out(fresh: Home, recorded) -> None:
     run = recorded(0.0, equipment=["a table", {"name": "Table"}, 7], recorded_at=17)
-    assert run_index.find(run, fresh).recorded_on is None
+    assert runs.find(run, fresh).recorded_on is None
     (row,) = database.rows(fresh, sql.select(tables.equipment))
     assert (row.name, row.serial) == ("Table", "")

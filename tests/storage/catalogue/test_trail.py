@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import pytest
 import sqlalchemy as sql
 
-from storage.catalogue import database, tables, trail
+from storage.catalogue import audit_trail, database, tables
 from storage.home import Home
 from tests.keep import by_force
 
@@ -19,29 +19,31 @@ def written(fresh: Home) -> Home:
     """A home with a trail of four entries."""
     with database.changing(fresh) as connection:
         for number in range(1, 5):
-            trail.add(connection, "Wang 王", "check", f"A-{number}", at=DAY, reason="ok", n=number)
+            audit_trail.add(
+                connection, "Wang 王", "check", f"A-{number}", at=DAY, reason="ok", n=number
+            )
     return fresh
 
 
 def test_entries_are_numbered_and_each_holds_the_hash_of_the_one_before(written: Home) -> None:
-    entries = trail.entries(written)
+    entries = audit_trail.entries(written)
     assert [entry.number for entry in entries] == [1, 2, 3, 4]
     assert [entry.previous_hash for entry in entries[1:]] == [entry.hash for entry in entries[:-1]]
     assert entries[0].details == '{"n":1,"reason":"ok"}'
     assert (entries[0].at, entries[0].person) == (DAY, "Wang 王")
-    assert list(trail.faults(written)) == []
+    assert list(audit_trail.faults(written)) == []
 
 
 def test_an_entry_is_gone_with_the_transaction_that_fails(written: Home) -> None:
     def fail() -> None:
         with database.changing(written) as connection:
-            trail.add(connection, "Li", "issue", "A-1")
+            audit_trail.add(connection, "Li", "issue", "A-1")
             raise RuntimeError
 
     with pytest.raises(RuntimeError):
         fail()
-    assert len(trail.entries(written)) == 4
-    assert list(trail.faults(written)) == []
+    assert len(audit_trail.entries(written)) == 4
+    assert list(audit_trail.faults(written)) == []
 
 
 @pytest.mark.parametrize(
@@ -49,14 +51,14 @@ def test_an_entry_is_gone_with_the_transaction_that_fails(written: Home) -> None
 )
 def test_the_database_refuses_to_change_an_entry(either: Home, statement) -> None:
     with database.changing(either) as connection:
-        trail.add(connection, "Wang 王", "check", "A-1")
+        audit_trail.add(connection, "Wang 王", "check", "A-1")
     with (
         pytest.raises(sql.exc.DatabaseError, match="append-only"),
         database.changing(either) as connection,
     ):
         connection.execute(statement)
-    assert [entry.person for entry in trail.entries(either)] == ["Wang 王"]
-    assert list(trail.faults(either)) == []
+    assert [entry.person for entry in audit_trail.entries(either)] == ["Wang 王"]
+    assert list(audit_trail.faults(either)) == []
 
 
 @pytest.mark.parametrize(
@@ -74,17 +76,17 @@ def test_a_change_by_somebody_who_may_do_everything_is_found(
     written: Home, statement: sql.Executable, says: str
 ) -> None:
     by_force(written, statement)
-    (fault,) = trail.faults(written)
+    (fault,) = audit_trail.faults(written)
     assert says in fault
     assert "\n" not in fault
 
 
 def test_an_entry_written_anew_with_its_own_hash_breaks_the_chain(written: Home) -> None:
-    second = trail.entries(written)[1].model_dump()
+    second = audit_trail.entries(written)[1].model_dump()
     forged = second | {"person": "Li"}
-    forged["hash"] = trail._hash({k: v for k, v in forged.items() if k != "hash"})
+    forged["hash"] = audit_trail._hash({k: v for k, v in forged.items() if k != "hash"})
     by_force(written, sql.update(TRAIL).where(TRAIL.c.number == 2).values(**forged))
-    (fault,) = trail.faults(written)
+    (fault,) = audit_trail.faults(written)
     assert "entry 3 does not follow" in fault
 
 
@@ -98,5 +100,5 @@ for each in range(10):
         trail.add(connection, "Li", "check", f"A-{each}")
 """
     at_once(script, fresh, processes=3)
-    assert [entry.number for entry in trail.entries(fresh)] == list(range(1, 31))
-    assert list(trail.faults(fresh)) == []
+    assert [entry.number for entry in audit_trail.entries(fresh)] == list(range(1, 31))
+    assert list(audit_trail.faults(fresh)) == []

@@ -3,7 +3,7 @@
 import sqlalchemy as sql
 
 from storage.catalogue import database, unchanged
-from storage.catalogue.connection import engine_of, url_of
+from storage.catalogue.database import engine_of, url_of
 from storage.catalogue.unchanged import version, while_unchanged
 from storage.catalogue.users import add, users
 from storage.home import Home

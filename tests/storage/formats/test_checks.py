@@ -5,7 +5,7 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import ANGLE, Stream
-from storage.formats.checks import check_columns, check_stream
+from storage.formats.manifest import check_columns, check_stream
 from tests.manifests import manifest_of
 
 MANIFEST = manifest_of("r")

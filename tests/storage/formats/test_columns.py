@@ -8,8 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from schemas.base import Unusable
-from storage.formats.columns import read_columns, write_columns
-from storage.formats.content import digest
+from storage.formats.content import digest, read_columns, write_columns
 from storage.formats.folder import read_folder
 from tests.shared import shared_path
 

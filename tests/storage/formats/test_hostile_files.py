@@ -16,8 +16,8 @@ from mcap.opcode import Opcode
 from schemas.base import Unusable
 from schemas.tolerance import Tolerance
 from storage import settings
-from storage.formats import recordings, stream_file
-from storage.formats.mcap.chunk_writer import MAGIC, RECORD
+from storage.formats import folder, recordings
+from storage.formats.mcap.chunks import MAGIC, RECORD
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import write_mcap
 from storage.whole_files import MAX_TEXT_BYTES
@@ -184,7 +184,7 @@ def test_parquet_whose_few_bytes_hold_more_than_the_memory_is_refused_unread(
     still = np.zeros(1_000_000)
     pq.write_table(pa.table({"t": still, "gyro_x": still}), path)
     assert path.stat().st_size < 100_000
-    monkeypatch.setattr(stream_file, "memory_bytes", lambda: 20_000_000)
+    monkeypatch.setattr(folder, "memory_bytes", lambda: 20_000_000)
     assert "needs 0.0 GB of memory and the computer has 0.0 GB: split the recording" in refusal(
         folder_with(tmp_path, "imu.parquet")
     )

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import pytest
 
 from schemas.calibration import Calibration
-from schemas.equipment import EquipmentLimit, ResultAxes
+from schemas.laboratory import EquipmentLimit, ResultAxes
 from schemas.recording import Recording
-from tasks.calibrate.evaluation import EXAMPLE, evaluation_for
+from tasks.calibrate.calibrate import EXAMPLE, evaluation_for
 from tasks.specifications.jjf2003 import JJF2003
 from tests.own_limits import as_table_1
 from tests.tasks.items_only import items_only

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tasks.calibrate.evaluation import common_factor, expanded
+from tasks.calibrate.calibrate import common_factor, expanded
 from tasks.uncertainty.budget import combine, observed
 
 

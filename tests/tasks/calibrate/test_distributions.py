@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from schemas.calibration import Calibration
-from schemas.equipment import ErrorBound
-from schemas.uncertainty import Budget
-from tasks.calibrate.evaluation import evaluation_for, monte_carlo_budget
-from tasks.specifications.estimate import Estimate
-from tasks.specifications.items import ITEMS
+from schemas.calibration import Budget, Calibration
+from schemas.laboratory import ErrorBound
+from tasks.calibrate.calibrate import evaluation_for, monte_carlo_budget
+from tasks.specifications.estimate import ITEMS, Estimate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine, observed

@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration, Item
-from schemas.equipment import EquipmentLimit
+from schemas.calibration import Budget, Calibration, Item
+from schemas.laboratory import EquipmentLimit
 from schemas.recording import Recording
-from schemas.uncertainty import Budget
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import evaluation_for
 from tasks.motion.table import EARTH_RATE
-from tasks.segments.commanded_rate import rate_by_command
+from tasks.segments.rates import rate_by_command
 from tasks.specifications.register import specification_for
-from tasks.uncertainty.examples import acquisition
+from tasks.uncertainty.monte_carlo import acquisition
 from tests.tasks.items_only import items_only
 
 EXAMPLE = "as the specification's example"

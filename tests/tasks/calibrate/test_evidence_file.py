@@ -11,13 +11,10 @@ from typing import Any
 import pytest
 
 from schemas.base import Unusable
-from schemas.calibration import AdoptedTerm, Calibration
-from schemas.decision import Decision
-from schemas.evidence import EvidenceFile
+from schemas.calibration import AdoptedTerm, Calibration, EvidenceFile
 from schemas.recording import Recording
-from schemas.tolerance import Limit, Tolerance
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
+from schemas.tolerance import Decision, Limit, Tolerance
+from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.calibrate.evidence_file import evidence_file
 from tasks.conformity import decide
 from tasks.specifications.register import specification_for

@@ -12,16 +12,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from schemas.equipment import LimitShape
+from schemas.laboratory import LimitShape
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import without_information
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import evaluation_for, without_information
+from tasks.specifications.estimate import Specification
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf1536.evidence import AhrsEvidence
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
-from tasks.specifications.specification import Specification
 from tasks.validation.coverage import simulate
 from tests.own_limits import ARCSECOND, as_table_1
 

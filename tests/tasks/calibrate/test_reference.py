@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
 from schemas.recording import GYRO, Recording, Stream
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import evaluation_for
 from tasks.calibrate.reference import as_certified
+from tasks.specifications.estimate import Specification
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
-from tasks.specifications.specification import Specification
 from tasks.uncertainty.equipment import stated_limits
 from tasks.validation import run2003
 from tasks.validation.coverage import simulate

@@ -9,18 +9,18 @@ from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.results import sections
 from tasks.conformity import decide
-from tasks.segments.conditions import Conditions
+from tasks.segments.find import Conditions
 from tasks.specifications.estimate import (
     DEG,
     ClauseResult,
+    ItemDefinition,
     ItemEstimate,
+    Section,
+    Specification,
     linear_estimate,
     scaled,
 )
-from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.gather import gather
-from tasks.specifications.items import ItemDefinition
-from tasks.specifications.specification import Section, Specification
+from tasks.specifications.evidence import ClauseEvidence, gather
 from tasks.uncertainty.equipment import UNKNOWN, Equipment
 from tasks.words import say
 

@@ -8,15 +8,14 @@ import numpy as np
 
 from schemas.calibration import Calibration, EnvironmentSeen, Item
 from schemas.certificate import AsFound, Certificate, Laboratory, Order, Party
-from schemas.decision import Decision
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
 from schemas.recording import Manifest, Station, Unit
 from schemas.text import Remark
-from schemas.tolerance import Limit, Tolerance
+from schemas.tolerance import Decision, Limit, Tolerance
 from tasks.certificate.content import Content, in_languages
 from tasks.certificate.content import content as content_of
 from tasks.conformity import decide
-from tasks.specifications.items import BY_INPUT_AXIS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS
+from tasks.specifications.estimate import BY_INPUT_AXIS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS
 from tasks.uncertainty.budget import combine, observed
 from tasks.uncertainty.equipment import JJF2003
 from tests.tasks.uncertainty import closed_formulas

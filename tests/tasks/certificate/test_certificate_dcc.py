@@ -19,8 +19,7 @@ from lxml import etree
 from schemas.certificate import Certificate, Contact, Replaced
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
-from tasks.certificate.documents import Faces, faces_of
-from tasks.certificate.pdf import render
+from tasks.certificate.pdf import Faces, faces_of, render
 from tasks.conformity import decide
 from tasks.curves import curves_of_run
 from tasks.specifications.jjf1536 import JJF1536

@@ -12,7 +12,7 @@ from dcc_json_toolkit import cache
 from dcclib.conversion import JSONConverter
 from lxml import etree
 
-from schemas.equipment import ErrorBound
+from schemas.laboratory import ErrorBound
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.dcc import dcc_of

@@ -20,10 +20,10 @@ import zxingcpp
 from pyhanko.sign.timestamps import DummyTimeStamper
 
 from schemas.base import Unusable
-from schemas.signature import SigningSettings, Token
-from tasks.certificate.documents import Faces, faces_of
+from schemas.certificate import SigningSettings, Token
+from tasks.certificate.pdf import Faces, faces_of
 from tasks.certificate.sign import Signing, signing_of
-from tasks.certificate.verify_file import VerifiedFile, verify_file
+from tasks.certificate.verify import VerifiedFile, verify_file
 from tests.tasks.certificate.sample_certificate import certificate
 from tests.tasks.certificate.signing_keys import NOW, PASSPHRASE, Keys, keys
 
@@ -189,7 +189,7 @@ def test_results_of_the_dcc_that_are_not_those_of_its_record_are_found_under_a_g
     tmp_path: Path,
 ) -> None:
     from tasks.certificate.dcc import dcc_of
-    from tasks.certificate.sign_xml import sign_xml
+    from tasks.certificate.sign import sign_xml
 
     changed = dcc_of(certificate()).replace(b">0.01187<", b">0.01188<")
     (tmp_path / "c.xml").write_bytes(sign_xml(changed, opened(keys(elliptic=True), tmp_path)))

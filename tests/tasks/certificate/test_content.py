@@ -9,23 +9,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from schemas.calibration import Calibration, EnvironmentSeen, Information, Item, Method
+from schemas.calibration import (
+    Calibration,
+    Distribution,
+    EnvironmentSeen,
+    Information,
+    Item,
+    Method,
+)
 from schemas.certificate import State
-from schemas.decision import Verdict
-from schemas.equipment import EquipmentLimit, LimitName, ResultAxes
+from schemas.laboratory import EquipmentLimit, LimitName, ResultAxes
 from schemas.recording import Recording
-from schemas.tolerance import Limit, Quantity, Tolerance
-from schemas.uncertainty import Distribution
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
-from tasks.calibrate.information.earth import WITHOUT_EARTH, separated
+from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
+from tasks.calibrate.calibrate import calibrate, evaluation_for
+from tasks.calibrate.information.entry import WITHOUT_EARTH, separated
 from tasks.certificate.budgets import budgets
-from tasks.certificate.equipment import axes_of_results, flatness, limits_of, whose_limits
+from tasks.certificate.equipment import axes_of_results, flatness, limits_of, settings, whose_limits
 from tasks.certificate.fields import literal, slug
 from tasks.certificate.information import contained, information_rows
 from tasks.certificate.pdf import render
 from tasks.certificate.results import Group
-from tasks.certificate.settings import settings
 from tasks.conformity import decide
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT

@@ -9,18 +9,17 @@ from lxml import etree
 from pydantic import ValidationError
 
 from schemas.calibration import AdoptedTerm, Calibration, SegmentUsed
-from schemas.capability import Capability
 from schemas.certificate import Certificate, Contact, Replaced
-from schemas.configuration import Configuration
 from schemas.discrepancy import FoundParameter
 from schemas.recording import Kind, Manifest, Mount, Segment
+from schemas.station import Configuration
 from schemas.text import Remark
-from schemas.tolerance import Limit
+from schemas.tolerance import Capability, Limit
 from tasks.certificate.content import Content
 from tasks.certificate.dcc import dcc_of
-from tasks.certificate.documents import faces_of, record_of
+from tasks.certificate.pdf import faces_of, record_of
 from tasks.conformity import as_stated, decide
-from tasks.specifications.items import ITEMS, item_title
+from tasks.specifications.estimate import ITEMS, item_title
 from tasks.words import Message, say
 from tests.tasks.certificate.sample_certificate import (
     AXES,

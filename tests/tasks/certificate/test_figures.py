@@ -11,12 +11,10 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
-from schemas.curve import Curve
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
+from schemas.recording import Curve
+from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.certificate.budgets import Figure, budgets, figure
-from tasks.certificate.figure_panels import _power
-from tasks.certificate.figures import drawn
+from tasks.certificate.figures import _power, drawn
 from tasks.certificate.pdf import render
 from tasks.curves import history
 from tasks.specifications.jjf2003 import JJF2003

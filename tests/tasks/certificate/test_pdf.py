@@ -14,15 +14,13 @@ import pypdfium2
 import pytest
 from pydantic import ValidationError
 
-from schemas.appearance import Appearance
 from schemas.base import Unusable
 from schemas.certificate import Certificate, Party
-from schemas.equipment import MeasurementStandard
-from schemas.text import Remark
+from schemas.laboratory import MeasurementStandard
+from schemas.text import Appearance, Remark
 from schemas.tolerance import Limit
-from tasks.certificate.documents import faces_of
-from tasks.certificate.pdf import render
-from tasks.certificate.verify_file import verify_file
+from tasks.certificate.pdf import faces_of, render
+from tasks.certificate.verify import verify_file
 from tasks.conformity import decide
 from tests import pseudo_language
 from tests.tasks.certificate.sample_certificate import (

@@ -8,7 +8,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.recording import ACCEL, AXES, GYRO, Recording
 from tasks.coefficients.correct import coefficients, correct
-from tasks.coefficients.tables import document
+from tasks.coefficients.exports import document
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.items_only import items_only
 

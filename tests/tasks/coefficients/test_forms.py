@@ -11,13 +11,11 @@ import pytest
 import yaml
 
 from schemas.base import Unusable
-from schemas.correction import Coefficient, Correction
+from schemas.calibration import Coefficient, Correction
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.coefficients.correct import coefficients, correct
-from tasks.coefficients.kalibr import as_kalibr
-from tasks.coefficients.tables import as_c, as_csv, as_ros, as_yaml, document
+from tasks.coefficients.exports import as_c, as_csv, as_kalibr, as_ros, as_yaml, document
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.coefficients import kalibr_reader, ros_reader
 from tests.tasks.items_only import items_only

@@ -8,10 +8,14 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import without_information
-from tasks.calibrate.evaluation import evaluation_for
-from tasks.coefficients.correct import Coefficients, coefficients, correct
-from tasks.coefficients.uncertainty import ReadingUncertainty, reading_uncertainty
+from tasks.calibrate.calibrate import evaluation_for, without_information
+from tasks.coefficients.correct import (
+    Coefficients,
+    ReadingUncertainty,
+    coefficients,
+    correct,
+    reading_uncertainty,
+)
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
 from tasks.validation.coverage import simulate

@@ -3,8 +3,7 @@
 from typing import Any
 
 from schemas.calibration import Calibration, Item
-from schemas.decision import Decision
-from schemas.tolerance import Limit, Tolerance
+from schemas.tolerance import Decision, Limit, Tolerance
 from tasks.conformity import decide
 
 BIAS = {"x": 0.01, "y": -0.02, "z": 0.03}

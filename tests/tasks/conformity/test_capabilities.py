@@ -9,9 +9,9 @@ from pydantic import ValidationError
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, SegmentUsed
-from schemas.capability import Capability
 from schemas.certificate import Laboratory, Party
-from schemas.equipment import EquipmentLimit, ErrorBound, LimitName, MeasurementStandard
+from schemas.laboratory import EquipmentLimit, ErrorBound, LimitName, MeasurementStandard
+from schemas.tolerance import Capability
 from tasks.conformity import (
     as_stated,
     check_capabilities,
@@ -26,7 +26,7 @@ from tasks.uncertainty.equipment import (
     Equipment,
     with_limits,
 )
-from tasks.uncertainty.examples import combine_as_example
+from tasks.uncertainty.monte_carlo import combine_as_example
 from tasks.words import say
 from tests.own_limits import SOURCE, as_table_1
 from tests.tasks.conformity.sample_results import BIAS, bias_limit, calibration, item, tolerance

@@ -13,25 +13,22 @@ from scipy import stats
 from scipy.special import ndtr
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration, SegmentUsed
+from schemas.calibration import Budget, Calibration, SegmentUsed
 from schemas.certificate import ConditionName
-from schemas.configuration import Configuration, configuration_of
-from schemas.decision import Decision
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
 from schemas.recording import AXES, Unit
+from schemas.station import Configuration, configuration_of
 from schemas.text import Remark, Statement
-from schemas.tolerance import Limit, ProductionPrior, Tolerance
-from schemas.uncertainty import Budget
-from tasks.conformity import Doubt, decide, deviations, expired
-from tasks.conformity.limits import accepted_edges, accepted_text
-from tasks.conformity.reasons import conditional
-from tasks.conformity.rules import (
+from schemas.tolerance import Decision, Limit, ProductionPrior, Tolerance
+from tasks.conformity import Doubt, decide, expired
+from tasks.conformity.decide import (
     Criterion,
     criterion,
     global_risks,
     probability_of_conformity,
     probability_of_nonconformity,
 )
+from tasks.conformity.limits import accepted_edges, accepted_text, conditional
 from tasks.words import say, statement
 from tests.tasks.conformity.sample_results import (
     BIAS,
@@ -602,7 +599,7 @@ def turned(to: float, axes: tuple[str, ...] = AXES, **more: Any) -> Calibration:
 
 
 def names(result: Calibration, largest: float | None) -> list[str]:
-    return [each.name for each in deviations(result, Configuration(rate_range_deg_s=largest))]
+    return [each.name for each in decide(result, Configuration(rate_range_deg_s=largest))]
 
 
 def test_the_largest_rate_of_the_units_range_has_to_be_included_about_every_axis() -> None:
@@ -630,7 +627,7 @@ def test_air_that_was_not_recorded_is_a_condition_that_was_not_checked() -> None
 
 @pytest.mark.parametrize("waived", [(), WAIVED])
 def test_what_the_order_waives_is_still_told(waived: tuple[ConditionName, ...]) -> None:
-    (each,) = deviations(turned(300.0), Configuration(rate_range_deg_s=500.0), waived)
+    (each,) = decide(turned(300.0), Configuration(rate_range_deg_s=500.0), waived)
     assert each.waived == bool(waived)
     assert each.printed.id == f"conformity-deviation.{'waived' if waived else 'open'}"
 

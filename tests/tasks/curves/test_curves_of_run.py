@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from schemas.calibration import AdoptedTerm, Calibration
-from schemas.curve import MAX_POINTS, Curve
-from schemas.recording import Recording
+from schemas.recording import MAX_POINTS, Curve, Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.curves import curves_of_run, thinned
 from tasks.specifications.jjf2003 import JJF2003

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.limits import ChamberLimits
+from schemas.laboratory import ChamberLimits
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Mount, Station, TableAxis
-from tasks.experiment.abilities import Abilities
-from tasks.experiment.blocks import attitudes, blocks_of, room_of, upward
+from tasks.experiment.blocks import Abilities, attitudes, blocks_of, room_of, upward
 
 VERTICAL, EAST = TableAxis(name="a", direction=(0, 0, 1)), TableAxis(name="b", direction=(1, 0, 0))
 LEVEL, INNER = Mount(), TableAxis(name="c", direction=(0, 0, 1))

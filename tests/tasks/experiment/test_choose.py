@@ -6,10 +6,8 @@ from functools import cache
 import pytest
 
 from schemas.recording import Recording
-from tasks.experiment.abilities import Abilities
-from tasks.experiment.blocks import blocks_of, steps_of
-from tasks.experiment.choose import NOTHING, Choice, Experiment
-from tasks.experiment.open_question import open_question
+from tasks.experiment.blocks import Abilities, blocks_of, steps_of
+from tasks.experiment.choose import NOTHING, Choice, Experiment, open_question
 from tasks.experiment.separation import UnitNoise, enough, probability_right
 from tests.proof.plant.case import Case
 from tests.proof.plant.simulate import simulate

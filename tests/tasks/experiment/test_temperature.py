@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from schemas.limits import ChamberLimits
+from schemas.laboratory import ChamberLimits
 from schemas.recording import Recording, Stream
-from tasks.experiment.temperature import USUAL_LAG, ThermalResponse
+from tasks.experiment.track import USUAL_LAG, ThermalResponse
 from tests.tasks.experiment.test_track import MANIFEST
 
 FAST = ChamberLimits(temperature_degc=(0.0, 50.0), rate_k_min=6000.0)

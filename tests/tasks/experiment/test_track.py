@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from schemas.limits import ChamberLimits
+from schemas.laboratory import ChamberLimits
 from schemas.procedure import EnvironmentLimits, Position, Procedure, RateRun, Refix, Turns
 from schemas.recording import Mount
-from tasks.experiment.temperature import ThermalResponse
-from tasks.experiment.track import planned_recording
+from tasks.experiment.track import ThermalResponse, planned_recording
 from tests.manifests import THREE_AXES, manifest_of
 
 HZ = 500.0

@@ -8,12 +8,12 @@ from scipy.fft import dct
 
 from schemas.recording import Segment
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.noise import Noise
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import BandedDesign, NormalEquations
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
-from tasks.explain.whitening import Noise
-from tasks.model.simulate import predict
+from tasks.model.model import predict
 from tasks.model.term import Column, Term, nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS, regressors
 from tasks.motion.whole import Motion

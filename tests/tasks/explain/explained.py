@@ -7,8 +7,7 @@ import numpy as np
 from schemas.discrepancy import FoundParameter, HeldOut
 from schemas.recording import Recording
 from schemas.text import Statement
-from tasks.explain.channels import CHANNELS
-from tasks.explain.explanation import Explanation, Finding
+from tasks.explain.explanation import CHANNELS, Explanation, Finding
 
 
 def nothing_added(recording: Recording) -> np.ndarray:

@@ -5,7 +5,7 @@ import pytest
 from labelled_rests import SIGMA, labelled_rests, one_over_f, recording_of
 
 from tasks.explain.explain import explain
-from tasks.explain.residual_noise import flicker_over_gaps
+from tasks.explain.noise import flicker_over_gaps
 
 
 @pytest.mark.rehearsal

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from engine_run import RATE, flicker, motion, observed
 
-from tasks.explain.residual_noise import ChannelResidual, triad_noises
-from tasks.explain.whitening import (
+from tasks.explain.noise import (
     Bands,
+    ChannelResidual,
     Noise,
     bands_of,
     in_band,
     padded_length,
     transformed,
+    triad_noises,
     weighted,
 )
 

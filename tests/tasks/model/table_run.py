@@ -111,7 +111,7 @@ def recording(latitude: float | None = 40.0) -> Recording:
 
 def read(terms: tuple, values: np.ndarray | list[float], run: Motion | None = None) -> np.ndarray:
     """Readings (n, 6) of an otherwise ideal unit with some terms."""
-    from tasks.model.simulate import predict
+    from tasks.model.model import predict
     from tasks.model.term import nominal_values
     from tasks.model.terms.standard import STANDARD_TERMS
 

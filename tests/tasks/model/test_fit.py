@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from schemas.base import Unusable
 from tasks.model.fit import MAX_FIT_ROWS, fit, plain_prediction
+from tasks.model.model import predict
 from tasks.model.noise import RowNoise
-from tasks.model.simulate import predict
 from tasks.model.term import Inputs, Parameter, Term, nominal_values, parameters_of
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation

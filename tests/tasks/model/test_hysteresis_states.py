@@ -3,14 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.model.hysteresis_states import (
-    faded,
-    last_peak,
-    last_sign,
-    late_sign,
-    relaxed,
-    stopped,
-)
+from tasks.model.terms.hysteresis import faded, last_peak, last_sign, late_sign, relaxed, stopped
 
 STEP = 0.01
 T = np.arange(2000) * STEP

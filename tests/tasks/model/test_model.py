@@ -9,9 +9,16 @@ import pytest
 
 from tasks.model import terms
 from tasks.model.catalogue import catalogue
-from tasks.model.effect import EVENTS, Effect, effect_name, next_step
-from tasks.model.simulate import linearise, predict
-from tasks.model.term import Term, nominal_values, parameters_of
+from tasks.model.model import linearise, predict
+from tasks.model.term import (
+    EVENTS,
+    Effect,
+    Term,
+    effect_name,
+    next_step,
+    nominal_values,
+    parameters_of,
+)
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import STANDARD_TERMS
@@ -128,7 +135,7 @@ def test_a_term_with_an_unknown_or_another_unit_is_not_in_the_catalogue(
     unit: str, si: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "swell.py").write_text(
-        "from tasks.model.parameters import single\n"
+        "from tasks.model.term import single\n"
         f"SWELL = single('height', 'h', ({unit!r}, {si!r}, 1.0))\n"
         "def candidates(recording, motion):\n"
         "    return ()\n",

@@ -5,11 +5,17 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from schemas.recording import ANGLE, GYRO, Recording, Stream
-from tasks.explain.channels import CHANNELS
-from tasks.motion.angle_rates import as_mean_rates
-from tasks.motion.encoder_rate import EncoderRate, Rest, encoder_rate, rests
-from tasks.motion.smooth import smooth_course, smooth_derivatives
-from tasks.motion.smoothing_error import lost_acceleration
+from tasks.explain.explanation import CHANNELS
+from tasks.motion.encoders import (
+    EncoderRate,
+    Rest,
+    as_mean_rates,
+    encoder_rate,
+    lost_acceleration,
+    rests,
+    smooth_course,
+    smooth_derivatives,
+)
 from tests.manifests import manifest_of
 from tests.on_shaft import shaft_manifest
 

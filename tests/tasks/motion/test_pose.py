@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Stream
-from tasks.motion.band import band_edge, seen_by_gyros
-from tasks.motion.pose import motion_smoothed_twice, tracked_motion
+from tasks.motion.pose import band_edge, motion_smoothed_twice, seen_by_gyros, tracked_motion
 from tasks.motion.whole import whole_motion
 from tests.moved_by_hand import GRAVITY, RATE, SECONDS, by_hand, poses, readings, recording
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Recording, Stream
-from tasks.motion.band import derivatives
-from tasks.motion.pose import derivative_gain
+from tasks.motion.pose import derivative_gain, derivatives
 from tasks.motion.reference_noise import reference_noise
 from tasks.motion.whole import whole_motion
 from tests.moved_by_hand import poses, recording

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.motion.lag import first_order_lag
-from tasks.motion.samples import bridged, covered, in_blocks
+from tasks.motion.samples import bridged, covered, first_order_lag, in_blocks
 
 
 def test_lost_samples_and_slow_streams_are_no_gaps() -> None:

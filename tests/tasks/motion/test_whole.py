@@ -9,12 +9,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import Recording, Stream
-from tasks.motion.polled import agreeing_rate
 from tasks.motion.reference_noise import reference_noise
-from tasks.motion.reported_rate import is_rate_of
 from tasks.motion.samples import continuous
 from tasks.motion.table import mean_rate
-from tasks.motion.whole import north_at_rest, whole_motion
+from tasks.motion.whole import agreeing_rate, is_rate_of, north_at_rest, whole_motion
 from tests.manifests import manifest_of
 
 T = np.arange(0.0, 8.0, 0.01)

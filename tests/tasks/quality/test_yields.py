@@ -7,8 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tasks.quality.capability import consumed
-from tasks.quality.stations import against_each_other
-from tasks.quality.yields import FEWEST_IN_POINT, RETEST_DAYS, first_runs, pooled, wilson, yields
+from tasks.quality.yields import (
+    FEWEST_IN_POINT,
+    RETEST_DAYS,
+    against_each_other,
+    first_runs,
+    pooled,
+    wilson,
+    yields,
+)
 
 # R. G. Newcombe, Statistics in Medicine 17 (1998) 857, table I, method 3
 NEWCOMBE = {

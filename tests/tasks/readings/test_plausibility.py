@@ -10,14 +10,12 @@ from schemas.recording import Recording
 from schemas.text import Remark
 from storage.formats import recordings
 from storage.formats.convert import Changes, axis_map, changed, pairs
-from tasks.motion.angle_rates import as_mean_rates
+from tasks.motion.encoders import as_mean_rates
+from tasks.readings.axes import matrix_of_directions
 from tasks.readings.codes import codes_put_right
-from tasks.readings.implausible import KINDS
-from tasks.readings.plausibility import on_sight
-from tasks.readings.segment_means import matrix_of_directions
-from tasks.readings.wrong_axes import wrong_axes
+from tasks.readings.plausibility import KINDS, on_sight, wrong_axes
 from tasks.segments.find import segments_of
-from tasks.stages.import_checks import label_doubts
+from tasks.stages.import_recording import label_doubts
 from tasks.words import argument, say
 from tests.shared import shared_path
 from tests.tasks.readings.makers import mistakes

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from logged import Unit, numbered, procedure, read, recorded, swinging
 
-from tasks.explain.events.lost_samples import find_lost_samples
-from tasks.explain.inputs.full_rate import full_rate
+from tasks.explain.events.stamps import find_lost_samples
+from tasks.explain.inputs.blocks import full_rate
 
 CASES = [
     (100.0, False, ((70.0, 7), (190.0, 7))),

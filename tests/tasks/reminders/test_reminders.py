@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from schemas.recall import RecallFile, SilentHours
+from schemas.store import RecallFile, SilentHours
 from tasks.reminders import due_date
 from tasks.reminders.reliability import TARGET, Interval, advise, failure_rates
 from tasks.reminders.send import is_silent, occasion, pause

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.review import Layout, PooledParameter, PooledTerm, RunStatistics
-from tasks.review.pool import Pool, ReviewedRun, pooled
-from tasks.review.run_statistics import STEP
+from tasks.review.pool import STEP, Pool, ReviewedRun, pooled
 
 NAMES = ("axis_tilt", "lever_arm", "size_effect", "gyro_g2_sensitivity", "table_scale")
 SIZES = (2, 3, 3, 3, 1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.review.window_sums import inverses, quadratic_forms
+from tasks.review.windows import inverses, quadratic_forms
 
 
 def _matrices(size: int) -> np.ndarray:

@@ -7,15 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.explain.odds import CERTAIN
-from tasks.review.carriers import Carried, carried, chance, scored
-from tasks.review.comparison import explains, gain_beside, likeliest, usual
-from tasks.review.evidence import Evidence, at_unit_information
-from tasks.review.hypotheses import Effect
+from tasks.explain.explanation import CERTAIN
+from tasks.review.carriers import (
+    Carried,
+    carried,
+    chance,
+    explains,
+    gain_beside,
+    is_of_a_spread,
+    likeliest,
+    other_names,
+    scored,
+    usual,
+)
+from tasks.review.hypotheses import Effect, Evidence, at_unit_information
 from tasks.review.pool import Pool, ReviewedRun, pooled
-from tasks.review.random_effects import BETWEEN_UNITS, IN_EVERY_RUN, spreads
-from tasks.review.rivals import is_of_a_spread, other_names
-from tasks.review.screening import Worth
+from tasks.review.random_effects import BETWEEN_UNITS, IN_EVERY_RUN, Worth, spreads
 from tasks.review.windows import Window, rows_of
 from tests.tasks.review.fleet import NOTHING, ROWS, SIZES, fleet, of, place, statistics
 

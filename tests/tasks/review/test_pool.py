@@ -10,9 +10,8 @@ from schemas.recording import Recording
 from schemas.review import Review, RunStatistics
 from storage import run_statistics as kept
 from storage.home import Home
-from tasks.review.pool import Pool, ReviewedRun, pooled
+from tasks.review.pool import VERSION, Pool, ReviewedRun, pooled, statistics_of
 from tasks.review.report import review_of
-from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.review.search import search
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
@@ -84,12 +83,12 @@ def test_damaged_statistics_and_those_of_another_version_are_as_good_as_none(
     two: tuple[RunStatistics, RunStatistics], tmp_path: Path
 ) -> None:
     home = Home(tmp_path)
-    kept.keep("d" * 64, VERSION, two[0], home)
+    kept.keep_statistics("d" * 64, VERSION, two[0], home)
     assert kept.load("d" * 64, VERSION + 1, home) is None
     path = home.path / kept.name_of("d" * 64)
     path.write_bytes(path.read_bytes()[:1000])
     assert kept.load("d" * 64, VERSION, home) is None
-    kept.keep("d" * 64, VERSION, two[0], home)
+    kept.keep_statistics("d" * 64, VERSION, two[0], home)
     assert kept.load("d" * 64, VERSION, home) is not None
 
 

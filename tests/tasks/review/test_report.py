@@ -8,10 +8,9 @@ from schemas.recording import Manifest
 from schemas.review import Review
 from tasks.calibrate.calibrate import calibrate
 from tasks.motion.table import EARTH_RATE
-from tasks.review.consequences import moved_elements, touched_of, with_touched
 from tasks.review.hypotheses import Effect
-from tasks.review.report import estimated, review_of
-from tasks.review.run_statistics import statistics_of
+from tasks.review.pool import statistics_of
+from tasks.review.report import estimated, moved_elements, review_of, touched_of, with_touched
 from tasks.review.search import search
 from tasks.review.several_recordings import reviewed_runs
 from tasks.specifications.register import specification_for

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 from schemas.review import PooledTerm
-from tasks.review.carriers import Carried
-from tasks.review.evidence import Evidence, at_unit_information
-from tasks.review.hypotheses import Effect
+from tasks.review.carriers import Carried, price_of_more
+from tasks.review.hypotheses import Effect, Evidence, at_unit_information
 from tasks.review.random_effects import spreads
-from tasks.review.rivals import price_of_more
 from tasks.review.search import Found, search
 from tasks.review.windows import Window
 from tests.tasks.review.fleet import NOTHING, SIZES, fleet, of, place

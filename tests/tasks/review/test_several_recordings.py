@@ -9,10 +9,13 @@ import pytest
 from schemas.discrepancy import Detection, Discrepancy, EvidenceFor, HeldOut, ReportedFinding
 from schemas.review import RunStatistics
 from schemas.text import Statement
-from tasks.review.pool import Pool, ReviewedRun, pooled
-from tasks.review.run_statistics import statistics_of
-from tasks.review.several_recordings import FoundTogether, found_together
-from tasks.review.several_recordings_report import discrepancy_together, held_out_gain
+from tasks.review.pool import Pool, ReviewedRun, pooled, statistics_of
+from tasks.review.several_recordings import (
+    FoundTogether,
+    discrepancy_together,
+    found_together,
+    held_out_gain,
+)
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
 from tests.tasks.review.fleet import NOTHING, fleet, of, place

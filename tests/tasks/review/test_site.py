@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from schemas.review import EstimatedSite, RunStatistics
-from tasks.review.pool import ReviewedRun, pooled
+from tasks.review.pool import ReviewedRun, pooled, statistics_of
 from tasks.review.report import K, sites_of
-from tasks.review.run_statistics import statistics_of
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
 

@@ -8,8 +8,7 @@ import pytest
 from schemas.recording import Recording
 from storage.catalogue import runs
 from storage.home import Home
-from tasks.stages.estimate import estimate
-from tasks.stages.validity import validity_of
+from tasks.stages.estimate import estimate, validity_of
 from tests.manifests import at_station
 
 LABORATORY = """

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration, Method
-from schemas.decision import Decision
 from schemas.recording import ACCEL, GYRO, Recording, Stream
-from schemas.tolerance import Limit, Tolerance
-from tasks.calibrate.calibrate import calibrate, without_information
-from tasks.calibrate.evaluation import evaluation_for
+from schemas.tolerance import Decision, Limit, Tolerance
+from tasks.calibrate.calibrate import calibrate, evaluation_for, without_information
 from tasks.conformity import decide
 from tasks.run_validity.judge import run_remarks
 from tasks.specifications.register import SPECIFICATIONS

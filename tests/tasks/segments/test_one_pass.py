@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.segments.one_pass import BLOCKS, ROWS, one_pass
+from tasks.segments.summarise import BLOCKS, ROWS, one_pass
 
 LENGTHS = [1, 2, 31, 33, 3000, ROWS + 1, BLOCKS * ROWS + 40, 2 * BLOCKS * ROWS + BLOCKS - 1]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.segments.one_pass import ROWS, extreme_steps
+from tasks.segments.summarise import ROWS, extreme_steps
 
 
 @pytest.mark.parametrize("count", [2, ROWS - 1, ROWS, ROWS + 1, ROWS + 2, 3 * ROWS + 7])

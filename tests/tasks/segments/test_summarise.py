@@ -5,10 +5,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from schemas.recording import ACCEL, GYRO, Segment, Stream
-from tasks.segments.block_allan import allan_variances
-from tasks.segments.one_pass import one_pass
 from tasks.segments.summarise import (
+    allan_variances,
     coarsely_quantised,
+    one_pass,
     steps,
     summarise,
 )

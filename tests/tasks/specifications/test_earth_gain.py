@@ -5,10 +5,9 @@ import pytest
 
 from schemas.recording import Recording, Stream
 from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.information.earth import EARTH_ROTATION, WITHOUT_EARTH
+from tasks.calibrate.information.entry import EARTH_ROTATION, WITHOUT_EARTH
 from tasks.motion.table import EARTH_RATE
-from tasks.specifications.earth_gain import EarthRotationGain, earth_rotation_message
-from tasks.specifications.gather import gather
+from tasks.specifications.evidence import EarthRotationGain, earth_rotation_message, gather
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import texts
 from tests.manifests import at_station

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from schemas.equipment import EquipmentLimit
+from schemas.laboratory import EquipmentLimit
 from schemas.recording import Recording
-from tasks.calibrate.evaluation import Evaluation, evaluation_for
+from tasks.calibrate.calibrate import Evaluation, evaluation_for
 from tasks.motion.table import EARTH_RATE
-from tasks.specifications.axes_of_table import axes_of_table
+from tasks.specifications.equipment_errors import axes_of_table
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003 as JJF2003_CLAUSES
 from tasks.specifications.joint import JOINT

@@ -7,12 +7,16 @@ import numpy as np
 import pytest
 
 from schemas.recording import ANGLE, AXES
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import evaluation_for
 from tasks.specifications.estimate import Estimate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.validation import run1536
-from tasks.validation.simulated_calibration import TableErrors, accumulated_angles
-from tasks.validation.simulated_units import draw_simulated_unit, recording_of
+from tasks.validation.simulated_units import (
+    TableErrors,
+    accumulated_angles,
+    draw_simulated_unit,
+    recording_of,
+)
 
 SECONDS = 33.0  # at 100 deg/s, with two ramps of 2 s and 1 s of settling ten turns
 

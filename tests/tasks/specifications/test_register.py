@@ -2,7 +2,7 @@
 
 import pytest
 
-from tasks.specifications.items import ITEMS
+from tasks.specifications.estimate import ITEMS
 from tasks.specifications.readings import READINGS
 from tasks.specifications.register import BY_STANDARD, SPECIFICATIONS, specification_for
 from tasks.words import known, say

@@ -18,16 +18,15 @@ from storage.formats.mcap import writer
 from storage.formats.mcap.reader import has_readings, read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
-from storage.station_lock import statuses
-from tasks.stages import acquire, left_run
+from storage.stations import statuses
+from tasks.stages import acquire
 from tasks.stages.acquire import acquire_run, status_file
-from tasks.stages.ready import ready_to_acquire
+from tasks.stages.store import ready_to_acquire
 from tasks.station import procedures
+from tasks.station.connected_station import StopSwitch
 from tasks.station.progress import Progress
-from tasks.station.stopping import StopSwitch
-from tasks.station.virtual.config import VirtualStation, station_file
+from tasks.station.virtual.config import VirtualStation, draw_unit, station_file
 from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.unit import draw_unit
 from tests.tasks.station.in_memory import InMemoryStation
 
 POSITION_ACQUIRE = {"kind": "position", "item": "twelve_position", "turn_deg": 0, "dwell_s": 6.0}
@@ -63,7 +62,7 @@ def test_a_file_of_a_run_killed_before_its_readings_is_removed_by_the_next_one_a
     station: StationFile, fresh: Home
 ) -> None:
     fresh.acquiring.mkdir(parents=True)
-    ages = {"killed": 2 * left_run.EMPTY_S, "begins": 1.0}
+    ages = {"killed": 2 * acquire.EMPTY_S, "begins": 1.0}
     for name, age_s in ages.items():
         file = fresh.acquiring / f"{name}.mcap"
         file.touch()

@@ -6,7 +6,7 @@ import pytest
 
 from schemas.base import Unusable
 from storage.home import Home
-from tasks.stages.alert import Sent, alert
+from tasks.stages.remind import Sent, alert
 
 FILE = """
 format = "mimu-recall/1"

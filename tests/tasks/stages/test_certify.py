@@ -12,15 +12,14 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
-from schemas.capability import Capability
 from schemas.certificate import Laboratory, Order, Party
 from schemas.recording import Recording
 from schemas.text import Remark
-from schemas.tolerance import Limit, Tolerance
+from schemas.tolerance import Capability, Limit, Tolerance
 from storage.catalogue import certificates, results, runs
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.home import Home
-from tasks.certificate import documents
+from tasks.certificate import pdf
 from tasks.certificate.pdf import render
 from tasks.stages.certificate_inputs import CertificateInputs as Inputs
 from tasks.stages.certify import certify, due_date
@@ -256,7 +255,7 @@ def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) ->
 
 
 def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep, monkeypatch) -> None:
-    monkeypatch.setattr(documents, "render", render)  # typeset after all
+    monkeypatch.setattr(pdf, "render", render)  # typeset after all
     run, result, home = kept()
     (home.path / "logo.png").write_bytes(b"no picture")
     laboratory = Laboratory(party=PARTY, logo="logo.png", operator="Li")

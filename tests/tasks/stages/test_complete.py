@@ -12,12 +12,11 @@ from schemas.certificate import Certificate, State, Step
 from storage.catalogue import certificates, results, runs
 from storage.home import Home
 from tasks.certificate.content import content
-from tasks.certificate.documents import faces_of
 from tasks.certificate.mandatory import CLAUSE_8, MANDATORY, missing, unstated
+from tasks.certificate.pdf import faces_of
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.stages.draft import keep_draft
+from tasks.stages.certify import Published, keep_draft
 from tasks.stages.issue import check, issue
-from tasks.stages.published import Published
 from tasks.words import say
 from tests.drafts import MORNING, STANDARD, calibration_of, certificate_of, recording_of
 

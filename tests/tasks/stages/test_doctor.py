@@ -10,12 +10,12 @@ from threading import Thread
 
 import pytest
 
-from schemas.doctor import Examined
-from schemas.run_log import RunStatus
-from schemas.validation import ValidationRecord
-from storage.catalogue import database, trail
+from schemas.calibration import ValidationRecord
+from schemas.recording import RunStatus
+from schemas.store import Examined
+from storage.catalogue import audit_trail, database
 from storage.home import Home
-from storage.station_lock import lock_place, one_run_on, write_status
+from storage.stations import lock_place, one_run_on, write_status
 from tasks.stages import doctor as stage
 from tasks.stages.doctor import diagnose
 from tasks.validation import record
@@ -58,7 +58,9 @@ def test_a_catalogue_that_is_none_is_told(empty: Home) -> None:
 
 def test_a_clock_behind_the_trail_is_told(empty: Home) -> None:
     with database.changing(empty) as connection:
-        trail.add(connection, "Li Na", "issue", "A-1", at=datetime.now(UTC) + timedelta(days=2))
+        audit_trail.add(
+            connection, "Li Na", "issue", "A-1", at=datetime.now(UTC) + timedelta(days=2)
+        )
     assert examined(empty, "clock").remedy == "Set the computer's clock."
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from schemas.certificate import State
 from storage.catalogue import certificates, runs
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.home import Home
 from tasks.stages import certify
 from tasks.stages.certify import earlier_certificates

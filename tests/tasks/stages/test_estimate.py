@@ -9,14 +9,12 @@ import pytest
 
 from schemas.calibration import AdoptedTerm
 from schemas.certificate import Laboratory, Party
-from schemas.equipment import EquipmentLimit, MeasurementStandard
+from schemas.laboratory import EquipmentLimit, MeasurementStandard
 from schemas.recording import Manifest, Recording
 from schemas.text import Remark
 from storage.catalogue import equipment, results, runs
 from storage.home import Home
-from tasks.stages.equipment_in_use import limits_in_use, standards_in_use
-from tasks.stages.estimate import estimate
-from tasks.stages.validity import validity_of
+from tasks.stages.estimate import estimate, limits_in_use, standards_in_use, validity_of
 
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
 

@@ -12,7 +12,7 @@ from storage.catalogue import runs
 from storage.formats import recordings
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from tasks.stages.import_checks import faults_of, read
+from tasks.stages.import_recording import faults_of, read
 from tests.manifests import manifest_of
 from tests.tasks.readings.makers.bench import bench
 from tests.tasks.readings.makers.recorded import recorded

@@ -13,19 +13,17 @@ from schemas.access import Authorised
 from schemas.base import Unusable
 from schemas.calibration import AdoptedTerm
 from schemas.certificate import Laboratory, Order, Replaced
-from schemas.certificate_orders import AmendOrder
-from schemas.decision import Decision
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
+from schemas.orders import AmendOrder
 from schemas.text import Remark
-from storage.catalogue import certificates, database, results, run_index, tables, trail
+from schemas.tolerance import Decision
+from storage.catalogue import audit_trail, certificates, database, results, runs, tables
 from storage.catalogue.run_states import run_list
 from storage.home import Home
 from storage.verify import verify
-from tasks.stages.amend import amendment
 from tasks.stages.authority import authorised_operator, why_not
-from tasks.stages.draft import keep_draft
-from tasks.stages.issue import check, issue, withdraw
-from tasks.stages.published import Published
+from tasks.stages.certify import Published, keep_draft
+from tasks.stages.issue import amendment, check, issue, withdraw
 from tests.drafts import LABORATORY, MORNING, PARTY, calibration_of, certificate_of, draft
 
 pytestmark = pytest.mark.usefixtures("unprinted")
@@ -55,7 +53,7 @@ def refusal(step: Callable[..., object], *arguments: object) -> str:
 
 def test_a_draft_has_a_key_and_gets_its_number_at_issue(home: Home) -> None:
     drafted = draft(home)
-    run = run_index.all_runs(home)[0].id
+    run = runs.all_runs(home)[0].id
     assert (drafted.certificate.number, drafted.state) == (f"draft-{run[:8]}", "draft")
     checked = check(drafted.certificate.number, home, "Li", "all values read again")
     assert (checked.certificate.number, checked.state) == (drafted.certificate.number, "checked")
@@ -68,7 +66,7 @@ def test_a_draft_has_a_key_and_gets_its_number_at_issue(home: Home) -> None:
     ]  # fmt: skip
     assert json.loads(done.record.read_bytes())["number"] == done.certificate.number
     assert sorted(path.stem for path in home.certificates.iterdir()) == [f"LAB-{year}-0001"] * 3
-    assert [entry.action for entry in trail.entries(home)] == ["draft", "check", "issue"]
+    assert [entry.action for entry in audit_trail.entries(home)] == ["draft", "check", "issue"]
     assert verify(home)[1] == []
 
 
@@ -85,7 +83,7 @@ def test_certifying_again_supersedes_the_draft_of_that_run_and_purpose(home: Hom
 
 def test_certificates_of_one_run_for_different_purposes_stand_side_by_side(home: Home) -> None:
     draft(home)
-    run = run_index.all_runs(home)[0]
+    run = runs.all_runs(home)[0]
     joint = calibration_of(run, method="joint")
     other = keep_draft(certificate_of(run, joint), home, MORNING)
     assert other.certificate.number == f"draft-{run.id[:8]}-2"
@@ -97,7 +95,7 @@ def test_a_refused_issue_costs_no_number(home: Home) -> None:
     refusal(check, key, home, "Li")
     late = draft(home, "3").certificate.number
     check(late, home, "Li")
-    newer = results.save(calibration_of(run_index.all_runs(home)[-1], bias=0.5), home)
+    newer = results.save(calibration_of(runs.all_runs(home)[-1], bias=0.5), home)
     assert newer in refusal(issue, late, home, "Zhao")
     assert issued(home, "2").certificate.number.endswith("-0001")
 
@@ -175,7 +173,7 @@ def test_equipment_that_had_run_out_blocks_the_issue(home: Home) -> None:
 def test_a_newer_result_of_the_run_blocks_the_issue(home: Home) -> None:
     key = draft(home).certificate.number
     check(key, home, "Li")
-    run = run_index.all_runs(home)[0]
+    run = runs.all_runs(home)[0]
     newer = results.save(calibration_of(run, bias=0.5), home)
     assert f"which {newer} superseded; certify the run again" in refusal(issue, key, home, "Zhao")
 
@@ -184,7 +182,7 @@ def test_a_run_that_was_found_invalid_since_blocks_the_issue(home: Home) -> None
     key = draft(home).certificate.number
     check(key, home, "Li")
     wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
-    results.save(calibration_of(run_index.all_runs(home)[0], remarks=(wrong,)), home)
+    results.save(calibration_of(runs.all_runs(home)[0], remarks=(wrong,)), home)
     assert "is invalid (Two clocks); measure again" in refusal(issue, key, home, "Zhao")
 
 
@@ -193,7 +191,7 @@ def test_a_result_with_a_term_beside_the_standard_s_does_not_judge_the_run(home:
     check(key, home, "Li")
     wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
     arm = AdoptedTerm(name="lever_arm", title="t", title_zh="t")
-    run = run_index.all_runs(home)[0]
+    run = runs.all_runs(home)[0]
     results.save(calibration_of(run, remarks=(wrong,), terms=(arm,)), home)
     (line,) = run_list([], [], 0, 1, home)[1]
     assert line.validity == "valid"
@@ -210,7 +208,7 @@ def test_a_draft_whose_file_was_changed_is_not_issued(home: Home) -> None:
 
 def test_an_amendment_is_checked_and_issued_and_then_replaces(home: Home) -> None:
     old = issued(home).certificate
-    run = run_index.all_runs(home)[0]
+    run = runs.all_runs(home)[0]
     replaced = Replaced(number=old.number, issued_on=old.issued_on, why="the client's address")
     new = certificate_of(run, calibration_of(run), replaces=replaced)
     key = keep_draft(new, home, MORNING).certificate.number
@@ -239,7 +237,7 @@ def test_an_amendment_takes_over_what_it_does_not_say(home: Home) -> None:
 
 def test_a_draft_that_amends_gives_way_where_what_it_amends_is_withdrawn(home: Home) -> None:
     old = issued(home).certificate
-    run = run_index.all_runs(home)[0]
+    run = runs.all_runs(home)[0]
     replaced = Replaced(number=old.number, issued_on=old.issued_on, why="an error")
     for _ in range(2):  # again, it takes the place of the first
         keep_draft(certificate_of(run, calibration_of(run), replaces=replaced), home, MORNING)
@@ -269,7 +267,7 @@ def test_an_issue_that_fails_leaves_everything_as_it_was(home: Home, monkeypatch
         raise Unusable("the disk is full.")
 
     with monkeypatch.context() as broken:
-        broken.setattr(trail, "add", full)  # after the files were written
+        broken.setattr(audit_trail, "add", full)  # after the files were written
         refusal(issue, key, home, "Zhao")
     (entry,) = certificates.register(home)
     assert (entry.number, entry.state) == (key, "checked")

@@ -12,22 +12,18 @@ import pytest
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory
-from schemas.certificate_orders import AmendOrder
-from schemas.equipment import MeasurementStandard
+from schemas.laboratory import MeasurementStandard
+from schemas.orders import AmendOrder
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import certificates, equipment, runs
-from storage.catalogue.run_index import Run
+from storage.catalogue.runs import Run
 from storage.home import Home
-from tasks.certificate.amended import changes
-from tasks.certificate.content import content
-from tasks.stages.amend import amendment
+from tasks.certificate.content import changes, content
 from tasks.stages.certificate_inputs import CertificateInputs as Inputs
-from tasks.stages.certify import certify
-from tasks.stages.draft import keep_draft
-from tasks.stages.equipment_in_use import standards_in_use
-from tasks.stages.estimate import estimate
-from tasks.stages.issue import check, issue
+from tasks.stages.certify import certify, keep_draft
+from tasks.stages.estimate import estimate, standards_in_use
+from tasks.stages.issue import amendment, check, issue
 from tasks.validation import record
 from tasks.words import say
 from tests.drafts import LABORATORY, MORNING, ORDER, certificate_of

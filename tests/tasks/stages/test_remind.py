@@ -16,11 +16,11 @@ from aiosmtpd.smtp import AuthResult
 
 from schemas.base import Unusable
 from schemas.certificate import AsFound, Certificate, Order, Party
-from schemas.decision import Decision
-from storage.catalogue import reminders, results, runs
+from schemas.tolerance import Decision
+from storage.catalogue import equipment, results, runs
 from storage.home import Home
 from tasks.stages import remind
-from tasks.stages.draft import keep_draft
+from tasks.stages.certify import keep_draft
 from tasks.stages.issue import check, issue, withdraw
 from tasks.stages.remind import interval_advice, sentence
 from tasks.words import say
@@ -146,7 +146,7 @@ def test_a_server_that_is_down_for_an_hour_gets_it_later_and_once(
     finally:
         controller.stop(no_assert=True)
     assert len(mailbox.letters) == 1
-    (kept,) = reminders.all_reminders(home)
+    (kept,) = equipment.all_reminders(home)
     assert kept.sent_at is not None
     assert (kept.fault, kept.tries) == (None, 1 + len([faults for faults in down if faults]))
 

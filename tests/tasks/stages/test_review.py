@@ -12,12 +12,12 @@ from schemas.orders import ExplainOrder, ReviewOrder
 from storage import run_statistics
 from storage.catalogue import certificates, runs
 from storage.home import Home
+from tasks.review.pool import VERSION
 from tasks.review.report import review_of
-from tasks.review.run_statistics import VERSION
 from tasks.review.search import search
 from tasks.review.windows import rows_of
 from tasks.stages import review
-from tasks.stages.explain_several import explain_together
+from tasks.stages.explain import explain_together
 from tasks.stages.review import review_runs
 from tests.drafts import draft, recording_of
 from tests.proof.plant.case import Case

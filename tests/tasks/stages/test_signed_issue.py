@@ -7,7 +7,7 @@ import pytest
 
 from schemas.base import Unusable
 from storage.home import Home
-from tasks.certificate.verify_file import verify_file
+from tasks.certificate.verify import verify_file
 from tasks.stages.issue import check, issue
 from tests.drafts import draft
 from tests.tasks.certificate.signing_keys import PASSPHRASE, Keys, keys

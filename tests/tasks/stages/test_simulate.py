@@ -15,10 +15,10 @@ from storage.catalogue import runs
 from storage.formats.folder import read_folder
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
-from tasks.coefficients.parameters import model_values
+from tasks.coefficients.correct import model_values
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.stages.correct import simulate_run, simulated_recording
-from tasks.stages.simulation import simulated_readings
+from tasks.stages.simulate import simulated_readings
 
 CHANNELS = GYRO + ACCEL
 RNG = np.random.default_rng(3)

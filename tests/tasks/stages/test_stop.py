@@ -14,12 +14,11 @@ from schemas.procedure import Procedure
 from schemas.station import StationFile
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
-from storage.station_lock import is_held, one_run_on, statuses
-from storage.station_stop import keep_station_file, request_in
+from storage.stations import is_held, keep_station_file, one_run_on, request_in, statuses
 from tasks.stages.acquire import acquire_run
 from tasks.stages.stop import stop_station
 from tasks.station import procedures
-from tasks.station.stopping import StopSwitch, run_until_stopped
+from tasks.station.connected_station import StopSwitch, run_until_stopped
 from tasks.station.virtual.config import VirtualStation
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import table_and_watchdog

@@ -6,19 +6,17 @@ import pytest
 
 from schemas.base import BrokenOff, Unusable
 from storage.blobs import Unreachable
-from storage.catalogue import run_index, runs
-from storage.catalogue.connection import Busy
+from storage.catalogue import runs
+from storage.catalogue.database import Busy
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from storage.station_lock import one_run_on
+from storage.stations import one_run_on
 from tasks.stages import acquire
 from tasks.stages import store as storing
 from tasks.stages.acquire import acquire_run
 from tasks.stages.import_recording import import_recording
-from tasks.stages.ready import ready_to_acquire
-from tasks.stages.store import LONGEST_PAUSE_S, PATIENCE_S, store, store_waiting
-from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.unit import draw_unit
+from tasks.stages.store import LONGEST_PAUSE_S, PATIENCE_S, ready_to_acquire, store, store_waiting
+from tasks.station.virtual.config import VirtualStation, draw_unit
 from tests.tasks.stages.test_acquire import PROCEDURE_ACQUIRE
 from tests.tasks.station.in_memory import InMemoryStation
 
@@ -63,7 +61,7 @@ def test_it_is_stored_once_the_catalogue_is_back_after_hours(
     clock = Clock()
     away_until(3 * 3600.0, clock, fault, monkeypatch)
     run = store(recording, fresh, clock, clock.sleep)
-    assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
+    assert [each.id for each in runs.all_runs(fresh)] == [run.id]
     assert not recording.exists()
     assert clock.pauses[:7] == [1, 2, 4, 8, 16, 32, 60]
     assert max(clock.pauses) == LONGEST_PAUSE_S
@@ -115,7 +113,7 @@ def test_another_run_of_the_home_may_store_it_meanwhile(
             store_waiting(fresh)
 
     run = store(recording, fresh, clock, by_another)
-    assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
+    assert [each.id for each in runs.all_runs(fresh)] == [run.id]
 
 
 def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
@@ -141,7 +139,7 @@ def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
     monkeypatch.setattr(storing, "FIRST_PAUSE_S", 0.0)
     ((run, _),) = acquire_run(station.file, PROCEDURE_ACQUIRE, fresh, lambda _: None).kept
     assert len(turned) == 1
-    assert [each.id for each in run_index.all_runs(fresh)] == [run.id]
+    assert [each.id for each in runs.all_runs(fresh)] == [run.id]
 
 
 # Nothing turns unless what is measured can be kept.

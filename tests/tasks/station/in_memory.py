@@ -20,9 +20,15 @@ from tasks.station.ports import (
     TableState,
     check_trips,
 )
-from tasks.station.virtual.config import VirtualStation, station_file
+from tasks.station.virtual.config import (
+    AXIS_STATUS,
+    CAPTURE_VALUES,
+    MODES,
+    TABLE_STATUS,
+    VirtualStation,
+    station_file,
+)
 from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.protocol import AXIS_STATUS, CAPTURE_VALUES, MODES, TABLE_STATUS
 from tasks.station.virtual.servers import keep_time
 from tasks.station.virtual.simulation import Simulation
 from tests.simulated_time import run_simulated

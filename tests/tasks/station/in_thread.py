@@ -20,7 +20,7 @@ from tasks.station.virtual.servers import serve
 def serving(
     config: VirtualStation, speed: float, faults: Iterable[StationFault] = ()
 ) -> Iterator[StationFile]:
-    """In the place of `tasks.station.virtual.process.running`."""
+    """In the place of `tasks.station.virtual.servers.running`."""
     started = Future[tuple[StationFile, Callable[[], object]]]()
 
     def ready(station: StationFile) -> None:

@@ -4,9 +4,8 @@ import asyncio
 from collections.abc import Callable
 from typing import Any
 
-from schemas.devices import ModbusTable
 from schemas.procedure import Procedure
-from schemas.station import StationFile
+from schemas.station import ModbusTable, StationFile
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.modbus import ModbusLink

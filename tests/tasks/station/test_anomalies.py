@@ -2,8 +2,7 @@ import numpy as np
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Segment, Stream
-from tasks.station.anomalies import Anomaly, remarks_on
-from tasks.station.monitor import check_rate, check_unit
+from tasks.station.monitor import Anomaly, check_rate, check_unit, remarks_on
 from tests.tasks.station.sample_stations import rates_link
 
 LIMITS = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 85.0))

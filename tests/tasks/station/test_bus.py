@@ -10,9 +10,8 @@ import pytest
 from schemas.base import Unusable
 from tasks.station import stream_readers
 from tasks.station.clock import StationClock, wall_s
-from tasks.station.connected_station import Bus, TableOnBus, bus
+from tasks.station.connected_station import Bus, StopSwitch, TableOnBus, bus
 from tasks.station.ports import EncoderBlock, Table
-from tasks.station.stopping import StopSwitch
 from tasks.station.stream_readers import EncoderReader
 
 

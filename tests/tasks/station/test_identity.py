@@ -10,11 +10,15 @@ from schemas.recording import Unit
 from schemas.station import StationFile
 from schemas.unit_link import SerialQuery, UnitLink
 from tasks.station.check_devices import check_station
-from tasks.station.drivers import identity
-from tasks.station.drivers.identity import confirm
-from tasks.station.virtual.config import VirtualStation, virtual_station
-from tasks.station.virtual.protocol import MOUNT_REQUEST, REFUSAL
-from tasks.station.virtual.unit import draw_unit
+from tasks.station.drivers import backend
+from tasks.station.drivers.backend import confirm
+from tasks.station.virtual.config import (
+    MOUNT_REQUEST,
+    REFUSAL,
+    VirtualStation,
+    draw_unit,
+    virtual_station,
+)
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.listening_unit import unit as listening
 from tests.tasks.station.over_sockets import over_sockets, table_and_watchdog
@@ -60,7 +64,7 @@ def test_another_unit_is_refused_with_both_numbers_and_the_way_out() -> None:
 def test_a_unit_that_does_not_answer_is_not_taken_for_the_ordered_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(identity, "ANSWER_S", 0.3)
+    monkeypatch.setattr(backend, "ANSWER_S", 0.3)
     sentence = "did not tell its serial number: “\\$WHO” was not"
     with (
         listening(lambda _: b"$YOU,A17\r\n") as (url, _),

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from schemas.base import Unusable
-from schemas.correction import Correction
+from schemas.calibration import Correction
 from schemas.station import StationFile
 from tasks.station import load_coefficients
 from tasks.station.load_coefficients import load_correction

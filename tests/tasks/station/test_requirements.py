@@ -6,15 +6,14 @@ from math import cos, radians, sin
 import pytest
 
 from schemas.base import Unusable
-from schemas.limits import Limits
+from schemas.laboratory import Limits
 from schemas.procedure import Position, Procedure, RateRun
 from schemas.recording import Mount, Station, TableAxis, Unit
 from schemas.station import StationFile
 from tasks.station import procedures
-from tasks.station.check_devices import check_station
+from tasks.station.check_devices import check_climate, check_state, check_station, check_unit
+from tasks.station.plan import check_limits, check_procedure
 from tasks.station.ports import AxisState, Climate, TableState
-from tasks.station.possible import check_climate, check_state, check_unit
-from tasks.station.requirements import check_limits, check_procedure
 from tasks.station.virtual.config import VirtualStation, station_file
 from tests.tasks.station.makers import modbus_maker
 from tests.tasks.station.sample_stations import rates_link, sample

@@ -4,15 +4,13 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.recording import Stream
-from schemas.run_log import LogEntry
+from schemas.recording import LogEntry, Stream
 from schemas.station import StationFile
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
 from tasks.station.progress import Progress
-from tasks.station.unit_recorder import ROWS, LastRows
-from tasks.station.virtual.config import VirtualStation
+from tasks.station.recorder import ROWS, LastRows
+from tasks.station.virtual.config import VirtualStation, draw_unit
 from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.unit import draw_unit
 from tests.tasks.station.in_memory import InMemoryStation
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import MEASURED, SPEED, ignore

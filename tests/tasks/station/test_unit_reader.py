@@ -7,8 +7,7 @@ import pytest
 
 from schemas.unit_link import UnitLink
 from tasks.station.clock import StationClock
-from tasks.station.drivers.samples import no_samples, to_stream
-from tasks.station.drivers.unit import UnitDriver
+from tasks.station.drivers.unit import UnitDriver, no_samples, to_stream
 from tasks.station.stream_readers import UnitReader, compared
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.servers import station_file

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.uncertainty import Budget
+from schemas.calibration import Budget
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine, observed
 from tasks.uncertainty.monte_carlo import Interval, numerical_tolerance
 from tasks.uncertainty.propagation import TWO_SIGMA

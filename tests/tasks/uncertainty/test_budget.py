@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.base import Unusable
-from schemas.uncertainty import Budget
-from tasks.specifications.linear import solve
+from schemas.calibration import Budget
+from tasks.specifications.evidence import solve
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.propagation import TWO_SIGMA, coverage_factor
 

@@ -6,11 +6,11 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from schemas.equipment import EquipmentLimit
+from schemas.laboratory import EquipmentLimit
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import unit_vector
+from tasks.specifications.evidence import solve
 from tasks.specifications.jjf2003.positions import input_matrix
-from tasks.specifications.linear import solve
 from tasks.uncertainty.budget import Contribution, combine, resolution
 from tasks.uncertainty.equipment import (
     ARCSECOND,

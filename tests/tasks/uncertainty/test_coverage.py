@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from schemas.calibration import Calibration
-from schemas.uncertainty import Budget
+from schemas.calibration import Budget, Calibration
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.uncertainty.budget import PROBABILITY, Contribution, InputQuantity, combine, half_width

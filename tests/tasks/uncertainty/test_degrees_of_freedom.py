@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.gather import gather
+from tasks.specifications.evidence import ClauseEvidence, gather
 from tasks.uncertainty.drift import DRIFTS
 from tasks.uncertainty.type_a import type_a_dof
 

@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Segment
-from tasks.segments.block_allan import allan_variances
-from tasks.segments.one_pass import BLOCKS
-from tasks.segments.summarise import SegmentMean
+from tasks.segments.summarise import BLOCKS, SegmentMean, allan_variances
 from tasks.uncertainty.drift import WALK, drift_shapes
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 

@@ -4,8 +4,8 @@ from decimal import ROUND_CEILING, Decimal
 
 import pytest
 
-from tasks.uncertainty.examples import acquisition, combine_as_example
-from tasks.words.rounding import round_up
+from tasks.uncertainty.monte_carlo import acquisition, combine_as_example
+from tasks.words.numbers import round_up
 
 SCALE, PAIR = (1.22e-4,), (2.51e-3,) * 2
 PRINTED = {  # clause: what is added up to u3, u3, u_c, U

@@ -7,7 +7,7 @@ import pytest
 from gum_functions import Validation, combine_function, validate
 
 from schemas.base import Unusable
-from schemas.uncertainty import Distribution
+from schemas.calibration import Distribution
 from tasks.uncertainty.budget import InputQuantity
 from tasks.uncertainty.monte_carlo import (
     MonteCarlo,

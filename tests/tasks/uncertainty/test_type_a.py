@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import ACCEL, GYRO, Segment, Stream
-from tasks.readings.standing import steps
+from tasks.readings.plausibility import steps
 from tasks.segments.summarise import SegmentMean, summarise
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 

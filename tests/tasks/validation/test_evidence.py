@@ -6,10 +6,8 @@ import pytest
 
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.validation.coverage import recovery_checks, simulate
-from tasks.validation.examples import EXAMPLES, example_check
-from tasks.validation.independent import independent_checks
-from tasks.validation.plain_joint import plain_joint
+from tasks.validation.coverage import EXAMPLES, example_check, recovery_checks, simulate
+from tasks.validation.make import independent_checks, plain_joint
 from tests.tasks.items_only import items_only
 
 METHODS = {name: partial(items_only, spec) for name, spec in SPECIFICATIONS.items()}

@@ -4,8 +4,7 @@ from datetime import date
 
 import pytest
 
-from schemas.tolerance import Limit, Tolerance
-from schemas.validation import (
+from schemas.calibration import (
     EVIDENCE,
     Check,
     Coverage,
@@ -14,6 +13,7 @@ from schemas.validation import (
     ScenarioValidation,
     ValidationRecord,
 )
+from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
 from tasks.conformity import decide
 from tasks.specifications.jjf2003 import JJF2003

@@ -3,11 +3,18 @@
 import numpy as np
 import pytest
 
-from tasks.station.virtual.config import EARTH_RATE_RAD_S
-from tasks.station.virtual.unit import DEGREE
+from tasks.station.virtual.config import DEGREE, EARTH_RATE_RAD_S
 from tasks.validation import run1536, run2003
-from tasks.validation.simulated_calibration import Journey, Site, TableErrors, sensed_rates
-from tasks.validation.simulated_units import GRAVITY, LATITUDE, SimulatedUnit, draw_simulated_unit
+from tasks.validation.simulated_units import (
+    GRAVITY,
+    LATITUDE,
+    Journey,
+    SimulatedUnit,
+    Site,
+    TableErrors,
+    draw_simulated_unit,
+    sensed_rates,
+)
 
 SITE = Site(GRAVITY, LATITUDE)
 

@@ -9,7 +9,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from schemas.text import Statement
-from tasks.words.quantities import (
+from tasks.words.numbers import (
+    clause,
+    column,
     moment,
     multiple,
     percent,
@@ -18,9 +20,10 @@ from tasks.words.quantities import (
     quantities,
     quantity,
     rough_quantity,
+    round_like,
+    round_up,
+    typeset,
 )
-from tasks.words.rounding import column, round_like, round_up
-from tasks.words.typography import clause, typeset
 
 THREE_DIGITS = Context(prec=3, rounding=ROUND_HALF_EVEN)  # of decimals: a binary 1.645 is no tie
 HALF_OF_U_C = 0.005  # half the last of three digits, at the most

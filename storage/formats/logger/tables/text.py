@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from storage.formats.logger.lines import decoded
-from storage.formats.logger.tables import TEXT, Lines
+from storage.formats.logger.tables import TEXT, Lines, decoded
 
 SUFFIXES = (".csv", ".tsv", TEXT, ".log", ".dat", ".lvm")
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from schemas.base import Unusable
-from storage.formats.logger.lines import joined
-from storage.formats.logger.tables import Lines
+from storage.formats.logger.tables import Lines, joined
 
 SUFFIXES = (".xlsx", ".xlsm")
 MAX_BYTES = 2**30  # of a sheet unpacked: more is no table of a logger

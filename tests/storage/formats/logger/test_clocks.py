@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from storage.formats.logger.clocks import running_on
+from storage.formats.logger.units import running_on
 
 
 @pytest.mark.parametrize("back", [0.5, 1.0, 3600.0])

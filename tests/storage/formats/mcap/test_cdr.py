@@ -8,9 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from storage.formats.mcap.cdr import MalformedError, decode, encode
-from storage.formats.mcap.definitions import schema_text
-from storage.formats.mcap.topics import IMU, JOINTS, TEMPERATURE
+from storage.formats.mcap.messages import (
+    IMU,
+    JOINTS,
+    TEMPERATURE,
+    MalformedError,
+    decode,
+    encode,
+    schema_text,
+)
 
 FINITE = st.floats(allow_nan=False)
 

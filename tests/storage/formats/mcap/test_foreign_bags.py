@@ -8,10 +8,8 @@ from mcap.writer import CompressionType, Writer
 
 from schemas.base import Unusable
 from schemas.recording import Station
-from storage.formats.mcap.cdr import encode
-from storage.formats.mcap.definitions import schema_text
+from storage.formats.mcap.messages import IMU, JOINTS, TEMPERATURE, encode, schema_text
 from storage.formats.mcap.reader import read_mcap
-from storage.formats.mcap.topics import IMU, JOINTS, TEMPERATURE
 from tests.manifests import manifest_of
 
 EPOCH = 1_700_000_000_123_456_789  # ns

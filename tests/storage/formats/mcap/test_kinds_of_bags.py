@@ -9,8 +9,7 @@ import zstandard
 
 from schemas.base import Unusable
 from storage.formats import recordings
-from storage.formats.mcap.cdr import encode
-from storage.formats.mcap.topics import IMU
+from storage.formats.mcap.messages import IMU, encode
 from tests.shared import shared_path
 
 NANO = 1_000_000_000

@@ -22,8 +22,8 @@ from schemas.recording import (
 )
 from storage.formats.content import as_raw, digest
 from storage.formats.folder import read_folder
+from storage.formats.mcap.messages import ENVIRONMENT
 from storage.formats.mcap.reader import read_mcap
-from storage.formats.mcap.topics import ENVIRONMENT
 from storage.formats.mcap.writer import write_mcap
 from tests.shared import shared_path
 from tests.storage.formats.mcap.small_recording import imu_stream, manifest, recording

@@ -4,7 +4,7 @@ import allantools
 import numpy as np
 import pytest
 
-from tasks.calibrate.information.allan import (
+from tasks.calibrate.information.noise import (
     STARTS,
     allan_curve,
     flicker_dof,

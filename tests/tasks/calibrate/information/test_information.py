@@ -10,9 +10,8 @@ import pytest
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.information.entry import or_why_not, type_b, without_type_b
+from tasks.calibrate.information.entry import or_why_not, pooled_deviation, type_b, without_type_b
 from tasks.calibrate.information.noise import FLOOR
-from tasks.calibrate.information.repeatability import pooled_deviation
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import say
 from tests.manifests import manifest_of

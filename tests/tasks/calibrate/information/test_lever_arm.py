@@ -9,12 +9,10 @@ import pytest
 
 from schemas.calibration import Item
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import without_information
-from tasks.calibrate.evaluation import evaluation_for
+from tasks.calibrate.calibrate import evaluation_for, without_information
 from tasks.calibrate.information.entry import type_b
 from tasks.calibrate.information.lever_arm import lever_arm_information
-from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.gather import gather
+from tasks.specifications.evidence import ClauseEvidence, gather
 from tasks.specifications.jjf2003 import JJF2003
 
 SEPARATED = "accel_rate_sensitivity_without_lever_arm"

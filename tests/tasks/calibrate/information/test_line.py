@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.calibrate.information.line import asymmetry, nonlinearity
+from tasks.calibrate.information.entry import asymmetry, nonlinearity
 
 RATE = np.radians([-300.0, -200.0, -100.0, -50.0, -10.0, 10.0, 50.0, 100.0, 200.0, 300.0])
 FAINT = 1e-16 * np.eye(len(RATE))

@@ -14,15 +14,17 @@ from schemas.discrepancy import FoundParameter
 from schemas.recording import Recording
 from schemas.text import Statement
 from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.information.earth import WITHOUT_EARTH
+from tasks.calibrate.information.entry import WITHOUT_EARTH
 from tasks.explain.correction import sensitivity
 from tasks.explain.correction.adopt import adopt, corrected
-from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
-from tasks.explain.correction.sensitivity import correlation_of, uncertain_inputs
-from tasks.explain.determined import DeterminedModel
-from tasks.explain.explanation import Finding
-from tasks.model.model import Model
-from tasks.model.simulate import predict
+from tasks.explain.correction.sensitivity import (
+    CorrectionLines,
+    correlation_of,
+    uncertain_inputs,
+    with_lines,
+)
+from tasks.explain.explanation import DeterminedModel, Finding
+from tasks.model.model import Model, predict
 from tasks.model.term import nominal_values
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation

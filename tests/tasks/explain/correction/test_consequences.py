@@ -8,16 +8,15 @@ import pytest
 from explained import explanation, finding, nothing_added
 
 from schemas.discrepancy import FoundParameter
-from schemas.equipment import EquipmentLimit
+from schemas.laboratory import EquipmentLimit
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from storage.formats.folder import read_folder
 from tasks.explain.correction.adopt import corrected
 from tasks.explain.correction.consequences import consequences, moved_by
 from tasks.explain.correction.sensitivity import uncertain_inputs
-from tasks.explain.determined import DeterminedModel
 from tasks.explain.explain import explain
-from tasks.explain.explanation import Finding
+from tasks.explain.explanation import DeterminedModel, Finding
 from tasks.model.model import Model
 from tasks.model.term import nominal_values
 from tasks.model.terms.environment import thermal_transient

@@ -5,13 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.explain.events.code_fault import CodeFault, find_torn_codes
+from tasks.explain.events.codes import (
+    CodeFault,
+    NoiseEstimate,
+    Quantisation,
+    cut_off,
+    find_repeats,
+    find_torn_codes,
+    rounding_bias,
+    torn_codes,
+)
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
-from tasks.explain.events.quantisation import NoiseEstimate, Quantisation, cut_off, rounding_bias
-from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.saturation import clipping_loss
-from tasks.explain.events.torn_codes import torn_codes
 from tasks.motion.whole import Motion
 from tasks.readings.lattice import Quantiser, quantiser_of
 from tasks.words import say, texts

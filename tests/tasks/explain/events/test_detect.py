@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.explain.events.detect import events_in_readings
-from tasks.explain.events.faults import (
+from tasks.explain.events.bursts import find_settling
+from tasks.explain.events.detect import (
     AxisMapping,
     GravityRemoved,
     RangeSetting,
     Setting,
+    events_in_readings,
     find_gravity_removed,
     find_settings,
 )
-from tasks.explain.events.settling import find_settling
 from tasks.words import texts
 from tests.tasks.explain.events.made_up import counted, mean_readings, motion, noisy
 

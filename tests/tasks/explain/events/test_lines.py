@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tasks.explain.events.bursts import Ringing
 from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
-from tasks.explain.events.ringing import Ringing
 from tasks.motion.pose import Tracking
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.explain.events.bias_at_rest import find_bias_at_rest
-from tasks.explain.events.dead_zone import mean_within
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
+from tasks.explain.events.rest import find_bias_at_rest, mean_within
 from tasks.motion.whole import Motion
 from tasks.words import texts
 from tests.tasks.explain.events.made_up import SIGMA, counted, mean_readings, motion, noisy

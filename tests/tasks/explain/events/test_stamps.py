@@ -7,10 +7,10 @@ import pytest
 
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
-from tasks.explain.events.lost_samples import LostSamples, find_lost_samples
+from tasks.explain.events.stamps import LostSamples, find_lost_samples
 from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
-from tasks.readings.slips import window_delays
+from tasks.readings.stamps import window_delays
 from tasks.words import say, texts
 from tests.tasks.explain.events.made_up import counted, mean_readings, motion, noisy
 

@@ -21,7 +21,6 @@ from engine_run import (
 )
 
 from schemas.discrepancy import HeldOut
-from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.cells import (
     CELL_LENGTH,
     FOLDS,
@@ -30,20 +29,23 @@ from tasks.explain.evidence.cells import (
     cross_validation,
     fold_cells,
 )
-from tasks.explain.evidence.clipping import possibly_clipped, possibly_clipped_in_noise
-from tasks.explain.evidence.dependence import change_without
-from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.evidence import (
+    Evidence,
+    change_without,
+    possibly_clipped,
+    possibly_clipped_in_noise,
+    step_time,
+)
 from tasks.explain.evidence.findings import _beside_implausible, scrutinised
 from tasks.explain.evidence.groups import FindingGroup, finding_groups
-from tasks.explain.evidence.pruning import unsupported
-from tasks.explain.evidence.step_time import step_time
-from tasks.explain.explanation import UNNAMED
+from tasks.explain.evidence.reduced import unsupported
+from tasks.explain.explanation import CHANNELS, UNNAMED
+from tasks.explain.noise import Noise
 from tasks.explain.search.candidates import Candidate, Prior
 from tasks.explain.search.design import NormalEquations
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
-from tasks.explain.whitening import Noise
-from tasks.model.simulate import linearise
+from tasks.model.model import linearise
 from tasks.model.term import Column, Term, nominal_values
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
 from tasks.model.terms.geometry import LEVER_ARM

@@ -10,22 +10,28 @@ from engine_run import GRAVITY, NOISY, RATE, WHITE, motion, noise, observed, rea
 from explained import explanation, finding, nothing_added
 
 from schemas.recording import Recording, Stream
-from tasks.explain.channels import ACCELS, CHANNELS
-from tasks.explain.events.code_fault import CodeFault
+from tasks.explain.events.codes import CodeFault
+from tasks.explain.events.detect import RangeSetting
 from tasks.explain.events.event import Events
-from tasks.explain.events.faults import RangeSetting
-from tasks.explain.evidence.assemble import _verdict, explanation_of
-from tasks.explain.evidence.event_findings import OF_A_LIMIT, _needed, with_faults
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.findings import JUMPS
+from tasks.explain.evidence.findings import (
+    CHANCE,
+    JUMPS,
+    OF_A_LIMIT,
+    _needed,
+    _verdict,
+    chance_of_largest,
+    drift,
+    explanation_of,
+    with_faults,
+)
 from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.shares import CHANCE, chance_of_largest, drift
-from tasks.explain.explanation import UNNAMED, Explanation, Finding
-from tasks.explain.inputs.full_rate import full_rate
+from tasks.explain.explanation import ACCELS, CHANNELS, UNNAMED, Explanation, Finding
+from tasks.explain.inputs.blocks import full_rate
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import NormalEquations
-from tasks.explain.search.empirical_terms import SLOW_DRIFT, sinusoid
+from tasks.explain.search.empirical import SLOW_DRIFT, sinusoid
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import Term

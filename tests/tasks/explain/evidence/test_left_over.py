@@ -10,22 +10,24 @@ from engine_run import NOISY, RATE, motion, noise, observed, read, segments
 from scipy.fft import irfft, rfft, rfftfreq
 
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.left_over import LeftOver, band_of, remainder, rest_noise
-from tasks.explain.evidence.lookalikes import (
+from tasks.explain.evidence.left_over import (
     Examined,
+    LeftOver,
+    band_of,
     loops_both_ways,
     made_by_placing,
+    remainder,
+    rest_noise,
     unseen_turning,
 )
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.explanation import Refusal
-from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.inputs.blocks import FullRate
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import NormalEquations
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
-from tasks.model.parameters import each_axis
-from tasks.model.term import Term
+from tasks.model.term import Term, each_axis
 from tasks.model.terms.electronics import BANDWIDTH_BY_TRIAD
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
 from tasks.model.terms.gyro import gyro_dead_band

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY, NOISY, motion, noise, read, selected
 
-from tasks.explain.evidence import pruning
+from tasks.explain.evidence import reduced
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.pruning import absorbed, pruned
-from tasks.explain.evidence.reduced import without
+from tasks.explain.evidence.reduced import absorbed, pruned, without
+from tasks.explain.explanation import CERTAIN
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.odds import CERTAIN
+from tasks.explain.noise import Noise
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.stepwise import Selected
-from tasks.explain.whitening import Noise
 from tasks.model.term import Term
 from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS
@@ -136,8 +135,8 @@ def test_what_could_only_be_negative_is_left_out_with_the_finding() -> None:
 def test_several_needless_findings_take_one_fit_more(monkeypatch: pytest.MonkeyPatch) -> None:
     made = read(RUN) + noise(len(RUN.t), 73, NOISY)
     fit, fits = selected(made, *TERMS), []
-    own = pruning._fitted
-    monkeypatch.setattr(pruning, "_fitted", lambda one: fits.append(one) or own(one))
+    own = reduced._fitted
+    monkeypatch.setattr(reduced, "_fitted", lambda one: fits.append(one) or own(one))
     assert pruned(fit, 300).groups == ()
     assert len(fits) == 1
 
@@ -148,9 +147,9 @@ def test_where_the_fit_is_not_what_the_equations_said_each_is_decided_by_a_fit(
 ) -> None:
     made = read(RUN) + noise(len(RUN.t), 73, NOISY)
     fit, fits = selected(made, *TERMS), []
-    own = pruning._fitted
-    monkeypatch.setattr(pruning, "_fitted", lambda one: fits.append(one) or own(one))
-    monkeypatch.setattr(pruning, "_agree", lambda fitted, by_equations: False)
+    own = reduced._fitted
+    monkeypatch.setattr(reduced, "_fitted", lambda one: fits.append(one) or own(one))
+    monkeypatch.setattr(reduced, "_agree", lambda fitted, by_equations: False)
     assert pruned(fit, 300).groups == ()
     assert len([one for one in fits if len(one.groups) == 2]) == 1
     assert len([one for one in fits if len(one.groups) == 1]) == 1

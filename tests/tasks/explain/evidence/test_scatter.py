@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tasks.explain.evidence.determination import undetermined
-from tasks.explain.evidence.form_errors import named_beside
+from tasks.explain.evidence.form_errors import named_beside, undetermined
 from tasks.explain.evidence.scatter import CellInfluence, cell_influence
-from tasks.explain.explanation import UNNAMED, Finding
-from tasks.explain.odds import CERTAIN, PUBLISHED, UNPUBLISHED
+from tasks.explain.explanation import CERTAIN, PUBLISHED, UNNAMED, UNPUBLISHED, Finding
 
 # A name stands only where its evidence is more than the forms of everything else may leave.
 

@@ -9,8 +9,8 @@ import pytest
 from engine_run import MOVE, NOISY, REST, motion, noise, read, selected
 
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.lookalikes import Examined
-from tasks.explain.evidence.pruning import pruned
+from tasks.explain.evidence.left_over import Examined
+from tasks.explain.evidence.reduced import pruned
 from tasks.explain.evidence.scrutiny import Scrutiny, _undetermined
 from tasks.model.term import Term
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE

@@ -8,9 +8,8 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream, TableAxis
-from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.blocks import Blocks, block_means
-from tasks.explain.inputs.full_rate import full_rate
+from tasks.explain.explanation import CHANNELS
+from tasks.explain.inputs.blocks import Blocks, block_means, full_rate
 from tasks.model.model import Model
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import STANDARD_TERMS

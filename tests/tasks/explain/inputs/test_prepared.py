@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from schemas.recording import Recording, Stream
-from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.full_rate import full_rate
-from tasks.explain.inputs.labels import disturbed_rows, with_usable_labels
-from tasks.explain.inputs.prepared import known_before, prepare
-from tasks.explain.inputs.remarks import clock_remarks
-from tasks.explain.inputs.shown_segments import shown_segments
+from tasks.explain.explanation import CHANNELS
+from tasks.explain.inputs.blocks import full_rate
+from tasks.explain.inputs.labels import clock_remarks, disturbed_rows, with_usable_labels
+from tasks.explain.inputs.prepared import known_before, prepare, shown_segments
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import segments_of
 from tasks.words import say

@@ -8,16 +8,14 @@ from scipy.spatial.transform import Rotation
 from short_run import short_run
 
 from schemas.recording import ACCEL, GYRO, Recording, Stream
-from tasks.explain.channels import CHANNELS
-from tasks.explain.evidence.assemble import OTHER
+from tasks.explain.evidence.findings import OTHER
 from tasks.explain.explain import explain
+from tasks.explain.explanation import CHANNELS
+from tasks.explain.inputs.blocks import FullRate
 from tasks.explain.inputs.coarse_delay import MIN_DELAY, coarse_delay
-from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.prepared import advanced
-from tasks.explain.inputs.reference import ReferencePrediction
-from tasks.explain.inputs.seen_places import with_seen_places
-from tasks.explain.inputs.tracked_body import in_unit_axes
-from tasks.model.simulate import predict
+from tasks.explain.inputs.reference import ReferencePrediction, in_unit_axes, with_seen_places
+from tasks.model.model import predict
 from tasks.model.term import nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.pose import Tracking

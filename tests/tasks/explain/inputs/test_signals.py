@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from schemas.recording import Recording, Stream
-from tasks.explain.inputs.full_rate import full_rate
-from tasks.explain.inputs.gyro_acceleration import with_gyro_acceleration
-from tasks.explain.inputs.recorded_signals import _smoothed, within_jumps
+from tasks.explain.inputs.blocks import full_rate
+from tasks.explain.inputs.signals import _smoothed, with_gyro_acceleration, within_jumps
 from tasks.explain.inputs.simulated_reading import dither, simulated_reading
 from tasks.motion.whole import Motion, whole_motion
 from tests.moved_by_hand import by_hand, poses, readings, recording

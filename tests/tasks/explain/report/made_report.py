@@ -15,9 +15,8 @@ from schemas.discrepancy import (
 )
 from schemas.recording import Manifest, Recording, Stream
 from schemas.text import Statement
-from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import Consequences
-from tasks.explain.explanation import Explanation, Finding
+from tasks.explain.explanation import CHANNELS, Explanation, Finding
 from tasks.explain.report import discrepancy_of
 
 RATE_HZ, DWELL, PAUSE = 20.0, 30.0, 3.0

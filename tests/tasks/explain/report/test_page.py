@@ -14,12 +14,10 @@ import pytest
 from schemas.base import Unusable
 from schemas.discrepancy import Consequence, Discrepancy
 from schemas.recording import Stream
-from tasks.explain.channels import CHANNELS
-from tasks.explain.explanation import Explanation
+from tasks.explain.explanation import CHANNELS, Explanation
 from tasks.explain.report import report_html, write_report
-from tasks.explain.report.before_after import affected, before_after_svg, spectrum
-from tasks.explain.report.cells import cells_of
-from tasks.explain.report.shares import shares_svg
+from tasks.explain.report.discrepancy import affected, before_after_svg, cells_of, spectrum
+from tasks.explain.report.verdict import shares_svg
 from tasks.explain.report.where import where_svg
 from tasks.words import LANGUAGES
 from tests.tasks.explain.report.made_report import (

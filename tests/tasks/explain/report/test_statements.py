@@ -8,9 +8,12 @@ from schemas.discrepancy import Discrepancy, FoundParameter
 from schemas.text import Statement
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
-from tasks.explain.report.names import parameter_name
-from tasks.explain.report.statements import strength_of_evidence, times_more_probable
-from tasks.model.effect import effect_name
+from tasks.explain.report.statements import (
+    parameter_name,
+    strength_of_evidence,
+    times_more_probable,
+)
+from tasks.model.term import effect_name
 from tasks.words import say
 from tasks.words import texts as in_languages
 from tests.tasks.explain.report.made_report import (

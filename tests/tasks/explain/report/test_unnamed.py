@@ -10,7 +10,7 @@ from schemas.discrepancy import Dimension, ReportedFinding
 from schemas.text import Statement
 from tasks.explain.explanation import Partition, Refusal
 from tasks.explain.report.discrepancy import next_of
-from tasks.model.effect import effect_name
+from tasks.model.term import effect_name
 from tasks.words import texts
 from tests.tasks.explain.report.made_report import explanation, finding, located, unnamed, where
 

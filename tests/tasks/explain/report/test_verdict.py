@@ -6,7 +6,7 @@ import pytest
 from schemas.discrepancy import Discrepancy, FoundParameter, HeldOut
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
-from tasks.readings.implausible import found_on_sight
+from tasks.readings.plausibility import found_on_sight
 from tasks.words import message
 from tests.tasks.explain.report.made_report import (
     BIAS,

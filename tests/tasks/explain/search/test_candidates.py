@@ -6,25 +6,26 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY, NOISY, RATE, motion, noise, observed, read
 
-from tasks.explain.channels import ACCELS, EVERY, GYROS
-from tasks.explain.explanation import UNNAMED
-from tasks.explain.search.behaviours import UnlistedForm, behaviours
+from tasks.explain.explanation import ACCELS, EVERY, GYROS, UNNAMED
 from tasks.explain.search.candidates import (
     COSINES,
+    OVERSAMPLING,
+    STEP_DISTANCE,
     STEP_TIMES,
     STRENGTHS,
     Candidate,
     Prior,
+    UnlistedForm,
     Weights,
+    behaviours,
     candidates_of,
     columns_of,
     plausible_half_ranges,
+    with_proposed_shapes,
 )
 from tasks.explain.search.design import BandedDesign, banded_design, with_columns
-from tasks.explain.search.empirical import empirical
-from tasks.explain.search.empirical_terms import sinusoid
+from tasks.explain.search.empirical import empirical, sinusoid
 from tasks.explain.search.kinds import with_kinds
-from tasks.explain.search.proposals import OVERSAMPLING, STEP_DISTANCE, with_proposed_shapes
 from tasks.explain.search.stepwise import Selected, Selection, initial_noises, search
 from tasks.model.model import Model
 from tasks.model.term import Inputs, Term
@@ -36,7 +37,7 @@ from tasks.model.terms.hysteresis import hysteresis
 from tasks.model.terms.memory import BIAS_RANDOM_WALK, bias_step
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.timing import TIME_OFFSET
-from tasks.motion.lag import first_order_lag
+from tasks.motion.samples import first_order_lag
 from tasks.motion.table import EARTH_RATE
 
 # Times of jumps and periods of waves are read off the whitened residual.

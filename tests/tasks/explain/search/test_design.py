@@ -21,16 +21,17 @@ from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import columns_of
 from tasks.explain.search.design import (
     BandedDesign,
+    Derivatives,
+    FittedModel,
     banded_design,
     normal_equations,
     residual_noises,
     residuals,
     with_columns,
 )
-from tasks.explain.search.linearised import Derivatives, FittedModel
 from tasks.explain.search.stepwise import initial_noises
+from tasks.model.fit import inverse
 from tasks.model.model import Model
-from tasks.model.regression import inverse
 from tasks.model.term import Column, Inputs, Parameter, Term
 from tasks.model.terms.axes import AXIS_TILT
 from tasks.model.terms.environment import TEMPERATURE_BIAS

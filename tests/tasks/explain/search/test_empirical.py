@@ -7,24 +7,21 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY, MOVE, REST, SPANS, motion
 
-from tasks.explain.channels import GYROS
-from tasks.explain.explanation import UNNAMED
+from tasks.explain.explanation import GYROS, UNNAMED
 from tasks.explain.search.empirical import (
+    LostMotion,
+    Tip,
     empirical,
     gravity_turns,
     lagged,
-    repositioning,
-    time_since,
-    turning,
-)
-from tasks.explain.search.empirical_terms import (
-    LostMotion,
-    Tip,
     leans,
     lost_motion,
+    repositioning,
     scale_factor_drift,
     sinusoid,
+    time_since,
     tips,
+    turning,
 )
 from tasks.model.term import Inputs, Term
 from tasks.motion.table import TableAxes

@@ -10,10 +10,14 @@ from short_run import RATE, ShortRun, short_run
 
 from tasks.explain.explain import fitted_effects
 from tasks.explain.search.candidates import Candidate, Prior
-from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
-from tasks.model.model import Model
-from tasks.model.simulate import predict
+from tasks.explain.search.fitted import (
+    FittedSelection,
+    fitted,
+    linearised,
+    model_of,
+    with_later_clock,
+)
+from tasks.model.model import Model, predict
 from tasks.model.term import Term, nominal_values, places
 from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS, thermal_transient

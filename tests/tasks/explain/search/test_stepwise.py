@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 from labelled_rests import labelled_rests, recording_of
 
 from schemas.recording import Recording
-from tasks.explain.channels import GYROS
 from tasks.explain.explain import explain
+from tasks.explain.explanation import CERTAIN, GYROS
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.odds import CERTAIN
 from tasks.explain.search.candidates import (
     COSINES,
     STRENGTHS,
@@ -31,11 +30,17 @@ from tasks.explain.search.design import (
     banded_design,
     normal_equations,
 )
-from tasks.explain.search.empirical_terms import sinusoid
-from tasks.explain.search.rivals import with_rivals
-from tasks.explain.search.scores import PER_PARAMETER, rank
-from tasks.explain.search.special_case import departure_shown, places_apart
-from tasks.explain.search.stepwise import FALSE_ALARMS, Selection, search
+from tasks.explain.search.empirical import sinusoid
+from tasks.explain.search.stepwise import (
+    FALSE_ALARMS,
+    PER_PARAMETER,
+    Selection,
+    departure_shown,
+    places_apart,
+    rank,
+    search,
+    with_rivals,
+)
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient

@@ -5,10 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.model.hysteresis_states import relaxed
-from tasks.model.parameters import STILL
-from tasks.model.term import SensorTerm
-from tasks.model.terms.hysteresis import candidates, hysteresis
+from tasks.model.term import STILL, SensorTerm
+from tasks.model.terms.hysteresis import candidates, hysteresis, relaxed
 from tests.tasks.model.table_run import T, motion, read, recording
 
 RUN = motion()

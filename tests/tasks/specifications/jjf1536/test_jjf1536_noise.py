@@ -8,7 +8,7 @@ import pytest
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
 from tasks.specifications.jjf1536 import JJF1536
-from tasks.specifications.jjf1536.angles import fit_angle_noise, pooled_allan
+from tasks.specifications.jjf1536.evidence import fit_angle_noise, pooled_allan
 from tests.tasks.items_only import items_only
 
 AXES = "xyz"

@@ -19,7 +19,7 @@ from tasks.motion.table import EARTH_RATE
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.readings import READINGS
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
-from tasks.uncertainty.examples import acquisition, combine_as_example
+from tasks.uncertainty.monte_carlo import acquisition, combine_as_example
 from tasks.words import say
 from tests.manifests import at_station
 from tests.tasks.items_only import items_only

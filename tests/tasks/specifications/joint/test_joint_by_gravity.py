@@ -9,8 +9,7 @@ from scipy.spatial.transform import Rotation
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
 from tasks.specifications.joint import JOINT
-from tasks.specifications.joint.gravity_fit import fit_gravity
-from tasks.specifications.joint.moves import Moves, fit_moves
+from tasks.specifications.joint.moves import Moves, fit_gravity, fit_moves
 from tests.manifests import manifest_of
 from tests.tasks.items_only import items_only
 

@@ -11,9 +11,8 @@ from tasks.model.term import Term
 from tasks.model.terms.environment import TEMPERATURE_BIAS
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import ACCEL_BIAS, ACCEL_MATRIX, GYRO_TERMS, STANDARD_TERMS
-from tasks.specifications.gather import gather
-from tasks.specifications.joint.segment_motion import segment_motion
-from tasks.specifications.joint.solution import Joint, solve_jointly
+from tasks.specifications.evidence import gather
+from tasks.specifications.joint.solution import Joint, segment_motion, solve_jointly
 from tasks.uncertainty.equipment import JJF2003
 
 CREEP = (2e-4, -1e-4, 3e-4, 0.01, 0.02, -0.03)  # per kelvin

@@ -6,7 +6,7 @@ import pytest
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, AXES, GYRO, Recording, Stream
 from tasks.specifications.joint import JOINT
-from tasks.specifications.joint.zero_correction import Solved, least_squares, zero_corrected
+from tasks.specifications.joint.solution import Solved, least_squares, zero_corrected
 from tests.manifests import manifest_of
 from tests.tasks.items_only import items_only
 

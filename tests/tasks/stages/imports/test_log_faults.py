@@ -13,9 +13,8 @@ from schemas.recording import ACCEL, GYRO, Recording
 from schemas.text import Remark
 from storage.formats.convert import Changes
 from storage.home import Home
-from tasks.readings.codes import codes_put_right
-from tasks.readings.offset_binary import offset_taken_off
-from tasks.stages.imports import log
+from tasks.readings.codes import codes_put_right, offset_taken_off
+from tasks.stages import logger_table
 from tasks.words import argument, say
 from tests.storage.formats.logger.makers.loggers import protocol
 from tests.tasks.readings.makers.bench import DEG, Bench, G, bench
@@ -27,7 +26,7 @@ RAW = {"gyro": "65.5/dps", "accel": "4096/g"}
 
 @pytest.fixture(autouse=True)
 def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(log, "draw_recording", lambda _recording, path: path)
+    monkeypatch.setattr(logger_table, "draw_recording", lambda _recording, path: path)
 
 
 def made(seed: int, hertz: float = 50.0, **changes: object) -> Bench:
@@ -59,7 +58,7 @@ def understood(
     table = folder / "log.csv"
     table.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
     lines = protocol(one, folder / "protocol.csv", lambda s: f"{s:.3f}")
-    shown = log.understand(
+    shown = logger_table.understand(
         table, Home(folder / "home"), protocol=lines, columns={},
         changes=Changes(gravity=G, units=units or {}),
     )  # fmt: skip

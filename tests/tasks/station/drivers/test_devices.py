@@ -10,12 +10,11 @@ from pydantic import TypeAdapter, ValidationError
 
 from schemas.base import Unusable
 from schemas.described import Register
-from schemas.devices import ModbusTable, PythonDevice, TableDevice
-from schemas.station import StationFile
+from schemas.station import ModbusTable, PythonDevice, StationFile, TableDevice
 from tasks.station.drivers import devices as module
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.encoders import Unwrapped
-from tasks.station.drivers.modbus_device import ModbusBackend
+from tasks.station.drivers.modbus import ModbusBackend
 from tests.tasks.station.sample_stations import sample
 
 TABLE: TypeAdapter[Any] = TypeAdapter(TableDevice)

@@ -8,9 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.unit_link import TextFrame, UnitLink
-from tasks.station.drivers.frames import check_sums, find_binary, find_text
-from tasks.station.drivers.samples import no_samples, sample_type, to_stream
-from tasks.station.drivers.unit import StampSequence
+from tasks.station.drivers.unit import (
+    StampSequence,
+    check_sums,
+    find_binary,
+    find_text,
+    no_samples,
+    sample_type,
+    to_stream,
+)
 from tests.tasks.station.sample_stations import angles_link, rates_link, sample
 
 RATES, ANGLES = rates_link().frame, angles_link().frame

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from tasks.station.virtual.profile import Profile
-from tasks.station.virtual.protocol import AXIS_STATUS, MODES
-from tasks.station.virtual.table import VirtualTable
+from tasks.station.virtual.config import AXIS_STATUS, MODES
+from tasks.station.virtual.table import Profile, VirtualTable
 
 PIECES = 200  # of a period
 

@@ -200,7 +200,7 @@ def test_a_controller_that_has_none_is_told_before_anything_moves(short, kept):
 
 
 def test_a_swing_beyond_the_limits_is_refused():
-    from tasks.station.requirements import check_limits
+    from tasks.station.plan import check_limits
 
     fields = sample("three_letter_table")
     fields["limits"] = {"axes": {"outer": {"acceleration_deg_s2": 500.0, "angle_deg": [-4, 400]}}}

@@ -13,9 +13,7 @@ from pymodbus.client.mixin import ModbusClientMixin as Mixin
 
 from schemas.station import StationFile
 from tasks.station.drivers.modbus import host_and_port
-from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.protocol import (
+from tasks.station.virtual.config import (
     AXIS_BASE,
     AXIS_REGISTERS,
     AXIS_STRIDE,
@@ -26,7 +24,9 @@ from tasks.station.virtual.protocol import (
     TABLE_DEVICE,
     TABLE_REGISTERS,
     Register,
+    VirtualStation,
 )
+from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.registers import ChamberRegisters, TableRegisters
 from tasks.station.virtual.simulation import Simulation
 

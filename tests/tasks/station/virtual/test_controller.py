@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 from pymodbus.constants import ExcCodes
 
-from tasks.station.virtual import controller as under_test
-from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.protocol import COMMANDS, TABLE_STATUS
+from tasks.station.virtual import registers as under_test
+from tasks.station.virtual.config import COMMANDS, TABLE_STATUS, VirtualStation
 from tasks.station.virtual.servers import Doze, Pace, keep_time
 from tasks.station.virtual.simulation import Simulation
 from tests.simulated_time import run_simulated

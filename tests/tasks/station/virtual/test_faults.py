@@ -5,9 +5,8 @@ import pytest
 from pymodbus.exceptions import ModbusIOException
 
 from schemas.base import Unusable
-from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.config import AXIS_STATUS, MODES, TABLE_STATUS, VirtualStation
 from tasks.station.virtual.faults import FAULTS, StationFault, condition
-from tasks.station.virtual.protocol import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.simulation import Simulation
 from tests.tasks.station.in_thread import serving
 

@@ -4,19 +4,24 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from schemas.limits import ChamberLimits
+from schemas.laboratory import ChamberLimits
 from schemas.recording import Mount
-from tasks.station.drivers.frames import find_binary
 from tasks.station.drivers.modbus import encode
-from tasks.station.virtual import quaternions
-from tasks.station.virtual.config import VirtualStation, station_file, virtual_station
-from tasks.station.virtual.fixture import VirtualChamber
-from tasks.station.virtual.protocol import CHAMBER_REGISTERS, MODES
+from tasks.station.drivers.unit import find_binary
+from tasks.station.virtual import table
+from tasks.station.virtual.config import (
+    CHAMBER_REGISTERS,
+    MODES,
+    UnitTruth,
+    VirtualStation,
+    draw_unit,
+    station_file,
+    virtual_station,
+)
 from tasks.station.virtual.registers import ChamberRegisters, RefusedWrite
 from tasks.station.virtual.sensors import SensorNoise, UnitUnderTest
 from tasks.station.virtual.simulation import Body, Simulation
-from tasks.station.virtual.table import VirtualTable
-from tasks.station.virtual.unit import UnitTruth, draw_unit
+from tasks.station.virtual.table import VirtualChamber, VirtualTable
 
 DEG = np.pi / 180.0
 EARTH = 7.292115e-5
@@ -205,13 +210,13 @@ def test_quaternions_agree_with_scipy():
     vectors = rng.normal(size=(2, 50, 3))
     first, second = (Rotation.from_rotvec(each) for each in vectors)
     p, q = (each.as_quat(scalar_first=True).T for each in (first, second))
-    both = Rotation.from_quat(quaternions.product(p, q).T, scalar_first=True)
+    both = Rotation.from_quat(table.product(p, q).T, scalar_first=True)
     assert (both.inv() * first * second).magnitude().max() < 1e-12
-    up = quaternions.up_in_body(p).T
+    up = table.up_in_body(p).T
     np.testing.assert_allclose(up, first.inv().apply([0, 0, 1]), atol=1e-12)
     short = vectors[0] * 1e-9
     turn = Rotation.from_rotvec(short).as_quat(scalar_first=True).T
-    np.testing.assert_allclose(quaternions.rotation_vector(turn).T, short, rtol=1e-12)
+    np.testing.assert_allclose(table.rotation_vector(turn).T, short, rtol=1e-12)
 
 
 # The virtual AHRS and its fixture against arithmetic done here: angles, rests, restarts.

@@ -11,11 +11,17 @@ from pymodbus.exceptions import ModbusIOException
 
 from schemas.base import Unusable
 from tasks.station.drivers.modbus import host_and_port
-from tasks.station.virtual.config import VirtualStation, truth
+from tasks.station.virtual.config import (
+    CAPTURE_REGISTERS,
+    MODES,
+    TABLE_DEVICE,
+    TABLE_REGISTERS,
+    VirtualStation,
+    draw_unit,
+    truth,
+)
 from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.process import running
-from tasks.station.virtual.protocol import CAPTURE_REGISTERS, MODES, TABLE_DEVICE, TABLE_REGISTERS
-from tasks.station.virtual.unit import draw_unit
+from tasks.station.virtual.servers import running
 from tests.tasks.station.in_thread import serving
 
 SETTLED, MOVING, WATCHDOG = 4, 2, 64
@@ -186,7 +192,7 @@ def test_a_station_ends_when_its_starter_dies(tmp_path):
     script = (
         "import os\n"
         "from tasks.station.virtual.config import VirtualStation\n"
-        "from tasks.station.virtual.process import running\n"
+        "from tasks.station.virtual.servers import running\n"
         "with running(VirtualStation(), 1.0) as found:\n"
         "    print(found.table.url.rpartition(':')[2], flush=True)\n"
         "    os._exit(3)\n"

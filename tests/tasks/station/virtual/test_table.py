@@ -6,10 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.recording import TableAxis
-from tasks.station.virtual.config import TableDesign
-from tasks.station.virtual.profile import to_angle, to_rate
-from tasks.station.virtual.protocol import AXIS_STATUS, MODES, TABLE_STATUS
-from tasks.station.virtual.table import VirtualTable
+from tasks.station.virtual.config import AXIS_STATUS, MODES, TABLE_STATUS, TableDesign
+from tasks.station.virtual.table import VirtualTable, to_angle, to_rate
 
 DEG = np.pi / 180.0
 

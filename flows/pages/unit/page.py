@@ -1,0 +1,287 @@
+"""Lays the page of one unit, or the list of units, out."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import dash_mantine_components as dmc
+from dash.development.base_component import Component
+
+from flows.pages.due import due_state
+from flows.pages.parts import (
+    StepState,
+    View,
+    badge,
+    choice,
+    decision_state,
+    facts,
+    grid,
+    heading,
+    link,
+    note,
+    stated,
+    table,
+)
+from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
+from flows.pages.run.page import certificate_table
+from flows.pages.unit.data import AsMeasured, ElementHistory, Reading, UnitQuestion, UnitShown
+from storage.catalogue.selection import UnitLine
+from tasks.conformity.limits import interval_text
+from tasks.quality.charts import DriftRate
+from tasks.words import message
+from tasks.words.numbers import Scale, common_scales, exact, quantity, unit_text
+
+Scales = dict[str, Scale]  # by the unit of the values
+OWN: dict[str, dict[str, Any]] = {
+    "serial": {"cellRenderer": "UnitLink"}, "certificate": {"minWidth": 165},
+    "runs": {"filter": "agNumberColumnFilter"},
+    **{each: {"cellRenderer": "State", "minWidth": 140} for each in ("verdict", "due")},
+}  # fmt: skip
+ACROSS, PANEL_PX, GAP = 3, 230, 0.08
+COLORS: dict[AsMeasured, str] = {"found": BLUE, "left": ORANGE, "invalid": GREY}
+SYMBOLS: dict[AsMeasured, str] = {"found": "circle", "left": "diamond", "invalid": "x"}
+
+
+def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
+    """One unit where it is named, else the list."""
+    if shown.unit is None:
+        return _list(shown, view)
+    parts = [_facts(shown.unit, view), _advice(shown, view)]
+    if shown.elements:
+        parts += [_choice(shown, view), *_history(shown, view)]
+    else:
+        parts.append(dmc.Text(view.text("pages-unit-no-result")))
+    return dmc.Stack(
+        [
+            *parts,
+            heading("pages-unit-heading.certificates", view),
+            certificate_table(shown.certificates, view),
+        ]
+    )
+
+
+def _list(shown: UnitShown, view: View) -> Component:
+    names = "serial model manufacturer runs last-run certificate verdict due"
+    rows = [_row(each, view) for each in shown.units]
+    shown_units = grid(
+        "units", "pages-unit-column", names, rows, view, "calc(100vh - 190px)", 120, OWN
+    )
+    count = view.text("pages-unit-count", count=shown.total)
+    return dmc.Stack([dmc.Text(count), shown_units], gap="xs")
+
+
+def _row(line: UnitLine, view: View) -> dict[str, Any]:
+    verdict, due = decision_state(line.verdict), due_state(line.due)
+    return {
+        "unit": line.id, "serial": line.serial, "model": line.model, "runs": line.runs,
+        "manufacturer": line.manufacturer, "last-run": line.last_run and str(line.last_run),
+        "certificate": line.certificate, "verdict": view.say(verdict.words),
+        "verdict_kind": verdict.kind, "due": str(line.due or "–"), "due_kind": due.kind,
+    }  # fmt: skip
+
+
+def _facts(line: UnitLine, view: View) -> Component:
+    due = due_state(line.due)
+    runs = link(str(line.runs), "/runs", manufacturer=line.manufacturer, model=line.model,
+                serial=line.serial)  # fmt: skip
+    return facts(
+        {
+            "pages-unit-column.manufacturer": line.manufacturer,
+            "pages-unit-column.model": line.model,
+            "pages-unit-column.serial": line.serial,
+            "pages-unit-column.runs": runs,
+            "pages-unit-column.last-run": str(line.last_run or "–"),
+            "pages-unit-column.certificate": line.certificate,
+            "pages-unit-column.verdict": badge(decision_state(line.verdict), view),
+            "pages-unit-column.due": dmc.Group(
+                [dmc.Text(str(line.due or "–")), badge(due, view)], gap="xs"
+            ),
+        },
+        view,
+    )
+
+
+def _advice(shown: UnitShown, view: View) -> Component:
+    sentence = view.say(shown.advice or shown.why_no_advice or "")
+    name = dmc.Text(view.text("pages-unit-interval"), size="xs", c="dimmed")
+    return dmc.Box([name, dmc.Text(sentence, size="sm")])
+
+
+def _choice(shown: UnitShown, view: View) -> Component:
+    titles = {each.item: view.say(each.title) for each in shown.elements}
+    items = [{"value": item, "label": title} for item, title in titles.items()]
+    return dmc.Box(choice("item", "pages-unit-item", items, shown.item, view), maw=480)
+
+
+def _history(shown: UnitShown, view: View) -> list[Component]:
+    of_item = [each for each in shown.elements if each.item == shown.item]
+    scales = _scales(shown.elements)
+    if shown.limits_of:
+        limits = message("pages-unit-limits.certificate", certificate=shown.limits_of)
+    elif shown.limits_by:
+        limits = message("pages-unit-limits.document", document=shown.limits_by)
+    else:
+        limits = message("pages-unit-limits.none")
+    return [
+        note(view.say(limits)),
+        picture("unit-history", history_figure(of_item, view, scales)),
+        heading("pages-unit-heading.drift", view),
+        note(view.text("pages-unit-drift-about")),
+        _drifts(shown, view, scales),
+        heading("pages-unit-heading.adjustments", view),
+        _adjustments(of_item, view, scales),
+    ]
+
+
+def _scales(elements: Sequence[ElementHistory]) -> Scales:
+    """One unit for all lengths of the page, and one for all rates."""
+    return common_scales(
+        (size, of.unit)
+        for of in elements
+        for size in (of.value, of.U, of.lower, of.upper, *(each.value for each in of.readings))
+    )
+
+
+def _drifts(shown: UnitShown, view: View, scales: Scales) -> Component:
+    names = "item symbol value limits drift readings state"
+    rows = [_element(each, view, scales.get(each.unit)) for each in shown.elements]
+    return table("pages-unit-drift", names, rows, view)
+
+
+def _element(of: ElementHistory, view: View, scale: Scale | None) -> tuple[Any, ...]:
+    found = of.drift
+    return (
+        view.say(of.title),
+        of.symbol,
+        None if of.value is None else quantity(of.value, of.U, of.unit, scale),
+        _limits(of, scale or Scale(1.0, 0, of.unit)),
+        found and quantity(found.per_year, found.U, of.unit, scale),
+        found and str(found.readings),
+        badge(_drift_state(found), view),
+    )
+
+
+def _limits(of: ElementHistory, scale: Scale) -> str | None:
+    if of.lower is None and of.upper is None:
+        return None
+    lower, upper = (
+        None if edge is None else exact(float(f"{edge * scale.factor:.9g}"))
+        for edge in (of.lower, of.upper)
+    )
+    unit = "" if scale.unit == "1" else f" {unit_text(scale.unit)}"
+    return interval_text(lower, upper) + unit
+
+
+def _drift_state(found: DriftRate | None) -> StepState:
+    if found is None:
+        return stated("pages-unit-drifts.open", "none")
+    drifts = abs(found.per_year) > found.U
+    words = f"pages-unit-drifts.{'yes' if drifts else 'no'}"
+    return stated(words, "open" if drifts else "good")
+
+
+def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> Component:
+    def text(of: ElementHistory, one: Reading) -> str | None:
+        scale = scales.get(of.unit)
+        return None if one.value is None else quantity(one.value, one.U, of.unit, scale)
+
+    rows = [
+        (
+            str(each.left.day),
+            element.symbol,
+            text(element, each.found),
+            text(element, each.left),
+            link(each.found.run, "/run", id=each.found.run),
+            link(each.left.run, "/run", id=each.left.run),
+        )
+        for element in of_item
+        for each in element.adjustments
+    ]
+    return table(
+        "pages-unit-adjustment",
+        "day symbol found left run-found run-left",
+        rows,
+        view,
+        none="pages-unit-not-adjusted",
+    )
+
+
+def history_figure(elements: Sequence[ElementHistory], view: View, scales: Scales) -> Figure:
+    """Values with U over the years, limits dotted; as left and invalid in their own colours."""
+    down = -(-len(elements) // ACROSS)
+    axes: dict[str, Any] = {}
+    traces, shapes, titles = [], [], []
+    shown: set[AsMeasured] = set()
+    for number, element in enumerate(elements):
+        end = "" if number == 0 else str(number + 1)
+        axes |= _axes(number, down, end, element)
+        scale = scales.get(element.unit) or Scale(1.0, 0, element.unit)
+        titles.append(_title(number, down, element.symbol, scale.unit))
+        edges = [edge for edge in (element.lower, element.upper) if edge is not None]
+        shapes += [_limit(edge * scale.factor, end) for edge in edges]
+        for state in COLORS:
+            of = [
+                each for each in element.readings if each.state == state and each.value is not None
+            ]
+            if of:
+                traces.append(_points(of, state, end, state not in shown, view, scale.factor))
+                shown.add(state)
+    return figure(
+        traces, view, 90 + PANEL_PX * down, shapes=shapes, showlegend=True,
+        legend={"orientation": "h", "y": 1.0, "yref": "container", "yanchor": "top", "x": 0},
+        annotations=titles,
+        margin={"t": 60, "r": 15, "l": 65, "b": 35}, **axes,
+    )  # fmt: skip
+
+
+def _domains(number: int, down: int) -> tuple[list[float], list[float]]:
+    """From left to right and from the top down."""
+    row, column = divmod(number, ACROSS)
+    width = (1.0 - GAP * (ACROSS - 1)) / ACROSS
+    gap = 0.22 / down
+    height = (1.0 - gap * (down - 1)) / down
+    left, top = column * (width + GAP), 1.0 - row * (height + gap)
+    return [left, left + width], [max(top - height, 0.0), top]
+
+
+def _axes(number: int, down: int, end: str, element: ElementHistory) -> dict[str, Any]:
+    x, y = _domains(number, down)
+    return {
+        f"xaxis{end}": {"domain": x, "anchor": f"y{end}", "tickformat": "%Y-%m", "nticks": 4,
+                        "type": "date"},
+        f"yaxis{end}": {"domain": y, "anchor": f"x{end}", "exponentformat": "power", "nticks": 6},
+    }  # fmt: skip
+
+
+def _title(number: int, down: int, name: str, unit: str) -> dict[str, Any]:
+    x, y = _domains(number, down)
+    return {
+        "text": name if unit == "1" else f"{name} ({unit_text(unit)})",
+        "x": x[0], "y": y[1], "xref": "paper", "yref": "paper",
+        "xanchor": "left", "yanchor": "bottom", "showarrow": False,
+    }  # fmt: skip
+
+
+def _points(
+    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, view: View,
+    factor: float,
+) -> Figure:  # fmt: skip
+    return {
+        "type": "scatter", "mode": "markers", "xaxis": f"x{end}", "yaxis": f"y{end}",
+        "x": [str(each.day) for each in readings],
+        "y": [(each.value or 0.0) * factor for each in readings],
+        "error_y": {"type": "data", "array": [(each.U or 0.0) * factor for each in readings],
+                    "width": 0, "thickness": 1},
+        "marker": {"color": COLORS[state], "symbol": SYMBOLS[state], "size": 5},
+        "customdata": [each.run for each in readings],
+        "text": [f"{each.run}, {each.station or '–'}" for each in readings],
+        "hovertemplate": "%{x}: %{y:.6g}<br>%{text}<extra></extra>",
+        "name": view.text(f"pages-unit-state.{state}"), "legendgroup": state,
+        "showlegend": in_legend,
+    }  # fmt: skip
+
+
+def _limit(edge: float, end: str) -> dict[str, Any]:
+    return {
+        "type": "line", "xref": f"x{end} domain", "x0": 0, "x1": 1, "yref": f"y{end}", "y0": edge,
+        "y1": edge, "line": {"color": RED, "width": 1, "dash": "dot"},
+    }  # fmt: skip
