@@ -300,7 +300,7 @@ Answer = TypeVar("Answer")
 def carry_out(work: Callable[[Order], Answer], order: Order, of: str) -> Answer:
     """Carry out an order: as a flow run if a Prefect server is named, otherwise in this process.
 
-    work: a function of `run_orders`. of: the run or certificate it concerns, for the operator.
+    work: a function of this module. of: the run or certificate it concerns, for the operator.
     """
     from flows.on_prefect.server import server_named
 

@@ -140,7 +140,7 @@ PASSED_ON = ("MIMUCAL_DATABASE", "MIMUCAL_STORE", "MIMUCAL_STATION")
 
 @dataclass(frozen=True)
 class Deployed:
-    """A deployment. flow: its name in `prefect_flows`. alone: one run at a time.
+    """A deployment. flow: its name in `flows.on_prefect.flows`. alone: one run at a time.
 
     cron: when it runs by itself; null where somebody orders it.
     """

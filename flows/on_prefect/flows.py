@@ -284,7 +284,7 @@ def _ordered(
     show_answer: Show = lambda _: None,
     name: str = "",
 ) -> Any:
-    """The flow that carries out an order by a function of `run_orders`.
+    """The flow that carries out an order by a function of `flows.execute`.
 
     show_answer: writes the artifacts of the answer, where the server takes them. name: of the flow,
     where it is another.

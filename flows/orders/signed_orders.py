@@ -59,7 +59,7 @@ def sign(flow: str, order: Order) -> Order:
 def carry_out_signed(work: Callable[[Order], Answer], order: Order) -> Answer:
     """Carries out an order of somebody who is logged in, in this process, as the flow would.
 
-    work: a function of `run_orders`.
+    work: a function of `flows.execute`.
     """
     order = sign(work.__name__, order)
     with accepted(work.__name__, order):
