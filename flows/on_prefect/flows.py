@@ -50,7 +50,6 @@ from storage import settings
 from storage.catalogue import orders, runs
 from storage.home import Home, home
 from storage.stations import file_named, statuses
-from tasks.stages import remind as alerting
 from tasks.stages import remind as reminding
 from tasks.stages.prefect_api import NotAnswered, get
 from tasks.stages.stage import without_loss
@@ -265,7 +264,7 @@ def submit(order: SubmitOrder) -> None:
 @flow(name="alert", flow_run_name="alert")
 def alert(order: AlertOrder) -> None:
     """Send a sentence to whoever operates the line; BrokenOff where a channel did not take it."""
-    sent = alerting.alert(execute.home_of(order), order.sentence)
+    sent = reminding.alert(execute.home_of(order), order.sentence)
     if faults := [f"{each.channel}: {each.fault}" for each in sent if each.fault]:
         raise BrokenOff("; ".join(faults))
 

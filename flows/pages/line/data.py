@@ -455,7 +455,7 @@ SILENT = timedelta(seconds=30)
 WRITING: tuple[State, ...] = ("warming_up", "measuring", "repeating")
 
 
-def data(_: LineQuestion, home: Home) -> LineNow:
+def line_now(_: LineQuestion, home: Home) -> LineNow:
     """Stations, alarms, orders, flow runs and today's output.
 
     Without the catalogue the stations are known all the same.
@@ -499,7 +499,7 @@ def acknowledge(asked: AlarmPressed, visitor: Visitor, home: Home) -> Acknowledg
     Raises NotAllowed where the role does not allow it, NotThere where the alarm is over.
     """
     check_may("stop", visitor, asked.alarm, home)
-    standing = data(LineQuestion(), home).alarms
+    standing = line_now(LineQuestion(), home).alarms
     alarm = next((each for each in standing if each.key == asked.alarm), None)
     if alarm is None:
         raise NotThere(f"there is no alarm {asked.alarm} any more; look at the page again")

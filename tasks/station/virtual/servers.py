@@ -29,7 +29,7 @@ from tasks.station.virtual.simulation import Simulation
 
 # The virtual station in a process of its own, for demonstrations and tests.
 #
-# `python -m tasks.station.virtual.process CONFIG SPEED FAULT...` writes the station file as one
+# `python -m tasks.station.virtual.servers CONFIG SPEED FAULT...` writes the station file as one
 # line of JSON, and ends when standard input closes.
 
 END_S = 5.0
@@ -94,10 +94,6 @@ async def _serve_until_input_ends(config: str, speed: str, *faults: str) -> None
         except Unusable as error:
             print(error, flush=True)
     serving.cancel()
-
-
-if __name__ == "__main__":
-    asyncio.run(_serve_until_input_ends(*sys.argv[1:]))
 
 
 # The lines of text on a unit's connection: the unit tells its serial number, and another unit is
@@ -363,3 +359,7 @@ async def _unit_server(
 
 def _port(server: Any) -> int:
     return int(server.sockets[0].getsockname()[1])
+
+
+if __name__ == "__main__":
+    asyncio.run(_serve_until_input_ends(*sys.argv[1:]))

@@ -105,7 +105,7 @@ def test_no_deployment_names_the_checkout_or_a_password(line, monkeypatch) -> No
     for each in post("/deployments/filter", {}):
         assert each["path"] is None
         assert each["pull_steps"] in (None, [])
-        assert each["entrypoint"].startswith("flows.on_prefect.prefect_flows.")
+        assert each["entrypoint"].startswith("flows.on_prefect.flows.")
         assert os.getcwd() not in str(each["job_variables"])
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://me:secret@host/mimucal")
     assert "secret" not in str(environment(Home(line.home)))

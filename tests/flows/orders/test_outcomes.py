@@ -7,7 +7,7 @@ import pytest
 
 from flows.orders import outcomes
 from flows.orders.production import give, submit
-from flows.pages.line.data import AlarmPressed, LineQuestion, acknowledge, data
+from flows.pages.line.data import AlarmPressed, LineQuestion, acknowledge, line_now
 from schemas.access import Visitor
 from schemas.base import NotThere, Unusable
 from schemas.orders import OrderRequest
@@ -108,19 +108,19 @@ def test_a_person_acknowledges_an_alarm_and_another_failure_is_another_alarm(
     home: Path, sent
 ) -> None:
     failed(home)
-    (alarm,) = data(LineQuestion(), Home(home)).alarms
+    (alarm,) = line_now(LineQuestion(), Home(home)).alarms
     assert alarm.acknowledged is None
     assert "另一次采集" in alarm.cause.zh
     with pytest.raises(NotThere):
         acknowledge(AlarmPressed(alarm="0" * 16), LI, Home(home))
     acknowledge(AlarmPressed(alarm=alarm.key), LI, Home(home))
-    (alarm,) = data(LineQuestion(), Home(home)).alarms
+    (alarm,) = line_now(LineQuestion(), Home(home)).alarms
     assert alarm.acknowledged is not None
     assert alarm.acknowledged.by == "Li"
     assert ("Li", "acknowledge alarm", alarm.key) in actions(home)
     orders.retry("1", "Li", Home(home))
     failed(home)
-    assert [each.acknowledged for each in data(LineQuestion(), Home(home)).alarms] == [None]
+    assert [each.acknowledged for each in line_now(LineQuestion(), Home(home)).alarms] == [None]
 
 
 def test_stop_release_retry_and_cancel_are_in_the_trail_with_who(home: Path, sent, mimucal) -> None:

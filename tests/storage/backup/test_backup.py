@@ -95,7 +95,7 @@ def test_what_is_written_meanwhile_is_in_the_next_backup_and_never_half_in_this_
     fresh: Home, filled: Fill, backups: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     filled(fresh)
-    real = backing_up.catalogue_copy.copied
+    real = backing_up.copied
     before = rows(fresh)
 
     def copied(connection: sql.Connection, objects: Objects) -> object:
@@ -103,7 +103,7 @@ def test_what_is_written_meanwhile_is_in_the_next_backup_and_never_half_in_this_
         runs.add(small(3.0, serial="late"), fresh)
         return kept
 
-    monkeypatch.setattr(backing_up.catalogue_copy, "copied", copied)
+    monkeypatch.setattr(backing_up, "copied", copied)
     back_up(fresh, backups, "1", silent)
     other = Home(tmp_path / "other")
     restore(backups, None, other, silent)

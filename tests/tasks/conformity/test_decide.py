@@ -20,7 +20,7 @@ from schemas.recording import AXES, Unit
 from schemas.station import Configuration, configuration_of
 from schemas.text import Remark, Statement
 from schemas.tolerance import Decision, Limit, ProductionPrior, Tolerance
-from tasks.conformity import Doubt, decide, expired
+from tasks.conformity import Doubt, decide, deviations, expired
 from tasks.conformity.decide import (
     Criterion,
     criterion,
@@ -599,7 +599,7 @@ def turned(to: float, axes: tuple[str, ...] = AXES, **more: Any) -> Calibration:
 
 
 def names(result: Calibration, largest: float | None) -> list[str]:
-    return [each.name for each in decide(result, Configuration(rate_range_deg_s=largest))]
+    return [each.name for each in deviations(result, Configuration(rate_range_deg_s=largest))]
 
 
 def test_the_largest_rate_of_the_units_range_has_to_be_included_about_every_axis() -> None:
@@ -627,7 +627,7 @@ def test_air_that_was_not_recorded_is_a_condition_that_was_not_checked() -> None
 
 @pytest.mark.parametrize("waived", [(), WAIVED])
 def test_what_the_order_waives_is_still_told(waived: tuple[ConditionName, ...]) -> None:
-    (each,) = decide(turned(300.0), Configuration(rate_range_deg_s=500.0), waived)
+    (each,) = deviations(turned(300.0), Configuration(rate_range_deg_s=500.0), waived)
     assert each.waived == bool(waived)
     assert each.printed.id == f"conformity-deviation.{'waived' if waived else 'open'}"
 

@@ -152,7 +152,7 @@ def test_a_stop_is_kept_with_its_cause(short, kept):
         station.acquire(short, kept)
     last = log_of(kept)[-1]
     assert last.state == "stopped"
-    assert "emergency_stop" in last.en
+    assert "emergency stop" in last.en
 
 
 def test_an_alarm_is_kept_once_and_counted_for_who_watches(short, kept):

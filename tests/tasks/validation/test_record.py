@@ -43,9 +43,9 @@ def test_the_shipped_record_is_of_this_code(method: str) -> None:
 
 def test_a_fingerprint_covers_what_the_numbers_come_from() -> None:
     names = {path.name for path in sources("jjf2003")}
-    assert {"tumble.py", "turning.py", "type_a.py", "summarise.py", "linear.py"} <= names
-    assert "zero_correction.py" not in names
-    assert "zero_correction.py" in {path.name for path in sources("joint")}
+    assert {"positions.py", "turning.py", "type_a.py", "summarise.py", "unit_model.py"} <= names
+    assert "solution.py" not in names
+    assert "solution.py" in {path.name for path in sources("joint")}
 
 
 PLAIN = "def f(x):\n    return 2 * x\n"
