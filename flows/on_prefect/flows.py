@@ -143,7 +143,7 @@ def is_cancelled(run: str) -> bool:
 
 # Names of flow runs: what it is done to, and how, as the people at the station call it.
 #
-# Import this module only after `flows.on_prefect.prefect_server.connect`.
+# Import this module only after `flows.on_prefect.server.connect`.
 
 
 def of_acquisition() -> str:
@@ -177,7 +177,7 @@ def _serials(order: AcquireOrder) -> tuple[str, ...]:
 # The orders as Prefect flows, with results and certificates as artifacts.
 #
 # A deployment takes the order as its parameter, which Prefect validates. Import this module only
-# after `flows.on_prefect.prefect_server.connect`.
+# after `flows.on_prefect.server.connect`.
 
 logs.set_up()  # a worker's process comes in here, and not by the command line
 

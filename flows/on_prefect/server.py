@@ -230,7 +230,7 @@ def serve(listener: socket.socket) -> None:
 def prefect_client(otherwise: str) -> "Iterator[SyncPrefectClient]":
     """A client of the server; what it refuses or does not answer raises Unusable.
 
-    otherwise: the end of that sentence. Call `flows.on_prefect.prefect_server.connect` before.
+    otherwise: the end of that sentence. Call `flows.on_prefect.server.connect` before.
     """
     from httpx import HTTPError
     from prefect.client.orchestration import get_client

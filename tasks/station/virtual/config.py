@@ -205,7 +205,7 @@ class UnitTruth(Frozen):
 
     @property
     def frame(self) -> Literal["rates", "angles"]:
-        """The frame that it sends, of tasks.station.virtual.protocol.FRAMES."""
+        """The frame that it sends, of tasks.station.virtual.config.FRAMES."""
         return "rates" if self.angle_lsb is None else "angles"
 
     @property

@@ -268,7 +268,7 @@ def test_without_its_database_the_frame_is_there_and_the_json_says_why(
     def stopped(_: Home) -> dict[str, users.User]:
         raise Busy("The catalogue cannot be used.")
 
-    monkeypatch.setattr("flows.pages.login.users", stopped)
+    monkeypatch.setattr("flows.pages.login.registered_users", stopped)
     assert client.get("/runs", headers=PAGE).status_code == 200
     refused = client.get("/api/v1/runs")
     assert (refused.status_code, refused.json) == (503, {"error": "The catalogue cannot be used."})

@@ -94,10 +94,10 @@ def test_entries_written_at_once_are_one_chain(
     fresh: Home, at_once: Callable[..., list[str]]
 ) -> None:
     script = """
-from storage.catalogue import database, trail
+from storage.catalogue import audit_trail, database
 for each in range(10):
     with database.changing(home) as connection:
-        trail.add(connection, "Li", "check", f"A-{each}")
+        audit_trail.add(connection, "Li", "check", f"A-{each}")
 """
     at_once(script, fresh, processes=3)
     assert [entry.number for entry in audit_trail.entries(fresh)] == list(range(1, 31))
