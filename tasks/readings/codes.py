@@ -87,6 +87,7 @@ def put_back(numbers: np.ndarray, weight: float, line: Line) -> tuple[np.ndarray
 # - a bit that sticks: every other block of 2ᵇ numbers never occurs (`tasks.readings.codes`).
 
 TRIAD_COLUMNS = ((0, 1, 2), (3, 4, 5))
+JUMP_ROWS = 1 << 14  # that are compared at once: little memory, and most have no large change
 GLANCE, LOOK = 50, 1200  # blocks of rows by which most faults are ruled out, and the others judged
 FEWEST = 6  # rows that bend by the fault
 CLEARLY, ALIKE = 5.0, 0.02  # log odds, of them: of two that do as well the first, of usual sign
@@ -299,11 +300,19 @@ def jumps(numbers: np.ndarray) -> np.ndarray:
     """
     least = float(np.fmin.reduce(numbers, initial=np.inf))
     most = float(np.fmax.reduce(numbers, initial=-np.inf))
-    above = numbers > 0.5 * (least + most)  # what jumps by more than half passes the middle
-    rows = np.flatnonzero(above[1:-2] != above[2:-1]) + 1
-    change = [numbers[rows + k + 1] - numbers[rows + k] for k in (-1, 0, 1)]
-    size = np.abs(change[1] - 0.5 * (change[0] + change[2]))
-    return size[size >= (1.0 - SAME) * (most - least)] if most > least else size[:0]
+    if not most > least:
+        return np.empty(0)
+    smallest, middle = (1.0 - SAME) * (most - least), 0.5 * (least + most)
+    found = []
+    for first in range(0, len(numbers) - 3, JUMP_ROWS):
+        block = numbers[first : first + JUMP_ROWS + 3]
+        change = np.diff(block)
+        if 2.0 * np.fmax.reduce(np.abs(change)) < smallest:  # no three of them make such a jump
+            continue
+        size = np.abs(change[1:-1] - 0.5 * (change[:-2] + change[2:]))
+        above = block[1:-1] > middle  # what jumps by more than half passes the middle
+        found.append(size[(above[:-1] != above[1:]) & (size >= smallest)])
+    return np.concatenate(found) if found else np.empty(0)
 
 
 def period_of(of_channels: Sequence[np.ndarray]) -> float | None:

@@ -28,7 +28,7 @@ from tasks.words import remark
 
 FIELD = "station_remarks"
 REMARKS = TypeAdapter(tuple[Remark, ...])
-OF_TABLE = ("table_unsettled", "table_rate")  # codes of tasks.station.anomalies
+OF_TABLE = ("table_unsettled", "table_rate")  # codes of tasks.station.monitor
 OF_UNIT = ("stuck_channel", "spikes")
 
 
