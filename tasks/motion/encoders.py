@@ -1,12 +1,4 @@
-"""The rate of an encoder's angle, over as long a window as the motion at each sample permits.
-
-A window that is short enough for the ends of a ramp makes a coarse encoder's noise a hundred times
-larger than it need be at rests and held rates. So of polynomials fitted to longer and longer
-windows each sample takes the longest whose rate still agrees, within its noise, with those of all
-shorter ones (intersection of confidence intervals: Goldenshluger and Nemirovski, Math. Meth.
-Statist. 6, 1997), and then one half as long, whose bias is small beside its noise. A rest has the
-rate of all of it.
-"""
+"""Angles that encoders recorded: their rates, their noise, and what smoothing leaves of both."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -26,6 +18,15 @@ from tasks.motion.samples import (
     noise_by_differences,
     sample_interval,
 )
+
+# The rate of an encoder's angle, over as long a window as the motion at each sample permits.
+#
+# A window that is short enough for the ends of a ramp makes a coarse encoder's noise a hundred
+# times larger than it need be at rests and held rates. So of polynomials fitted to longer and
+# longer windows each sample takes the longest whose rate still agrees, within its noise, with
+# those of all shorter ones (intersection of confidence intervals: Goldenshluger and Nemirovski,
+# Math. Meth. Statist. 6, 1997), and then one half as long, whose bias is small beside its noise.
+# A rest has the rate of all of it.
 
 SIDE = 0.25  # s: means on both sides of a sample, whose difference shows a motion
 SHORTEST = 0.5  # s
