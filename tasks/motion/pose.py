@@ -402,12 +402,12 @@ def _course_of(pose: Stream, imu: Stream) -> Course | None:
 def _tracking(frames: Frames, imu: Stream) -> Tracking:
     turned = [each.turned for each in frames.spans]
     edge = max(band_edge(turned, frames.interval), _seen_edge(frames, imu))
-    attitude_variance = _removed(turned, frames.interval, edge)
+    attitude_variance = noise_variance(turned, frames.interval, edge)
     if not frames.placed:
         return Tracking(edge, None, frames.interval, attitude_variance, 0.0)
     places = [each.place for each in frames.spans]
     place = band_edge(places, frames.interval)
-    place_variance = _removed(places, frames.interval, place)
+    place_variance = noise_variance(places, frames.interval, place)
     return Tracking(edge, place, frames.interval, attitude_variance, place_variance)
 
 
@@ -423,7 +423,7 @@ def _seen_edge(frames: Frames, imu: Stream) -> float:
     return min(seen, 0.45 / float(np.median(np.diff(t))))
 
 
-def _removed(courses: Sequence[np.ndarray], interval: float, edge: float) -> float:
+def noise_variance(courses: Sequence[np.ndarray], interval: float, edge: float) -> float:
     """Variance of one sample's noise of courses (n, 3), by what smoothing up to edge removes."""
     rest = np.concatenate([course - derivatives(course, interval, edge)[0] for course in courses])
     return float((rest**2).mean()) / taken_away(edge, interval)

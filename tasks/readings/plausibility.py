@@ -620,7 +620,7 @@ def _fit_at_both_ends(recording: Recording, labels: list[Segment], gain: float) 
     means = np.array([one.mean(axis=1) if one.size else np.full(6, np.nan) for one in read])
     at_rest = np.array([label.kind == "static" for label in own])
     gyro = _from_rest(means[:, :3], at_rest) / gain
-    direction = _directed(means[:, 3:])
+    direction = directions_of(means[:, 3:])
     fits = [_fits(label, gyro[k, None], direction[k, None])[0] for k, label in enumerate(own)]
     return all(fits)
 
@@ -629,11 +629,6 @@ def _from_rest(gyro: np.ndarray, at_rest: np.ndarray) -> np.ndarray:
     """Rates (m, 3) from what is usual at rest; of a triad that was not recorded NaN."""
     usual = gyro[at_rest & np.isfinite(gyro).all(axis=1)]
     return gyro - np.median(usual, axis=0) if len(usual) else gyro
-
-
-def _directed(accel: np.ndarray) -> np.ndarray:
-    size = np.linalg.norm(accel, axis=1)[:, None]
-    return np.where(size > 0, accel / np.where(size > 0, size, 1.0), np.nan)
 
 
 def _blocks(
@@ -652,7 +647,7 @@ def _blocks(
         if label.kind == "static":
             at_rest |= (t >= label.t_start) & (t < label.t_end)
     rate = _from_rest(gyro, at_rest) if zero is None else gyro - zero
-    return t, rate, _directed(accel)
+    return t, rate, directions_of(accel)
 
 
 def _fits(label: Segment, gyro: np.ndarray, direction: np.ndarray) -> np.ndarray:

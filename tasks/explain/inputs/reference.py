@@ -28,10 +28,9 @@ from tasks.motion.pose import (
     Course,
     Stretch,
     Tracking,
-    derivatives,
     frames_of,
+    noise_variance,
     seen_by_gyros,
-    taken_away,
 )
 from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
@@ -113,11 +112,11 @@ def _wider(tracking: Tracking, pose: Stream, imu: Stream) -> Tracking:
     place = _seen_edge(spans, reads, interval, min(HIGHEST, HALF / interval, top))
     if attitude > tracking.attitude:
         courses = [each.turned for each in frames.spans]
-        variance = _removed(courses, interval, attitude)
+        variance = noise_variance(courses, interval, attitude)
         tracking = replace(tracking, attitude=attitude, attitude_variance=variance)
     if tracking.place is not None and place > tracking.place:
         courses = [each.place for each in frames.spans]
-        variance = _removed(courses, interval, place)
+        variance = noise_variance(courses, interval, place)
         tracking = replace(tracking, place=place, place_variance=variance)
     return tracking
 
@@ -127,12 +126,6 @@ def _within(span: Stretch, t: np.ndarray) -> Stretch | None:
         return None
     rows = slice(*(np.flatnonzero(inside)[[0, -1]] + (0, 1)).tolist())
     return Stretch(span.t[rows], span.attitude[rows], span.turned[rows], span.place[rows])
-
-
-def _removed(courses: Sequence[np.ndarray], interval: float, edge: float) -> float:
-    """Variance of one sample's noise of courses (n, 3), by what smoothing up to edge removes."""
-    rest = np.concatenate([each - derivatives(each, interval, edge)[0] for each in courses])
-    return float((rest**2).mean()) / taken_away(edge, interval)
 
 
 def _seen_edge(
