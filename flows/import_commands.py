@@ -1,4 +1,4 @@
-"""Options of `mimucal import`."""
+"""The command `import` and its options."""
 
 import sys
 from pathlib import Path
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from tasks.stages.import_recording import Imported
     from tasks.stages.logger_table import LogShown
 
+
+# Options of `mimucal import`.
 
 COLUMNS = (
     "Which column is which channel, NAME=COLUMN by its name or its number from 1; NAME: t, "

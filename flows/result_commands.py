@@ -1,4 +1,4 @@
-"""Commands about missing physics: `explain`, `next`, `simulate` and `review`."""
+"""Commands about results: `explain`, `next`, `simulate`, `review`, and the history of runs."""
 
 import sys
 from contextlib import suppress
@@ -10,6 +10,8 @@ from schemas.base import BrokenOff, Unusable
 from storage.home import home
 from storage.whole_files import report_folder
 from tasks.words import say
+
+# Commands about missing physics: `explain`, `next`, `simulate` and `review`.
 
 app = typer.Typer()
 

@@ -1,4 +1,4 @@
-"""Prints a calibration."""
+"""Prints a calibration, a certificate, a discrepancy and the history of a run."""
 
 import csv
 import json
@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from tasks.stages.acquire import AcquiredRuns
     from tasks.stages.certify import Published
     from tasks.station.acquisition import Acquired
+
+
+# Prints a calibration.
 
 
 def print_calibration(calibration: Calibration) -> None:

@@ -1,4 +1,4 @@
-"""Prints tables and JSON on standard output; imports nothing heavy, so that listing is fast."""
+"""What a command prints: tables, JSON, progress, questions. Imports nothing heavy."""
 
 import asyncio
 import json
@@ -37,6 +37,8 @@ from tasks.words import message, texts
 if TYPE_CHECKING:
     import pandas as pd
 
+
+# Prints tables and JSON on standard output; imports nothing heavy, so that listing is fast.
 
 FRAMED = 500  # rows of a table with lines: rich takes 0.4 ms for each
 

@@ -1,4 +1,4 @@
-"""Measuring equipment of a laboratory: standards, their certificates and their error limits."""
+"""What a laboratory states: equipment and its certificates, error limits, its environment."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -11,6 +11,8 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from schemas.base import Finite, Frozen, shown
+
+# Measuring equipment of a laboratory: standards, their certificates and their error limits.
 
 # relative, rad or m/s²: equipment with a larger limit cannot calibrate anything
 MAX_HALF_WIDTH = 1.0

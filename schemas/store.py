@@ -1,4 +1,4 @@
-"""What a backup holds: its tables, files and recordings, each by the SHA-256 of its content."""
+"""Documents of a store: its backup, what `doctor` examined, and reminders of recalibration."""
 
 from datetime import date, time
 from pathlib import PurePosixPath
@@ -9,6 +9,8 @@ from pydantic import AfterValidator, AwareDatetime, Field, field_validator, mode
 
 from schemas.base import Frozen
 from schemas.text import CONTRACTED, Language
+
+# What a backup holds: its tables, files and recordings, each by the SHA-256 of its content.
 
 Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 

@@ -35,8 +35,6 @@ from schemas.base import Unusable, has_secret
 from storage.home import Home
 
 # What Prefect monitors: runs that are late, crashed or without heartbeat, and workers.
-#
-# Import this module only after `flows.on_prefect.server.connect`.
 
 WATCHED = ("produce", "certify", "reprocess", "remind", "review")  # the flow `alert` never
 # An order is late by design: it waits for its station. Its pool reports if no worker takes it.

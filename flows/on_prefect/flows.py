@@ -1,4 +1,8 @@
-"""What Prefect calls when a run of a station crashed or was cancelled."""
+"""The orders as Prefect flows, with results and certificates as artifacts.
+
+A deployment takes the order as its parameter, which Prefect validates. Import this module only
+after `flows.on_prefect.server.connect`.
+"""
 
 import os
 import threading
@@ -63,6 +67,8 @@ if TYPE_CHECKING:
 
     from tasks.stages.certify import Published
 
+
+# What Prefect calls when a run of a station crashed or was cancelled.
 
 CANCELLED_NAMES = ("Cancelling", "Cancelled")
 
@@ -142,8 +148,6 @@ def is_cancelled(run: str) -> bool:
 
 
 # Names of flow runs: what it is done to, and how, as the people at the station call it.
-#
-# Import this module only after `flows.on_prefect.server.connect`.
 
 
 def of_acquisition() -> str:
@@ -174,10 +178,7 @@ def _serials(order: AcquireOrder) -> tuple[str, ...]:
     return (Path(order.station).stem,)
 
 
-# The orders as Prefect flows, with results and certificates as artifacts.
-#
-# A deployment takes the order as its parameter, which Prefect validates. Import this module only
-# after `flows.on_prefect.server.connect`.
+# The flows.
 
 logs.set_up()  # a worker's process comes in here, and not by the command line
 

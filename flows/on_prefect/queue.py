@@ -1,4 +1,4 @@
-"""Orders as flow runs of a Prefect server: one of `produce/STATION` for each."""
+"""Work pools of stations: orders as flow runs, workers, late runs, lasting output."""
 
 import os
 import sys
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from prefect.client.orchestration import SyncPrefectClient
     from prefect.client.schemas.objects import State
 
+
+# Orders as flow runs of a Prefect server: one of `produce/STATION` for each.
 
 MOST = 200  # flow runs that the server gives in one answer
 LINE = "line"  # the pool of what needs no station

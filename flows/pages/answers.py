@@ -1,4 +1,4 @@
-"""/api/v1/orders: a manufacturing system gives orders, and sees what became of them."""
+"""The JSON and the files of the pages: `/api/v1`, its description, and orders by it."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -48,6 +48,8 @@ from storage.catalogue.runs import find
 from storage.home import Home
 from tasks.station import procedures
 from tasks.version import code_version
+
+# /api/v1/orders: a manufacturing system gives orders, and sees what became of them.
 
 LONGEST = 1_000_000  # bytes of an order
 

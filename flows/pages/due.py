@@ -1,4 +1,4 @@
-"""Due dates of units and equipment, and the messages sent to clients."""
+"""The Due page: due dates of units and equipment, and the messages sent to clients."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -34,6 +34,8 @@ from storage.home import Home
 from tasks.conformity.capabilities import name_of
 from tasks.stages import remind
 from tasks.words import cause_of, statement
+
+# Due dates of units and equipment, and the messages sent to clients.
 
 HORIZON_DAYS = 90
 MessageState = Literal["sent", "failed", "waiting"]

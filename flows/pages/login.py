@@ -1,4 +1,4 @@
-"""Passwords: hashed with Argon2id, checked with a limit on failed attempts."""
+"""Who may see and do what on the pages: users, sessions, proxies and passwords."""
 
 import hashlib
 import hmac
@@ -28,6 +28,8 @@ from storage.catalogue import users
 from storage.catalogue.database import Busy
 from storage.catalogue.users import users as registered_users
 from storage.home import Home
+
+# Passwords: hashed with Argon2id, checked with a limit on failed attempts.
 
 HASHER = PasswordHasher()
 LONGEST = 100  # characters of a user's name

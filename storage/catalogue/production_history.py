@@ -1,8 +1,4 @@
-"""Outcomes, values, limits and renewals of many runs at once, from the catalogue.
-
-Of a run count the result made last with the standard's terms alone and the certificate kept last,
-as in `run_list`.
-"""
+"""Many runs at once, from the catalogue: outcomes, values, limits, renewals, and their counts."""
 
 from dataclasses import dataclass
 from datetime import date, datetime
@@ -22,6 +18,11 @@ from storage.catalogue.run_states import (
 )
 from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
+
+# Outcomes, values, limits and renewals of many runs at once, from the catalogue.
+#
+# Of a run count the result made last with the standard's terms alone and the certificate kept
+# last, as in `run_list`.
 
 RUN, UNIT, MADE = tables.runs.c, tables.units.c, tables.outcomes.c
 PAPER, DECIDED, ELEMENT = tables.certificates.c, tables.decisions.c, tables.elements.c

@@ -1,4 +1,4 @@
-"""A correction, and as text for other software: YAML, ROS 2 parameters, CSV, a C header."""
+"""A correction for other software: YAML, ROS 2 parameters, CSV, a C header, kalibr."""
 
 import csv
 import io
@@ -19,6 +19,8 @@ from schemas.recording import ACCEL, AXES, GYRO, Recording, Unit
 from tasks.calibrate.information.noise import allan_curve
 from tasks.coefficients.correct import PASSES, Coefficients, coefficients, correct, local_gravity
 from tasks.model.term import DEG
+
+# A correction, and as text for other software: YAML, ROS 2 parameters, CSV, a C header.
 
 FORCES = ("accel", "force")
 FUNCTION = """

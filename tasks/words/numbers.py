@@ -1,10 +1,4 @@
-"""Rounding of a result and its expanded uncertainty: JJF 1059.1, 5.3.8.
-
-As in the examples of JJF 2003 and JJF 1536 the combined uncertainty u_c is first rounded half-even
-to three significant digits; U = k·u_c then keeps two and is rounded up, so that the certificate
-states less than was found by no more than the rounding of u_c (half a per cent at the most). The
-value is rounded half-even (GB/T 8170) to the same place.
-"""
+"""Numbers for people: quantities and units, rounding by JJF 1059.1, 5.3.8, and typography."""
 
 import math
 import re
@@ -17,6 +11,13 @@ from typing import Any
 from schemas.text import Statement
 from tasks.words.message import Argument, message
 from tasks.words.translation import LANGUAGES, say
+
+# Rounding of a result and its expanded uncertainty: JJF 1059.1, 5.3.8.
+#
+# As in the examples of JJF 2003 and JJF 1536 the combined uncertainty u_c is first rounded half-
+# even to three significant digits; U = k·u_c then keeps two and is rounded up, so that the
+# certificate states less than was found by no more than the rounding of u_c (half a per cent at
+# the most). The value is rounded half-even (GB/T 8170) to the same place.
 
 SIGNIFICANT = 2  # digits of an expanded uncertainty
 COMBINED = 3  # digits of a combined standard uncertainty before it is expanded

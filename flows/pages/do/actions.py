@@ -1,4 +1,4 @@
-"""What can be ordered from the pages, and what became of it."""
+"""What can be ordered from the pages, what became of it, and what the page shows of it."""
 
 import os
 import subprocess
@@ -34,6 +34,8 @@ from storage.home import Home
 from storage.whole_files import writing_in_home
 from tasks.station import procedures
 from tasks.words import Message, message
+
+# What can be ordered from the pages, and what became of it.
 
 OrderState = Literal["running", "done", "failed"]
 

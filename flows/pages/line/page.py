@@ -1,4 +1,4 @@
-"""The Stop button of a station: one press, no question asked."""
+"""The Line page: a card for each station, its Stop button, and what is to be seen to."""
 
 from collections.abc import Sequence
 from datetime import timedelta
@@ -37,6 +37,8 @@ from flows.pages.parts import (
 )
 from schemas.recording import RunStatus
 from tasks.words import Sayable, message
+
+# The Stop button of a station: one press, no question asked.
 
 
 def stop_button(station: str, view: View) -> Component:

@@ -1,4 +1,4 @@
-"""The charts of the Quality page, as plotly figures."""
+"""The Quality page and its charts, as plotly figures."""
 
 from collections.abc import Callable, Sequence
 from datetime import timedelta
@@ -27,6 +27,8 @@ from tasks.quality.capability import CapabilityIndex
 from tasks.quality.charts import FEWEST, HISTORY, RULES
 from tasks.quality.yields import FEWEST_IN_POINT
 from tasks.words.numbers import MINUS, USUAL_K, Scale, plain, quantities, unit_text
+
+# The charts of the Quality page, as plotly figures.
 
 CAUSES = {"adjusted": "#ae3ec9", "station": "#0ca678", "equipment": ORANGE}
 BARS = 20  # of the Pareto chart; the table beside it has all

@@ -1,4 +1,4 @@
-"""Certificates, log and lineage of a run."""
+"""The Run page: values and signals, certificates, log and lineage of a run."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -43,6 +43,8 @@ from storage.home import Home
 from tasks.certificate.equipment import setting
 from tasks.words import Sayable, message
 from tasks.words.numbers import power_of_ten, unit_text
+
+# Certificates, log and lineage of a run.
 
 
 def certificate_table(shown: Sequence[CertificateShown], view: View) -> Component:

@@ -1,8 +1,4 @@
-"""Writes an MCAP file: chunks of messages of equal length, then the summary.
-
-The mcap package writes message by message; here a whole block of messages becomes one chunk,
-and one chunk holds one channel, so that a reader can take it apart as an array.
-"""
+"""Chunks of an MCAP file: written with its summary, read again, also of a torn file."""
 
 import mmap
 import os
@@ -38,6 +34,11 @@ from mcap.records import (
 from mcap.stream_reader import get_chunk_data_stream
 
 from storage.formats.mcap.messages import schema_text
+
+# Writes an MCAP file: chunks of messages of equal length, then the summary.
+#
+# The mcap package writes message by message; here a whole block of messages becomes one chunk,
+# and one chunk holds one channel, so that a reader can take it apart as an array.
 
 MAGIC = b"\x89MCAP0\r\n"
 CHUNK = 2**20  # bytes before compression

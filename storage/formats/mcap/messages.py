@@ -1,4 +1,4 @@
-"""The definitions of the ROS 2 message types in a raw recording, as `ros2msg` schema text."""
+"""The ROS 2 messages of a raw recording: definitions, CDR, and topics."""
 
 import struct
 from collections.abc import Callable, Iterator, Mapping
@@ -8,6 +8,8 @@ import numpy as np
 
 from schemas.recording import ACCEL, ANGLE, GYRO, Stream
 from storage.formats.manifest import PLACE
+
+# The definitions of the ROS 2 message types in a raw recording, as `ros2msg` schema text.
 
 _SCALAR = "std_msgs/Header header\nfloat64 {}\nfloat64 variance"
 _COVARIED = "geometry_msgs/{0} {1}\nfloat64[9] {1}_covariance"

@@ -1,11 +1,4 @@
-"""Codes whose high byte is that of the row before.
-
-Where a high byte is late, readings are off by 256 codes when it changes.
-Where noise is not far below a byte no single reading tells it. But the low byte is right, and with
-what is expected it tells the high one; readings that are off by it then have the high byte of the
-row before far more often than of the row after. Noise knows no direction of time, and neither do
-spikes, held rows or a bias that jumps.
-"""
+"""Faults of the logged numbers: wrong codes, torn words, coarse steps, repeated rows."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -34,6 +27,14 @@ from tasks.readings.codes import bug_in_words, size_in_words
 from tasks.readings.judge import CERTAIN, in_course
 from tasks.readings.lattice import OFF_CODE, Quantiser, quantiser_of
 from tasks.words import Message, clauses, message
+
+# Codes whose high byte is that of the row before.
+#
+# Where a high byte is late, readings are off by 256 codes when it changes. Where noise is not far
+# below a byte no single reading tells it. But the low byte is right, and with what is expected it
+# tells the high one; readings that are off by it then have the high byte of the row before far
+# more often than of the row after. Noise knows no direction of time, and neither do spikes, held
+# rows or a bias that jumps.
 
 BYTE = 256.0  # codes
 ABOUT = 25  # rows about one, most of which are right

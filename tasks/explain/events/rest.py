@@ -1,10 +1,4 @@
-"""Gyro bias that the firmware estimates whenever it takes the unit to be at rest, and subtracts.
-
-While no gyro has left ± `quiet` for `wait` seconds, an estimate b follows the readings r with the
-time constant τ; what is written is y = r − b. So db/dt = y/τ there, and b is 1/τ times the
-integral of what was written in those rows: a regressor that the recording itself holds, noise
-included. A slow motion within ± `quiet` is taken for bias, and stays in all later readings.
-"""
+"""What a firmware does at rest: a bias that it takes off, and a dead zone."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -25,6 +19,13 @@ from tasks.motion.whole import Motion
 from tasks.readings.lattice import Quantiser
 from tasks.readings.plausibility import runs
 from tasks.words import message
+
+# Gyro bias that the firmware estimates whenever it takes the unit to be at rest, and subtracts.
+#
+# While no gyro has left ± `quiet` for `wait` seconds, an estimate b follows the readings r with
+# the time constant τ; what is written is y = r − b. So db/dt = y/τ there, and b is 1/τ times the
+# integral of what was written in those rows: a regressor that the recording itself holds, noise
+# included. A slow motion within ± `quiet` is taken for bias, and stays in all later readings.
 
 QUIETS = tuple(np.geomspace(0.01, 0.16, 5).tolist())  # rad/s
 WAITS = (0.25, 0.5, 1.0, 2.0)  # s

@@ -1,10 +1,4 @@
-"""Time stamps that scatter about the true instants.
-
-A logger that stamps rows when they arrive makes stamps uneven though the sensor samples evenly.
-Uneven stamps alone do not tell: sampling may be uneven and the stamps right. While the motion
-changes, the readings tell: where stamps are off by j, a reading differs by −j·dy/dt from what is
-predicted for its stamp, and where they are right it does not.
-"""
+"""Faults of the time stamps: jitter, and rows that are missing."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -24,6 +18,13 @@ from tasks.readings.robust import deviation
 from tasks.readings.stamps import MODEL_U, OUTLIER, Staircase, fit_staircase, placed, window_delays
 from tasks.words import Message, message
 from tasks.words.numbers import moment
+
+# Time stamps that scatter about the true instants.
+#
+# A logger that stamps rows when they arrive makes stamps uneven though the sensor samples evenly.
+# Uneven stamps alone do not tell: sampling may be uneven and the stamps right. While the motion
+# changes, the readings tell: where stamps are off by j, a reading differs by −j·dy/dt from what
+# is predicted for its stamp, and where they are right it does not.
 
 MISSING_ROWS = (
     1.5  # sample intervals by which stamps are late: rows are missing, evenness begins anew

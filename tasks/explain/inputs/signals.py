@@ -1,4 +1,4 @@
-"""Signals recorded beside the readings, interpolated to the unit's rows."""
+"""Signals at the unit's rows: readings, their noise, and what was recorded beside."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -13,6 +13,8 @@ from tasks.motion.samples import NORMAL_QUANTILES, bridged, noise_by_differences
 from tasks.motion.whole import Motion
 from tasks.readings.lattice import quantiser_of
 from tasks.readings.robust import deviation
+
+# Signals recorded beside the readings, interpolated to the unit's rows.
 
 MEAN_WIDTH = 5.0  # s: a unit's temperature does not change faster
 MIN_MEANS = 6

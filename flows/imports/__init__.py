@@ -1,1 +1,0 @@
-"""Recordings and tables of loggers, imported into the store."""

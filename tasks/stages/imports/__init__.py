@@ -1,1 +1,0 @@
-"""A logger's table, imported into the store: what was understood is shown first."""
