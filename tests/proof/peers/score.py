@@ -214,13 +214,6 @@ class Duties:
     abstain: Rate
     seconds: float
 
-    def response(self) -> dict[str, Any]:
-        """As plain data."""
-        values = ((name, getattr(self, name)) for name in self.__dataclass_fields__)
-        return {
-            name: value.response() if isinstance(value, Rate) else value for name, value in values
-        }
-
 
 def kinds_of(scores: Iterable[PeerScore]) -> dict[str, list[PeerScore]]:
     """Clean cases, single effects by z, several, what is outside the catalogue; those there are."""

@@ -547,7 +547,7 @@ def simulate(case: Case) -> Simulated:
 
 def simulated_from(case: Case, noise_free: NoiseFree) -> Simulated:
     """The recording of a case whose readings without noise are known."""
-    readings = noise_free.analog + noise_free.shaken + _noise(case, noise_free.truth.shape[1])
+    readings = noise_free.analog + noise_free.shaken + sensor_noise(case, noise_free.truth.shape[1])
     for effect in noise_free.effects:
         if (limits := effect.limits()) is not None:
             readings = np.clip(readings, -limits[:, None], limits[:, None])
@@ -574,7 +574,7 @@ def sealed_of(case: Case, noise_free: NoiseFree) -> dict[str, Any]:
     }
 
 
-def _noise(case: Case, count: int) -> np.ndarray:
+def sensor_noise(case: Case, count: int) -> np.ndarray:
     """(6, n): every channel its own, the same whatever the effects."""
     return np.stack([
         noise(generator(case.seed, f"noise {channel}"), model, count, case.rate_hz)

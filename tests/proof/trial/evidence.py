@@ -15,7 +15,7 @@ from tasks.words import Sayable, clauses
 from tests.proof.study import bilingual, table
 from tests.proof.trial.blind import UNNAMED
 from tests.proof.trial.pictures import cases_svg, cost_svg, effects_svg, families_svg, headline_svg
-from tests.proof.trial.score import Rate, Row, Score, by_effect, rows_of, totals_of
+from tests.proof.trial.score import Rate, Row, Score, by_effect, plain_of, rows_of, totals_of
 
 # What a trial was held on: its figures can be had again with the same.
 
@@ -391,8 +391,8 @@ def as_data(trial: Trial) -> dict[str, Any]:
         "figures": [asdict(each) | {"what": each.what.en} for each in figures(trial.scores)],
         "costs": [asdict(each) | {"what": each.what.en} for each in costs(trial.scores)],
         "failed": [each.number for each in trial.scores if each.failed],
-        "totals": {name: _plain(each) for name, each in totals_of(trial.scores).items()},
-        "rows": [_plain(each) for each in rows_of(trial.scores)],
+        "totals": {name: plain_of(each) for name, each in totals_of(trial.scores).items()},
+        "rows": [plain_of(each) for each in rows_of(trial.scores)],
         "failures": [_failure(each) for each in failures(trial.scores)],
         "cases": [_case(each) for each in trial.scores],
     }
@@ -407,11 +407,6 @@ def _case(score: Score) -> dict[str, Any]:
 def _failure(failure: Failure) -> dict[str, Any]:
     causes = [cause.en for cause in failure.causes]
     return {"case": failure.score.number, "kind": failure.kind, "causes": causes}
-
-
-def _plain(row: Row) -> dict[str, Any]:
-    values = ((name, getattr(row, name)) for name in row.__dataclass_fields__)
-    return {name: value.response() if isinstance(value, Rate) else value for name, value in values}
 
 
 def as_markdown(trial: Trial) -> str:

@@ -15,7 +15,7 @@ from tests.proof.study import Out, Real, Seed, Short, folder_of
 from tests.proof.trial.blind import ANSWERS, explain_blind
 from tests.proof.trial.evidence import Trial, as_data, as_markdown, evidence_html
 from tests.proof.trial.pictures import headline_svg
-from tests.proof.trial.score import score_all
+from tests.proof.trial.score import plain_of, score_all
 from tests.proof.trial.seal import SEALED, draw, record_and_seal, sealed
 
 MISSING_HTML = f'<p><span lang="en">{MISSING.en}</span><span lang="zh">{MISSING.zh}</span></p>'
@@ -51,7 +51,7 @@ def _evidence(
     trial: Trial, beside: Sequence[PeerScore], peers: bool, results: real_page.Results | None
 ) -> dict[str, str]:
     """The files by name: the trial, what the peers answered, and the real recordings if any."""
-    response = as_data(trial) | {"peers": [each.response() for each in duties_of(beside)]}
+    response = as_data(trial) | {"peers": [plain_of(each) for each in duties_of(beside)]}
     more = [peers_page.section(beside) if peers else MISSING_HTML]
     declared = peers_page.markdown(beside) if peers else f"{MISSING.en}\n"
     if results is not None:

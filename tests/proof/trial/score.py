@@ -308,6 +308,12 @@ class Rate:
         return {"count": self.count, "of": self.of, "share": self.share, "interval": self.interval}
 
 
+def plain_of(counted: Any) -> dict[str, Any]:
+    """The fields of a record, its rates among them, as plain data."""
+    values = ((name, getattr(counted, name)) for name in counted.__dataclass_fields__)
+    return {name: value.response() if isinstance(value, Rate) else value for name, value in values}
+
+
 @dataclass(frozen=True)
 class Row:
     """Cases of one kind. parameters: intervals that hold the truth; gap: the median share

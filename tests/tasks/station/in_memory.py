@@ -20,6 +20,7 @@ from tasks.station.ports import (
     TableState,
     check_trips,
 )
+from tasks.station.progress import Progress
 from tasks.station.virtual.config import (
     AXIS_STATUS,
     CAPTURE_VALUES,
@@ -218,3 +219,15 @@ class InMemoryStation:
             self.duration_s = wall_s()
             time_passes.cancel()
             await asyncio.gather(time_passes, return_exceptions=True)
+
+
+def spoils_once(station: InMemoryStation) -> Callable[[Progress], None]:
+    """A watcher of a run that lets the unit drop samples the first time it turns at -50 deg/s."""
+    begun: list[str] = []
+
+    def spoil(progress: Progress) -> None:
+        begun.append(progress.now)
+        first = progress.now == "rate x -50 deg/s" and "rate x +100 deg/s" not in begun
+        station.simulation.faults = (StationFault("unit_drops"),) if first else ()
+
+    return spoil

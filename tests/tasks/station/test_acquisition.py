@@ -27,7 +27,7 @@ from tasks.station.sequencer import REPEATS
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import running
-from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.in_memory import InMemoryStation, spoils_once
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import (
     MEASURED,
@@ -330,14 +330,7 @@ def test_a_pause_rests_before_the_next_segment_and_the_run_goes_on_as_one(short,
 
 def test_a_segment_that_a_moment_spoiled_is_measured_again_and_said_so(short, kept):
     station = InMemoryStation(VirtualStation())
-    begun: list[str] = []
-
-    def spoil_once(progress: Progress) -> None:
-        begun.append(progress.now)
-        first = progress.now == "rate x -50 deg/s" and "rate x +100 deg/s" not in begun
-        station.simulation.faults = (StationFault("unit_drops"),) if first else ()
-
-    acquired = station.acquire(short, kept, spoil_once)
+    acquired = station.acquire(short, kept, spoils_once(station))
     assert sorted(kept.measured()) == sorted(MEASURED)
     assert kept.measured()[-1] == "rate_x_-50"
     assert ["rate_x_-50" in sentence for sentence in repeats(acquired)] == [True]

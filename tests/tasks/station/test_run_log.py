@@ -7,11 +7,10 @@ from schemas.base import Unusable
 from schemas.recording import LogEntry, Stream
 from schemas.station import StationFile
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
-from tasks.station.progress import Progress
 from tasks.station.recorder import ROWS, LastRows
 from tasks.station.virtual.config import VirtualStation, draw_unit
 from tasks.station.virtual.faults import StationFault
-from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.in_memory import InMemoryStation, spoils_once
 from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import MEASURED, SPEED, ignore
 
@@ -85,14 +84,7 @@ def test_when_every_unit_is_silent_the_run_stops(short, sinks):
 
 def test_a_segment_is_repeated_for_the_unit_that_needs_it_alone(short, sinks):
     station = InMemoryStation(TWO)
-    begun: list[str] = []
-
-    def spoil_once(progress: Progress) -> None:
-        begun.append(progress.now)
-        first = progress.now == "rate x -50 deg/s" and "rate x +100 deg/s" not in begun
-        station.simulation.faults = (StationFault("unit_drops"),) if first else ()
-
-    first, second = station.run(request(station.file, short, sinks, spoil_once))
+    first, second = station.run(request(station.file, short, sinks, spoils_once(station)))
     assert "segment_repeated" in {remark.code for remark in first.warnings}
     assert second.warnings == ()
     assert_whole(sinks[1])

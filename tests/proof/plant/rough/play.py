@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from tests.proof.plant import simulate as plain
-from tests.proof.plant.case import Case, channel_noise, draw_unit, generator
+from tests.proof.plant.case import draw_unit, generator
 from tests.proof.plant.effects.base import Effect
 from tests.proof.plant.rough.forms import KNOWN, Logged, Rows, rough_effects
 from tests.proof.plant.rough.runs import (
@@ -28,9 +28,9 @@ from tests.proof.plant.simulate import (
     converted,
     drive,
     motions_of,
-    noise,
     read_analog,
     read_shaken,
+    sensor_noise,
 )
 from tests.proof.plant.world import Motion, World, weather
 
@@ -83,7 +83,7 @@ def play(rough: RoughCase) -> Played:
     gaps = np.empty(0, dtype=int)
     analog = read_analog(world, effects, true_time, gaps)
     _, steps = converted(case, effects, analog)
-    noisy = analog + read_shaken(world, effects, true_time, gaps) + _noise(case, len(device))
+    noisy = analog + read_shaken(world, effects, true_time, gaps) + sensor_noise(case, len(device))
     for effect in effects:
         if (limits := effect.limits()) is not None:
             noisy = np.clip(noisy, -limits[:, None], limits[:, None])
@@ -137,14 +137,6 @@ def _logged(rows: Rows, effects: tuple[Effect, ...]) -> Rows:
         if not effect.before_codes:
             rows = effect.logged(rows)
     return rows
-
-
-def _noise(case: Case, count: int) -> np.ndarray:
-    """(6, n): every channel its own, the same whatever the effects."""
-    return np.stack([
-        noise(generator(case.seed, f"noise {channel}"), model, count, case.rate_hz)
-        for channel, model in enumerate(channel_noise(case.grade))
-    ])  # fmt: skip
 
 
 def _recording(
