@@ -426,13 +426,21 @@ def _temperatures(
 
 def _at_temperatures(items: Mapping[str, Item]) -> Iterator[Remark]:
     """At which temperatures of the unit the elements hold, where it was recorded."""
+    known = {
+        key: {e: f"{t:.2f}" for e, t in (item.temperature_degc or {}).items() if t is not None}
+        for key, item in items.items()
+    }
+    every = {at for of_item in known.values() for at in of_item.values()}
+    if len(every) == 1:
+        yield remark("temperatures", message("specifications-temperature", at=every.pop()))
+        return
     held = [
         message(
             "specifications-temperatures.item", item=item_title(key),
-            at=", ".join(f"{e} {t:.2f}" for e, t in item.temperature_degc.items() if t is not None),
+            at=", ".join(f"{e} {t}" for e, t in of_item.items())
+            if len(set(of_item.values())) > 1 else min(of_item.values()),
         )
-        for key, item in items.items()
-        if item.temperature_degc
+        for key, of_item in known.items() if of_item
     ]  # fmt: skip
     if held:
         yield remark("temperatures", message("specifications-temperatures", items=clauses(held)))

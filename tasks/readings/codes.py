@@ -298,20 +298,22 @@ def jumps(numbers: np.ndarray) -> np.ndarray:
     """By how much (k,) numbers (n,) jump from row to row, beside the change in the rows about:
     where by all that is ever read, for what wraps reads no more than that.
     """
-    least = float(np.fmin.reduce(numbers, initial=np.inf))
-    most = float(np.fmax.reduce(numbers, initial=-np.inf))
-    if not most > least:
+    blocks = [numbers[i : i + JUMP_ROWS + 3] for i in range(0, len(numbers), JUMP_ROWS)]
+    least = np.array([np.fmin.reduce(block, initial=np.inf) for block in blocks])
+    most = np.array([np.fmax.reduce(block, initial=-np.inf) for block in blocks])
+    lowest, highest = least.min(initial=np.inf), most.max(initial=-np.inf)
+    if not highest > lowest:
         return np.empty(0)
-    smallest, middle = (1.0 - SAME) * (most - least), 0.5 * (least + most)
+    smallest, middle = (1.0 - SAME) * (highest - lowest), 0.5 * (lowest + highest)
+    passing = (least <= middle) & (most > middle)  # as what jumps by more than half does
     found = []
-    for first in range(0, len(numbers) - 3, JUMP_ROWS):
-        block = numbers[first : first + JUMP_ROWS + 3]
-        change = np.diff(block)
-        if 2.0 * np.fmax.reduce(np.abs(change)) < smallest:  # no three of them make such a jump
-            continue
-        size = np.abs(change[1:-1] - 0.5 * (change[:-2] + change[2:]))
-        above = block[1:-1] > middle  # what jumps by more than half passes the middle
-        found.append(size[(above[:-1] != above[1:]) & (size >= smallest)])
+    for i in np.flatnonzero(passing & (2.0 * (most - least) >= smallest)).tolist():
+        block = blocks[i]
+        above = block > middle
+        rows = np.flatnonzero(above[1:-2] != above[2:-1]) + 1
+        change = [block[rows + k + 1] - block[rows + k] for k in (-1, 0, 1)]
+        size = np.abs(change[1] - 0.5 * (change[0] + change[2]))
+        found.append(size[size >= smallest])
     return np.concatenate(found) if found else np.empty(0)
 
 

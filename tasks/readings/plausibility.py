@@ -318,7 +318,11 @@ def wrong_rates(
         return found_on_sight("rate_setting", sentence, run="remarks")
     unit = _unit(scale / common, RATES, recording.imu.stack(GYRO, LATTICE_ROWS) / scale)
     shown = {"ratio": ratio_text(common), "source": source}
-    return found_on_sight("rate_unit", _unit_sentence("rate", "gyro", unit, shown))
+    if unit and gives_angles(recording):
+        sentence = _unit_sentence("rate", "angle", (unit[0].removesuffix("/s"), unit[1]), shown)
+    else:
+        sentence = _unit_sentence("rate", "gyro", unit, shown)
+    return found_on_sight("rate_unit", sentence)
 
 
 def wrong_rates_by_ways(

@@ -17,6 +17,7 @@ specifications-mounting-unknown = The results are ordered for the axes of the mo
 specifications-unstated = No U is given where nobody states the largest error of what an element hangs on; u_A is the repeatability alone: { $items }. State how well the table holds a commanded rate (table_time.commanded_rate in the manifest, --commanded-rate of import, or the limit rate of the laboratory), and the limits of its angles.
     .item = { $item } { $elements } (u_A ≤ { $u } { $unit })
 specifications-drift-in-run = The zeros drifted during the run, by a smooth course from end to end of { $channels } ({ $unit }): a value is a mean over this switch-on, and its budget has what the course adds to the mean over the run.
+specifications-temperature = The elements hold at a temperature of the unit, by its own sensor, of { $at } °C.
 specifications-temperatures = Temperature of the unit at which each element holds, by its own sensor, °C: { $items }.
     .item = { $item } { $at }
 specifications-equipment-unknown = The recording names no specification, and the laboratory does not state the limits of its table: unknown errors of table and fixture are not included in the uncertainties, which cover the scatter of the data, the unit's resolution, gravity and latitude.

@@ -14,6 +14,7 @@ specifications-mounting-unknown = 委托要求测得值以安装基面的轴线�
 specifications-unstated = 凡测得值所依赖的最大误差无人给出者，不给出 U，u_A 仅为重复性：{ $items }。请给出转台保持指令速率的误差极限（清单中的 table_time.commanded_rate、导入时的 --commanded-rate，或实验室的 rate 极限）及其角度的极限。
     .item = { $item } { $elements }（u_A ≤ { $u } { $unit }）
 specifications-drift-in-run = 测量期间零位有平缓漂移，首尾相差 { $channels }（{ $unit }）：测得值为本次通电期间的平均，其预算已计入该漂移对全程平均的影响。
+specifications-temperature = 各测得值对应的被校对象温度（自身传感器）均为 { $at } ℃。
 specifications-temperatures = 各测得值对应的被校对象温度（自身传感器），℃：{ $items }。
     .item = { $item } { $at }
 specifications-equipment-unknown = 记录未说明所依据的规范，实验室也未给出转台允许误差：转台和夹具未知的不确定度分量未计入，不确定度含数据分散性、分辨力、当地重力和纬度的分量。

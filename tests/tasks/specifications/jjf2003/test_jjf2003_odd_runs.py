@@ -194,3 +194,13 @@ def test_a_step_that_hides_the_noise_is_said_and_counted(ideal_run) -> None:
         item = calibration.items[name]
         ideal = 1.0 if name == "accel_scale_factor" else 0.0
         assert all(abs(item.value[e] - ideal) < 3 * item.u[e] for e in item.value)
+
+
+def test_elements_that_hold_at_one_temperature_share_one_sentence(ideal_run) -> None:
+    recording = ideal_run()
+    held_at = {"specifications-temperature": 0.0, "specifications-temperatures": 5.0}
+    for said, warmed in held_at.items():
+        warm = 28.0 + np.linspace(0.0, warmed, len(recording.imu))
+        imu = replace(recording.imu, columns={**recording.imu.columns, "temperature": warm})
+        remarks = result(replace(recording, imu=imu)).remarks
+        assert [r.message.id for r in remarks if r.code == "temperatures"] == [said]
