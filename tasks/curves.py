@@ -16,7 +16,7 @@ from tasks.words.numbers import USUAL_K
 
 DIGITS = 7  # significant, more than any figure shows
 LONG_ENOUGH_S = 30.0  # of a rest: as long as the specification's dwell
-FEWEST = 3  # points that can be off a line
+FEWEST_POINTS = 3  # points that can be off a line
 OFFSETS = {"gyro": "gyro_fit_offset", "ahrs": "ahrs_zero_offset"}
 TRIAD = ("accel_scale_factor", "accel_cross_coupling", "accel_bias")
 
@@ -98,7 +98,7 @@ def rate_residuals(
     for channel, axis in enumerate(AXES):
         name, K, of_scale = f"gyro_{axis}", scale.value.get(axis), scale.u.get(axis)
         points = [i for i in evidence.points[axis] if name in calibration.segments[i].mean]
-        if K is None or of_scale is None or len(points) < FEWEST:
+        if K is None or of_scale is None or len(points) < FEWEST_POINTS:
             continue
         rate = np.degrees(evidence.rate[points])
         read = np.degrees([calibration.segments[i].mean[name] for i in points])

@@ -27,7 +27,7 @@ from tasks.words.numbers import clause, plain, quantity_text
 
 # Reasons on the side of the measuring equipment that prevent a pass.
 
-ROUNDING = 1e-9  # relative: two limits that differ by less are one
+LIMIT_ROUNDING = 1e-9  # relative: two limits that differ by less are one
 
 
 def expired(equipment: Iterable[MeasurementStandard], on: date) -> tuple[Message, ...]:
@@ -126,7 +126,7 @@ def smaller_than_stated(
         for name, line in used.items()
         if name in stated
         and not _is_its_function(line, stated[name])
-        and line.u < standard_uncertainty(stated[name]) * (1 - ROUNDING)
+        and line.u < standard_uncertainty(stated[name]) * (1 - LIMIT_ROUNDING)
     )  # fmt: skip
 
 

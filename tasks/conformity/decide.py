@@ -45,7 +45,7 @@ REACH = 12.0  # standard deviations from the mean beyond which a normal density 
 Interval = tuple[float, float]
 FULL_GUARD_BAND = 1.0  # w = U
 USUAL_CAPABILITY = 1.0  # T = 2 U: U is half the interval of the limits
-CLEAR = 0.95  # probability at which a one-sided limit without a bound on U is decided on
+DECIDING_PROBABILITY = 0.95  # at which a one-sided limit without a bound on U is decided on
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Criterion:
         if self.U_max is not None and self.U_max < U:
             return False
         if self.unbounded:
-            return not 1.0 - CLEAR < conforms < CLEAR
+            return not 1.0 - DECIDING_PROBABILITY < conforms < DECIDING_PROBABILITY
         return self.capability(U) >= max(self.min_capability or 0.0, self.factor)
 
     def verdict(self, value: float, U: float, conforms: float) -> Verdict:
@@ -217,7 +217,7 @@ def _proper(probability: float) -> float:
     return min(max(probability, 0.0), 1.0)
 
 
-WHOLE = ("all",)  # an item of which nothing is known but that it is unavailable
+WHOLE_ITEM = ("all",)  # an item of which nothing is known but that it is unavailable
 
 
 def decide(
@@ -413,7 +413,7 @@ def check(calibration: Calibration, limit: Limit) -> None:
         )
     known_elements = _elements(item, limit.item)
     strange = [element for element in limit.elements or () if element not in known_elements]
-    if limit.elements == () or (strange and known_elements != WHOLE):
+    if limit.elements == () or (strange and known_elements != WHOLE_ITEM):
         raise Unusable(
             f"{place} for the elements {strange}, but this item has "
             f"{', '.join(known_elements)}: name some of these or leave `elements` out."
@@ -442,7 +442,7 @@ def withdrawn(calibration: Calibration, name: str) -> bool:
 def _elements(item: Item | None, name: str) -> tuple[str, ...]:
     """Every element the item has; those of the specification also where the result lacks them."""
     named = ITEMS[name].elements if name in ITEMS else ()
-    return tuple(dict.fromkeys((*named, *(item.value if item else ())))) or WHOLE
+    return tuple(dict.fromkeys((*named, *(item.value if item else ())))) or WHOLE_ITEM
 
 
 # Conditions of the specification that were not met, or were not checked.

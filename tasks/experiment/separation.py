@@ -22,7 +22,7 @@ from tasks.motion.encoders import as_mean_rates
 from tasks.motion.samples import sample_interval
 
 FINE_HZ, STILL_HZ = 1000.0, 100.0  # of a motion that is planned, and of none
-QUIET = 1e-4  # rad/s, m/s²: so that noise is told of something
+QUIET_NOISE = 1e-4  # rad/s, m/s²: so that noise is told of something
 PROBABILITY = 0.95  # of one name, the right one, from which a recording decides
 
 
@@ -57,7 +57,7 @@ class UnitNoise:
         the motion between its samples is as unknown as it will be.
         """
         readings = np.nan_to_num(truth.prediction(self._as_usual(full_rate(fine)).motion))
-        readings += np.random.default_rng(0).normal(scale=QUIET, size=readings.shape)
+        readings += np.random.default_rng(0).normal(scale=QUIET_NOISE, size=readings.shape)
         columns = {**fine.imu.columns, **dict(zip(CHANNELS, readings.T.copy(), strict=True))}
         unit, reference = self._rows(fine)
         seen = replace(

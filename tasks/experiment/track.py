@@ -79,8 +79,8 @@ def _warm_up(t: np.ndarray, degc: np.ndarray) -> tuple[float, float, float]:
     return min(tried)[1:]
 
 
-WHOLE = 360.0
-QUIET = 1e-4  # rad/s, m/s²: what the unit reads, so that noise is told of something
+TURN_DEG = 360.0
+QUIET_NOISE = 1e-4  # rad/s, m/s²: what the unit reads, so that noise is told of something
 
 
 @dataclass
@@ -137,7 +137,7 @@ class _Track:
 
     def move(self, goal: np.ndarray, rate: float, acceleration: float) -> None:
         """All axes from rest to rest, each the shorter way."""
-        way = (goal - self.angles + WHOLE / 2) % WHOLE - WHOLE / 2
+        way = (goal - self.angles + TURN_DEG / 2) % TURN_DEG - TURN_DEG / 2
         if np.abs(way).max() > 0.0:
             self._append(self.angles + way * _profile(np.abs(way).max(), rate, acceleration,
                                                       self.step_s)[:, None])  # fmt: skip
@@ -199,7 +199,7 @@ def planned_recording(
         "recording_id": procedure.name, "segments": tuple(track.segments),
         "standard": procedure.standard,
     }  # fmt: skip
-    noise = np.random.default_rng(0).normal(scale=QUIET, size=(6, len(t)))
+    noise = np.random.default_rng(0).normal(scale=QUIET_NOISE, size=(6, len(t)))
     readings = dict(zip((*GYRO, *ACCEL), noise, strict=True))
     if thermal is not None and track.set_points:
         readings["temperature"] = thermal.temperatures(t, track.set_points)

@@ -29,7 +29,7 @@ from tasks.motion.samples import (
 # A rest has the rate of all of it.
 
 SIDE = 0.25  # s: means on both sides of a sample, whose difference shows a motion
-SHORTEST = 0.5  # s
+SHORTEST_REST = 0.5  # s
 AHEAD = 0.06  # s: means by which the end of a rest is found, and how far it stays before it
 FEWEST_AHEAD = 3  # samples
 MOVED, LEFT, SLOPING = 4.0, 2.5, 3.0  # standard deviations
@@ -39,9 +39,9 @@ LONGEST_HALF = 1.0  # s
 FEWEST_HALF = 2  # samples on each side that a quartic needs
 GROWTH, HALVED = np.sqrt(2.0), 2  # from window to window, and the windows that make one half
 AGREEING = 3.0  # standard deviations
-MANY = 3  # shortest windows over which a choice has to be usual
-QUIET = 1e-4  # rad/s: noise of the shortest window that no longer one has to make smaller
-ROUNDING = 1e-12  # rad: an angle that changes by less stands still
+USUAL_WINDOWS = 3  # shortest windows over which a choice has to be usual
+QUIET_RATE = 1e-4  # rad/s: noise of the shortest window that no longer one has to make smaller
+ANGLE_ROUNDING = 1e-12  # rad: an angle that changes by less stands still
 
 
 # Rests shown by a coarse encoder, each of which has one rate as a whole.
@@ -101,12 +101,12 @@ def encoder_rate(angle: np.ndarray, interval: float, variance: np.ndarray) -> En
     for number, kernel in enumerate(kernels):
         rates.append(filtered(angle, kernel) / interval)
         variances.append(np.maximum(filtered(variance, kernel**2), 0.0) / interval**2)
-        within = AGREEING * np.sqrt(variances[-1]) + ROUNDING / interval
+        within = AGREEING * np.sqrt(variances[-1]) + ANGLE_ROUNDING / interval
         low, high = np.maximum(low, rates[-1] - within), np.minimum(high, rates[-1] + within)
         agrees &= (low <= high) & ((inside >= len(kernel) // 2) | (number == 0))
         chosen[agrees] = number
     # Chance ends a window at single samples, a corner of the motion at as many as it is long.
-    chosen = median_filter(chosen, size=(MANY * (len(kernels[0]) // 2) * 2 + 1, 1))
+    chosen = median_filter(chosen, size=(USUAL_WINDOWS * (len(kernels[0]) // 2) * 2 + 1, 1))
     # Only where nothing ends the longest window all around is there no bias to keep small.
     unlimited = minimum_filter(chosen, size=(len(kernels[-1]) // 2, 1)) == len(kernels) - 1
     chosen = np.where(unlimited, chosen, np.maximum(chosen - HALVED, 0))
@@ -128,7 +128,7 @@ def _kernels(angle: np.ndarray, interval: float, variance: np.ndarray) -> tuple[
         return (_slope(half, 2),)
     shortest = _slope(half, 4)
     noise = np.sqrt(variance.max(initial=0.0)) * np.linalg.norm(shortest) / interval
-    if noise <= QUIET:
+    if noise <= QUIET_RATE:
         return (shortest,)
     longest = min(LONGEST_HALF / interval, len(angle) / 8)
     count = 1 + max(0, int(np.log(longest / half) / np.log(GROWTH)))
@@ -172,7 +172,7 @@ def rests(angle: np.ndarray, interval: float, variance: np.ndarray) -> Iterator[
     core = binary_erosion(still, np.ones(2 * side + 1))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], core, [False]]).astype(int)))
     for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        if (last - first) * interval >= SHORTEST:
+        if (last - first) * interval >= SHORTEST_REST:
             rest = _rest(angle, interval, noise, first, last)
             if rest is not None:
                 yield rest
@@ -244,12 +244,12 @@ def _reach(off: np.ndarray, noise: np.ndarray, ahead: int) -> int:
 # sample.
 
 NODE = 64  # samples that a noise is read off
-NEAR = 8  # samples over which a speed is averaged
+SPEED_SAMPLES = 8  # samples over which a speed is averaged
 ANGLE_NOISE_ORDER = 12  # of the differences: what servos do at some hertz must not count as noise
 DIFFERENCE = float(
     np.sqrt(comb(2 * ANGLE_NOISE_ORDER, ANGLE_NOISE_ORDER))
 )  # what they make of white noise
-WHOLE, MOSTLY = 0.1, 0.9  # steps: changes that are mostly whole ones within this are quantised
+WHOLE_STEPS, MOSTLY = 0.1, 0.9  # steps: changes mostly whole within this are quantised
 QUIETEST, LIKE = 0.25, 1.5  # quantile of stretches, and times its noise: as quiet
 FEW_STEPS = 20.0  # more are whole within rounding whatever they are
 
@@ -266,9 +266,9 @@ def angle_variance(stamps: np.ndarray, angles: np.ndarray, even: np.ndarray) -> 
     if len(angles) != len(even) or (angles != even).any():
         # Interpolation smooths neighbours, and the differences of those no longer show all of it.
         least = _least(angles) * np.sqrt(len(even) / len(angles))
-        size = np.where(size > ROUNDING, np.maximum(size, least), 0.0)
+        size = np.where(size > ANGLE_ROUNDING, np.maximum(size, least), 0.0)
     size = _by_stretch(size, len(even))
-    moved = in_blocks(np.abs(changes[ANGLE_NOISE_ORDER:]), NODE) > ROUNDING
+    moved = in_blocks(np.abs(changes[ANGLE_NOISE_ORDER:]), NODE) > ANGLE_ROUNDING
     steps = encoder_steps(angles)
     # A single change tells its place to within one step: the rate there is as uncertain as any.
     coarse = _by_stretch(moved.any(axis=1) * steps**2 / 12.0, len(even))
@@ -277,7 +277,7 @@ def angle_variance(stamps: np.ndarray, angles: np.ndarray, even: np.ndarray) -> 
         # The samples are even and their stamps are not: interpolation hides most of it.
         jitter = noise_by_differences(stamps, 2, 0.5) * np.sqrt(len(even) / len(angles))
         jitter *= len(even) / np.ptp(stamps)
-        near = np.full(NEAR, 1.0 / NEAR)
+        near = np.full(SPEED_SAMPLES, 1.0 / SPEED_SAMPLES)
         moves = np.column_stack([np.convolve(one, near, "same") for one in changes.T])
         variance = np.maximum(variance, (moves * jitter) ** 2)
     return variance
@@ -285,7 +285,7 @@ def angle_variance(stamps: np.ndarray, angles: np.ndarray, even: np.ndarray) -> 
 
 def _least(angles: np.ndarray) -> np.ndarray:
     """(k,) noise rad of angles as read in the stretches where least moves; 0 where none has any."""
-    noisy = [own[own > ROUNDING] for own in _size(angles).T]
+    noisy = [own[own > ANGLE_ROUNDING] for own in _size(angles).T]
     return np.array([
         np.median(own[own <= LIKE * np.quantile(own, QUIETEST)]) if len(own) else 0.0
         for own in noisy
@@ -311,12 +311,12 @@ def encoder_steps(angles: np.ndarray) -> np.ndarray:
 
 
 def _step(changes: np.ndarray) -> float:
-    moved = changes[changes > ROUNDING]
+    moved = changes[changes > ANGLE_ROUNDING]
     if not len(moved):
         return 0.0
     least = float(np.quantile(moved, 0.01))
     few = moved[moved < FEW_STEPS * least] / least
-    whole = np.abs(few - np.round(few)) < WHOLE
+    whole = np.abs(few - np.round(few)) < WHOLE_STEPS
     return least if whole.mean() > MOSTLY else 0.0
 
 
@@ -372,7 +372,7 @@ def as_mean_rates(recording: Recording) -> Recording:
 QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
 LONGEST_WINDOW = 0.5  # s
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
-FEWEST = 3  # samples that have derivatives
+FEWEST_SAMPLES = 3  # samples that have derivatives
 BETWEEN = 2  # samples on each side of a time that its value is drawn through
 ENCODER_NOISE_ORDER = 6  # of the differences that the encoder's noise is read off
 QUIET_DIFFERENCES = 5.0  # standard deviations that noise makes of differences
@@ -438,7 +438,7 @@ class SmoothCourse:
 
         count, axes = self.thinned.shape
         known = np.ones((count, axes), bool)
-        if self.interval < SLOW or count < 2 * FEWEST:
+        if self.interval < SLOW or count < 2 * FEWEST_SAMPLES:
             return np.ones((len(at), axes), bool)
         missed = np.abs(np.diff(self.thinned, 4, axis=0)) / (30.0 * self.interval)
         noise = QUIET_DIFFERENCES * np.quantile(missed, 0.1, axis=0) / NORMAL_QUANTILES[0.1]
@@ -494,7 +494,7 @@ def smooth_derivatives(
     samples, before the first and after the last, and where fewer than three have no derivative;
     a derivative is NaN, too, where a line drawn over a gap would be part of it.
     """
-    if len(t) < FEWEST:
+    if len(t) < FEWEST_SAMPLES:
         return (np.full((len(at), angle.shape[1]), np.nan),) * 3
     return SmoothCourse.of(t, angle).at(at)
 
@@ -503,7 +503,7 @@ def smooth_derivatives(
 def smooth_course(table: Stream, names: tuple[str, ...]) -> SmoothCourse | None:
     """Of a table's named angles, made continuous; None of fewer samples than have derivatives."""
     angles = continuous(table, names)
-    return SmoothCourse.of(table.t, angles) if len(table) >= FEWEST else None
+    return SmoothCourse.of(table.t, angles) if len(table) >= FEWEST_SAMPLES else None
 
 
 def _between(at: np.ndarray, t: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:

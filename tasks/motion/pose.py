@@ -27,7 +27,7 @@ POSE = ("qw", "qx", "qy", "qz")
 PLACE = ("px", "py", "pz")
 BRIDGED = 3.5  # intervals between two frames that a straight line may join
 BATCHED = 0.5  # of the mean step between stamps: where most are closer, frames come in batches
-FEWEST = 16  # frames without a gap whose motion is known
+FEWEST_FRAMES = 16  # frames without a gap whose motion is known
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def _even_stamps(t: np.ndarray) -> np.ndarray:
     mean over as many as a batch has is free of it.
     """
     steps = np.diff(t)
-    if len(steps) < FEWEST or np.median(steps) > BATCHED * steps.mean():
+    if len(steps) < FEWEST_FRAMES or np.median(steps) > BATCHED * steps.mean():
         return t
     from scipy.ndimage import correlate1d  # late: few recordings have poses
 
@@ -83,7 +83,7 @@ def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:
 
     gaps = np.flatnonzero(np.diff(pose.t) > BRIDGED * interval) + 1
     for first, end in pairwise([0, *gaps.tolist(), len(pose.t)]):
-        if end - first < FEWEST:
+        if end - first < FEWEST_FRAMES:
             continue
         part = pose.at(slice(first, end))
         # Stamps are rounded: the last of an even grid can lie a hair behind the last frame.
@@ -138,7 +138,7 @@ WINDOW = 4.0  # s: of the spectrum
 LOWEST, HIGHEST = 0.5, 60.0  # Hz: bodies that are tracked move within
 PER_OCTAVE = 3
 NEAR_LEAST = 1.1  # times the least power above: the motion is no longer seen
-ROUNDING = 1e-9  # rad or m: second differences of less are arithmetic
+DIFFERENCE_ROUNDING = 1e-9  # rad or m: second differences of less are arithmetic
 SHARED = 0.8  # of the poses' power that gyros account for: noise is a quarter of the motion
 FALL = 8  # power of the frequency with which one pass of the filter falls off
 
@@ -154,7 +154,7 @@ def band_edge(spans: Sequence[np.ndarray], interval: float) -> float:
 
     bends = np.concatenate([np.diff(stretch, 2, axis=0) for stretch in spans])
     top = min(HIGHEST, 0.45 / interval)
-    if np.sqrt((bends**2).mean()) < ROUNDING:
+    if np.sqrt((bends**2).mean()) < DIFFERENCE_ROUNDING:
         return top
     length = min(round(WINDOW / interval), len(bends))
     frequency, power = welch(bends, 1.0 / interval, nperseg=length, axis=0)
@@ -240,7 +240,7 @@ POINTS = 512
 MARGIN = 1.5  # periods of the band's edge at either end whose motion is not known well enough
 RESTING = 0.02  # rad that a body at rest turns at most within RESTING_TIME
 RESTING_TIME = 1.0  # s
-QUIET, QUIETEST = 3.0, 0.1  # times the accelerometers' scatter in the quietest tenth: still at rest
+STILL_SCATTER, QUIETEST = 3.0, 0.1  # times the accelerometers' in the quietest tenth: at rest
 SHAKEN = 0.2  # m/s²: scatter that no rest has
 
 
@@ -452,7 +452,9 @@ def _rests(recording: Recording, frames: Frames) -> np.ndarray:
     accel = accel - accel.mean(axis=0)
     variance = uniform_filter1d(accel**2, rows, axis=0) - uniform_filter1d(accel, rows, axis=0) ** 2
     shake = np.sqrt(np.maximum(variance, 0.0).sum(axis=1))
-    return np.asarray(rests & (shake <= min(SHAKEN, QUIET * float(np.quantile(shake, QUIETEST)))))
+    return np.asarray(
+        rests & (shake <= min(SHAKEN, STILL_SCATTER * float(np.quantile(shake, QUIETEST))))
+    )
 
 
 def _at(flags: np.ndarray, t: np.ndarray, at: np.ndarray) -> np.ndarray:

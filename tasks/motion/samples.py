@@ -19,7 +19,7 @@ SAMPLE = 20_000  # differences that a quantile is taken of
 SLOW = 0.15  # s between samples: corners of a ramp are no longer a small part of the motion
 TURN = 2.0 * np.pi + 0.1  # rad: encoders that start anew each turn stay within, but for noise
 SPAN = 60  # rows: whole batches of most sizes in which stamps are written
-USUAL = 0.25  # of the usual time of so many rows: more is a gap
+GAP_SHARE = 0.25  # of the usual time of so many rows: more is a gap
 
 
 def sample_interval(t: np.ndarray) -> float:
@@ -27,9 +27,9 @@ def sample_interval(t: np.ndarray) -> float:
     rows = max(1, min(SPAN, len(t) // 4))
     spans = t[rows:] - t[:-rows]
     usual, next_to = float(np.median(spans)), float(np.median(np.diff(t)))
-    if abs(rows * next_to - usual) <= USUAL * usual:
+    if abs(rows * next_to - usual) <= GAP_SHARE * usual:
         return next_to
-    return float(spans[np.abs(spans - usual) <= USUAL * usual].mean()) / rows
+    return float(spans[np.abs(spans - usual) <= GAP_SHARE * usual].mean()) / rows
 
 
 def longest_step(t: np.ndarray) -> float:

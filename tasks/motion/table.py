@@ -14,7 +14,7 @@ from schemas.recording import Manifest, Mount, Recording, Segment, Station
 from tasks.motion.samples import continuous
 
 ALONG = np.cos(np.radians(10.0))  # a mount turned farther from square is meant to be aslant
-SAME = 1.0 - 1e-12  # cosine of no angle at all
+SAME_DIRECTION = 1.0 - 1e-12  # cosine of no angle at all
 EARTH_RATE = 7.292115e-5  # rad/s, sidereal; WGS 84
 
 
@@ -71,7 +71,7 @@ def labelled_direction(manifest: Manifest, segment: Segment | None, axis: np.nda
     mount = mount_of(manifest, segment)
     along = mount @ axis
     nearest = int(np.abs(along).argmax())
-    if not ALONG < abs(along[nearest]) < SAME:
+    if not ALONG < abs(along[nearest]) < SAME_DIRECTION:
         return axis
     return np.asarray(np.sign(along[nearest]) * mount[nearest])
 
@@ -81,7 +81,7 @@ def off_square(manifest: Manifest) -> float:
     mounts = [label.mount for label in manifest.segments or () if label.mount]
     turned = {mount.quaternion_wxyz for mount in (*mounts, manifest.mount)}
     along = min(np.abs(_matrix_of(mount)).max(axis=1).min() for mount in turned)
-    return float(np.arccos(along)) if along < SAME else 0.0
+    return float(np.arccos(along)) if along < SAME_DIRECTION else 0.0
 
 
 def squared(manifest: Manifest) -> Manifest:

@@ -117,17 +117,17 @@ def _changes(matrix: np.ndarray) -> tuple[int, int]:
 
 # What is read in each segment beside what the unit went through there.
 
-NEAR = 0.08  # of a usual factor: as near as working units are
+NEAR_FACTOR = 0.08  # of a usual factor: as near as working units are
 DEG = np.pi / 180.0
 SPARE = 2  # segments more than a matrix of rates needs: what they leave shows whether it fits
-FEW = 2  # segments that tell a unit
+FEWEST_SEGMENTS = 2  # segments that tell a unit
 VARIED = 0.1  # standard deviation of a component of up that shows how it is read
 NOT_SLOW = 0.2  # of the fastest rate: biases hide what is read of slower ones
 EVERY = 0.25  # s over which gyros and poses turn as far
 POSE_AT_REST, FAST = 0.05, 0.5  # rad/s of a pose: it rests, and it turns by far more than biases
 MOSTLY = 0.9  # of a turn that is about one axis
 FEWEST_TURNS = 8  # that tell what an axis reads
-WHOLE = 0.5  # of a direction: labels that gravity contradicts are read as less, for they cancel
+LEAST_DIRECTION = 0.5  # labels that gravity contradicts are read as less, for they cancel
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ def matrix_by_segments(
     read: np.ndarray, felt: np.ndarray, excited: float, *, forces: bool
 ) -> TriadMatrix | None:
     both = np.isfinite(read).all(axis=1) & np.isfinite(felt).all(axis=1)
-    if both.sum() < FEW:
+    if both.sum() < FEWEST_SEGMENTS:
         return None
     found = matrix_of(read[both], felt[both], excited, forces=forces)
     if found is not None and not forces and both.sum() < found.reads.shape[1] + SPARE:
@@ -219,7 +219,7 @@ def matrix_of_directions(read: np.ndarray, up: np.ndarray) -> TriadMatrix | None
     None where a direction is not read as one: some of the labels are wrong, and not all axes.
     """
     found = matrix_by_segments(read, up, VARIED, forces=True)
-    if found is None or np.linalg.norm(found.reads, axis=0).min() < WHOLE:
+    if found is None or np.linalg.norm(found.reads, axis=0).min() < LEAST_DIRECTION:
         return None
     return found
 
@@ -275,7 +275,7 @@ def common_factor(sizes: np.ndarray) -> float | None:
     if not len(sizes) or not sizes.min() > 0:
         return None
     common = float(np.exp(np.log(sizes).mean()))
-    return common if np.abs(np.log(sizes / common)).max() < NEAR else None
+    return common if np.abs(np.log(sizes / common)).max() < NEAR_FACTOR else None
 
 
 # Steady turns that the gyros alone show, for recordings that nobody labelled.

@@ -10,7 +10,15 @@ import numpy as np
 from schemas.recording import ACCEL, GYRO, TRIADS, Recording, WrongCodes
 from schemas.text import Remark
 from tasks.motion.whole import gravity_of
-from tasks.readings.judge import CERTAIN, ROUNDING, bend, in_blocks, in_course, in_motion, spread
+from tasks.readings.judge import (
+    BEND_ROUNDING,
+    CERTAIN,
+    bend,
+    in_blocks,
+    in_course,
+    in_motion,
+    spread,
+)
 from tasks.readings.lattice import code_lattices, quantiser_of
 from tasks.readings.line import Course, Line
 from tasks.readings.robust import deviation, median
@@ -23,7 +31,7 @@ from tasks.words import Message, message, remark
 
 BITS = tuple(range(2, 15))
 MIN_PERIODS = 3  # of 2ᵇ⁺¹ codes, with readings
-CLEAR = 7.0  # log odds: of one in a thousand
+CLEAR_ODDS = 7.0  # log odds: of one in a thousand
 MIXTURE_ROUNDS = 8  # of expectation and maximisation
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
 
@@ -65,7 +73,7 @@ def put_back(numbers: np.ndarray, weight: float, line: Line) -> tuple[np.ndarray
         variance = max(float(np.median((off - added)[felt] ** 2)) / MEDIAN_CHI2, 1e-12)
         odds = (off**2 - (off - weight) ** 2) / (2.0 * variance)
         added = np.where(felt, weight / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0))), 0.0)
-    clear = felt & (np.abs(odds) > CLEAR)
+    clear = felt & (np.abs(odds) > CLEAR_ODDS)
     right = numbers - np.where(clear, weight * (odds > 0.0), added)
     beside = right.copy()
     beside[1:-1] -= 0.5 * (right[:-2] + right[2:])
@@ -89,7 +97,7 @@ def put_back(numbers: np.ndarray, weight: float, line: Line) -> tuple[np.ndarray
 TRIAD_COLUMNS = ((0, 1, 2), (3, 4, 5))
 JUMP_ROWS = 1 << 14  # that are compared at once: little memory, and most have no large change
 GLANCE, LOOK = 50, 1200  # blocks of rows by which most faults are ruled out, and the others judged
-FEWEST = 6  # rows that bend by the fault
+FEWEST_BENDS = 6  # rows that bend by the fault
 CLEARLY, ALIKE = 5.0, 0.02  # log odds, of them: of two that do as well the first, of usual sign
 LOW_BITS = range(3, 21)
 BYTE = 256.0
@@ -185,7 +193,7 @@ def _likeliest(numbers: np.ndarray, tried: Collection[float]) -> Fault | None:
     largest, best, most = np.nanmax(np.abs(rows)), None, CERTAIN
     for fault in MAPS:
         edge = 0.5 * (fault.size if fault.bug == "signed-low" else BYTE)
-        if fault.size in tried or len(bent) - np.searchsorted(bent, edge) < FEWEST:
+        if fault.size in tried or len(bent) - np.searchsorted(bent, edge) < FEWEST_BENDS:
             continue
         if fault.bug == "bytes" and not fault.size / (2.0 * BYTE) <= largest < fault.size:
             continue  # another word
@@ -339,7 +347,7 @@ def _above_half(numbers: np.ndarray, fault: Fault) -> bool:
 
 LATTICE_ROUNDS = 4
 SCATTER = 0.5  # of the size: of a number about the line, for rows beside it err alike
-SURE = 0.125  # of the size: uncertainty of the line, beyond which it decides nothing
+SURE_LINE = 0.125  # of the size: uncertainty of the line, beyond which it decides nothing
 NEAR_LATTICE = 0.4  # of the size: by which numbers may be off the line
 MOST_NOISE = 0.12  # of the size: standard deviation beyond which no single number is decided
 MEMORY = 0.5  # of the change from row to row
@@ -372,7 +380,7 @@ def resolved(
     for _ in range(LATTICE_ROUNDS if felt.any() else 0):
         predicted, u = line.through(values, used, SCATTER * size)
         nearest = np.where(free, numbers + size * np.round((predicted - numbers) / size), numbers)
-        used = felt & (u < SURE * size) & (np.abs(nearest - predicted) < NEAR_LATTICE * size)
+        used = felt & (u < SURE_LINE * size) & (np.abs(nearest - predicted) < NEAR_LATTICE * size)
         by_line = free & used
         values = np.where(by_line, nearest, np.where(agreed, onwards, numbers))
     undecided = known & free & ~by_line & ~agreed
@@ -572,7 +580,7 @@ def _repairs(
             # Where a unit saturates it jumps from end to end, too.
             ends = np.fmin.reduce(numbers), np.fmax.reduce(numbers)
             decided = np.where(undecided | np.isin(numbers, ends), np.nan, right)
-            odds += in_course(numbers, decided, ROUNDING if step != 1.0 else 0.0, fault.size)
+            odds += in_course(numbers, decided, BEND_ROUNDING if step != 1.0 else 0.0, fault.size)
             odds += in_motion(numbers, decided, line(), fault.size)
         usual = fault.bug != "wrap" or fault.size in PERIODS
         kind = f"{fault.bug} {fault.size if usual else fault.size * step:.2g}"

@@ -25,7 +25,7 @@ SPARED, DENIED = 0.2, 24.0
 EVENTS = (ACCIDENT, 0.03, 0.1, 0.3, 1.0)  # shares of what was not, that events may have made
 CORE = 3.0  # standard deviations within which all is as usual, whatever the form of the noise
 SIZES = 11.0  # natural logarithm of the range of an event's size: five powers of ten
-ROUNDING = 0.7  # numbers: standard deviation of a bend of whole ones
+BEND_ROUNDING = 0.7  # numbers: standard deviation of a bend of whole ones
 SOME = 1500  # blocks, or stretches, that are looked at, of more
 
 
@@ -52,7 +52,7 @@ def _density(off: np.ndarray, usual: np.ndarray) -> np.ndarray:
 
 
 def in_course(
-    numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING, chosen: float = np.inf
+    numbers: np.ndarray, right: np.ndarray, rounding: float = BEND_ROUNDING, chosen: float = np.inf
 ) -> float:
     """Log odds of a repair, by how numbers (n,) and those put right bend from row to row.
 
@@ -68,7 +68,7 @@ def in_course(
 
 
 def in_blocks(
-    numbers: np.ndarray, right: np.ndarray, rounding: float = ROUNDING, chosen: float = np.inf
+    numbers: np.ndarray, right: np.ndarray, rounding: float = BEND_ROUNDING, chosen: float = np.inf
 ) -> np.ndarray:
     """The same (blocks,) of numbers in blocks of successive rows, (blocks, rows)."""
     was, off = bend(numbers), bend(right)

@@ -20,7 +20,7 @@ OUTWARDS = (
     np.inf,
 )  # codes, so that a rough step counts right
 DECIMAL = 1e-6  # of a power of ten: the step of a file in rad/s or m/s², and of no unit
-ALIKE = 0.3  # of a step: how far rounded readings may lie off the codes of another channel
+OFF_OTHER_CODES = 0.3  # step: by which rounded readings may lie off another channel's codes
 ROUNDED = 0.6  # decimals by which a rounded reading may be off its code
 
 
@@ -68,7 +68,10 @@ def code_lattices(readings: np.ndarray) -> dict[int, Quantiser]:
     for c in set(range(readings.shape[1])) - found.keys():
         for other in (each for each in list(found) if each // 3 == c // 3):
             numbers = readings[np.isfinite(readings[:, c]), c] / found[other].step
-            if len(numbers) and np.mean(np.abs(numbers - np.rint(numbers)) < ALIKE) > MIN_ON_CODE:
+            if (
+                len(numbers)
+                and np.mean(np.abs(numbers - np.rint(numbers)) < OFF_OTHER_CODES) > MIN_ON_CODE
+            ):
                 found[c] = found[other]
                 break
     return found

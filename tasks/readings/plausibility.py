@@ -35,9 +35,9 @@ from tasks.motion.whole import STANDARD_GRAVITY, attitude_stream, gravity_of, un
 from tasks.readings.axes import (
     DEG,
     EXCITED,
-    FEW,
+    FEWEST_SEGMENTS,
     MATRICES,
-    NEAR,
+    NEAR_FACTOR,
     SegmentMeans,
     TriadMatrix,
     common_factor,
@@ -149,7 +149,9 @@ def _by_ways(
     once the times are divided by enough.
     """
     ratios = ways(recording, segments, means)
-    return len(ratios) > FEW and min(ratios) > LONGEST_WAY and min(ratios) / factor > 0.5
+    return (
+        len(ratios) > FEWEST_SEGMENTS and min(ratios) > LONGEST_WAY and min(ratios) / factor > 0.5
+    )
 
 
 def ways(recording: Recording, segments: Sequence[Segment], means: SegmentMeans) -> list[float]:
@@ -162,7 +164,7 @@ def ways(recording: Recording, segments: Sequence[Segment], means: SegmentMeans)
         means.static & np.isfinite(means.gyro).all(axis=1) & np.isfinite(means.accel).all(axis=1)
     )
     rests = [int(k) for k in order if usable[k]]
-    if len(rests) <= FEW:
+    if len(rests) <= FEWEST_SEGMENTS:
         return []
     rate = np.nan_to_num(imu.stack(GYRO) - np.median(means.gyro[rests], axis=0))
     speed = np.linalg.norm(rate, axis=1)
@@ -191,11 +193,11 @@ RATES = (
     (32.8, "32.8rad/s"), (65.5, "65.5rad/s"), (131.0, "131rad/s"),
 )  # fmt: skip
 FINE = ("mg", "mdps", "deg/h")  # units so small that whole numbers of them are written
-WHOLE = 1e-6  # by which numbers that are whole may be off, for they were kept in SI
+WHOLE_NUMBER = 1e-6  # by which numbers that are whole may be off, for they were kept in SI
 MOST_RESTS = 0.9  # of the rests that agree on the size of gravity
-ALIKE = 0.03  # of a factor, by which the axes of one setting may differ
+AXES_ALIKE = 0.03  # of a factor, by which the axes of one setting may differ
 LATTICE_ROWS = slice(0, 20_000)  # that show how numbers were written
-STEPS = (16384.0, 8192.0, 4096.0, 2048.0)  # counts per g of usual accelerometers
+COUNTS_PER_G = (16384.0, 8192.0, 4096.0, 2048.0)  # counts per g of usual accelerometers
 
 
 def wrong_forces(recording: Recording, means: SegmentMeans, scale: float) -> Remark | None:
@@ -204,7 +206,7 @@ def wrong_forces(recording: Recording, means: SegmentMeans, scale: float) -> Rem
     own = own[np.isfinite(own).all(axis=1)]
     sizes = np.linalg.norm(own, axis=1)
     gravity = gravity_of(recording)
-    if len(sizes) < FEW or not sizes.any():
+    if len(sizes) < FEWEST_SEGMENTS or not sizes.any():
         return None
     size = float(np.median(sizes))
     off = np.abs(np.log(np.maximum(sizes, 1e-12) / size))
@@ -212,7 +214,7 @@ def wrong_forces(recording: Recording, means: SegmentMeans, scale: float) -> Rem
              "ratio": f"{size / gravity:.4g}"}  # fmt: skip
     if FORCES[0] < size / gravity < FORCES[1]:
         axes = len(np.unique(np.abs(own).argmax(axis=1)))
-        if abs(np.log(size / gravity)) < NEAR or off.max() > ALIKE or axes < 2:
+        if abs(np.log(size / gravity)) < NEAR_FACTOR or off.max() > AXES_ALIKE or axes < 2:
             return None
         return found_on_sight(
             "force_setting", message("plausibility-force-setting", **shown), run="remarks"
@@ -224,9 +226,9 @@ def wrong_forces(recording: Recording, means: SegmentMeans, scale: float) -> Rem
     factor = scale * gravity / size  # m/s² that one as it was written is
     usual = [(1.0, "m/s2"), (STANDARD_GRAVITY, "g"), (1e-3 * STANDARD_GRAVITY, "mg"),
              (0.3048, "ft/s2"),
-             *((STANDARD_GRAVITY / n, f"{n:.0f}/g") for n in STEPS)]  # fmt: skip
+             *((STANDARD_GRAVITY / n, f"{n:.0f}/g") for n in COUNTS_PER_G)]  # fmt: skip
     unit = None
-    if np.quantile(off, MOST_RESTS) < NEAR:
+    if np.quantile(off, MOST_RESTS) < NEAR_FACTOR:
         unit = _unit(factor, usual, recording.imu.stack(ACCEL, LATTICE_ROWS) / scale)
     return found_on_sight("force_unit", _unit_sentence("force", "accel", unit, shown))
 
@@ -251,10 +253,10 @@ def _unit(
     size, name = min(usual, key=lambda one: abs(np.log(factor / one[0])))
     off = abs(factor / size - 1.0)
     numbers = written[np.isfinite(written)]
-    is_whole = bool(np.abs(numbers - np.rint(numbers)).max(initial=0.0) < WHOLE)
+    is_whole = bool(np.abs(numbers - np.rint(numbers)).max(initial=0.0) < WHOLE_NUMBER)
     of_counts = name.partition("/")[0].replace(".", "").isdecimal()
     is_such = is_whole if of_counts else name in FINE or not is_whole
-    return (name, float(off)) if abs(np.log(factor / size)) < NEAR and is_such else None
+    return (name, float(off)) if abs(np.log(factor / size)) < NEAR_FACTOR and is_such else None
 
 
 def wrong_table(
@@ -274,7 +276,7 @@ def wrong_table(
         is_right = GAINS[0] < fastest < GAINS[1]
     else:
         way = between_rests()
-        is_right = len(way) > FEW and RIGHT_WAY < min(way) < LEAST_WAYS
+        is_right = len(way) > FEWEST_SEGMENTS and RIGHT_WAY < min(way) < LEAST_WAYS
     option = "--units table=deg"
     sentence = message("plausibility-table-unit", ratio=ratio_text(1.0 / ratio), option=option)
     return found_on_sight("table_unit", sentence) if is_right else None
@@ -288,7 +290,7 @@ def wrong_labels(segments: Sequence[Segment], means: SegmentMeans) -> Remark | N
         if s.kind == "rate" and s.axis and s.rate_deg_s and np.isfinite(means.gyro[k]).all()
     }
     for factor in (DEG, 1.0 / DEG):
-        off = [k for k, ratio in stated.items() if abs(ratio / factor - 1.0) < NEAR]
+        off = [k for k, ratio in stated.items() if abs(ratio / factor - 1.0) < NEAR_FACTOR]
         if len(off) > 0.5 * len(stated):
             names, label = tuple(segments[k].name for k in off), segments[off[0]].rate_deg_s or 0.0
             sentence = message(
@@ -308,11 +310,11 @@ def wrong_rates(
     is too small they differ. source: of the rates that these are: labels, table or pose.
     """
     common = common_factor(sizes)
-    if common is None or abs(np.log(common)) < NEAR:
+    if common is None or abs(np.log(common)) < NEAR_FACTOR:
         return None
     if GAINS[0] < common < GAINS[1]:
         every = np.concatenate([sizes, by_rate])
-        if len(sizes) < 2 or np.abs(np.log(np.maximum(every, 1e-9) / common)).max() > ALIKE:
+        if len(sizes) < 2 or np.abs(np.log(np.maximum(every, 1e-9) / common)).max() > AXES_ALIKE:
             return None
         sentence = message("plausibility-rate-setting", ratio=f"{common:.3f}", source=source)
         return found_on_sight("rate_setting", sentence, run="remarks")
@@ -331,7 +333,7 @@ def wrong_rates_by_ways(
     """A usual wrong unit of gyros that nothing but gravity says anything of."""
     ratio = min(ratios, default=0.0)
     direct = [one for one in ratios if one < DIRECT * ratio]
-    if ratio < LEAST_WAYS or len(direct) <= FEW:
+    if ratio < LEAST_WAYS or len(direct) <= FEWEST_SEGMENTS:
         return None
     unit = _unit(scale / ratio, RATES, recording.imu.stack(GYRO, LATTICE_ROWS) / scale)
     shown = {"ratio": ratio_text(ratio), "source": "gravity"}
@@ -342,7 +344,7 @@ def wrong_rates_by_ways(
 
 ASLANT = np.radians(10.0)  # from the nearest axes: a label that says an axis is up is wrong
 ROTATION = 0.15  # by which the matrix of a unit that is turned may be none
-SAME = np.radians(8.0)  # between the turns that both triads show
+SAME_TURN = np.radians(8.0)  # between the turns that both triads show
 OF_FORCE = 0.2  # rad/s to either side, as gravity points: no gyro, which has 0.05 at the worst
 FOLLOWS = 0.95  # of the variance of a column, which gravity explains
 UNEXPLAINED_SHARE = 0.2  # of what is read of the other inputs
@@ -355,7 +357,7 @@ def turned_aslant(gyro: TriadMatrix | None, accel: TriadMatrix | None) -> Remark
     if not turns or len(turns) < len(known):
         return None
     turn = turns[0]
-    if len(turns) == 2 and _angle(turns[0].T @ turns[1]) > SAME:
+    if len(turns) == 2 and _angle(turns[0].T @ turns[1]) > SAME_TURN:
         return None
     proper = [matrix for matrix in MATRICES if np.linalg.det(matrix) > 0]
     if min(_angle(matrix.T @ turn) for matrix in proper) < ASLANT:

@@ -3,7 +3,7 @@
 import numpy as np
 
 TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, of normal noise
-FEW = 500  # numbers that are sorted faster than partitioned
+SORTED_FASTER = 500  # numbers that are sorted faster than partitioned
 
 
 def median(values: np.ndarray) -> np.ndarray:
@@ -13,7 +13,7 @@ def median(values: np.ndarray) -> np.ndarray:
     """
     count = values.shape[-1]
     low, high = (count - 1) // 2, count // 2
-    if count < FEW:
+    if count < SORTED_FASTER:
         ordered = np.sort(values)
         below, last = ordered[..., low], ordered[..., -1]  # NaN is sorted to the end
     else:

@@ -20,15 +20,15 @@ from tasks.readings.robust import TO_SIGMA, deviation
 from tasks.words import Message, message
 
 GYRO_LIMIT, ACCEL_LIMIT = 200.0, 5000.0  # rad/s, m/s²: units that read more are read so throughout
-USUAL, BEYOND = 0.9, 30.0  # quantile of a channel's readings, and times it that one may be
+USUAL_QUANTILE, BEYOND_USUAL = 0.9, 30.0  # of a channel's readings, and times it one may be
 MAX_SHARE = 0.1  # of the rows: more are no accident
 AROUND = 25  # rows on either side, by which a row is judged
 CLEAN = 4  # of them, next to it, that are not odd themselves: a knock rings on
-LONGEST = 3  # rows of a corrupted burst; one value that is held counts as one row
+LONGEST_BURST = 3  # rows of a corrupted burst; one value that is held counts as one row
 HELD = 200  # rows that values are held for, at most
 ODD = 30.0  # times the usual scatter: rows that are looked at
-FAR, ZERO_FAR = 100.0, 10.0  # times the scatter beside: a corrupted frame, and one of zeros
-ROUNDING = 0.3  # step: standard deviation of rounding
+FAR_FRAME, FAR_ZEROS = 100.0, 10.0  # times the scatter beside: a corrupted frame, and one of zeros
+ROUNDING_DEVIATION = 0.3  # step: standard deviation of rounding
 QUICKER = 10.0  # times any change from row to row beside
 SLOWEST = 0.15  # s from row to row: of slower loggers a whole move is a row
 NOT_FELT = 0.7  # of a jump: what the motion must leave unexplained of it
@@ -80,7 +80,7 @@ def empty_rows(readings: np.ndarray) -> np.ndarray:
         return np.zeros(len(size), bool)
     known = np.where(np.isfinite(size), size, 0.0)
     limits = np.repeat([GYRO_LIMIT, ACCEL_LIMIT], 3)
-    limits = np.maximum(limits, BEYOND * np.quantile(known, USUAL, axis=0))
+    limits = np.maximum(limits, BEYOND_USUAL * np.quantile(known, USUAL_QUANTILE, axis=0))
     empty = (known > limits).any(axis=1)
     if recorded[3:].any():
         empty |= (size[:, recorded] == 0.0).all(axis=1)
@@ -105,7 +105,7 @@ def corrupted(readings: np.ndarray) -> np.ndarray:
     found = np.zeros(own.shape)
     for start, stop in runs(odd).tolist():
         run = slice(start, stop)
-        if stop - start <= LONGEST and held[run].sum() <= HELD:
+        if stop - start <= LONGEST_BURST and held[run].sum() <= HELD:
             found[run] = _off(own, odd, run, step)
     if np.mean(np.any(found[number], axis=1)) <= MAX_SHARE:
         size[rows] = found[number]
@@ -123,7 +123,7 @@ def _odd(own: np.ndarray, step: np.ndarray) -> np.ndarray:
     if not odd.any():
         return odd
     for row in np.flatnonzero(odd).tolist():
-        about = own[max(0, row - LONGEST) : row + LONGEST + 1]
+        about = own[max(0, row - LONGEST_BURST) : row + LONGEST_BURST + 1]
         off = np.abs(own[row] - np.median(about, axis=0))
         odd[row] = bool(((off > 0.5 * bend[row]) & (bend[row] > ODD * usual)).any())
     return odd
@@ -140,10 +140,10 @@ def _off(own: np.ndarray, odd: np.ndarray, run: slice, step: np.ndarray) -> np.n
         return nothing
     steps = np.vstack([np.diff(left, axis=0), np.diff(right, axis=0)])
     scatter = TO_SIGMA * np.median(np.abs(steps), axis=0) / np.sqrt(2.0)
-    scatter = np.maximum(scatter, ROUNDING * step)
+    scatter = np.maximum(scatter, ROUNDING_DEVIATION * step)
     off = np.abs(own[run] - 0.5 * (left[-1] + right[0]))
     quick = np.maximum(np.abs(steps).max(axis=0), np.abs(right[0] - left[-1]))
-    least = ZERO_FAR if (own[run] == 0.0).all() else FAR
+    least = FAR_ZEROS if (own[run] == 0.0).all() else FAR_FRAME
     return np.where((off > least * scatter) & (off > QUICKER * quick), off, 0.0)
 
 
@@ -155,7 +155,7 @@ def _off(own: np.ndarray, odd: np.ndarray, run: slice, step: np.ndarray) -> np.n
 # stamped can it be the clock that was set.
 
 PAUSE = (1.0, 20.0)  # s, intervals: a step of the stamps that may be one of the clock
-FEW = 5  # such steps
+FEWEST_STEPS = 5  # such steps
 DENIED = 0.1  # of the rows after it that contradict their labels, as it was stamped
 
 
@@ -184,7 +184,7 @@ def across_breaks(
     steps = np.diff(recording.imu.t)
     long = np.flatnonzero(steps > max(PAUSE[0], PAUSE[1] * float(np.median(steps)))) + 1
     pauses = [row for row in long.tolist() if row not in {one.row for one in breaks}]
-    if recording.manifest.segments and len(pauses) <= FEW:
+    if recording.manifest.segments and len(pauses) <= FEWEST_STEPS:
         step = dict(zip(pauses, steps[[row - 1 for row in pauses]].tolist(), strict=True))
         breaks = [*breaks, *(Break(k, int(lines[k]), step[k], False, False) for k in pauses)]
     was_set, seen = list[Break](), list[Seen]()

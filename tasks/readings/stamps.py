@@ -26,15 +26,15 @@ from tasks.words import message, remark
 TOGETHER = 0.35  # of the sampling interval: rows nearer to each other came in one packet
 APART = 0.65  # rows farther from each other did not; few are between
 BETWEEN = 0.1  # of the rows that came together: more between, and stamps scatter
-FEWEST = 20  # packets
+FEWEST_PACKETS = 20  # packets
 GLANCE = 50_000  # rows that show whether there are any
 LEAST = 0.05  # of the packets: those of more than one row
-NEAR = 31  # packets, at most, whose median tells a loss
+PACKETS_BESIDE = 31  # packets, at most, whose median tells a loss
 LOST = 0.6  # of the sampling interval by which packets stay late where a sample is missing
-CLEAR = 6.0  # times the scatter of such medians
+CLEAR_LOSS = 6.0  # times the scatter of such medians
 BLOCK = 100  # packets: over as many a clock wanders
 WANDERING = 3.0  # times what the scatter of packets makes of their means
-FAR = 5.0  # times the usual time between packets: more is a gap, and no part of the rate
+GAP_IN_PACKETS = 5.0  # times the usual time between packets: more is a gap, and no part of the rate
 HELD = 4.0  # s: no logger holds samples back for longer, so that a longer step is a pause
 ARRIVING = 0.5  # s that a packet takes to arrive: rows that take longer were sampled as they came
 STEADY = 0.05  # of the sampling interval: standard deviation of arrivals, at least
@@ -93,7 +93,7 @@ def in_packets(t: np.ndarray) -> Packets | None:
     ):
         return None
     last = np.append(np.flatnonzero(~together), len(t) - 1)  # rows: of each packet
-    if len(last) < FEWEST or np.median(t[last[1:]] - t[last[:-1] + 1]) > ARRIVING:
+    if len(last) < FEWEST_PACKETS or np.median(t[last[1:]] - t[last[:-1] + 1]) > ARRIVING:
         return None
     interval, breaks = _rate_and_breaks(t[last], last)
     instants, u = _even(t, last, interval, breaks)
@@ -112,10 +112,12 @@ def _came_together(steps: np.ndarray) -> np.ndarray | None:
     """Which rows (n - 1,) bool came with the one before, by the steps (n - 1,) s between stamps;
     None where stamps are even or merely scatter.
     """
-    if len(steps) < 2 * FEWEST:
+    if len(steps) < 2 * FEWEST_PACKETS:
         return None
     steps = np.minimum(steps, HELD)
-    interval = float(np.minimum(steps, FAR * _step_of_most_time(steps[steps < HELD])).mean())
+    interval = float(
+        np.minimum(steps, GAP_IN_PACKETS * _step_of_most_time(steps[steps < HELD])).mean()
+    )
     together = steps < TOGETHER * interval
     between = np.count_nonzero((steps < APART * interval) & ~together)
     edges = np.flatnonzero(np.diff(together, prepend=False, append=False))
@@ -138,7 +140,7 @@ def _rate_and_breaks(at: np.ndarray, last: np.ndarray) -> tuple[float, np.ndarra
     which of them samples are missing.
     """
     breaks = np.empty(0, int)
-    reach = max(1, min(4 * NEAR, len(at) // 16))  # few of them hold a loss
+    reach = max(1, min(4 * PACKETS_BESIDE, len(at) // 16))  # few of them hold a loss
     interval = float(np.median((at[reach:] - at[:-reach]) / (last[reach:] - last[:-reach])))
     for _ in range(3):
         late = at - interval * last
@@ -158,14 +160,14 @@ def _late_from(late: np.ndarray, interval: float) -> np.ndarray:
     """(k,) packets after which the course of how late they are (n,) s stays higher by a sample or
     more. What is missing beside the first or last packets no course tells.
     """
-    near = min(NEAR, len(late) // 6 | 1)
+    near = min(PACKETS_BESIDE, len(late) // 6 | 1)
     half = near // 2
     middle = median_filter(late, near, mode="nearest")
     before, after = np.arange(len(late) - 1) - half, np.arange(1, len(late)) + half
     rise = middle[after.clip(0, len(late) - 1)] - middle[before.clip(0, len(late) - 1)]
     limit = max(
         LOST * interval,
-        CLEAR * float(np.median(np.abs(rise - np.median(rise)))) / NORMAL_QUANTILES[0.5],
+        CLEAR_LOSS * float(np.median(np.abs(rise - np.median(rise)))) / NORMAL_QUANTILES[0.5],
     )
     step = np.diff(late)
     high = np.flatnonzero(rise > limit)
@@ -268,8 +270,8 @@ CHANGE_IN_ROWS = 300.0  # chi-squared, of rows: a small error of the model adds 
 LIKELY = 25.0  # chi-squared: what the model misses at rest makes a few
 SHARP, SURE = 10, 4.0  # rows that are likely, and chi-squared: where it moves, that is enough
 CLOSE = 0.2  # sample intervals: half of the windows lie nearer to the staircase
-FEW = 3  # windows: a level of fewer may be those in which samples were lost
-WHOLE = 0.25  # sample intervals that a step may be off a whole number
+FEWEST_WINDOWS = 3  # windows: a level of fewer may be those in which samples were lost
+OFF_WHOLE_INTERVAL = 0.25  # sample intervals that a step may be off a whole number
 
 
 @dataclass(frozen=True)
@@ -413,8 +415,10 @@ def fit_staircase(delays: WindowDelays) -> Staircase | None:
     if not close and 2 * delays.cost(start + path).sum() > constant:
         return None
     steps, held = np.unique(path, return_counts=True)
-    levels = [np.median(delays.delay[path == step]) - step for step in steps[held >= FEW]]
-    return Staircase(delays, path) if not levels or np.ptp(levels) < WHOLE else None
+    levels = [
+        np.median(delays.delay[path == step]) - step for step in steps[held >= FEWEST_WINDOWS]
+    ]
+    return Staircase(delays, path) if not levels or np.ptp(levels) < OFF_WHOLE_INTERVAL else None
 
 
 def _cost(delays: WindowDelays, path: np.ndarray, start: float) -> float:

@@ -31,7 +31,7 @@ def run_remark(
 
 # Fields of the manifest that nothing reads and that are spelled nearly like one that is absent.
 
-ALIKE = 0.85  # similarity of two spellings of one name, by difflib
+SIMILAR_SPELLING = 0.85  # similarity of two spellings of one name, by difflib
 
 
 def field_remarks(manifest: Manifest) -> Iterator[Remark]:
@@ -55,7 +55,7 @@ def _misspelt(place: str, model: BaseModel) -> Iterator[tuple[str, str]]:
         if not field.is_required() and getattr(model, name) == field.get_default()
     ]
     for name in model.model_extra or ():
-        for meant in get_close_matches(name, absent, n=1, cutoff=ALIKE):
+        for meant in get_close_matches(name, absent, n=1, cutoff=SIMILAR_SPELLING):
             if not name.startswith(meant):  # rate_deg_s2 is another quantity
                 yield place + name, place + meant
 

@@ -26,7 +26,7 @@ from tasks.words.numbers import plain
 # Standard deviation of the rows of a rest: noise of no unit that is worth a calibration.
 MOST_DEVIATION = np.array([np.radians(1.0)] * len(AXES) + [0.5] * len(AXES))  # rad/s, m/s²
 ABOVE_OTHERS = 5.0  # times that of the run's usual rest
-STEPS = 2.0  # of the output: what rounding makes of a quiet rest
+QUIET_STEPS = 2.0  # of the output: what rounding makes of a quiet rest
 BEYOND = 3.0  # times U of the zero and what the rest's own noise may do to it
 # No unit is calibrated whose zero wanders so far within a run: rad/s, m/s².
 LARGEST_DRIFT = (*[float(np.radians(0.1))] * len(AXES), *[0.05] * len(AXES))
@@ -126,7 +126,7 @@ def vibration_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     deviation = np.array([rest.deviation for rest in rests])
     usual = np.median(deviation, axis=0)
     step = np.max([rest.step for rest in rests], axis=0)
-    limit = np.minimum(MOST_DEVIATION, np.maximum(ABOVE_OTHERS * usual, STEPS * step))
+    limit = np.minimum(MOST_DEVIATION, np.maximum(ABOVE_OTHERS * usual, QUIET_STEPS * step))
     above = deviation > limit
     for channel in np.flatnonzero(above.any(axis=0)).tolist():
         shaken = [rests[i].segment.name for i in np.flatnonzero(above[:, channel])]
@@ -145,7 +145,7 @@ OFF = 4.0  # robust standard deviations: 6 normal samples of 100,000 lie beyond
 LARGEST_SHARE = 0.005  # of a channel's samples that may be off
 # The first look: rows of all segments together, with a nearer reach and a smaller share.
 GLANCE_ROWS, GLANCE_OFF, GLANCE_SHARE = 10_000, 3.5, 0.002
-FEWEST = 3  # samples off: one or two of a short run lie there by chance
+FEWEST_OFF = 3  # samples off: one or two of a short run lie there by chance
 HALF = 0.5  # of an output step, by which rounding may lower a median deviation
 
 
@@ -178,7 +178,7 @@ def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
             continue
         shares = [_share_off(evidence.recording, values, s, channel, accumulated) for s in held]
         share = float(np.average(shares, weights=[s.rows for s in held]))
-        if share > LARGEST_SHARE and share * sum(s.rows for s in held) >= FEWEST:
+        if share > LARGEST_SHARE and share * sum(s.rows for s in held) >= FEWEST_OFF:
             yield run_remark(
                 "samples_off", run="invalid", channel=evidence.channel_names[channel],
                 share=plain(100 * share, 2), off=f"{OFF:g}", limit=f"{100 * LARGEST_SHARE:g}",

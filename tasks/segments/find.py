@@ -9,11 +9,11 @@ from tasks.motion.table import mean_rate
 from tasks.readings.plausibility import runs
 
 WINDOW = 0.5  # s over which quiet is judged
-SHORTEST = 1.0  # s: a rest shorter than this is the turning point of a movement
+SHORTEST_REST = 1.0  # s: a rest shorter than this is the turning point of a movement
 MARGIN = 0.25  # s left off at both ends, where a movement may still fade
 ENCODER_STEP = np.radians(0.0025)  # rad: a coarser encoder is judged by its own step
-ROUNDING = 1e-6  # rad: smaller differences are arithmetic, not encoder steps
-QUIET = 8.0  # standard deviations above the quietest tenth that are still rest
+ANGLE_ROUNDING = 1e-6  # rad: smaller differences are arithmetic, not encoder steps
+REST_DEVIATIONS = 8.0  # standard deviations above the quietest tenth that are still rest
 ALIGNED = np.cos(np.radians(10.0))  # a labelled axis points up within this, biases included
 MIN_RECORDING_ROWS = 10
 UPRIGHT = np.cos(np.radians(3.0))  # an axis without a label was put upright within this
@@ -43,7 +43,7 @@ def find_segments(recording: Recording) -> tuple[Segment, ...]:
     segments: list[Segment] = []
     for first, end in runs(quiet):
         start, stop = float(imu.t[first]) + MARGIN, float(imu.t[end - 1]) - MARGIN
-        if stop - start < SHORTEST:
+        if stop - start < SHORTEST_REST:
             continue
         segment = _classified(recording, start, stop, len(segments) + 1, offset)
         if segment is not None:
@@ -62,7 +62,7 @@ def _quiet_rows(imu: Stream) -> np.ndarray:
             values = np.where(np.isfinite(values), values, 0.0)
         shake = np.sqrt(_moving_variance(values, window).sum(axis=1))
         floor = np.quantile(shake[shake > 0], 0.1) if (shake > 0).any() else 0.0
-        quiet &= shake <= QUIET * floor
+        quiet &= shake <= REST_DEVIATIONS * floor
     return quiet
 
 
@@ -72,7 +72,7 @@ def _steady_rows(manifest: Manifest, t: np.ndarray, table: Stream) -> np.ndarray
     for axis in manifest.station.table_axes or ():
         angle = table.columns[f"{axis.name}_angle"]
         steps = np.abs(np.diff(angle))
-        step = steps[steps > ROUNDING].min(initial=np.inf)
+        step = steps[steps > ANGLE_ROUNDING].min(initial=np.inf)
         tolerance = 4 * max(ENCODER_STEP, step) if np.isfinite(step) else ENCODER_STEP
         before, here, after = (
             np.interp(t + shift, table.t, angle) for shift in (-WINDOW / 2, 0.0, WINDOW / 2)

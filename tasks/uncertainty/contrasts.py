@@ -19,7 +19,7 @@ FACES: tuple[Up, ...] = get_args(Up)
 MIN_CONTRASTS = 4
 GRAVITY = 9.8  # m/s², for what a tilt does to a level accelerometer
 MAX_SHARE = 1e6  # of a variance in that of the white noise: a tilt of arcminutes at full rate
-SHOWN = 1e-9  # of what tilts do to the means: less is rounding
+SHOWN_TILT = 1e-9  # of what tilts do to the means: less is rounding
 TILT_ABSENT = 0.5  # a priori probability that no point is tilted for itself
 # Across the vertical, rad/s and m/s²: Earth's rotation; gravity by a tilt of 20″ (Table 1).
 LEVEL_FIELD = (EARTH_RATE, 1e-3)
@@ -49,7 +49,7 @@ def contrasts(
         shown = np.array([shapes[0], np.diag(tilting)])
         residual, covariance = _without(design, means, shown, spread)
         # Where the turns themselves leave nothing of a tilt over, none is shown.
-        shows = np.trace(covariance[1]) > SHOWN * (tilting / spread).sum()
+        shows = np.trace(covariance[1]) > SHOWN_TILT * (tilting / spread).sum()
         if len(residual) >= MIN_CONTRASTS and shows:
             tilted[used] = tilting * _tilt_variance(residual, *covariance)
             spread = spread + tilted[used]

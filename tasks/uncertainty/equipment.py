@@ -39,7 +39,7 @@ from tasks.words.numbers import USUAL_K
 
 YEAR_DAYS = 365.25
 WRITTEN = re.compile(r"(.*): deviation (corrected|budgeted)(?:, drift over (\S+) a)?")
-STEPS = 200  # of a polynomial's range: its largest value lies between two of them
+RANGE_STEPS = 200  # of a polynomial's range: its largest value lies between two of them
 
 
 class LimitByRate(EquipmentLimit):
@@ -143,7 +143,7 @@ def stated_at(function: ErrorFunction, axis: str | None) -> list[float]:
     """Where it is stated: at each row, at many places of a polynomial."""
     rows, polynomial = _of_axis(function, axis)
     if polynomial is not None:
-        return np.linspace(polynomial.lowest, polynomial.highest, STEPS + 1).tolist()
+        return np.linspace(polynomial.lowest, polynomial.highest, RANGE_STEPS + 1).tolist()
     return [row.at or 0.0 for row in rows]
 
 

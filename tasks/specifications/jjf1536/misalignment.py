@@ -33,7 +33,7 @@ from tasks.words import Message, message, remark
 MISALIGNMENT = "ahrs_misalignment"
 CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
 TURN = 2 * np.pi
-WHOLE = np.radians(1.0)  # rad: what may be missing of a whole number of turns
+WHOLE_TURN = np.radians(1.0)  # rad: what may be missing of a whole number of turns
 LABELLED = np.radians(1.0)  # rad: an encoder that shows more or less contradicts the label
 TURNED = 2e-3  # of the angle, within which unit and label agree; of a misalignment less than U
 COVERED = 3.0  # standard uncertainties
@@ -178,7 +178,7 @@ def _angle_remarks(evidence: AhrsEvidence, i: int, angle: float) -> Iterator[Rem
         )  # fmt: skip
         yield remark("turned_angle_contradicted", text, (label.name,), blocks_pass=True)
     over = angle - TURN * round(angle / TURN)
-    if abs(over) > WHOLE or abs(angle) < WHOLE:
+    if abs(over) > WHOLE_TURN or abs(angle) < WHOLE_TURN:
         text = message("jjf1536-not-whole-turns", segment=label.name, angle=turned)
         yield remark("not_whole_turns", text, (label.name,), blocks_pass=True)
 

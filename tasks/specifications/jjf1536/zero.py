@@ -129,7 +129,7 @@ TAKEN_OFF = 0.1  # of it, that may be taken off where the mounts state by how mu
 ALONG = 0.1  # of a direction: what a crooked mount lays along it says nothing of what is there
 COUPLING = 0.01  # rad: what a gyro may feel of Earth's rotation about the other axes
 SAME_ATTITUDE = 0.02  # rad: attitudes closer than this are one position held twice
-FEWEST = 4  # positions that may be taken by their label alone
+FEWEST_POSITIONS = 4  # positions that may be taken by their label alone
 DWELL_S = {4: 1800.0, 12: 1200.0}  # s for each position of the two methods, 7.2.1 and 7.2.2
 
 
@@ -199,7 +199,7 @@ def _not_determined(evidence: AhrsEvidence, channel: int, positions: Positions) 
     if not count:
         return message("jjf1536-no-position")
     if positions.attitude is None:
-        return None if count >= FEWEST else message("jjf1536-few-positions", count=count)
+        return None if count >= FEWEST_POSITIONS else message("jjf1536-few-positions", count=count)
     limit = np.full(COMPONENTS, CANCELS)
     if evidence.earth_in_attitude is not None:
         limit[:3] = TAKEN_OFF
@@ -253,10 +253,10 @@ def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:
     if positions.attitude is None:
         text = message("jjf1536-attitude-not-recorded", axis=axis, count=count)
         yield remark("pointing_not_recorded", text, blocks_pass=True)
-    if count < FEWEST:
+    if count < FEWEST_POSITIONS:
         text = message("jjf1536-number-of-positions", axis=axis, count=count)
         yield remark("number_of_positions", text, blocks_pass=True)
-    asked = DWELL_S[4] if count <= FEWEST else DWELL_S[12]
+    asked = DWELL_S[4] if count <= FEWEST_POSITIONS else DWELL_S[12]
     interval = max(segment.seconds / segment.rows for segment in held.values())
     short = [segment for segment in held.values() if segment.seconds < asked - 2 * interval]
     if short:

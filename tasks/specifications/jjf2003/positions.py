@@ -39,7 +39,7 @@ SERVES: dict[str, Callable[[SegmentMean], bool]] = {
     "accel": lambda segment: segment.has_accel,
 }
 BIAS = 3  # column of eq. (7), (10) after the three inputs
-ROUNDING = 1e-9  # weights that are none
+NO_WEIGHT = 1e-9  # weights that are none
 
 
 def input_matrix(average: np.ndarray, up: np.ndarray) -> np.ndarray:
@@ -156,7 +156,7 @@ def fit_positions(
         fit = fit_means(evidence, first + i, design, average, errors)
         factors[i] = fit.excess.factor
         u = fit.excess.factor * u_of_means(evidence, first + i, average)
-        counted = np.abs(fit.solution.operator) > ROUNDING
+        counted = np.abs(fit.solution.operator) > NO_WEIGHT
         rows.append(
             tuple(
                 replace(estimate, repeated=tuple(map(float, u[c])))

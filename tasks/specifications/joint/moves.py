@@ -101,7 +101,7 @@ def _equations(
 
 
 FEWEST_MOVES = 9  # two equations each, nine parameters, and as many to contradict them
-LONGEST = 60.0  # s: a longer way between two rests drifts
+LONGEST_MOVE = 60.0  # s: a longer way between two rests drifts
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def gather_moves(imu: Stream, rests: list[SegmentMean], verticals: np.ndarray) -
     """The moves between rests that follow each other; verticals: (n, 3) of the rests."""
     turns, before, after = [], [], []
     for k, (first, second) in enumerate(pairwise(rests)):
-        if second.t_start - first.t_end > LONGEST:
+        if second.t_start - first.t_end > LONGEST_MOVE:
             continue
         rows = imu.rows(first.t_end, second.t_start)
         rate = imu.stack(GYRO, rows)
