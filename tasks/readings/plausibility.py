@@ -320,7 +320,7 @@ def wrong_rates(
         return found_on_sight("rate_setting", sentence, run="remarks")
     unit = _unit(scale / common, RATES, recording.imu.stack(GYRO, LATTICE_ROWS) / scale)
     shown = {"ratio": ratio_text(common), "source": source}
-    if unit and gives_angles(recording):
+    if unit and recording.imu.span:  # of rates that were made of angles
         sentence = _unit_sentence("rate", "angle", (unit[0].removesuffix("/s"), unit[1]), shown)
     else:
         sentence = _unit_sentence("rate", "gyro", unit, shown)
