@@ -1,12 +1,13 @@
 """What a recording cannot be is told in one sentence that names it, and a clean one is let be."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 
-from schemas.recording import Recording
+from schemas.recording import ANGLE, GYRO, Recording
 from schemas.text import Remark
 from storage.formats import recordings
 from storage.formats.convert import Changes, axis_map, changed, pairs
@@ -127,6 +128,15 @@ def test_a_table_in_degrees_is_not_taken_for_the_gyros() -> None:
         made.angle *= 180.0 / np.pi
         (one,) = found(recorded(made, table=True, labels=labels))
         assert option(one) == "--units table=deg"
+
+
+def test_angles_in_degrees_are_advised_as_angles() -> None:
+    recording = recorded(varied(3))
+    imu, columns = recording.imu, dict(recording.imu.columns)
+    turned = [np.cumsum(columns.pop(name)) * np.median(np.diff(imu.t)) for name in GYRO]
+    columns |= dict(zip(ANGLE, np.degrees(turned), strict=True))
+    of_angles = replace(recording, imu=replace(imu, columns=columns))
+    assert [option(one) for one in found(as_mean_rates(of_angles))] == ["--units angle=deg"]
 
 
 @pytest.mark.parametrize(
