@@ -25,6 +25,7 @@ from tasks.calibrate.calibrate import evaluation_for
 from tasks.specifications.evidence import gather
 from tasks.specifications.joint.solution import segment_motion, solve_jointly
 from tasks.validation.coverage import (
+    EXAMPLES,
     Calibrate,
     coverage_check,
     example_check,
@@ -270,11 +271,17 @@ def make_record(
 ) -> ValidationRecord:
     """All evidence for every item of the methods; the coverage over as many simulated units.
 
-    Raises Unusable where GTC is not installed.
+    Raises Unusable where GTC is not installed, and for an item without a worked example.
     """
     began = time.monotonic()
-    independent = {m: independent_checks(m, calibrate, seed) for m, calibrate in methods.items()}
     recovered = {m: recovery_checks(m, calibrate, seed) for m, calibrate in methods.items()}
+    items_made = {clause_item(name) for of_method in recovered.values() for name in of_method}
+    if lacking := sorted(items_made - EXAMPLES.keys()):
+        raise Unusable(
+            f"EXAMPLES in tasks/validation/coverage.py has no worked example for "
+            f"{', '.join(lacking)}: add one before the study of {units} units"
+        )
+    independent = {m: independent_checks(m, calibrate, seed) for m, calibrate in methods.items()}
     methods_made = {}
     for method, coverages in study(methods, units, seed, report).items():
         items = {}

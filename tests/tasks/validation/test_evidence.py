@@ -4,10 +4,11 @@ from functools import partial
 
 import pytest
 
+from schemas.base import Unusable
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import EXAMPLES, example_check, recovery_checks, simulate
-from tasks.validation.make import independent_checks, plain_joint
+from tasks.validation.make import independent_checks, make_record, plain_joint
 from tests.tasks.items_only import items_only
 
 METHODS = {name: partial(items_only, spec) for name, spec in SPECIFICATIONS.items()}
@@ -70,3 +71,9 @@ def test_the_joint_fit_written_anew_gives_the_truth_of_an_ideal_run_back() -> No
     recording, truth = simulate("joint", 4, ideal=True)
     for name, elements in plain_joint(recording).items():
         assert elements == pytest.approx({e: truth[name][e] for e in elements}, abs=1e-9), name
+
+
+def test_a_study_does_not_begin_without_a_worked_example_for_every_item(monkeypatch) -> None:
+    monkeypatch.delitem(EXAMPLES, "ahrs_misalignment")
+    with pytest.raises(Unusable, match="ahrs_misalignment"):
+        make_record({"jjf1536": METHODS["jjf1536"]}, 10, 1, "v", lambda done, of: None)
