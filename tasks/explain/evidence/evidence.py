@@ -14,13 +14,13 @@ from schemas.discrepancy import HeldOut
 from tasks.explain.events.saturation import EFFECTS as LIMITS
 from tasks.explain.evidence.cells import (
     CrossValidation,
+    Scatter,
     cell_equations,
     cross_validation,
     fold_cells,
     scatter_cells,
 )
 from tasks.explain.evidence.groups import FindingGroup, finding_groups, fitted_columns
-from tasks.explain.evidence.scatter import Scatter
 from tasks.explain.explanation import CHANNELS, COVERAGE
 from tasks.explain.noise import equations_of
 from tasks.explain.search.fitted import FittedSelection, fitted

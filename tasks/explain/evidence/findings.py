@@ -8,11 +8,11 @@ import numpy as np
 from scipy.special import chdtrc
 
 from schemas.discrepancy import FoundParameter, Verdict
-from tasks.explain.confounding.delays import common_part
 from tasks.explain.events.codes import CodeFault
 from tasks.explain.events.detect import AxisMapping, Fault, RangeSetting, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.saturation import EFFECTS as LIMITS
+from tasks.explain.evidence.confounding import common_part
 from tasks.explain.evidence.evidence import (
     Evidence,
     change_without,

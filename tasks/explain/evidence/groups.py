@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from tasks.explain.explanation import UNNAMED
-from tasks.explain.search.kinds import is_at_bound
+from tasks.explain.search.fitted import is_at_bound
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.model import Model
 from tasks.model.term import Column, Term

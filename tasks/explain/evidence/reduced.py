@@ -15,9 +15,8 @@ import numpy as np
 from scipy.special import chdtrc
 
 from schemas.recording import AXES
-from tasks.explain.evidence.cells import CellEquations, CrossValidation
+from tasks.explain.evidence.cells import CellEquations, CrossValidation, Scatter
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.scatter import Scatter
 from tasks.explain.explanation import CERTAIN
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.noise import Noise, weighted, whitened_gram

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.stats import f as fisher
 
-from tasks.explain.evidence.cells import CellEquations, scatter_cells
+from tasks.explain.evidence.cells import CellEquations, cell_influence, scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.left_over import (
     SIZE,
@@ -24,7 +24,6 @@ from tasks.explain.evidence.left_over import (
     swings,
     unseen_turning,
 )
-from tasks.explain.evidence.scatter import cell_influence
 from tasks.explain.explanation import COVERAGE, EVERY, TRIADS, UNNAMED, Partition, Refusal
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import columns_of

@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from engine_run import NOISY, motion, noise, observed, read
 
-from tasks.explain.confounding.combinations import Combination
-from tasks.explain.confounding.compare import FILTER
-from tasks.explain.confounding.compare import compared as compared_with
-from tasks.explain.confounding.delays import common_part, shape_count
+from tasks.explain.evidence.confounding import FILTER, Combination, common_part, shape_count
+from tasks.explain.evidence.confounding import compared as compared_with
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.fitted import FittedSelection

@@ -25,7 +25,7 @@ from tasks.explain.search.candidates import (
 )
 from tasks.explain.search.design import BandedDesign, banded_design, with_columns
 from tasks.explain.search.empirical import empirical, sinusoid
-from tasks.explain.search.kinds import with_kinds
+from tasks.explain.search.fitted import with_kinds
 from tasks.explain.search.stepwise import Selected, Selection, initial_noises, search
 from tasks.model.model import Model
 from tasks.model.term import Inputs, Term
