@@ -5,9 +5,8 @@ from collections.abc import Sequence
 from schemas.base import Unusable
 from schemas.recording import Recording
 from tasks.explain.evidence.confounding import compared, with_play, with_preferred
-from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.evidence import Evidence, pruned, with_absorbed
 from tasks.explain.evidence.findings import explanation_of
-from tasks.explain.evidence.reduced import pruned, with_absorbed
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.inputs.reference import ReferencePrediction

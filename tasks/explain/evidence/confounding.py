@@ -681,7 +681,7 @@ def _dispersion(one: Selected, fit: FittedSelection) -> float:
     number = next(
         n for n, group in enumerate(evidence.groups) if key in {term.key for term in group.terms}
     )
-    return max(dispersion_of(fit), evidence.scatter.dispersion(number))
+    return max(dispersion_of(fit), evidence.dispersion(number))
 
 
 def _asking_for_less(

@@ -15,10 +15,12 @@ from tasks.explain.events.saturation import EFFECTS as LIMITS
 from tasks.explain.evidence.confounding import common_part
 from tasks.explain.evidence.evidence import (
     Evidence,
+    FindingGroup,
     change_without,
     possibly_clipped,
     possibly_clipped_in_noise,
     step_time,
+    unsupported,
 )
 from tasks.explain.evidence.form_errors import (
     determined_model,
@@ -26,9 +28,7 @@ from tasks.explain.evidence.form_errors import (
     widening,
     without_name,
 )
-from tasks.explain.evidence.groups import FindingGroup
 from tasks.explain.evidence.left_over import NEAR_NOISE, REFERENCE_KNOWN, LeftOver, remainder
-from tasks.explain.evidence.reduced import unsupported
 from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.explanation import (
@@ -100,7 +100,7 @@ def _beside_implausible(
         return dict(scrutinies)
     change = change_without(evidence, beyond)
     return {
-        n: replace(one, u=np.hypot(one.u, change[evidence.own[n][0]]))
+        n: replace(one, u=np.hypot(one.u, change[evidence.own[n]]))
         for n, one in scrutinies.items()
     }
 
@@ -219,9 +219,9 @@ def _parameters(
         return ()
     found: list[FoundParameter] = []
     keys = {term.key for term in group.terms}
-    widened = dict(zip(evidence.own[number][0], scrutiny.u.tolist(), strict=True))
+    widened = dict(zip(evidence.own[number].tolist(), scrutiny.u.tolist(), strict=True))
     column = np.cumsum(model.free) - 1
-    spread = np.sqrt(evidence.scatter.dispersion(number))
+    spread = np.sqrt(evidence.dispersion(number))
     for k, (term, place) in enumerate(zip(model.terms, places(model.terms), strict=True)):
         if term.key not in keys:
             continue

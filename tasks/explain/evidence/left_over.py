@@ -13,8 +13,7 @@ from scipy.signal import welch
 from scipy.stats import chi2
 
 from tasks.explain.evidence.cells import scatter_cells
-from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import FindingGroup, fitted_columns
+from tasks.explain.evidence.evidence import Evidence, FindingGroup, fitted_columns
 from tasks.explain.explanation import ACCELS, COVERAGE, UNNAMED, Finding, Refusal, RefusalKind
 from tasks.explain.inputs.blocks import VIBRATING, FullRate
 from tasks.explain.noise import equations_of
@@ -323,13 +322,13 @@ def unseen_turning(one: Examined) -> Refusal | None:
     fast = np.minimum(np.abs(reported), np.abs(felt)) > FAST_THRESHOLDS * threshold
     turning = replace(blocks, weight=blocks.weight * np.hstack([fast, np.ones_like(fast)]))
     normal, right, _ = equations_of(columns, misfit, turning, fit.noises).normal()
-    right = right + normal @ evidence.scatter.values
+    right = right + normal @ evidence.values
     covariance = inverse(normal + np.diag(evidence.prior))
     free = np.flatnonzero(model.free)
     places = [p for band in bands for p in range(*model.places[band.key].indices(len(model.free)))]
     own = np.flatnonzero(np.isin(free, places))
     values = (covariance @ right)[own]
-    covariance = covariance[np.ix_(own, own)] * evidence.scatter.dispersion(one.number)
+    covariance = covariance[np.ix_(own, own)] * evidence.dispersion(one.number)
     if chi2.sf(values @ inverse(covariance) @ values, len(own)) < UNSEEN:
         return None
     u = np.sqrt(np.diag(covariance))
@@ -380,7 +379,7 @@ def made_by_placing(one: Examined) -> Refusal | None:
     if not any(term.stage == "motion" for term in group.terms):
         return None
     placed = _placements(one.evidence)
-    if 3 * placed - STANDARD_AT_REST > len(one.evidence.own[one.number][0]):
+    if 3 * placed - STANDARD_AT_REST > len(one.evidence.own[one.number]):
         return None
     return Refusal("placed", group.name, value=float(placed))
 

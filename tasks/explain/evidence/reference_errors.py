@@ -20,8 +20,7 @@ from functools import cache
 import numpy as np
 
 from schemas.recording import Stream
-from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import fitted_columns
+from tasks.explain.evidence.evidence import Evidence, fitted_columns
 from tasks.explain.explanation import CERTAIN, UNNAMED
 from tasks.explain.inputs.blocks import FullRate
 from tasks.explain.inputs.prepared import Prepared
@@ -70,7 +69,7 @@ def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evi
         owed = {
             number
             for number, gain in enumerate(made)
-            if gain - len(evidence.own[number][0]) / draws > REFERENCE_SHARE * evidence.gain(number)
+            if gain - len(evidence.own[number]) / draws > REFERENCE_SHARE * evidence.gain(number)
             or made_by_chance(evidence, number, float(by_chance[number]), draws)
         }
         if not owed:
@@ -84,7 +83,7 @@ def made_by_chance(evidence: Evidence, number: int, gains: float, draws: int) ->
     gains: of all draws together. Errors that stay for a whole rest, as its rounding does, are no
     noise of single readings: they make its variance larger, and gains by so much.
     """
-    count = max(1, len(evidence.own[number][0]))
+    count = max(1, len(evidence.own[number]))
     known_by = 1.0 + SURE * np.sqrt(2.0 / (count * draws))
     larger = 1.0 + known_by * max(gains, 0.0) / (draws * count)
     price = evidence.evidence(number) - evidence.delta_bic(number)
@@ -100,10 +99,10 @@ def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndar
         some = list(rows)
         return float(right[some] @ inverse(normal[np.ix_(some, some)]) @ right[some])
 
-    others = set(range(len(right))) - set(evidence.known)
+    others = set(range(len(right))) - set(evidence.known.tolist())
     return np.array([
         earned(tuple(sorted(others | set(own)))) - earned(tuple(sorted(others - set(own))))
-        for own, _ in evidence.own
+        for own in map(np.ndarray.tolist, evidence.own)
     ])  # fmt: skip
 
 

@@ -203,9 +203,8 @@ class Scrutiny:
     @classmethod
     def of(cls, evidence: Evidence, number: int) -> "Scrutiny":
         group = evidence.groups[number]
-        own, values = evidence.own[number]
-        u = evidence.u(number)
-        if group.random or group.absorbed_by or not own:
+        own, u = evidence.own[number], evidence.u(number)
+        if group.random or group.absorbed_by or not len(own):
             return cls(None, u, None)
         apart = list(_estimated_apart(evidence, number))
         p = min((1.0, *(len(apart) * one.p for one in apart))) if apart else None
@@ -214,7 +213,7 @@ class Scrutiny:
         u = np.hypot(u, spread)
         if group.name == UNNAMED:
             return cls(p, u, None)
-        one = Examined(evidence, number, values, u)
+        one = Examined(evidence, number, evidence.values[own], u)
         refusal = (
             _implausible(one)
             or _inhomogeneous(one, unlike)
@@ -231,13 +230,13 @@ class Scrutiny:
 
 def _estimated_apart(evidence: Evidence, number: int) -> Iterator[PartwiseEstimate]:
     """The finding's parameters in the parts of every partition that determines them."""
-    scatter, blocks = evidence.scatter, evidence.fit.blocks
-    places, own = scatter.determined(number), scatter.own[number]
+    blocks, cells = evidence.fit.blocks, evidence.cells
+    places, own = evidence.determined(number), evidence.own[number]
     if not len(places):
         return
-    information = scatter.information_by_cell(number)
+    information = evidence.information_by_cell(number)
     for partition, parts in partitions(blocks, scatter_cells(blocks), information):
-        one = partwise(scatter.cells, own[places], scatter.prior, scatter.values, partition, parts)
+        one = partwise(cells, own[places], evidence.prior, evidence.values, partition, parts)
         if one is not None:
             yield one.among(places, len(own))
 
@@ -248,7 +247,7 @@ def _implausible(one: Examined) -> Refusal | None:
     for k, (parameter, value, u) in enumerate(zip(one.parameters, one.values, one.u, strict=True)):
         value = float(value)
         if parameter is SIZE:
-            value += float(one.evidence.scatter.change(one.number)[0])
+            value += float(one.evidence.by_cells(one.number)[1][0])
         low, high = parameter.plausible
         limit = high if value > high else low
         if low - COVERAGE * u <= value <= high + COVERAGE * u:

@@ -31,14 +31,15 @@ from tasks.explain.evidence.cells import (
 )
 from tasks.explain.evidence.evidence import (
     Evidence,
+    FindingGroup,
     change_without,
+    finding_groups,
     possibly_clipped,
     possibly_clipped_in_noise,
     step_time,
+    unsupported,
 )
 from tasks.explain.evidence.findings import _beside_implausible, scrutinised
-from tasks.explain.evidence.groups import FindingGroup, finding_groups
-from tasks.explain.evidence.reduced import unsupported
 from tasks.explain.explanation import CHANNELS, UNNAMED
 from tasks.explain.noise import Noise
 from tasks.explain.search.candidates import Candidate, Prior
@@ -449,7 +450,7 @@ def test_u_as_stated_covers_what_a_parameter_would_be_without_what_is_implausibl
         Evidence.of(selected(made, TIME_OFFSET, LEVER_ARM)),
         selected(made, TIME_OFFSET).model,
     )
-    change = np.abs(alone.values[alone.places[TIME_OFFSET.key]] - both.own[0][1])
+    change = np.abs(alone.values[alone.places[TIME_OFFSET.key]] - both.values[both.own[0]])
     found = scrutinised(both)
     stated = _beside_implausible(both, found)
     assert found[0].u < 0.1 * change
@@ -464,4 +465,4 @@ def test_what_is_named_and_what_is_determined_stays() -> None:
     found = scrutinised(both)
     assert [one.refusal and one.refusal.kind for one in found.values()] == ["implausible", None]
     assert (found[1].u < 1e-4).all()
-    assert (change_without(both, [0])[both.own[1][0]] > 1e-3).any()
+    assert (change_without(both, [0])[both.own[1]] > 1e-3).any()

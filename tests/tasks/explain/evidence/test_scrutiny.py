@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from engine_run import MOVE, NOISY, REST, motion, noise, read, selected
 
-from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.evidence import Evidence, pruned
 from tasks.explain.evidence.left_over import Examined
-from tasks.explain.evidence.reduced import pruned
 from tasks.explain.evidence.scrutiny import Scrutiny, _undetermined
 from tasks.model.term import Term
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
@@ -142,5 +141,5 @@ def test_what_stands_out_of_what_is_left_stays_and_its_interval_holds_the_truth(
         evidence = pruned(selected(made, LEVER_ARM), TRIED)
         assert [group.name for group in evidence.groups] == ["lever_arm"]
         one = Scrutiny.of(evidence, 0)
-        inside += (np.abs(evidence.own[0][1] - 3.0 * ARM) < 2.0 * one.u).tolist()
+        inside += (np.abs(evidence.values[evidence.own[0]] - 3.0 * ARM) < 2.0 * one.u).tolist()
     assert np.mean(inside) > 0.85
