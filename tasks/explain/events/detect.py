@@ -12,7 +12,7 @@ from scipy.stats import norm
 
 from schemas.discrepancy import FoundParameter
 from schemas.recording import AXES
-from tasks.explain.events.bursts import find_bursts, find_impacts, find_settling
+from tasks.explain.events.bursts import find_bursts, find_settling
 from tasks.explain.events.codes import (
     CodeFault,
     cut_off,
@@ -153,7 +153,7 @@ def _zone(
 def events_in_residual(
     events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion, start: float = 0.0
 ) -> Events:
-    """The events found before a regression, and lines, impacts and bursts in its residual.
+    """The events found before a regression, and lines and bursts in its residual.
 
     residual: (n, 6) readings minus `events.applied` to the prediction of the fitted model, NaN
     where that is unknown. noise: (6,) standard deviation of a sample, for channels whose residual
@@ -172,13 +172,9 @@ def events_in_residual(
     if motion.tracking is not None:
         mains = tuple(line for line in lines if line.effect in EVENTS)
         return Events((*mains, *events.events), events.masked, events.remarks)
-    impacts = find_impacts(left.without(*lines))
-    if impacts is not None:  # at even speed they look like lines
-        left = left.without(impacts)
-        lines = find_lines(left)
     nonlinear = tuple(c for event in events.events if not event.linear for c in event.channels)
     bursts = find_bursts(left.without(*lines).without_channels(nonlinear), start)
-    transients = tuple(event for event in (impacts, bursts) if event is not None)
+    transients = () if bursts is None else (bursts,)
     return Events((*lines, *transients, *events.events), events.masked, events.remarks)
 
 

@@ -17,8 +17,6 @@ from tasks.explain.evidence.evidence import (
     Evidence,
     FindingGroup,
     change_without,
-    possibly_clipped,
-    possibly_clipped_in_noise,
     step_time,
     unsupported,
 )
@@ -100,8 +98,7 @@ def _beside_implausible(
         return dict(scrutinies)
     change = change_without(evidence, beyond)
     return {
-        n: replace(one, u=np.hypot(one.u, change[evidence.own[n]]))
-        for n, one in scrutinies.items()
+        n: replace(one, u=np.hypot(one.u, change[evidence.own[n]])) for n, one in scrutinies.items()
     }
 
 
@@ -163,7 +160,7 @@ def _finding(
         gain=gain,
         delta_bic=gain if absorbed else evidence.delta_bic(number),
         held_out_gain=evidence.held_out_gain(number),
-        indistinguishable=_indistinguishable(group, channels, contribution, full) if named else (),
+        indistinguishable=_indistinguishable(group) if named else (),
         separated_by=first.separated_by if named else None,
         homogeneity_p=scrutiny.homogeneity_p,
         refusal=scrutiny.refusal,
@@ -187,13 +184,9 @@ def _behaviour(group: FindingGroup) -> Sayable:
     return JUMPS if several else first.behaviour
 
 
-def _indistinguishable(
-    group: FindingGroup, channels: tuple[int, ...], contribution: np.ndarray, full: FullRate
-) -> tuple[str, ...]:
+def _indistinguishable(group: FindingGroup) -> tuple[str, ...]:
     """Catalogue names that fit as well, so that the data cannot distinguish them."""
     names = [name for one in group.selected for name in one.rivals if name != UNNAMED]
-    names += possibly_clipped(group.name, channels, full.motion)
-    names += possibly_clipped_in_noise(group.name, contribution, full.readings, full.motion)
     return tuple(dict.fromkeys(names))
 
 

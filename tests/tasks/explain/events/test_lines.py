@@ -1,4 +1,4 @@
-"""Lines, impacts and bursts are detected in what a regression leaves, and nothing in noise."""
+"""Lines and bursts are detected in what a regression leaves, and nothing in noise."""
 
 from dataclasses import replace
 
@@ -157,22 +157,6 @@ def test_line_before_lost_samples_goes_on_after_them() -> None:
     assert [event.effect for event in found.events] == ["unnamed", "dropped_samples"]
     added = found.applied(t, mean[: len(t)]) - mean[taken]
     assert added[:-1, 4] == pytest.approx(wave[taken][:-1], abs=2e-4)
-
-
-def test_clicks_that_follow_the_angle_are_counted_a_turn_and_taken_away() -> None:
-    made = _on_table(motion(minutes=10.0))
-    assert made.axes is not None
-    turns = made.axes.angles[:, 0] / (2 * np.pi)
-    number = np.floor(turns * 6.37 - 0.2)
-    starts = made.t[1:][np.diff(number) != 0] - 0.5 / RATE
-    wave = np.array([0, 0, 0, 0, 8e-3 - 4e-3j, 0])
-    clicks = _rung(made, starts, wave, 23.0, 0.012)
-    (event,) = _detected(made, _noise(made, 24) + clicks).events
-    assert event.effect == "unnamed"
-    assert event.channels == (4,)
-    assert _value(event, "per_turn") == pytest.approx(6.37, abs=0.01)
-    added = event.applied(made.t, np.zeros((len(made.t), 6)))
-    assert ((added - clicks) ** 2).sum() < 0.3 * (clicks**2).sum()
 
 
 def test_bursts_are_counted_and_taken_away_by_what_they_have_in_common() -> None:
