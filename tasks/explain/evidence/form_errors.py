@@ -17,7 +17,6 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.left_over import MEMORY
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.explanation import (
     CERTAIN,
@@ -36,6 +35,8 @@ from tasks.explain.search.fitted import fitted
 from tasks.model.fit import inverse
 from tasks.model.model import Model
 from tasks.model.term import TermKey
+
+MEMORY = "hysteresis"
 
 
 def named_beside(
