@@ -253,26 +253,6 @@ class Combination:
             gains.append(0.0 if stepped.negative.any() else float(change[free[rows]] @ right[rows]))
         return gains
 
-    def promise_of_filter(self, low_pass: Term, more: float) -> float:
-        """Chi-squared that a filter of the time constants `more` (s) promises to take away in the
-        place of as much of the delay, by what the readings become, times a size above nothing.
-        """
-        model, blocks = self.fit.model, self.fit.blocks
-        design = model.linearised(blocks.motion, model.free)
-        later = model.with_term(low_pass)
-        values = later.values.copy()
-        values[later.places[low_pass.key]] = more
-        for one in self.members:
-            values[later.places[one.term.key]] -= delay_of_low_pass(low_pass) * more
-        added = replace(later, values=values).prediction(blocks.motion) - design.prediction
-        columns = [design.columns[p] for p in np.flatnonzero(model.free)]
-        columns.append(dict(enumerate(added.T)))
-        misfit = blocks.readings - design.prediction
-        normal, right, _ = equations_of(columns, misfit, blocks, self.fit.noises).normal()
-        solution = inverse(normal) @ right
-        alone = inverse(normal[:-1, :-1]) @ right[:-1]
-        return float(solution @ right - alone @ right[:-1]) if solution[-1] > 0.0 else 0.0
-
     def with_filter(self, more: float) -> "Combination":
         """A delay and filters whose time constants are greater by so much (s), and held there."""
         model, fit = self.fit.model, self.fit
@@ -514,7 +494,7 @@ class _Delays:
         ]
         singles = [one for one in tried if len(names_of(one.members)) == 1] or tried
         alone = min(singles, key=self._cost)
-        if self._linear.triads_differ or self._smooths(alone):
+        if self._linear.triads_differ:
             tried += self._delay_with_filter()
         near = sorted(self._near(singles, alone), key=self._cost, reverse=True)
         cheapest = {names_of(one.members): one for one in near}
@@ -595,21 +575,6 @@ class _Delays:
                 len(one.own) for one in form
             ):
                 yield (*alone.members, *form)
-
-    def _smooths(self, alone: Combination) -> bool:
-        """Whether a filter beside a delay promises to fit better than the one of them that fits
-        best: in the delay's place one of a usual size, which is a column like any other.
-        """
-        both = next((form[0] for form in self.forms if is_by_triad(form)), None)
-        delay = next((form for form in self.forms if form[0].name == "time_offset"), None)
-        if delay is None or both is None:
-            return False
-        gain = 0.0
-        if names_of(alone.members) == ("time_offset",):
-            gain = alone.promise_of_filter(both.term, FILTER)
-        elif names_of(alone.members) == ("bandwidth",):
-            gain = alone.promises([delay])[0]
-        return gain > DISTINGUISHABLE * self._linear.dispersion
 
     def _fitted(self, members: Form) -> Combination:
         if members is self.present and not self._delay_was_taken_back:

@@ -84,10 +84,6 @@ class FindingGroup:
             return len(self.selected)
         return sum(len(one.candidate.own) for one in self.selected if not one.candidate.known)
 
-    @property
-    def gain(self) -> float:
-        return sum(one.gain for one in self.selected)
-
 
 def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
     """Groups of candidates that form one finding: those of one name, those that compensate for each

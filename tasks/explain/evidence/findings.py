@@ -12,7 +12,7 @@ from tasks.explain.events.codes import CodeFault
 from tasks.explain.events.detect import AxisMapping, Fault, RangeSetting, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.saturation import EFFECTS as LIMITS
-from tasks.explain.evidence.confounding import common_part
+from tasks.explain.evidence.confounding import chi2_of, common_part
 from tasks.explain.evidence.evidence import (
     Evidence,
     FindingGroup,
@@ -42,7 +42,6 @@ from tasks.explain.explanation import (
 )
 from tasks.explain.inputs.blocks import FullRate
 from tasks.explain.inputs.prepared import Prepared
-from tasks.explain.noise import equations_of
 from tasks.explain.search.candidates import TIME
 from tasks.explain.search.empirical import READINGS, SLOW_DRIFT
 from tasks.explain.search.fitted import FittedSelection, fitted, model_of
@@ -710,7 +709,7 @@ def reference_deviation(
     """
     ideal = Model.of(STANDARD_TERMS)
     count = int(standard.free.sum())
-    gain = _chi2(ideal, fit) - _chi2(standard, fit)
+    gain = chi2_of(ideal, fit) - chi2_of(standard, fit)
     if chdtrc(count, max(gain, 0.0)) > FALSE_ALARMS:
         return []
     return [
@@ -728,13 +727,6 @@ def reference_deviation(
             held_out_gain=0.5 * gain - count,
         )
     ]
-
-
-def _chi2(model: Model, fit: FittedSelection) -> float:
-    """Of a model on the blocks that the selection is fitted to."""
-    blocks = fit.blocks
-    misfit = blocks.readings - model.prediction(blocks.motion)
-    return equations_of([], misfit, blocks, fit.noises).normal()[2]
 
 
 def _clear_deviations(standard: Model, ideal: np.ndarray) -> tuple[FoundParameter, ...]:
