@@ -24,8 +24,6 @@ from tasks.explain.search.candidates import (
 )
 from tasks.explain.search.design import (
     BandedDesign,
-    Derivatives,
-    FittedModel,
     banded_design,
     normal_equations,
     residual_noises,
@@ -215,10 +213,7 @@ class FittedSelection:
     ) -> "FittedSelection":
         """start: a model whose values the fit starts from."""
         candidates = selection.candidates
-        model: Model = FittedModel.of_model(
-            model_of([(one, selection.prior_precision(one)) for one in candidates], blocks),
-            _derivatives(start, blocks),
-        )
+        model = model_of([(one, selection.prior_precision(one)) for one in candidates], blocks)
         if start is not None:
             model = model.with_values_of(start)
         model = fitted(model, blocks, _at_rate(selection.noises, blocks.rate / search_rate))
@@ -240,13 +235,6 @@ class FittedSelection:
         keys = {one.candidate.key for one in selected}
         kept = tuple(one for one in self.selection.selected if one.candidate.key not in keys)
         return self.reselected(replace(self.selection, selected=kept))
-
-
-def _derivatives(start: Model | None, blocks: Blocks) -> Derivatives:
-    """Those of a model that was fitted to the same blocks; else new ones."""
-    if isinstance(start, FittedModel) and start.derivatives.motion is blocks.motion:
-        return start.derivatives
-    return Derivatives(blocks.motion)
 
 
 @dataclass(frozen=True)
