@@ -1,6 +1,6 @@
 """Turns evidence into findings: identity, contribution and parameters."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import comb
 
@@ -27,7 +27,7 @@ from tasks.explain.evidence.form_errors import (
     without_name,
 )
 from tasks.explain.evidence.left_over import NEAR_NOISE, REFERENCE_KNOWN, LeftOver, remainder
-from tasks.explain.evidence.reference_errors import with_smoothing_error
+from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.explanation import (
     CHANNELS,
@@ -61,13 +61,19 @@ MIN_SHARE = 0.02  # of a finding's power: a channel with less is not named
 
 def findings_of(
     evidence: Evidence, scrutinies: Mapping[int, Scrutiny], full: FullRate,
-    determined: DeterminedModel, ordered: bool = False,
+    determined: DeterminedModel, to_noise: Collection[int] = (), ordered: bool = False,
 ) -> list[Finding]:  # fmt: skip
     """The findings of a fitted selection. determined: the part that is corrected for.
 
-    scrutinies: of the findings, by number. ordered: exactly these terms were requested, and they
-    keep the requested names, with the evidence against them.
+    scrutinies: of the findings, by number. to_noise: numbers of those that only reduce the noise of
+    the reference. ordered: exactly these terms were requested, and they keep the requested names,
+    with the evidence against them.
     """
+    scrutinies = dict(scrutinies)
+    for number in scrutinies.keys() & set(to_noise):
+        refusal = Refusal("reference_noise", evidence.groups[number].name)
+        if evidence.groups[number].name != UNNAMED and not _refused(scrutinies[number]):
+            scrutinies[number] = replace(scrutinies[number], refusal=refusal)
     groups = evidence.groups
     if not ordered:
         groups = _without_refused(groups, scrutinies)
@@ -622,9 +628,10 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)
+    to_noise = fitted_to_reference_noise(prepared, standard, evidence)
     scrutinies = scrutinised(evidence)
     determined = determined_model(evidence, scrutinies, full)
-    terms = findings_of(evidence, scrutinies, full, determined, ordered)
+    terms = findings_of(evidence, scrutinies, full, determined, to_noise, ordered)
     gains = [max(evidence.together(number), 0.0) for number in scrutinies]
     if reference is not None:
         deviations = reference_deviation(standard, nominal, full, fit)

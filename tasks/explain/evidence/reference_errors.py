@@ -1,4 +1,9 @@
-"""By how much the errors of the reference move the parameters of findings.
+"""Which findings and values the errors of the reference make by themselves.
+
+What smooths or shrinks the predicted motion, as a low-pass beside a lead or a dead band does, fits
+better for that alone: the motion carries the encoder's noise and the unit does not (attenuation by
+errors in the regressor; Fuller, Measurement Error Models, 1987). And what follows the ends of moves
+fits what smoothing the encoder leaves there. How much either earns, a simulated reading tells.
 
 The filter that keeps the noise of poses or encoders out of their derivatives takes a little of the
 motion too, most of it near the end of the band. What it takes follows the motion, so that no
@@ -10,16 +15,20 @@ far they all are turned from those that the unit is said to have, nothing tells.
 """
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from schemas.recording import Stream
 from tasks.explain.evidence.evidence import Evidence, fitted_columns
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.inputs.blocks import FullRate
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.inputs.reference import smoothed_motion
+from tasks.explain.inputs.simulated_reading import simulated_reading
 from tasks.explain.noise import equations_of, scores_of
 from tasks.model.fit import inverse
+from tasks.model.model import Model
 from tasks.model.terms.axes import turned_by
 from tasks.model.terms.standard import GYRO_MATRIX
 from tasks.motion.encoders import lost_acceleration
@@ -27,7 +36,58 @@ from tasks.motion.pose import TrackedMotion, motion_smoothed_twice
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion
 
+# Of a finding's gain, a third of its size: what errors of the reference may make of it.
+REFERENCE_SHARE = 1 / 9
+DRAWS = 4  # of those errors: what they bring forth by chance alone differs
+SEED = 20
 OF_THREE = 1.6  # Student's t of three values over that of many: so few tell how square axes are
+
+
+def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evidence) -> set[int]:
+    """Numbers of the findings that the errors of the reference would bring forth by themselves;
+    without a name none is asked for.
+
+    standard: the model without findings, fitted.
+    """
+    full = prepared.full
+    if all(group.name == UNNAMED for group in evidence.groups):
+        return set()
+    rng = np.random.default_rng(SEED)
+    normal, right = np.zeros(()), np.zeros(())
+    owed: set[int] = set()
+    for draws in range(1, DRAWS + 1):
+        simulated = simulated_reading(prepared.recording, full, rng)
+        if simulated is None:
+            return set()
+        true, read = simulated
+        errors = standard.prediction(true) - standard.prediction(read)
+        more = _equations_on(replace(full, readings=errors, motion=read), prepared, evidence)
+        normal, right = normal + more[0], right + more[1]
+        made = _gains(evidence, normal / draws, right / draws).tolist()
+        owed = {
+            number
+            for number, gain in enumerate(made)
+            if gain - len(evidence.own[number]) / draws > REFERENCE_SHARE * evidence.gain(number)
+        }
+        if not owed:
+            break
+    return owed
+
+
+def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """What each finding earns beside the others."""
+    normal = normal + np.diag(evidence.prior)
+
+    @cache
+    def earned(rows: tuple[int, ...]) -> float:
+        some = list(rows)
+        return float(right[some] @ inverse(normal[np.ix_(some, some)]) @ right[some])
+
+    others = set(range(len(right))) - set(evidence.known.tolist())
+    return np.array([
+        earned(tuple(sorted(others | set(own)))) - earned(tuple(sorted(others - set(own))))
+        for own in map(np.ndarray.tolist, evidence.own)
+    ])  # fmt: skip
 
 
 def with_smoothing_error(evidence: Evidence, prepared: Prepared) -> Evidence:
