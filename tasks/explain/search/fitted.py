@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from scipy.special import comb
 
-from tasks.explain.explanation import COVERAGE, UNNAMED
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.inputs.blocks import Blocks, well_known
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.noise import Noise, equations_of, scores_of
@@ -315,7 +315,7 @@ def searched(
     found = _searched(prepared, terms, coarse, fine, progress)
     if prepared.delay:
         return found
-    kinds = with_kinds(listed, found.fit.selection.selected, found.fit.model, coarse.motion)
+    kinds = with_kinds(listed, found.fit.selection.selected, coarse.motion)
     if not kinds:
         return found
     again = _searched(prepared, kinds, coarse, fine, progress)
@@ -454,16 +454,16 @@ def fitted_by_poses(fit: FittedSelection) -> FittedSelection:
 
 
 def with_kinds(
-    listed: Sequence[Term], selected: Sequence[Selected], model: Model, motion: Motion
+    listed: Sequence[Term], selected: Sequence[Selected], motion: Motion
 ) -> tuple[Term, ...]:
     """The terms to search with kinds of behaviour; none where none is in question.
 
-    listed: terms of the catalogue. selected: what a search of them and of empirical terms selected,
-    model: fitted to it. Kinds are in question where something has no name, or a form in doubt; but
-    not where a delay or a filter is as clear, or in every model: what one differs by from the other
-    follows changes of the motion, as memory does.
+    listed: terms of the catalogue. selected: what a search of them and of empirical terms selected.
+    Kinds are in question where something has no name, or a form in doubt; but not where a delay or
+    a filter is as clear, or in every model: what one differs by from the other follows changes of
+    the motion, as memory does.
     """
-    doubtful = [one for one in selected if _in_doubt(one.candidate, model)]
+    doubtful = [one for one in selected if _in_doubt(one.candidate)]
     signal = [one for one in selected if one.candidate.term.stage == "signal"]
     least = max((one.gain for one in signal), default=0.0)
     clear = any(one.gain > least for one in doubtful)
@@ -481,18 +481,12 @@ def with_kinds(
     )
 
 
-def _in_doubt(one: Candidate, model: Model) -> bool:
+def _in_doubt(one: Candidate) -> bool:
     """Whether it may be a behaviour in another form: it has no name; it is a sum of plays, which
-    any hysteresis is; or its shape or its size is driven to where its own form ends.
+    any hysteresis is; or its shape is driven to where its own form ends.
     """
-    if one.nuisance:
-        return False
-    return (
-        one.name == UNNAMED
-        or one.term.source == PLAYS
-        or is_at_bound(one.term)
-        or _of_other_sign(one.term, model)
-    )
+    doubtful = one.name == UNNAMED or one.term.source == PLAYS or is_at_bound(one.term)
+    return doubtful and not one.nuisance
 
 
 def is_at_bound(term: Term) -> bool:
@@ -501,17 +495,5 @@ def is_at_bound(term: Term) -> bool:
         low, high = shape.plausible
         searched = shape.unit not in (COUNTS, "deg") and shape.name != "time"
         if searched and (value >= 0.99 * high or value <= 1.01 * low):
-            return True
-    return False
-
-
-def _of_other_sign(term: Term, model: Model) -> bool:
-    """Whether what can only take off, as friction, would add."""
-    place = model.places[term.key]
-    for parameter, value, u in zip(
-        term.parameters, model.values[place], model.u[place], strict=True
-    ):
-        low, high = parameter.plausible
-        if (low == 0.0 and value < -COVERAGE * u) or (high == 0.0 and value > COVERAGE * u):
             return True
     return False
