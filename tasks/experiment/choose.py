@@ -35,8 +35,7 @@ from tasks.experiment.separation import (
     left_by_real_fit,
 )
 from tasks.experiment.track import ThermalResponse, planned_recording
-from tasks.explain.confounding.delays import DELAYING, GYROS_ALONE
-from tasks.explain.confounding.linear_forms import DISTINGUISHABLE
+from tasks.explain.evidence.confounding import DELAYING, DISTINGUISHABLE, GYROS_ALONE
 from tasks.explain.evidence.form_errors import undetermined
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import COVERAGE, UNNAMED, Explanation

@@ -4,17 +4,14 @@ from collections.abc import Sequence
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from tasks.explain.confounding.compare import compared, with_preferred
-from tasks.explain.confounding.linear_forms import with_play
-from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.confounding import compared, with_play, with_preferred
+from tasks.explain.evidence.evidence import Evidence, pruned, with_absorbed
 from tasks.explain.evidence.findings import explanation_of
-from tasks.explain.evidence.reduced import pruned, with_absorbed
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, report_progress, silent
-from tasks.explain.search.by_poses import fitted_by_poses
-from tasks.explain.search.fitted import FittedSelection, Searched, searched
+from tasks.explain.search.fitted import FittedSelection, Searched, fitted_by_poses, searched
 from tasks.model.terms.timing import TIME_OFFSET
 
 

@@ -162,9 +162,6 @@ RefusalKind = Literal[
     "form_error",
     "reference_noise",
     "placed",
-    "one_end",
-    "both_ways",
-    "swings",
     "switching",
 ]
 
@@ -182,9 +179,6 @@ class Refusal:
     form_error: what else was found there has `value` times its evidence, and forms of its own.
     reference_noise: it fits no better than what makes the reference's own noise smaller.
     placed: labels alone tell `value` positions, and it has a parameter for all that they leave.
-    one_end: it is a jump with no more than `value` cells of the recording before or after it.
-    both_ways: a memory of which parts run round their loops one way, and parts the other.
-    swings: a low-pass of accelerometers whose amplitude changes as no filter's does.
     switching: a random walk that changes at two moments, and hardly between.
     name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
     parts: what divides the recording: time, rate, upward axis, triad, axis.

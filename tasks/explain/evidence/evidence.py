@@ -1,52 +1,172 @@
-"""The evidence for each finding: chi-squared lost without it, in fitted and in held-out
-segments.
+"""What a fitted selection is worth: its findings, the evidence for each, and what of them stands.
+
+Chi-squared that is lost without a finding, in all rows and in segments that a fit did not use, is
+counted against how much the cells of the recording disagree on it.
 """
 
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+from scipy.special import chdtrc
 from scipy.stats import chi2
 from scipy.stats import f as fisher
 
 from schemas.discrepancy import HeldOut
-from tasks.explain.events.saturation import EFFECTS as LIMITS
+from schemas.recording import AXES
 from tasks.explain.evidence.cells import (
+    CellEquations,
+    CellInfluence,
     CrossValidation,
     cell_equations,
+    cell_influence,
     cross_validation,
     fold_cells,
     scatter_cells,
 )
-from tasks.explain.evidence.groups import FindingGroup, finding_groups, fitted_columns
-from tasks.explain.evidence.scatter import Scatter
-from tasks.explain.explanation import CHANNELS, COVERAGE
-from tasks.explain.noise import equations_of
-from tasks.explain.search.fitted import FittedSelection, fitted
+from tasks.explain.explanation import CERTAIN, CHANNELS, COVERAGE, UNNAMED
+from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.noise import Noise, equations_of, weighted, whitened_gram
+from tasks.explain.search.candidates import Candidate, columns_of
+from tasks.explain.search.fitted import FittedSelection, fitted, is_at_bound
+from tasks.explain.search.stepwise import FALSE_ALARMS, Selected, Selection
 from tasks.model.fit import WhitenedEquations, inverse
-from tasks.model.term import EVENTS, Inputs, Parameter, Term, parameters_of
-from tasks.model.terms.gyro import GYRO_SCALE_ASYMMETRY
+from tasks.model.model import Model
+from tasks.model.term import Column, Parameter, Term, parameters_of
+from tasks.model.terms.standard import GYRO_G_SENSITIVITY, regressors
 from tasks.motion.whole import Motion
+
+# Which selected candidates form one finding, and which findings can be given a name.
+
+PER_TURN = "per_turn"  # the shape of what comes so many times a turn
+SAME_STEP = 5.0  # s within which jumps are one step, found anew in each triad or gradual
+
+
+@dataclass(frozen=True)
+class FindingGroup:
+    """One finding: its name, the terms that model it, and the candidates selected of it."""
+
+    name: str
+    terms: tuple[Term, ...]
+    selected: tuple[Selected, ...]
+
+    @property
+    def random(self) -> bool:
+        """Whether it is a random drift, or a random function of its own drive."""
+        return self.selected[0].candidate.prior is not None
+
+    @property
+    def unlisted(self) -> bool:
+        """Whether it is a kind of behaviour in a form that no publication lists."""
+        return self.selected[0].candidate.unlisted
+
+    @property
+    def nuisance(self) -> bool:
+        """Whether every model of such a recording has it."""
+        return self.selected[0].candidate.nuisance
+
+    @property
+    def known(self) -> bool:
+        """Whether its size is known beforehand, so that it cannot be a shadow of something else."""
+        return self.absorbed_by is not None or any(one.candidate.known for one in self.selected)
+
+    @property
+    def absorbed_by(self) -> str | None:
+        return self.selected[0].absorbed_by
+
+    @property
+    def parameter_count(self) -> int:
+        """What it is charged for: of a random drift one for each candidate."""
+        if self.random:
+            return len(self.selected)
+        return sum(len(one.candidate.own) for one in self.selected if not one.candidate.known)
+
+
+def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
+    """Groups of candidates that form one finding: those of one name, those that compensate for each
+    other, those without a name of one term; several steps are jumps.
+
+    If the strongest form of a name was driven to its limit, the finding loses its name; likewise if
+    neighbouring orders of a once-per-turn component were selected.
+    """
+    named: dict[object, list[Selected]] = {}
+    for one in selection.selected:
+        name = one.candidate.name
+        key = one.candidate.term.key if name == UNNAMED else one.group or name
+        named.setdefault(key, []).append(one)
+    return tuple(_group(_name_of(some), some) for some in named.values())
+
+
+def _group(name: str, some: Sequence[Selected]) -> FindingGroup:
+    terms = {one.candidate.term.key: one.candidate.term for one in some}
+    return FindingGroup(name, tuple(terms.values()), tuple(some))
+
+
+def _name_of(some: Sequence[Selected]) -> str:
+    first = some[0].candidate.term
+    times = [one.candidate.term.at[0] for one in some if first.time_course == "jump"]
+    several = max(times, default=0.0) - min(times, default=0.0) > SAME_STEP
+    doubtful = any(one.candidate.unlisted and UNNAMED in one.rivals for one in some)
+    unnamed = several or doubtful or _at_one_place(some) or is_at_bound(first)
+    return UNNAMED if unnamed else first.name
+
+
+def _at_one_place(some: Sequence[Selected]) -> bool:
+    """Whether waves of neighbouring orders a turn are the series of something at one place of it.
+
+    What comes N times a turn has that order and its multiples.
+    """
+    terms = [one.candidate.term for one in some]
+    orders = sorted(
+        (term.at[1:], term.at[0])
+        for term in terms
+        if term.shapes[:1] and term.shapes[0].name == PER_TURN
+    )
+    return any(
+        axis == other and lower > 1.0 and higher == lower + 1.0
+        for (axis, lower), (other, higher) in pairwise(orders)
+    )
+
+
+def fitted_columns(
+    model: Model, groups: Sequence[FindingGroup], motion: Motion
+) -> tuple[list[Column], np.ndarray]:
+    """Of a model's free parameters, then of known physics in the order of the groups; and what
+    the model predicts, (n, 6).
+    """
+    design = model.linearised(motion, model.free)
+    columns = [design.columns[p] for p in np.flatnonzero(model.free).tolist()]
+    for term in (term for group in groups for term in group.terms if not term.parameters):
+        effect = model.effect_of({term.key}, motion, design.prediction)
+        columns.append(dict(enumerate(effect.T)))
+    return columns, design.prediction
+
+
+# The evidence for each finding.
+
+MOST_PRIOR = 0.5  # of what is known of a parameter: with more of it the data do not determine it
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A fitted selection as findings, and its model's columns, whitened, on all rows and by fold.
+    """A fitted selection as findings, and its model's equations: of all rows, by fold, by cell.
 
-    own: for each group the columns that are its own and what they are multiplied by now.
-    prior: (q,) precision beforehand. known: columns of physics whose factor is one. scatter:
-    between the cells of the recording, against which the evidence is counted. smoothing_error: (q,)
-    by which the smoothing of poses may have moved each column's factor.
+    own: for each group the columns (k,) that are its own. values: (q,) that the columns are
+    multiplied by. prior: (q,) precision beforehand. known: (m,) columns of physics whose factor is
+    one. smoothing_error: (q,) by which the smoothing of poses may have moved each factor.
     """
 
     fit: FittedSelection
     groups: tuple[FindingGroup, ...]
     whole: WhitenedEquations
     folds: CrossValidation
-    scatter: Scatter
-    own: tuple[tuple[list[int], np.ndarray], ...]
-    known: tuple[int, ...]
+    cells: CellEquations
+    own: tuple[np.ndarray, ...]
+    known: np.ndarray
+    values: np.ndarray
     prior: np.ndarray
     smoothing_error: np.ndarray
 
@@ -55,47 +175,100 @@ class Evidence:
         model, blocks = fit.model, fit.blocks
         groups = finding_groups(fit.selection)
         columns, prediction = fitted_columns(model, groups, blocks.motion)
-        free = np.flatnonzero(model.free).tolist()
-        position, own_places = {p: q for q, p in enumerate(free)}, model.places
-        own: list[tuple[list[int], np.ndarray]] = []
-        known: list[int] = []
+        free = np.flatnonzero(model.free)
+        known, own = iter(range(len(free), len(columns))), []
         for group in groups:
-            mine: list[int] = []
-            values: list[float] = []
-            for term in group.terms:
-                place = own_places[term.key]
-                if not term.parameters:
-                    known.append(len(free) + len(known))
-                    mine.append(known[-1])
-                    values.append(1.0)
-                fitted = [p for p in range(place.start, place.stop) if p in position]
-                mine += [position[p] for p in fitted]
-                values += model.values[fitted].tolist()
-            own.append((mine, np.array(values)))
+            mine = [[next(known)] for term in group.terms if not term.parameters]
+            places = [model.places[term.key] for term in group.terms]
+            mine += [np.flatnonzero((free >= p.start) & (free < p.stop)).tolist() for p in places]
+            own.append(np.array([q for some in mine for q in some], int))
         misfit = blocks.readings - prediction
         fold, cells = fold_cells(blocks), scatter_cells(blocks)
         by_fold = by_cell = cell_equations(columns, misfit, blocks, fit.noises, fold)
         if not np.array_equal(fold, cells):
             by_cell = cell_equations(columns, misfit, blocks, fit.noises, cells)
-        prior = np.concatenate([model.prior[free], np.zeros(len(known))])
-        scatter = Scatter(
-            by_cell,
-            tuple(np.array(mine, int) for mine, _ in own),
-            tuple(group.random for group in groups),
-            prior,
-            np.concatenate([model.values[free], np.ones(len(known))]),
-        )
+        more = len(columns) - len(free)
         return cls(
             fit,
             groups,
             equations_of(columns, misfit, blocks, fit.noises),
             cross_validation(by_fold),
-            scatter,
+            by_cell,
             tuple(own),
-            tuple(known),
-            prior,
-            np.zeros(len(prior)),
+            np.arange(len(free), len(columns)),
+            np.concatenate([model.values[free], np.ones(more)]),
+            np.concatenate([model.prior[free], np.zeros(more)]),
+            np.zeros(len(columns)),
         )
+
+    def dispersion(self, number: int) -> float:
+        """φ ≥ 1: how much more the cells disagree on a finding than the fit's noise makes them."""
+        return self._influences[number][1].dispersion
+
+    def degrees(self, number: int) -> float:
+        """Of freedom with which φ is known; infinite where it is one."""
+        return self._influences[number][1].degrees
+
+    def determined(self, number: int) -> np.ndarray:
+        """Which of a finding's own columns (m,) the data determine, by their place among them."""
+        return self._influences[number][0]
+
+    def effective_cells(self, number: int) -> np.ndarray:
+        """(m,) number of equal cells that would be as informative about each determined column."""
+        return self._influences[number][1].effective_cells
+
+    def information_by_cell(self, number: int) -> np.ndarray:
+        """(cells,) share of the information on a finding's parameters that comes from each cell."""
+        influence = self._influences[number][1]
+        return np.einsum("ij,cji->c", influence.covariance, influence.by_cell)
+
+    def channel_dispersion(self, number: int, channel: int) -> float:
+        """φ of a finding in one channel alone; where it does not touch it, of all its columns."""
+        used = np.zeros((self.cells.cells, len(self.cells.grams)), bool)
+        used[:, channel] = True
+        read = self.cells.which[channel]
+        own = np.intersect1d(self.own[number], read)
+        own = own if len(own) else read
+        return self._among(own, *self.cells.normal(used))[1].dispersion
+
+    def by_cells(self, number: int) -> tuple[CellInfluence, np.ndarray]:
+        """What each cell asks of a finding's own columns (k,), and by how much the cells' optimum
+        differs from the fit's values (k,).
+        """
+        return cell_influence(*self._by_cell, self.own[number], self.prior, self.values)
+
+    @cached_property
+    def _by_cell(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.cells.normal()
+
+    @cached_property
+    def _influences(self) -> list[tuple[np.ndarray, CellInfluence]]:
+        """For each finding its determined columns, and the influence of each cell on them.
+
+        A random drift follows whatever the cells require: the influence of its channels' other
+        columns shows how far the residual may be counted as noise.
+        """
+        random = [own for own, group in zip(self.own, self.groups, strict=True) if group.random]
+        steady = np.setdiff1d(np.arange(len(self.prior)), np.concatenate([*random, []]))
+        return [
+            self._among(self._beside(own, steady) if group.random else own, *self._by_cell)
+            for own, group in zip(self.own, self.groups, strict=True)
+        ]
+
+    def _beside(self, own: np.ndarray, steady: np.ndarray) -> np.ndarray:
+        """The steady columns in the channels of some others."""
+        read = [which for which in self.cells.which if np.isin(own, which).any()]
+        return np.intersect1d(steady, np.concatenate([*read, []])).astype(int)
+
+    def _among(
+        self, own: np.ndarray, normal: np.ndarray, right: np.ndarray
+    ) -> tuple[np.ndarray, CellInfluence]:
+        influence = cell_influence(normal, right, own, self.prior, self.values)[0]
+        variance = np.diag(influence.covariance)
+        determined = np.flatnonzero((variance > 0) & (variance * self.prior[own] < MOST_PRIOR))
+        if len(determined) < len(own):
+            influence = cell_influence(normal, right, own[determined], self.prior, self.values)[0]
+        return determined, influence
 
     @cached_property
     def used(self) -> int:
@@ -115,7 +288,7 @@ class Evidence:
         """The gain relative to the residual, gain/φ, as 2·ln of the likelihood ratio of so many
         readings whose noise is not known beforehand (quasi-likelihood).
         """
-        gain = max(self.gain(number), 0.0) / self.scatter.dispersion(number)
+        gain = max(self.gain(number), 0.0) / self.dispersion(number)
         readings = self._independent(number)
         return float(readings * np.log1p(gain / readings))
 
@@ -125,11 +298,11 @@ class Evidence:
         (effective sample size; Bayarri and others, Prior-based Bayesian information criterion,
         2019). For a random drift the search has charged everything except its strength.
         """
-        counts = self.scatter.effective_cells(number)
+        counts = self.effective_cells(number)
         if self.groups[number].random:
-            counts = np.full(self.groups[number].parameter_count, float(self.scatter.cells.cells))
+            counts = np.full(self.groups[number].parameter_count, float(self.cells.cells))
         else:
-            mine = np.array(self.own[number][0], int)[self.scatter.determined(number)]
+            mine = self.own[number][self.determined(number)]
             counts = counts[~np.isin(mine, self.known)]
         return self.evidence(number) - float(np.log1p(counts).sum())
 
@@ -145,14 +318,14 @@ class Evidence:
         """Number of effective readings: n/φ, but not fewer than the cells from which φ is
         estimated.
         """
-        left, degrees = self.scatter.dispersion(number), self.scatter.degrees(number)
+        left, degrees = self.dispersion(number), self.degrees(number)
         return max(self.used / left, degrees) if np.isfinite(degrees) else float(self.used)
 
     def chance(self, number: int) -> float:
         """p value of the evidence for a finding."""
         count = self._parameter_count(number)
-        gain = max(self.gain(number), 0.0) / self.scatter.dispersion(number)
-        degrees = self.scatter.degrees(number)
+        gain = max(self.gain(number), 0.0) / self.dispersion(number)
+        degrees = self.degrees(number)
         if np.isinf(degrees):
             return float(chi2.sf(gain, count))
         return float(fisher.sf(gain / count, count, degrees))
@@ -162,18 +335,17 @@ class Evidence:
         residual.
         """
         gain = self._joint_deviance([number])[0] - self._joint_deviance_after[0]
-        return 0.5 * gain / self.scatter.dispersion(number)
+        return 0.5 * gain / self.dispersion(number)
 
     def channel_gains(self, number: int) -> np.ndarray:
         """(6,) the same in each channel beside the others, relative to the residual there."""
         gains = 0.5 * (self._joint_deviance([number])[1] - self._joint_deviance_after[1])
-        left = [self.scatter.channel_dispersion(number, c) for c in range(len(gains))]
+        left = [self.channel_dispersion(number, c) for c in range(len(gains))]
         return np.asarray(gains / np.array(left))
 
     def added_power(self, number: int) -> np.ndarray:
         """(6,) chi-squared of what a finding adds to each channel beside all others."""
-        mine, values = self.own[number]
-        size = dict(zip(mine, values.tolist(), strict=True))
+        mine = self.own[number]
         power = np.zeros(len(self.whole.grams))
         for channel, (gram, which) in enumerate(
             zip(self.whole.grams, self.whole.which, strict=True)
@@ -183,8 +355,8 @@ class Evidence:
             shared = gram[np.ix_(others, own)]
             left = gram[np.ix_(own, own)]
             left = left - shared.T @ inverse(gram[np.ix_(others, others)]) @ shared
-            x = np.array([size[q] for q in which[own].tolist()])
-            power[channel] = x @ left @ x / self.scatter.channel_dispersion(number, channel)
+            x = self.values[which[own]]
+            power[channel] = x @ left @ x / self.channel_dispersion(number, channel)
         return power
 
     def parameters(self, number: int) -> list[Parameter | None]:
@@ -192,21 +364,23 @@ class Evidence:
         model = self.fit.model
         every = parameters_of(model.terms)
         free = [every[p] for p in np.flatnonzero(model.free)]
-        return [free[q] if q < len(free) else None for q in self.own[number][0]]
+        return [free[q] if q < len(free) else None for q in self.own[number].tolist()]
 
     def u(self, number: int) -> np.ndarray:
         """(k,) standard uncertainties of its own columns, widened by the residual and by what
         the smoothing of poses may have shifted.
         """
-        model, mine = self.fit.model, self.own[number][0]
-        u = model.u[model.free] * np.sqrt(self.scatter.dispersion(number))
-        by_cells = self.scatter.u(number)
-        own = [u[q] if q < len(u) else by_cells[k] for k, q in enumerate(mine)]
+        model, mine = self.fit.model, self.own[number]
+        u = model.u[model.free] * np.sqrt(self.dispersion(number))
+        own = np.sqrt(np.maximum(np.diag(self.by_cells(number)[0].covariance), 0.0))
+        own *= np.sqrt(self.dispersion(number))
+        fitted = np.flatnonzero(mine < len(u))
+        own[fitted] = u[mine[fitted]]
         return np.hypot(own, self.smoothing_error[mine])
 
     def correlation(self, number: int) -> np.ndarray:
         """(k, k) of its own columns; known physics goes with nothing."""
-        mine, free = np.array(self.own[number][0], int), self.fit.model.free
+        mine, free = self.own[number], self.fit.model.free
         covariance = np.eye(self.whole.count)
         fitted = np.arange(int(free.sum()))
         covariance[np.ix_(fitted, fitted)] = self.fit.model.covariance[np.ix_(free, free)]
@@ -235,8 +409,8 @@ class Evidence:
     def _parameter_count(self, number: int) -> float:
         """Of a random drift as many as the data determine of it."""
         if not self.groups[number].random:
-            return max(1, len(self.own[number][0]))
-        mine = np.array(self.own[number][0], int)
+            return max(1, len(self.own[number]))
+        mine = self.own[number]
         normal = self.whole.normal()[0][np.ix_(mine, mine)]
         known = inverse(normal + np.diag(self.prior[mine]))
         return max(1.0, float(np.trace(known @ normal)))
@@ -267,122 +441,145 @@ class Evidence:
 
     def _kept(self, without: Sequence[int]) -> list[int]:
         """The columns that are fitted when some findings are left out."""
-        left_out = {q for number in without for q in self.own[number][0]} | set(self.known)
-        return [q for q in range(self.whole.count) if q not in left_out]
+        left_out = {q for number in without for q in self.own[number].tolist()}
+        every = range(self.whole.count - len(self.known))
+        return [q for q in every if q not in left_out]
 
     def _added(self, numbers: Sequence[int]) -> np.ndarray:
         """What the columns of some findings are multiplied by now, which their misfit lacks."""
         added = np.zeros(self.whole.count)
         for number in numbers:
-            mine, values = self.own[number]
-            added[mine] = values
+            added[self.own[number]] = self.values[self.own[number]]
         return added
 
 
-# Clipping that a run cannot tell from a scale factor that bends.
+# What of a search stands beside all the rest, and known physics that is absorbed and yet stands.
 #
-# A reading that is clipped short of the only rate is too small there, and right everywhere below;
-# so is that of a scale factor with a curvature. Rates between rest and the only one are in ramps
-# alone.
+# What does not stand out beside the others and the residual is removed.
 #
-# Clipping as deep as the noise shows in no plateau. It bends a scale factor at one end of the
-# range alone, and cuts off the noise there; where a unit rests in a few positions any bend may
-# lie at one end, and the noise alone tells.
+# Known physics may be absorbed whole by the standard's parameters, and yet leave its mark on
+# them. Two positions cannot tell Earth's rotation from g-sensitivity: no residual is left. But
+# physics whose size is known beforehand predicts the values of the parameters that absorb it.
+# Where they have those values, and are otherwise nothing, it is the likelier cause: a parameter
+# that is free over its plausible range would have hit that value by chance. Where not, nothing is
+# claimed.
 
-CLIPPING = {bend: limit for limit in LIMITS for bend in EVENTS[limit].confused_with}
-GYRO_CLIPPING = LIMITS[0]
-BENDING = (*EVENTS[GYRO_CLIPPING].confused_with, GYRO_SCALE_ASYMMETRY.name)
-SLOW_RATE = 0.3  # of the largest rate about an axis: slower ones show neither
-HELD = 0.05  # of the largest rate in a second: what changes less is held
-ALIKE = 0.05  # relative: rates that differ by less are of one size
-NEARLY_ALL = 0.9
-END = 0.1  # of the range of a channel's input
-MOSTLY = 0.7  # of the bend's power at one end: a parabola over an even input has a quarter there
-RESTING = 0.05  # rad/s: what turns faster may vibrate
-FEWEST = 200  # readings at rest by whose scatter noise is compared
-CUT = 0.9  # of the noise elsewhere: a hundredth is what chance makes
+WRONG_MODEL = 2.0  # φ from which on a random drift may be what the rest of the model lacks
+ABSORBING = GYRO_G_SENSITIVITY  # absorbs a rate that turns with the vertical
+MAX_MISFIT = 1e-3  # p value of what the parameters are beyond the known physics
+OBSERVABLE = 1e-9  # of a column's power: less is left of it beside the standard's other columns
 
 
-def possibly_clipped(effect: str, channels: tuple[int, ...], motion: Motion) -> tuple[str, ...]:
-    """The name of clipping, if an effect bends the scale factor of channels (0 to 5) that turned at
-    one size of rate only; nothing otherwise.
+def pruned(fit: FittedSelection, trials: int, kept: Collection[str] = ()) -> Evidence:
+    """The fitted selection without findings that the others make unnecessary, or that do not stand
+    out from the residual: the weakest is removed and the rest fitted again, until all that remain
+    are significant.
+
+    trials: number of candidates tried. kept: names that are not removed. The p value of the
+    strongest mismatch is relative to the residual, as its evidence is.
     """
-    gyros = [channel for channel in channels if channel < 3]
-    if effect not in BENDING or not gyros:
-        return ()
-    return (GYRO_CLIPPING,) if all(_one_size(motion, axis) for axis in gyros) else ()
+    evidence = Evidence.of(fit)
+    chance = [1.0] if _searched(evidence) else [fit.selection.p_value]
+    while True:
+        chance.append(_least_chance(evidence, trials, kept))
+        weak = [n for n in _in_question(evidence, kept) if unsupported(evidence, n, trials)]
+        if not weak:
+            break
+        weakest = min(weak, key=evidence.evidence)
+        evidence = Evidence.of(evidence.fit.without(evidence.groups[weakest].selected))
+    selection = replace(evidence.fit.selection, p_value=max(min(chance), fit.selection.p_value))
+    return replace(evidence, fit=replace(evidence.fit, selection=selection))
 
 
-def _one_size(motion: Motion, axis: int) -> bool:
-    """Whether an axis was held at one size of rate, to either side, or at slow ones."""
-    rate = np.abs(np.nan_to_num(motion.rate[:, axis]))
-    turning = rate > SLOW_RATE * rate.max(initial=0.0)
-    if not turning.any():
+def _least_chance(evidence: Evidence, trials: int, kept: Collection[str]) -> float:
+    """Of the findings in question, corrected for the number tried."""
+    return min((trials * evidence.chance(n) for n in _in_question(evidence, kept)), default=np.inf)
+
+
+def _in_question(evidence: Evidence, kept: Collection[str]) -> list[int]:
+    return [n for n in _searched(evidence) if evidence.groups[n].name not in kept]
+
+
+def unsupported(evidence: Evidence, number: int, trials: int) -> bool:
+    """Whether a finding gains no more than chance would, with so many candidates tried, or
+    segments that a fit did not use are not predicted better with it.
+    """
+    group, held_out_gain = evidence.groups[number], evidence.held_out_gain(number)
+    if group.absorbed_by:
         return False
-    size = float(np.median(rate[turning]))
-    held = turning & (np.abs(np.nan_to_num(motion.acceleration[:, axis])) < HELD * size)
-    if 2 * held.sum() < turning.sum():
-        return False  # never held, as by hand
-    return bool(np.mean(np.abs(rate[held] - size) < ALIKE * size) > NEARLY_ALL)
+    if group.random and evidence.dispersion(number) < WRONG_MODEL:
+        return held_out_gain <= 0.0  # the search has charged it for its course
+    chance = evidence.chance(number) * trials
+    return held_out_gain <= 0.0 or chance > FALSE_ALARMS or evidence.delta_bic(number) <= 0.0
 
 
-def possibly_clipped_in_noise(
-    effect: str, contribution: np.ndarray, readings: np.ndarray, motion: Motion
-) -> tuple[str, ...]:
-    """The name of clipping, if an effect bends a scale factor at one end or noise is cut there.
+def _searched(evidence: Evidence) -> list[int]:
+    """The numbers of the findings that are not in every model of such a recording."""
+    return [n for n, group in enumerate(evidence.groups) if not group.nuisance]
 
-    contribution, readings: (n, 6) rad/s and m/s², what the effect adds to the readings, and they.
-    The channel that it changes most, in units of its own range, tells where it bends.
+
+def with_absorbed(evidence: Evidence, candidates: Sequence[Candidate], blocks: Blocks) -> Evidence:
+    """The evidence with the known physics that the readings ask for though it is absorbed.
+
+    blocks: those of the search.
     """
-    if effect not in CLIPPING:
-        return ()
-    inputs = Inputs.of(motion)
-    felt = np.hstack([inputs.rate, inputs.force])
-    channels = [c for c in range(felt.shape[1]) if np.nan_to_num(contribution[:, c]).any()]
-    bends = [_bend(felt[:, c], contribution[:, c]) for c in channels]
-    total, at_end = max(bends, default=(0.0, 0.0))
-    resting = np.linalg.norm(np.nan_to_num(motion.rate), axis=1) < RESTING
-    cut = any(_noise_is_cut(felt[:, c], readings[:, c], resting) for c in channels)
-    return (CLIPPING[effect],) if cut or at_end > MOSTLY * total > 0.0 else ()
+    fit, names = evidence.fit, {one.name for one in evidence.fit.selection.candidates}
+    for known in (one for one in candidates if one.known and one.name not in names):
+        claim = absorbed(known, blocks, fit.selection.noises)
+        if claim is not None:
+            selected = (*fit.selection.selected, claim)
+            # Odds are as improbable by chance as they are large (Markov's inequality).
+            p_value = min(fit.selection.p_value, math.exp(-0.5 * claim.score))
+            fit = fit.reselected(replace(fit.selection, selected=selected, p_value=p_value))
+    return evidence if fit is evidence.fit else Evidence.of(fit)
 
 
-def _bend(own: np.ndarray, added: np.ndarray) -> tuple[float, float]:
-    """Power that no straight line takes of what is added (n,) to an input (n,), in units of the
-    input's range; and how much of it lies at one end.
+def absorbed(known: Candidate, blocks: Blocks, noises: Sequence[Noise]) -> Selected | None:
+    """The candidate, selected, where the readings ask for it instead of what absorbs it.
+
+    noises: of a coefficient at the blocks' rate.
     """
-    known = np.isfinite(own) & np.isfinite(added)
-    own, added = own[known], added[known]
-    size = float(np.ptp(own)) if len(own) else 0.0
-    if not size > 0.0:
-        return 0.0, 0.0
-    place = (own - own.min()) / size
-    line = np.polynomial.polynomial.polyfit(place, added / size, 1)
-    power = (added / size - np.polynomial.polynomial.polyval(place, line)) ** 2
-    return float(power.sum()), max(float(power[side].sum()) for side in _ends(place))
+    (effect,) = columns_of(known.term, blocks.motion)
+    gains = [_gains(signal, blocks, c, noises[c]) for c, signal in effect.items()]
+    gain, absorbing, occam, count = np.sum(gains, axis=0) if gains else np.zeros(4)
+    if count == 0 or gain <= 0:
+        return None
+    rival = max(0.0, absorbing - occam)
+    beyond = max(0.0, absorbing - gain)
+    if gain - rival < CERTAIN or chdtrc(count, beyond) < MAX_MISFIT:
+        return None
+    return Selected(known, float(gain), float(gain - rival), (), absorbed_by=ABSORBING.name)
 
 
-def _noise_is_cut(own: np.ndarray, readings: np.ndarray, resting: np.ndarray) -> bool:
-    """Whether readings (n,) at rest scatter less at an end of their input (n,) than within it.
-
-    By second differences of three rows that all lie there.
+def _gains(
+    effect: np.ndarray, blocks: Blocks, number: int, noise: Noise
+) -> tuple[float, float, float, int]:
+    """Chi-squared gained over a model without the absorbing parameters, by the known physics and
+    by those parameters; the Occam factor of the parameters and their number.
     """
-    known = resting & np.isfinite(own)
-    if not known.any() or not np.ptp(own[known]) > 0.0:
-        return False
-    place = (own - own[known].min()) / np.ptp(own[known])
-    scatter = np.abs(np.diff(readings, 2))
-
-    def level(rows: np.ndarray) -> float:
-        rows = rows & known
-        three = rows[:-2] & rows[1:-1] & rows[2:] & np.isfinite(scatter)
-        return float(scatter[three].mean()) if three.sum() >= FEWEST else np.nan
-
-    within = level((place >= END) & (place <= 1.0 - END))
-    return any(level(end) < CUT * within for end in _ends(place))
-
-
-def _ends(place: np.ndarray) -> Iterator[np.ndarray]:
-    yield from (place < END, place > 1.0 - END)
+    if not blocks.weight[:, number].any():
+        return 0.0, 0.0, 0.0, 0
+    base = regressors(blocks.motion, number).T
+    rows = [*base, effect, blocks.readings[:, number]]
+    signals = weighted(rows, blocks.weight[:, number], blocks)
+    gram = whitened_gram(signals, blocks, noise)
+    count = len(AXES)  # the absorbing parameters of a channel are the last of its base
+    first = len(base) - count
+    shared = gram[:first, first:]
+    left = gram[first:, first:] - shared.T @ inverse(gram[:first, :first]) @ shared
+    observable = np.flatnonzero(
+        np.diag(left)[:count] > OBSERVABLE * np.diag(gram)[first : first + count]
+    )
+    score, free = left[observable, -1], left[np.ix_(observable, observable)]
+    if not len(observable):
+        return 0.0, 0.0, 0.0, 0
+    width = 0.5 * ABSORBING.parameters[0].plausible[1] * np.sqrt(np.diag(free))
+    return (
+        float(2.0 * left[count, -1] - left[count, count]),
+        float(score @ inverse(free) @ score),
+        float(np.log1p(width**2).sum()),
+        len(observable),
+    )
 
 
 # When a bias stepped, and how well the readings about the step say so.

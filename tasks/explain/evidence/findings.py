@@ -8,17 +8,17 @@ import numpy as np
 from scipy.special import chdtrc
 
 from schemas.discrepancy import FoundParameter, Verdict
-from tasks.explain.confounding.delays import common_part
 from tasks.explain.events.codes import CodeFault
 from tasks.explain.events.detect import AxisMapping, Fault, RangeSetting, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.saturation import EFFECTS as LIMITS
+from tasks.explain.evidence.confounding import chi2_of, common_part
 from tasks.explain.evidence.evidence import (
     Evidence,
+    FindingGroup,
     change_without,
-    possibly_clipped,
-    possibly_clipped_in_noise,
     step_time,
+    unsupported,
 )
 from tasks.explain.evidence.form_errors import (
     determined_model,
@@ -26,9 +26,7 @@ from tasks.explain.evidence.form_errors import (
     widening,
     without_name,
 )
-from tasks.explain.evidence.groups import FindingGroup
 from tasks.explain.evidence.left_over import NEAR_NOISE, REFERENCE_KNOWN, LeftOver, remainder
-from tasks.explain.evidence.reduced import unsupported
 from tasks.explain.evidence.reference_errors import fitted_to_reference_noise, with_smoothing_error
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.explanation import (
@@ -44,7 +42,6 @@ from tasks.explain.explanation import (
 )
 from tasks.explain.inputs.blocks import FullRate
 from tasks.explain.inputs.prepared import Prepared
-from tasks.explain.noise import equations_of
 from tasks.explain.search.candidates import TIME
 from tasks.explain.search.empirical import READINGS, SLOW_DRIFT
 from tasks.explain.search.fitted import FittedSelection, fitted, model_of
@@ -100,8 +97,7 @@ def _beside_implausible(
         return dict(scrutinies)
     change = change_without(evidence, beyond)
     return {
-        n: replace(one, u=np.hypot(one.u, change[evidence.own[n][0]]))
-        for n, one in scrutinies.items()
+        n: replace(one, u=np.hypot(one.u, change[evidence.own[n]])) for n, one in scrutinies.items()
     }
 
 
@@ -163,7 +159,7 @@ def _finding(
         gain=gain,
         delta_bic=gain if absorbed else evidence.delta_bic(number),
         held_out_gain=evidence.held_out_gain(number),
-        indistinguishable=_indistinguishable(group, channels, contribution, full) if named else (),
+        indistinguishable=_indistinguishable(group) if named else (),
         separated_by=first.separated_by if named else None,
         homogeneity_p=scrutiny.homogeneity_p,
         refusal=scrutiny.refusal,
@@ -187,13 +183,9 @@ def _behaviour(group: FindingGroup) -> Sayable:
     return JUMPS if several else first.behaviour
 
 
-def _indistinguishable(
-    group: FindingGroup, channels: tuple[int, ...], contribution: np.ndarray, full: FullRate
-) -> tuple[str, ...]:
+def _indistinguishable(group: FindingGroup) -> tuple[str, ...]:
     """Catalogue names that fit as well, so that the data cannot distinguish them."""
     names = [name for one in group.selected for name in one.rivals if name != UNNAMED]
-    names += possibly_clipped(group.name, channels, full.motion)
-    names += possibly_clipped_in_noise(group.name, contribution, full.readings, full.motion)
     return tuple(dict.fromkeys(names))
 
 
@@ -219,9 +211,9 @@ def _parameters(
         return ()
     found: list[FoundParameter] = []
     keys = {term.key for term in group.terms}
-    widened = dict(zip(evidence.own[number][0], scrutiny.u.tolist(), strict=True))
+    widened = dict(zip(evidence.own[number].tolist(), scrutiny.u.tolist(), strict=True))
     column = np.cumsum(model.free) - 1
-    spread = np.sqrt(evidence.scatter.dispersion(number))
+    spread = np.sqrt(evidence.dispersion(number))
     for k, (term, place) in enumerate(zip(model.terms, places(model.terms), strict=True)):
         if term.key not in keys:
             continue
@@ -647,7 +639,7 @@ def explanation_of(prepared: Prepared, evidence: Evidence, ordered: bool = False
         nominal = reference.readings
         predicted = predicted + reference.beyond_ideal(full.motion)
     residual = full.readings - events.applied(t, predicted)
-    events = events_in_residual(events, residual, noise, full.motion, full.start)
+    events = events_in_residual(events, residual, noise, full.motion)
     artefacts = event_findings(events, full, nominal, predicted)
     left, total = artefacts.left, max(sum(gains), 1e-300)
     by_terms = max(left.removed - sum(artefacts.removed), 0.0)
@@ -717,7 +709,7 @@ def reference_deviation(
     """
     ideal = Model.of(STANDARD_TERMS)
     count = int(standard.free.sum())
-    gain = _chi2(ideal, fit) - _chi2(standard, fit)
+    gain = chi2_of(ideal, fit) - chi2_of(standard, fit)
     if chdtrc(count, max(gain, 0.0)) > FALSE_ALARMS:
         return []
     return [
@@ -735,13 +727,6 @@ def reference_deviation(
             held_out_gain=0.5 * gain - count,
         )
     ]
-
-
-def _chi2(model: Model, fit: FittedSelection) -> float:
-    """Of a model on the blocks that the selection is fitted to."""
-    blocks = fit.blocks
-    misfit = blocks.readings - model.prediction(blocks.motion)
-    return equations_of([], misfit, blocks, fit.noises).normal()[2]
 
 
 def _clear_deviations(standard: Model, ideal: np.ndarray) -> tuple[FoundParameter, ...]:

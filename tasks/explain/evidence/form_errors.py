@@ -17,7 +17,6 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.left_over import MEMORY
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.explanation import (
     CERTAIN,
@@ -36,6 +35,8 @@ from tasks.explain.search.fitted import fitted
 from tasks.model.fit import inverse
 from tasks.model.model import Model
 from tasks.model.term import TermKey
+
+MEMORY = "hysteresis"
 
 
 def named_beside(
@@ -123,7 +124,7 @@ def determined_model(
     fit, model = evidence.fit, evidence.fit.model
     wider = widening(evidence, scrutinies)
     free, groups = np.flatnonzero(model.free), evidence.groups
-    own = [evidence.own[number][0] for number in scrutinies if not groups[number].random]
+    own = [evidence.own[number].tolist() for number in scrutinies if not groups[number].random]
     loose = undetermined(
         model, [{int(free[q]) for q in one if q < len(free)} for one in own], wider
     )
@@ -139,7 +140,7 @@ def determined_model(
 def _spread(evidence: Evidence, key: TermKey) -> float:
     """The factor by which the residual widens u of a term's shape."""
     numbers = [n for n, group in enumerate(evidence.groups) if key in {t.key for t in group.terms}]
-    return float(np.sqrt(max((evidence.scatter.dispersion(n) for n in numbers), default=1.0)))
+    return float(np.sqrt(max((evidence.dispersion(n) for n in numbers), default=1.0)))
 
 
 def widening(evidence: Evidence, scrutinies: Mapping[int, Scrutiny]) -> np.ndarray:
@@ -147,7 +148,7 @@ def widening(evidence: Evidence, scrutinies: Mapping[int, Scrutiny]) -> np.ndarr
     model, wider = evidence.fit.model, np.ones(len(evidence.fit.model.values))
     free = np.flatnonzero(model.free)
     for number, scrutiny in scrutinies.items():
-        for q, u in zip(evidence.own[number][0], scrutiny.u.tolist(), strict=True):
+        for q, u in zip(evidence.own[number].tolist(), scrutiny.u.tolist(), strict=True):
             if q < len(free) and model.u[free[q]] > 0.0:
                 wider[free[q]] = u / model.u[free[q]]
     return wider

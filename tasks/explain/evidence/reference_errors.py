@@ -20,9 +20,8 @@ from functools import cache
 import numpy as np
 
 from schemas.recording import Stream
-from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import fitted_columns
-from tasks.explain.explanation import CERTAIN, UNNAMED
+from tasks.explain.evidence.evidence import Evidence, fitted_columns
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.inputs.blocks import FullRate
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.inputs.reference import smoothed_motion
@@ -40,7 +39,6 @@ from tasks.motion.whole import Motion
 # Of a finding's gain, a third of its size: what errors of the reference may make of it.
 REFERENCE_SHARE = 1 / 9
 DRAWS = 4  # of those errors: what they bring forth by chance alone differs
-SURE = 2.0  # standard deviations of how well so few draws tell how large it is
 SEED = 20
 OF_THREE = 1.6  # Student's t of three values over that of many: so few tell how square axes are
 
@@ -55,7 +53,7 @@ def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evi
     if all(group.name == UNNAMED for group in evidence.groups):
         return set()
     rng = np.random.default_rng(SEED)
-    normal, right, by_chance = np.zeros(()), np.zeros(()), np.zeros(len(evidence.groups))
+    normal, right = np.zeros(()), np.zeros(())
     owed: set[int] = set()
     for draws in range(1, DRAWS + 1):
         simulated = simulated_reading(prepared.recording, full, rng)
@@ -65,30 +63,15 @@ def fitted_to_reference_noise(prepared: Prepared, standard: Model, evidence: Evi
         errors = standard.prediction(true) - standard.prediction(read)
         more = _equations_on(replace(full, readings=errors, motion=read), prepared, evidence)
         normal, right = normal + more[0], right + more[1]
-        made = _gains(evidence, normal / draws, right / draws)
-        by_chance = by_chance + (made if draws == 1 else _gains(evidence, *more))
+        made = _gains(evidence, normal / draws, right / draws).tolist()
         owed = {
             number
             for number, gain in enumerate(made)
-            if gain - len(evidence.own[number][0]) / draws > REFERENCE_SHARE * evidence.gain(number)
-            or made_by_chance(evidence, number, float(by_chance[number]), draws)
+            if gain - len(evidence.own[number]) / draws > REFERENCE_SHARE * evidence.gain(number)
         }
         if not owed:
             break
     return owed
-
-
-def made_by_chance(evidence: Evidence, number: int, gains: float, draws: int) -> bool:
-    """Whether what one set of errors earns by chance leaves a finding no clear evidence.
-
-    gains: of all draws together. Errors that stay for a whole rest, as its rounding does, are no
-    noise of single readings: they make its variance larger, and gains by so much.
-    """
-    count = max(1, len(evidence.own[number][0]))
-    known_by = 1.0 + SURE * np.sqrt(2.0 / (count * draws))
-    larger = 1.0 + known_by * max(gains, 0.0) / (draws * count)
-    price = evidence.evidence(number) - evidence.delta_bic(number)
-    return bool(evidence.gain(number) / larger - price < CERTAIN)
 
 
 def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -100,10 +83,10 @@ def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndar
         some = list(rows)
         return float(right[some] @ inverse(normal[np.ix_(some, some)]) @ right[some])
 
-    others = set(range(len(right))) - set(evidence.known)
+    others = set(range(len(right))) - set(evidence.known.tolist())
     return np.array([
         earned(tuple(sorted(others | set(own)))) - earned(tuple(sorted(others - set(own))))
-        for own, _ in evidence.own
+        for own in map(np.ndarray.tolist, evidence.own)
     ])  # fmt: skip
 
 

@@ -8,27 +8,27 @@ worse.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from scipy.stats import f as fisher
 
-from tasks.explain.evidence.cells import CellEquations, scatter_cells
-from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.left_over import (
-    SIZE,
-    Examined,
-    jump_at_one_end,
-    loops_both_ways,
-    made_by_placing,
-    swings,
-    unseen_turning,
+from tasks.explain.evidence.cells import CellEquations, cell_influence, scatter_cells
+from tasks.explain.evidence.evidence import Evidence, FindingGroup
+from tasks.explain.explanation import (
+    COVERAGE,
+    EVERY,
+    TRIADS,
+    UNNAMED,
+    Partition,
+    Refusal,
+    RefusalKind,
 )
-from tasks.explain.evidence.scatter import cell_influence
-from tasks.explain.explanation import COVERAGE, EVERY, TRIADS, UNNAMED, Partition, Refusal
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import columns_of
 from tasks.model.fit import inverse
+from tasks.model.term import Parameter
 
 # Whether a finding's parameters agree in every part of a recording, as a law requires.
 #
@@ -186,6 +186,37 @@ MATERIAL = 0.25  # of a finding's amplitude: parts that differ by less are one l
 TOUCHED = 25.0  # chi-squared that a finding adds to a channel it materially touches
 MIN_TOUCHED = 0.02  # of what it adds to all channels
 TOLERATED = 4.5  # nats that a channel may lose by chance: 3·√a − a/2 at its largest, a added
+KNOWN_SIZE = 0.3  # by which physics that is known beforehand may differ from what is known
+SIZE = Parameter("size", "size", "1", "1", (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
+STANDARD_AT_REST = 12  # accelerometers' matrix and bias
+RESTING = np.radians(0.1)  # rad/s
+
+
+@dataclass(frozen=True)
+class Examined:
+    """A finding by its number in some evidence, with the values and the standard uncertainties
+    (k,) of its own columns.
+    """
+
+    evidence: Evidence
+    number: int
+    values: np.ndarray
+    u: np.ndarray
+
+    @property
+    def group(self) -> FindingGroup:
+        return self.evidence.groups[self.number]
+
+    @cached_property
+    def parameters(self) -> list[Parameter]:
+        """Of each own column; known physics has a size, which is one."""
+        return [parameter or SIZE for parameter in self.evidence.parameters(self.number)]
+
+    def refused(self, kind: RefusalKind, k: int, value: float, limit: float) -> Refusal:
+        """For the value of its parameter k."""
+        parameter = self.parameters[k]
+        name, unit = parameter.name, parameter.si
+        return Refusal(kind, self.group.name, name, unit, value, limit)
 
 
 @dataclass(frozen=True)
@@ -204,9 +235,8 @@ class Scrutiny:
     @classmethod
     def of(cls, evidence: Evidence, number: int) -> "Scrutiny":
         group = evidence.groups[number]
-        own, values = evidence.own[number]
-        u = evidence.u(number)
-        if group.random or group.absorbed_by or not own:
+        own, u = evidence.own[number], evidence.u(number)
+        if group.random or group.absorbed_by or not len(own):
             return cls(None, u, None)
         apart = list(_estimated_apart(evidence, number))
         p = min((1.0, *(len(apart) * one.p for one in apart))) if apart else None
@@ -215,30 +245,26 @@ class Scrutiny:
         u = np.hypot(u, spread)
         if group.name == UNNAMED:
             return cls(p, u, None)
-        one = Examined(evidence, number, values, u)
+        one = Examined(evidence, number, evidence.values[own], u)
         refusal = (
             _implausible(one)
             or _inhomogeneous(one, unlike)
             or _channel_worse(one)
             or _undetermined(one)
-            or unseen_turning(one)
-            or made_by_placing(one)
-            or jump_at_one_end(one)
-            or loops_both_ways(one)
-            or swings(one)
+            or _made_by_placing(one)
         )
         return cls(p, u, refusal)
 
 
 def _estimated_apart(evidence: Evidence, number: int) -> Iterator[PartwiseEstimate]:
     """The finding's parameters in the parts of every partition that determines them."""
-    scatter, blocks = evidence.scatter, evidence.fit.blocks
-    places, own = scatter.determined(number), scatter.own[number]
+    blocks, cells = evidence.fit.blocks, evidence.cells
+    places, own = evidence.determined(number), evidence.own[number]
     if not len(places):
         return
-    information = scatter.information_by_cell(number)
+    information = evidence.information_by_cell(number)
     for partition, parts in partitions(blocks, scatter_cells(blocks), information):
-        one = partwise(scatter.cells, own[places], scatter.prior, scatter.values, partition, parts)
+        one = partwise(cells, own[places], evidence.prior, evidence.values, partition, parts)
         if one is not None:
             yield one.among(places, len(own))
 
@@ -249,7 +275,7 @@ def _implausible(one: Examined) -> Refusal | None:
     for k, (parameter, value, u) in enumerate(zip(one.parameters, one.values, one.u, strict=True)):
         value = float(value)
         if parameter is SIZE:
-            value += float(one.evidence.scatter.change(one.number)[0])
+            value += float(one.evidence.by_cells(one.number)[1][0])
         low, high = parameter.plausible
         limit = high if value > high else low
         if low - COVERAGE * u <= value <= high + COVERAGE * u:
@@ -303,3 +329,17 @@ def _undetermined(one: Examined) -> Refusal | None:
     if clear[k] > 1.0 or joint > COVERAGE**2 * len(u):
         return None
     return one.refused("undetermined", k, float(one.values[k]), COVERAGE * float(u[k]))
+
+
+def _made_by_placing(one: Examined) -> Refusal | None:
+    """Where a finding that turns the body has no fewer parameters than the rests leave values."""
+    group, blocks, motion = one.group, one.evidence.fit.blocks, one.evidence.fit.blocks.motion
+    if motion.axes is not None or motion.tracking is not None:
+        return None
+    if not any(term.stage == "motion" for term in group.terms):
+        return None
+    rests = np.linalg.norm(np.nan_to_num(motion.rate, nan=np.inf), axis=1) < RESTING
+    placed = len(np.unique(blocks.segment[rests & (blocks.segment >= 0)]))  # each by itself
+    if 3 * placed - STANDARD_AT_REST > len(one.evidence.own[one.number]):
+        return None
+    return Refusal("placed", group.name, value=float(placed))

@@ -14,8 +14,12 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from schemas.base import Unusable
 from schemas.recording import Recording, Segment
 from tasks.explain.explanation import CHANNELS
-from tasks.explain.inputs.labels import clock_remarks, reference_remarks, with_usable_labels
-from tasks.explain.inputs.reference import with_seen_places
+from tasks.explain.inputs.reference import (
+    clock_remarks,
+    reference_remarks,
+    with_seen_places,
+    with_usable_labels,
+)
 from tasks.explain.inputs.signals import (
     noise_by_segment,
     output_steps,

@@ -276,7 +276,8 @@ def with_gyro_acceleration(motion: Motion, readings: np.ndarray) -> Motion:
     known = motion.felt[:, 0] & np.isfinite(gyro).all(axis=1)
     if known.sum() < FEWEST:
         return motion
-    columns, fitted, _ = by_rates(motion, gyro, known)
+    columns = np.column_stack([motion.rate, np.ones(len(gyro))])[known]
+    fitted = np.linalg.lstsq(columns, gyro[known], rcond=None)[0]
     left = gyro[known] - columns @ fitted
     gains = np.linalg.svd(fitted[:3], compute_uv=False)
     power = ((gyro[known] - gyro[known].mean(axis=0)) ** 2).sum()
@@ -296,17 +297,6 @@ def with_gyro_acceleration(motion: Motion, readings: np.ndarray) -> Motion:
         _, slope, _ = derivatives(gyro[rows], motion.interval, edge)
         acceleration[rows] = slope @ inverse
     return replace(motion, acceleration=acceleration)
-
-
-def by_rates(
-    motion: Motion, gyro: np.ndarray, known: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, int]:
-    """Gyros (n, 3) fitted by the poses' rates and a bias, in the known rows (n,) bool: the columns
-    (k, 4), their coefficients (4, 3), and how many of the columns are independent.
-    """
-    columns = np.column_stack([motion.rate, np.ones(len(gyro))])[known]
-    fitted, _, rank, _ = np.linalg.lstsq(columns, gyro[known], rcond=None)
-    return columns, fitted, int(rank)
 
 
 def _spans(motion: Motion, known: np.ndarray) -> list[np.ndarray]:

@@ -152,9 +152,6 @@ ALIKE_FOR_ALL = {
     "overshadowed": "report-next-overshadowed",
     "reference_noise": "report-next-reference-noise",
     "placed": "report-next-placed",
-    "one_end": "report-next-one-end",
-    "both_ways": "report-next-mode",
-    "swings": "report-next-mode",
     "switching": "report-next-switching",
 }  # what is next, whatever name was refused
 

@@ -335,7 +335,7 @@ def _significance(parameter: FoundParameter) -> float:
 # Describes findings without a name, and why a name of the catalogue was refused.
 
 # Reasons without figures.
-PLAIN = ("reference_noise", "placed", "one_end", "both_ways", "swings", "switching")
+PLAIN = ("reference_noise", "placed", "switching")
 USUAL = {"s": "time", "m": "length", "rad": "angle"}  # kinds of causes, by the SI unit
 LARGER = 1.5  # times the limit of what is plausible, from which it is given as a multiple
 FAR_BEYOND = 5.0  # times, from which a unit or range may be wrong: 9.8, 57.3, 1000, powers of two

@@ -7,12 +7,14 @@ from functools import partial
 import numpy as np
 from scipy.special import comb
 
-from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.explanation import UNNAMED
+from tasks.explain.inputs.blocks import Blocks, well_known
 from tasks.explain.inputs.prepared import Prepared
 from tasks.explain.noise import Noise, equations_of, scores_of
 from tasks.explain.progress import Progress, report_progress, silent
 from tasks.explain.search.candidates import (
     Candidate,
+    behaviours,
     candidates_of,
     is_instant,
     plausible_half_ranges,
@@ -22,14 +24,12 @@ from tasks.explain.search.candidates import (
 )
 from tasks.explain.search.design import (
     BandedDesign,
-    Derivatives,
-    FittedModel,
     banded_design,
     normal_equations,
+    residual_noises,
     with_columns,
 )
 from tasks.explain.search.empirical import empirical
-from tasks.explain.search.kinds import with_kinds
 from tasks.explain.search.stepwise import (
     Selected,
     Selection,
@@ -42,10 +42,12 @@ from tasks.explain.search.stepwise import (
 from tasks.model.catalogue import catalogue
 from tasks.model.fit import Step, WhitenedEquations, gauss_newton
 from tasks.model.model import Model
-from tasks.model.term import Column, Term
+from tasks.model.term import COUNTS, Column, Term
+from tasks.model.terms.hysteresis import PLAYS
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.model.terms.timing import TIME_OFFSET
+from tasks.motion.whole import Motion
 
 # Fits the standard's model and the selected terms together in their exact, non-linear form.
 #
@@ -211,10 +213,7 @@ class FittedSelection:
     ) -> "FittedSelection":
         """start: a model whose values the fit starts from."""
         candidates = selection.candidates
-        model: Model = FittedModel.of_model(
-            model_of([(one, selection.prior_precision(one)) for one in candidates], blocks),
-            _derivatives(start, blocks),
-        )
+        model = model_of([(one, selection.prior_precision(one)) for one in candidates], blocks)
         if start is not None:
             model = model.with_values_of(start)
         model = fitted(model, blocks, _at_rate(selection.noises, blocks.rate / search_rate))
@@ -236,13 +235,6 @@ class FittedSelection:
         keys = {one.candidate.key for one in selected}
         kept = tuple(one for one in self.selection.selected if one.candidate.key not in keys)
         return self.reselected(replace(self.selection, selected=kept))
-
-
-def _derivatives(start: Model | None, blocks: Blocks) -> Derivatives:
-    """Those of a model that was fitted to the same blocks; else new ones."""
-    if isinstance(start, FittedModel) and start.derivatives.motion is blocks.motion:
-        return start.derivatives
-    return Derivatives(blocks.motion)
 
 
 @dataclass(frozen=True)
@@ -323,7 +315,7 @@ def searched(
     found = _searched(prepared, terms, coarse, fine, progress)
     if prepared.delay:
         return found
-    kinds = with_kinds(listed, found.fit.selection.selected, found.fit.model, coarse.motion)
+    kinds = with_kinds(listed, found.fit.selection.selected, coarse.motion)
     if not kinds:
         return found
     again = _searched(prepared, kinds, coarse, fine, progress)
@@ -425,3 +417,83 @@ def _updated(candidates: Sequence[Candidate], fitted: Sequence[Candidate]) -> li
         by_key.get(one.key) or replace(one, term=terms.get(one.term.key, one.term))
         for one in candidates
     ]
+
+
+# A selection of a tracked body, fitted as the noise of its poses has it.
+
+DERIVATIVES = (2, 4)  # powers of frequency by which noise of poses rises in rates and in forces
+
+
+def fitted_by_poses(fit: FittedSelection) -> FittedSelection:
+    """The same fitted once more where poses tell the motion as it was, each frequency by what
+    their derivatives' noise leaves there; as it is where the motion is not from poses.
+
+    What is selected stays: as long as something is missing, it lies where the motion is and would
+    be taken for noise that does not rise.
+    """
+    tracking = fit.blocks.motion.tracking
+    if tracking is None:
+        return fit
+    fit = replace(fit, blocks=replace(fit.blocks, band=well_known(tracking)))
+    for _ in range(NOISE_ROUNDS):
+        model, blocks = fit.model, fit.blocks
+        columns = model.design(blocks.motion).columns
+        misfit = blocks.readings - model.prediction(blocks.motion)
+        design = banded_design(blocks, misfit, columns, np.ones(len(columns)))
+        left = residual_noises(design, range(len(columns)), fit.noises, DERIVATIVES)
+        factor = fit.search_rate / blocks.rate
+        noises = tuple(noise.at_rate(factor) for noise in left)
+        fit = fit.reselected(replace(fit.selection, noises=noises))
+    return fit
+
+
+# Where a kind of behaviour may stand in a form that no publication lists, and what competes there.
+#
+# Classes are compared: a kind of behaviour, as a random function of its own drive, with the listed
+# forms of every name and with empirical terms, less those that the kinds have among their forms.
+
+
+def with_kinds(
+    listed: Sequence[Term], selected: Sequence[Selected], motion: Motion
+) -> tuple[Term, ...]:
+    """The terms to search with kinds of behaviour; none where none is in question.
+
+    listed: terms of the catalogue. selected: what a search of them and of empirical terms selected.
+    Kinds are in question where something has no name, or a form in doubt; but not where a delay or
+    a filter is as clear, or in every model: what one differs by from the other follows changes of
+    the motion, as memory does.
+    """
+    doubtful = [one for one in selected if _in_doubt(one.candidate)]
+    signal = [one for one in selected if one.candidate.term.stage == "signal"]
+    least = max((one.gain for one in signal), default=0.0)
+    clear = any(one.gain > least for one in doubtful)
+    if not clear or any(one.candidate.nuisance for one in signal):
+        return ()
+    kinds = tuple(behaviours(motion))
+    names = {kind.name for kind in kinds}
+    of_kinds = [kind.form_of for kind in kinds]
+    left_out = {follows: one.channels for one in of_kinds for follows in one.empirical}
+    forms = {one.candidate.term.equation for one in doubtful if one.candidate.name in names}
+    return (
+        *(term for term in listed if term.source != PLAYS and term.equation not in forms),
+        *empirical(motion, left_out),
+        *kinds,
+    )
+
+
+def _in_doubt(one: Candidate) -> bool:
+    """Whether it may be a behaviour in another form: it has no name; it is a sum of plays, which
+    any hysteresis is; or its shape is driven to where its own form ends.
+    """
+    doubtful = one.name == UNNAMED or one.term.source == PLAYS or is_at_bound(one.term)
+    return doubtful and not one.nuisance
+
+
+def is_at_bound(term: Term) -> bool:
+    """Whether a continuous shape was driven out of what is plausible: another form fits better."""
+    for shape, value in zip(term.shapes, term.at, strict=True):
+        low, high = shape.plausible
+        searched = shape.unit not in (COUNTS, "deg") and shape.name != "time"
+        if searched and (value >= 0.99 * high or value <= 1.01 * low):
+            return True
+    return False

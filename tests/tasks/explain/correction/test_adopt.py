@@ -15,10 +15,11 @@ from schemas.recording import Recording
 from schemas.text import Statement
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.information.entry import WITHOUT_EARTH
-from tasks.explain.correction import sensitivity
-from tasks.explain.correction.adopt import adopt, corrected
-from tasks.explain.correction.sensitivity import (
+from tasks.explain.correction import adopt as sensitivity
+from tasks.explain.correction.adopt import (
     CorrectionLines,
+    adopt,
+    corrected,
     correlation_of,
     uncertain_inputs,
     with_lines,

@@ -12,9 +12,8 @@ from schemas.laboratory import EquipmentLimit
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from storage.formats.folder import read_folder
-from tasks.explain.correction.adopt import corrected
+from tasks.explain.correction.adopt import corrected, uncertain_inputs
 from tasks.explain.correction.consequences import consequences, moved_by
-from tasks.explain.correction.sensitivity import uncertain_inputs
 from tasks.explain.explain import explain
 from tasks.explain.explanation import DeterminedModel, Finding
 from tasks.model.model import Model

@@ -1,13 +1,9 @@
 """A low-pass that only quietens the encoder is told from one that the unit has."""
 
-from typing import cast
-
 import numpy as np
 import pytest
 
 from schemas.recording import ACCEL, GYRO, Recording, Stream
-from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.reference_errors import made_by_chance
 from tasks.explain.explain import explain
 from tests.on_shaft import T, shaft_manifest, swinging
 
@@ -22,42 +18,6 @@ def test_a_low_pass_of_the_unit_stands(encoder_noise: float) -> None:
 def test_what_only_quietens_the_encoder_has_no_name() -> None:
     named = [one.effect for one in explain(swinging(3e-3)).findings]
     assert set(named) <= {"unnamed"}
-
-
-class NineParameters:
-    """Evidence of one finding: so much, of which its nine parameters cost 20."""
-
-    own = ((list(range(9)), np.zeros(9)),)
-
-    def __init__(self, size: float) -> None:
-        self.size = size
-
-    def gain(self, number: int) -> float:
-        return self.size
-
-    def evidence(self, number: int) -> float:
-        return self.size
-
-    def delta_bic(self, number: int) -> float:
-        return self.size - 20.0
-
-
-@pytest.mark.parametrize(
-    ("size", "gain", "draws", "chance"),
-    [
-        (70.0, 0.0, 4, False),
-        (70.0, 15.0, 4, True),  # the errors of the reference make the noise 2.8 times larger
-        (900.0, 15.0, 4, False),
-        (900.0, 300.0, 4, True),
-        (80.0, 12.0, 1, True),  # one draw tells little of how large the next would be
-        (80.0, 12.0, 16, False),
-    ],
-)
-def test_evidence_is_counted_against_what_the_reference_makes_by_chance(
-    size: float, gain: float, draws: int, *, chance: bool
-) -> None:
-    evidence = cast("Evidence", NineParameters(size))
-    assert made_by_chance(evidence, 0, gain * draws, draws) is chance
 
 
 @pytest.mark.rehearsal

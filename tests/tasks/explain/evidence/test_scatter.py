@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tasks.explain.evidence.cells import CellInfluence, cell_influence
 from tasks.explain.evidence.form_errors import named_beside, undetermined
-from tasks.explain.evidence.scatter import CellInfluence, cell_influence
 from tasks.explain.explanation import CERTAIN, PUBLISHED, UNNAMED, UNPUBLISHED, Finding
 
 # A name stands only where its evidence is more than the forms of everything else may leave.

@@ -8,13 +8,10 @@ import numpy as np
 import pytest
 from engine_run import MOVE, NOISY, REST, motion, noise, read, selected
 
-from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.left_over import Examined
-from tasks.explain.evidence.reduced import pruned
-from tasks.explain.evidence.scrutiny import Scrutiny, _undetermined
+from tasks.explain.evidence.evidence import Evidence, pruned
+from tasks.explain.evidence.scrutiny import Examined, Scrutiny, _made_by_placing, _undetermined
 from tasks.model.term import Term
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
-from tasks.model.terms.memory import bias_step
 from tasks.model.terms.timing import TIME_OFFSET
 
 RUN = motion()
@@ -78,14 +75,6 @@ def test_a_channel_that_gets_worse_takes_the_name_away() -> None:
     assert true.refusal is None
 
 
-@pytest.mark.parametrize(("at", "refused"), [(0.03, True), (0.5, False), (0.98, True)])
-def test_a_jump_needs_a_bias_on_both_sides(at: float, refused: bool) -> None:
-    step = bias_step(0, at * float(RUN.t[-1]))
-    made = read(RUN, (step, np.full(3, 0.01))) + noise(len(RUN.t), 53, NOISY)
-    (one,) = scrutinised(made, step)
-    assert (one.refusal is not None and one.refusal.kind == "one_end") == refused
-
-
 @pytest.mark.parametrize(("beyond", "refused"), [(1.0, False), (6.0, True)])
 def test_a_size_is_implausible_where_its_whole_interval_is(beyond: float, refused: bool) -> None:
     """beyond: standard uncertainties between the estimate and the end of the range."""
@@ -142,5 +131,42 @@ def test_what_stands_out_of_what_is_left_stays_and_its_interval_holds_the_truth(
         evidence = pruned(selected(made, LEVER_ARM), TRIED)
         assert [group.name for group in evidence.groups] == ["lever_arm"]
         one = Scrutiny.of(evidence, 0)
-        inside += (np.abs(evidence.own[0][1] - 3.0 * ARM) < 2.0 * one.u).tolist()
+        inside += (np.abs(evidence.values[evidence.own[0]] - 3.0 * ARM) < 2.0 * one.u).tolist()
     assert np.mean(inside) > 0.85
+
+
+def placed(rests: int, term: Term, parameters: int = 6, **motion: Any) -> Examined:
+    """A run of rests with a turn after each, told by labels unless `motion` says otherwise."""
+    segment = np.tile(np.repeat([0, -1], 20), rests)
+    segment[segment == 0] = np.repeat(np.arange(rests), 20)
+    rate = np.where(segment[:, None] >= 0, 0.0, 0.3) * np.ones(3)
+    fields = {"axes": None, "tracking": None, "rate": rate} | motion
+    blocks = SimpleNamespace(motion=SimpleNamespace(**fields), segment=segment)
+    evidence = SimpleNamespace(
+        fit=SimpleNamespace(blocks=blocks), own=[np.arange(parameters)],
+        groups=[SimpleNamespace(terms=(term,), name=term.name)],
+    )  # fmt: skip
+    return Examined(cast(Evidence, evidence), 0, np.zeros(0), np.zeros(0))
+
+
+def test_six_labelled_rests_tell_no_fixture_that_bends() -> None:
+    refusal = _made_by_placing(placed(6, STRUCTURAL_COMPLIANCE))
+    assert refusal is not None
+    assert (refusal.kind, refusal.name, refusal.value) == ("placed", "structural_compliance", 6)
+
+
+@pytest.mark.parametrize(
+    ("rests", "parameters", "term", "motion"),
+    [
+        (7, 6, STRUCTURAL_COMPLIANCE, {}),
+        (6, 3, STRUCTURAL_COMPLIANCE, {}),
+        (6, 6, LEVER_ARM, {}),
+        (6, 6, STRUCTURAL_COMPLIANCE, {"axes": object()}),
+        (6, 6, STRUCTURAL_COMPLIANCE, {"tracking": object()}),
+    ],
+    ids=["a rest more", "fewer parameters", "no turn of the body", "encoders", "poses"],
+)
+def test_what_more_is_known_of_keeps_its_name(
+    rests: int, parameters: int, term: Term, motion: dict[str, Any]
+) -> None:
+    assert _made_by_placing(placed(rests, term, parameters, **motion)) is None

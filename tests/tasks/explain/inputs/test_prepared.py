@@ -9,8 +9,8 @@ import pytest
 from schemas.recording import Recording, Stream
 from tasks.explain.explanation import CHANNELS
 from tasks.explain.inputs.blocks import full_rate
-from tasks.explain.inputs.labels import clock_remarks, disturbed_rows, with_usable_labels
 from tasks.explain.inputs.prepared import known_before, prepare, shown_segments
+from tasks.explain.inputs.reference import clock_remarks, disturbed_rows, with_usable_labels
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import segments_of
 from tasks.words import say

@@ -12,8 +12,7 @@ from tasks.explain.evidence.findings import OTHER
 from tasks.explain.explain import explain
 from tasks.explain.explanation import CHANNELS
 from tasks.explain.inputs.blocks import FullRate
-from tasks.explain.inputs.coarse_delay import MIN_DELAY, coarse_delay
-from tasks.explain.inputs.prepared import advanced
+from tasks.explain.inputs.prepared import MIN_DELAY, advanced, coarse_delay
 from tasks.explain.inputs.reference import ReferencePrediction, in_unit_axes, with_seen_places
 from tasks.model.model import predict
 from tasks.model.term import nominal_values

@@ -17,8 +17,8 @@ from schemas.recording import Stream
 from tasks.explain.explanation import CHANNELS, Explanation
 from tasks.explain.report import report_html, write_report
 from tasks.explain.report.discrepancy import affected, before_after_svg, cells_of, spectrum
+from tasks.explain.report.page import where_svg
 from tasks.explain.report.verdict import shares_svg
-from tasks.explain.report.where import where_svg
 from tasks.words import LANGUAGES
 from tests.tasks.explain.report.made_report import (
     BIAS,

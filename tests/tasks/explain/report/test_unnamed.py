@@ -23,8 +23,6 @@ REFUSALS: dict[str, Refusal] = {
         "inhomogeneous", "time_offset", "delay", "s", smallest=0.008, largest=0.0094, parts="rate"
     ),
     "reference_noise": Refusal("reference_noise", "bandwidth"),
-    "both_ways": Refusal("both_ways", "hysteresis"),
-    "swings": Refusal("swings", "bandwidth"),
     "switching": Refusal("switching", "bias_random_walk"),
     "form_error": Refusal("form_error", "gyro_scale_asymmetry", value=360.0),
     "overshadowed": Refusal("overshadowed", "bias_random_walk", value=7.2, limit=41.0),

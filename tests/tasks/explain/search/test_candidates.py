@@ -1,7 +1,5 @@
 """The catalogue as columns of the pool: whole, in parts, at times, and courses drawn at random."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from engine_run import GRAVITY, NOISY, RATE, motion, noise, observed, read
@@ -25,9 +23,8 @@ from tasks.explain.search.candidates import (
 )
 from tasks.explain.search.design import BandedDesign, banded_design, with_columns
 from tasks.explain.search.empirical import empirical, sinusoid
-from tasks.explain.search.kinds import with_kinds
+from tasks.explain.search.fitted import with_kinds
 from tasks.explain.search.stepwise import Selected, Selection, initial_noises, search
-from tasks.model.model import Model
 from tasks.model.term import Inputs, Term
 from tasks.model.terms import hysteresis as memories
 from tasks.model.terms.environment import TEMPERATURE_BIAS, thermal_transient
@@ -329,7 +326,6 @@ def test_an_unlisted_form_is_no_form_of_its_name(remembered: Selection) -> None:
 
 # Where kinds of behaviour are tried, and which forms and empirical terms stand beside them.
 
-U = 1e-5
 DEAD_BAND = gyro_dead_band(0.05)
 (PLAYS, *_) = (one for one in memories._OF_GYROS if one.source == memories.PLAYS)
 MEMORY = memories.hysteresis(0.1)
@@ -338,18 +334,15 @@ FOLLOWS = empirical(RUN)[0]
 
 
 def tried(
-    *selected: Term, size: float = 0.0, nuisance: bool = False, gains: tuple[float, ...] = ()
+    *selected: Term, nuisance: bool = False, gains: tuple[float, ...] = ()
 ) -> tuple[Term, ...]:
-    """Terms of the second search after a first one selected some, every value of one size."""
-    whole = Model.of(selected)
-    count = len(whole.values)
-    model = replace(whole, values=np.full(count, size), covariance=U**2 * np.eye(count))
+    """Terms of the second search after a first one selected some."""
     own = [tuple(range(len(term.parameters))) for term in selected]
     found = [
         Selected(Candidate(term, numbers, numbers, 1, nuisance=nuisance), gain, gain)
-        for term, numbers, gain in zip(selected, own, gains or count * (50.0,), strict=False)
+        for term, numbers, gain in zip(selected, own, gains or len(selected) * (50.0,), strict=True)
     ]
-    return with_kinds(LISTED_KINDS, found, model, RUN)
+    return with_kinds(LISTED_KINDS, found, RUN)
 
 
 def kinds(terms: tuple[Term, ...]) -> set[str]:
@@ -364,7 +357,7 @@ def test_what_has_no_name_may_be_any_kind_of_behaviour() -> None:
 
 @pytest.mark.parametrize("selected", [(), (MEMORY,), (TEMPERATURE_BIAS,)])
 def test_a_listed_form_is_not_questioned(selected: tuple[Term, ...]) -> None:
-    assert not tried(*selected, size=1.0)
+    assert not tried(*selected)
 
 
 def test_what_every_model_has_asks_for_no_kind() -> None:
@@ -390,13 +383,6 @@ def test_a_form_that_is_driven_to_its_end_is_another(angle: float, questioned: b
     terms = tried(memories.hysteresis(angle))
     assert bool(terms) is questioned
     assert MEMORY not in terms
-
-
-@pytest.mark.parametrize(("size", "questioned"), [(-0.5, False), (U, False), (4.0 * U, True)])
-def test_friction_that_would_add_is_another_form(size: float, questioned: bool) -> None:
-    terms = tried(DEAD_BAND, size=size)
-    assert bool(terms) is questioned
-    assert DEAD_BAND not in terms
 
 
 def test_empirical_terms_that_a_kind_has_among_its_forms_do_not_compete_with_it() -> None:

@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from engine_run import NOISY, motion, noise, observed, read
 
-from tasks.explain.confounding.combinations import Combination
-from tasks.explain.confounding.compare import FILTER
-from tasks.explain.confounding.compare import compared as compared_with
-from tasks.explain.confounding.delays import common_part, shape_count
+from tasks.explain.evidence.confounding import Combination, common_part, shape_count
+from tasks.explain.evidence.confounding import compared as compared_with
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.fitted import FittedSelection
@@ -110,15 +108,6 @@ def test_each_of_several_forms_promises_what_it_promises_alone() -> None:
     both = held.promises([(arm,), (delay,)])
     assert both == pytest.approx([held.promises([(arm,)])[0], held.promises([(delay,)])[0]])
     assert both[0] > 1000.0
-
-
-def test_a_filter_promises_nothing_in_the_place_of_a_delay_that_fits() -> None:
-    fit, _ = found()
-    delay = fit.without(
-        [one for one in fit.selection.selected if one.candidate.name == "bandwidth"]
-    )
-    members = tuple(one for one in delay.selection.candidates if one.name == "time_offset")
-    assert Combination(members, delay).promise_of_filter(BANDWIDTH, FILTER) < 30.0
 
 
 def test_a_value_beyond_what_a_unit_may_have_is_not_plausible() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from engine_run import NOISY, motion, noise, observed, read
 
-from tasks.explain.confounding.compare import with_preferred
+from tasks.explain.evidence.confounding import with_preferred
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design

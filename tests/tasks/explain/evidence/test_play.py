@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from engine_run import NOISY, RATE, motion, noise, observed, read
 
-from tasks.explain.confounding.linear_forms import TILTING, with_play
+from tasks.explain.evidence.confounding import TILTING, with_play
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.empirical import Tip, tips

@@ -1,1 +1,0 @@
-"""Effects that compensate for one another: which combinations of them fit equally well."""
