@@ -112,7 +112,7 @@ def test_a_store_that_lost_a_run_or_has_one_twice_is_judged_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The facts are read from a real catalogue, which is then tampered with."""
-    unit = OrderedUnit("F-1", "1", 1, "A", "factory", "Harbour Instruments", None)
+    unit = OrderedUnit("F-1", "1", 1, "A", "jjf2003", "Harbour Instruments", None)
     with postgres.running() as server:
         monkeypatch.setenv("MIMUCAL_DATABASE", url := postgres.empty_database(server))
         home = Home(tmp_path)
