@@ -47,7 +47,7 @@ factory: setup
 
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:
-	uv pip compile pyproject.toml --group dev --group proof $(LOCK) --output-file requirements-dev.txt
+	uv pip compile pyproject.toml --group dev $(LOCK) --output-file requirements-dev.txt
 	uv pip compile pyproject.toml --constraint requirements-dev.txt $(LOCK) --output-file requirements.txt
 
 # The packages' licences and the bill of materials, from what is installed.

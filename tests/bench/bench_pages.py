@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING
 
 from storage.home import Home
 from tests.bench.measure import RUNS, Figure, Section
-from tests.proof.line import Recorded, draw_line, fill
-from tests.proof.line_pages import LINE_UNITS
+from tests.proof.line import LINE_UNITS, Recorded, draw_line, fill
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page

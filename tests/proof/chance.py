@@ -166,20 +166,7 @@ def markdown(rows: Sequence[Row], code: str) -> str:
     The bound is the upper one of the two-sided 95 % interval.
     """
     lines = ["# Wrong names by chance", "", f"mimucal {code}.", "", METHOD, ""]
-    lines += table(
-        (
-            "kind",
-            "recordings",
-            "of so many originals",
-            "with a wrong name",
-            "rate, at most (95 %)",
-            "with an unreported name of the model",
-            "names of the original found again",
-            "with something unnamed",
-            "not explained",
-        ),
-        (),
-    )
+    lines += table(COLUMNS, ())
     for kind, what in (*OF_KIND.items(), ("all", "together")):
         some = [row for row in rows if row["kind"] in (kind, *(OF_KIND if kind == "all" else ()))]
         lines.append(line((f"{kind}: {what}", *_cells(some))))

@@ -1,33 +1,26 @@
 """Which fleets a trial has: drawn from its seed, nothing chosen by hand."""
 
-import os
-import time
-from collections import Counter
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
-from operator import attrgetter
 from typing import Literal
 
 import numpy as np
 
 from schemas.recording import Manifest, Recording
-from schemas.review import Review, ReviewFinding, RunStatistics
+from schemas.review import Review, ReviewFinding
 from storage.run_statistics import decoded, encoded
-from tasks.explain.explain import explain
 from tasks.review.pool import VERSION, ReviewedRun, pooled, statistics_of
 from tasks.review.report import review_of
 from tasks.review.search import search
 from tasks.review.several_recordings import reviewed_runs
-from tasks.stages.fan_out import processors
 from tasks.version import code_version
 from tests.proof.plant.case import Case, Data, EffectCall
 from tests.proof.plant.effects import effects_of
 from tests.proof.plant.procedures import plan_of
 from tests.proof.plant.simulate import at_visibility, manifest_of, simulate, without_noise
 from tests.proof.plant.world import Setting
-from tests.proof.study import Count, Out, Seed, Write, answers, folder_of, line, publish, share
+from tests.proof.study import Count, Out, Seed, Write, answers, folder_of, publish, share, table
 
 Kind = Literal["clean", "station", "station_since", "unit", "model", "site"]
 KINDS: tuple[Kind, ...] = ("clean", "station", "station_since", "unit", "model", "site")
@@ -275,8 +268,8 @@ class Judged:
     """One fleet.
 
     runs: that are affected. name: the effect is found by its name; pair: it is named with others
-    from which it cannot be told here. names: of that finding. carrier: it is found at what carries
-    it; among: this stands among several. since_off: runs of the carrier between the change found
+    from which it cannot be told here. carrier: it is found at what carries it; among: this stands
+    among several. since_off: runs of the carrier between the change found
     and the true one; None where there is none to find, or none was found. alarms: findings in a
     clean fleet. wrong: names that nothing in the fleet has.
     """
@@ -285,7 +278,6 @@ class Judged:
     runs: int
     name: bool
     pair: bool
-    names: frozenset[str]
     carrier: bool
     among: bool
     since_off: int | None
@@ -316,7 +308,6 @@ def judged(fleet: Fleet, review: Review) -> Judged:
         runs=sum(run.affected for run in fleet.runs),
         name=best is not None and best.effect == truth,
         pair=best is not None and bool(best.indistinguishable_from),
-        names=frozenset((best.effect, *best.indistinguishable_from) if best else ()),
         carrier=here and places[0] == (fleet.level, carrier_name(fleet)),
         among=here and len(places) > 1,
         since_off=_since_off(fleet, best) if best and here else None,
@@ -354,10 +345,7 @@ def _since_off(fleet: Fleet, finding: ReviewFinding) -> int | None:
 # The page of evidence about fleets.
 
 ENOUGH = 25  # runs that the figures ask for at the smallest z
-SMALLEST = 3.0  # z
 WITHIN = 2  # runs of the carrier
-RIGHT, SINGLE = attrgetter("right"), attrgetter("single")
-
 TEXT = """# Fleets: what many runs show together
 
 `make prove ARGS="fleets {count} --seed {seed}"`, {version}. Each fleet is drawn from the seed:
@@ -374,139 +362,54 @@ Those of further seeds are unseen.
 {figures}
 
 Carrier and name are right where both are stated, alone or as one of those that the runs cannot
-tell apart; "alone" counts only what stands by itself. Wrong names are of all findings. The evidence
-of n runs is z·√n: {enough} runs at z = 3 have 15.
+tell apart; "alone" counts only what stands by itself. Wrong names are of all findings. Every run of
+a fleet follows one procedure: what one run moves alike, a hundred runs move alike, and only another
+procedure tells them (`next`).
 
-Where carrier and name are right and do not stand alone, there stands beside them:
-{beside}.
-Every run of a fleet follows one procedure: what one run moves alike, a hundred runs move alike, and
-only another procedure tells them (`next`).
-
-## What one run shows
-
-`explain` on one affected run of each fleet, alone: {alone}.
-
-## Many runs
-
-{many:,} kept statistics of {size:.0f} kB each (100,000 runs: {disk:.1f} GB) are read in
-{read:.1f} s and searched in {search:.1f} s (asked: 10 s), by one process of a computer with
-{cores} cores and a load of {load:.1f}; in {processor:.1f} s of processor time together.
-Every finding makes the search longer: `make bench` times one in which there are several.
-
-## Each fleet
-
-| | carried by | effect | z | affected of runs | z·√n | found | right |
-|--:|---|---|--:|--:|--:|---|---|
 {fleets}
 """
 
 
-@dataclass(frozen=True)
-class Alone:
-    """What `explain` says of one affected run: the one right name; among several; a wrong one."""
-
-    named: bool
-    among: bool
-    wrong: bool
-
-
-@dataclass(frozen=True)
-class Many:
-    """A search over many statistics: s to read them and to search, s of processor time for both,
-    mean size of one in bytes.
-    """
-
-    count: int
-    read_s: float
-    search_s: float
-    processor_s: float
-    size: float
-
-
-def page(seed: int, outcomes: Sequence[Judged], alone: Sequence[Alone | None], many: Many) -> str:
-    """The page; outcomes and what one run shows: of each fleet."""
-    return TEXT.format(
-        count=len(outcomes), seed=seed, version=code_version(), figures=_figures(outcomes),
-        enough=ENOUGH, beside=_beside(outcomes),
-        alone=_alone([one for one in alone if one is not None]), many=many.count,
-        size=many.size / 1e3, disk=many.size * 1e5 / 1e9, read=many.read_s, search=many.search_s,
-        processor=many.processor_s,
-        cores=os.cpu_count(), load=os.getloadavg()[0], fleets="\n".join(map(_row, outcomes)),
-    )  # fmt: skip
-
-
-def _figures(outcomes: Sequence[Judged]) -> str:
+def page(seed: int, outcomes: Sequence[Judged]) -> str:
     carried = [one for one in outcomes if one.fleet.effect is not None]
-    enough = [one for one in carried if one.runs >= ENOUGH]
-    fewer = [one for one in carried if one.runs < ENOUGH]
-    clear = [one for one in carried if _evidence(one) >= SMALLEST * ENOUGH**0.5]
+    groups = {
+        f"{ENOUGH} affected runs or more": [one for one in carried if one.runs >= ENOUGH],
+        f"fewer than {ENOUGH} affected runs": [one for one in carried if one.runs < ENOUGH],
+        "every fleet": carried,
+        **{
+            kind.replace("_", " "): [one for one in carried if one.fleet.kind == kind]
+            for kind in sorted({one.fleet.kind for one in carried})
+        },
+    }
+    figures = [
+        row
+        for name, some in groups.items()
+        for row in (
+            share(f"carrier and name: {name}", "", some, lambda one: one.right),
+            share("the same, each alone", "", some, lambda one: one.single),
+        )
+    ]
     clean = [one for one in outcomes if one.fleet.effect is None]
     dated = [one for one in carried if one.fleet.since is not None]
-    kinds = sorted({one.fleet.kind for one in carried})
-    rows = [
-        share(f"carrier and name, {ENOUGH} affected runs or more", "90 %", enough, RIGHT),
-        share("the same, each alone", "", enough, SINGLE),
-        share("carrier and name, z·√n of 15 or more", "", clear, RIGHT),
-        share("the same, each alone", "", clear, SINGLE),
-        share(f"carrier and name, fewer than {ENOUGH} affected runs", "", fewer, RIGHT),
-        share("the same, each alone", "", fewer, SINGLE),
-        share("carrier and name, every fleet", "", carried, RIGHT),
-        share("the same, each alone", "", carried, SINGLE),
-        *(
-            share(f"carrier and name: {kind.replace('_', ' ')}", "",
-                  [one for one in carried if one.fleet.kind == kind], RIGHT)
-            for kind in kinds
-        ),
-        share(f"since when, within {WITHIN} runs of the carrier", "90 %", dated, _dated),
+    figures += [
+        share(f"since when, within {WITHIN} runs of the carrier", "90 %", dated,
+              lambda one: one.since_off is not None and one.since_off <= WITHIN),
         share("false alarms", "1 %", clean, lambda one: one.alarms > 0),
         share("fleets with a wrong name", "1 %", carried, lambda one: bool(one.wrong)),
     ]  # fmt: skip
-    return "\n".join(rows)
+    columns = ("", "carried by", "effect", "z", "affected of runs", "found", "right")
+    return TEXT.format(
+        count=len(outcomes), seed=seed, version=code_version(), figures="\n".join(figures),
+        fleets="\n".join(table(columns, map(_row, outcomes))),
+    )  # fmt: skip
 
 
-def _evidence(one: Judged) -> float:
-    """z of all affected runs together."""
-    return (one.fleet.z or 0.0) * float(one.runs) ** 0.5
-
-
-def _beside(outcomes: Sequence[Judged]) -> str:
-    """What stands beside right names, and how often."""
-    pairs = Counter(
-        f"{one.fleet.effect.name} with {', '.join(sorted(one.names - {one.fleet.effect.name}))}"
-        for one in outcomes
-        if one.fleet.effect is not None and one.right and one.pair
-    )
-    places = sum(one.right and one.among for one in outcomes)
-    listed = [f"{pair} ({count})" for pair, count in pairs.most_common()]
-    return "; ".join([*listed, f"another carrier ({places})"])
-
-
-def _dated(one: Judged) -> bool:
-    return one.since_off is not None and one.since_off <= WITHIN
-
-
-def _alone(some: Sequence[Alone]) -> str:
-    named, among, wrong = (
-        sum(getattr(one, name) for one in some) for name in ("named", "among", "wrong")
-    )
-    return (
-        f"the one right name in {named} of {len(some)}, the right one alone or among several in "
-        f"{among}, a wrong one in {wrong}"
-    )
-
-
-def _row(one: Judged) -> str:
+def _row(one: Judged) -> tuple[object, ...]:
     fleet = one.fleet
-    effect = fleet.effect.name if fleet.effect else "–"
-    z = "" if fleet.z is None else f"{fleet.z:.0f}"
+    effect, z = (fleet.effect.name, f"{fleet.z:.0f}") if fleet.effect else ("–", "")
     right = "" if fleet.effect is None and not one.alarms else "yes" if one.right else "no"
-    kind = fleet.kind.replace("_", " ")
-    all_runs = "" if fleet.z is None else f"{_evidence(one):.0f}"
     affected = f"{one.runs} of {len(fleet.runs)}"
-    return line((fleet.number, kind, effect, z, affected, all_runs, one.response, right))
-
-
-MANY = 10_000  # runs of the search that is timed
+    return fleet.number, fleet.kind.replace("_", " "), effect, z, affected, one.response, right
 
 
 def fleets(count: Count = 60, seed: Seed = 1, out: Out = None, write: Write = False) -> None:
@@ -516,16 +419,8 @@ def fleets(count: Count = 60, seed: Seed = 1, out: Out = None, write: Write = Fa
     runs = {f"{seed}-{fleet.number:03d}-{run.day:04d}": (fleet, run)
             for fleet in drawn for run in fleet.runs}  # fmt: skip
     made = answers("runs", runs, _made, folder)
-    kept = {key: made[label] for label, key in _keys(runs).items()}
-    single = {f"{seed}-{fleet.number:03d}": fleet for fleet in drawn}
-    alone = list(answers("alone", single, _explained, folder).values())
-    outcomes = [_reviewed(fleet, kept) for fleet in drawn]
-    publish("fleets", page(seed, outcomes, alone, _many(list(made.values()))), folder, write)
-
-
-def _keys(runs: Mapping[str, tuple[Fleet, FleetRun]]) -> dict[str, tuple[int, int]]:
-    """Number and day of each run by its label."""
-    return {label: (fleet.number, run.day) for label, (fleet, run) in runs.items()}
+    kept = {(fleet.number, run.day): made[label] for label, (fleet, run) in runs.items()}
+    publish("fleets", page(seed, [_reviewed(fleet, kept) for fleet in drawn]), folder, write)
 
 
 def _made(work: tuple[Fleet, FleetRun]) -> bytes:
@@ -533,39 +428,9 @@ def _made(work: tuple[Fleet, FleetRun]) -> bytes:
     return encoded(statistics_of(played(*work)), VERSION)
 
 
-def _explained(fleet: Fleet) -> Alone | None:
-    """What `explain` says of the affected run in the middle, alone; nothing of a clean fleet."""
-    affected = [run for run in fleet.runs if run.affected]
-    if fleet.effect is None or not affected:
-        return None
-    explanation = explain(played(fleet, affected[len(affected) // 2]))
-    names = [[one.effect, *one.indistinguishable] for one in explanation.findings]
-    return Alone(
-        named=any(each == [fleet.effect.name] for each in names),
-        among=any(fleet.effect.name in each for each in names),
-        wrong=any(fleet.effect.name not in each and each[0] != "unnamed" for each in names),
-    )
-
-
 def _reviewed(fleet: Fleet, kept: Mapping[tuple[int, int], bytes]) -> Judged:
     manifests = {f"fleet_{fleet.number}_{r.day:04d}": manifest_of_run(fleet, r) for r in fleet.runs}
     who = reviewed_runs(manifests)
-    own = (_read(kept[fleet.number, run.day]) for run in fleet.runs)
+    own = (decoded(kept[fleet.number, run.day], VERSION) for run in fleet.runs)
     pool = pooled([(who[name], each) for name, each in zip(who, own, strict=True)])
     return judged(fleet, review_of(pool, *search(pool)))
-
-
-def _read(kept: bytes) -> RunStatistics:
-    return decoded(kept, VERSION)
-
-
-def _many(made: Sequence[bytes]) -> Many:
-    """A search over thousands of kept statistics of units and stations drawn anew, timed."""
-    began, processor = time.perf_counter(), time.process_time()
-    with ThreadPoolExecutor(processors()) as threads:
-        kept = list(threads.map(_read, (made[k % len(made)] for k in range(MANY))))
-    read = time.perf_counter()
-    search(pooled(list(zip(drawn_runs(MANY), kept, strict=True))))
-    searched, used = time.perf_counter() - read, time.process_time() - processor
-    size = float(np.mean([len(each) for each in made]))
-    return Many(MANY, read - began, searched, used, size)

@@ -1,4 +1,4 @@
-"""What a line does to a frame."""
+"""Damaged inputs for the parsers of what units and tables send."""
 
 import random
 import re
@@ -100,11 +100,11 @@ class Kind:
     made: Callable[[tuple[int, ...]], bytes]
 
 
-@dataclass
+@dataclass(frozen=True)
 class Tally:
-    """What came of damaged frames: wrong readings, and whole frames that were not found.
+    """What came of so many inputs that were fed: wrong readings, and whole frames not found.
 
-    wrong_though_shown: of damage that the check sum shows without fail.
+    wrong_though_shown: of damage that shows without fail; by_chance: of other damage to a frame.
     """
 
     fed: int = 0
@@ -157,15 +157,12 @@ KINDS = (_binary("little"), _binary("big"), _text("crc16_xmodem"), _text("xor8")
 
 def feed(kind: Kind, count: int, seed: int) -> Tally:
     """Streams in which a whole frame stands before and behind each of `count` damaged ones."""
-    rng, tally = random.Random(seed), Tally()
+    rng, wrong, lost = random.Random(seed), {SHOWN: 0, OTHER: 0}, 0
     for start in range(0, count, BLOCK):
         pool = SHOWN if start % (2 * BLOCK) else OTHER
-        wrong, lost = _feed_block(kind, min(BLOCK, count - start), pool, rng)
-        tally.fed += min(BLOCK, count - start)
-        tally.wrong_though_shown += wrong if pool is SHOWN else 0
-        tally.wrong_by_chance += wrong if pool is OTHER else 0
-        tally.lost += lost
-    return tally
+        taken, gone = _feed_block(kind, min(BLOCK, count - start), pool, rng)
+        wrong[pool], lost = wrong[pool] + taken, lost + gone
+    return Tally(count, wrong[SHOWN], wrong[OTHER], lost)
 
 
 def _feed_block(
@@ -210,15 +207,7 @@ TEMPLATES = ("{angle[0]},{angle[1]},{angle[2]}", "VEL {rate}", "#{status:x}",
 SIGNS = "0123456789+-.eExX#,; \tVELOKinfaN"
 
 
-@dataclass(frozen=True)
-class Held:
-    """How many inputs, and what was wrong of them."""
-
-    inputs: int
-    wrong: int
-
-
-def registers(count: int, seed: int) -> Held:
+def registers(count: int, seed: int) -> Tally:
     """Random words of each type give a value that gives these words again."""
     rng, wrong = random.Random(seed), 0
     for _ in range(count):
@@ -228,10 +217,10 @@ def registers(count: int, seed: int) -> Held:
         value = decode(words, kind, order)
         is_nan = value != value
         wrong += not is_nan and encode(value, kind, order) != words
-    return Held(count, wrong)
+    return Tally(count, wrong)
 
 
-def values(count: int, seed: int) -> Held:
+def values(count: int, seed: int) -> Tally:
     """Random values are encoded so that they come back, or refused as too large."""
     rng, wrong = random.Random(seed), 0
     for _ in range(count):
@@ -243,10 +232,10 @@ def values(count: int, seed: int) -> Held:
             wrong += abs(value) < 2**15 and not kind.startswith("u")
             continue
         wrong += abs(back - value) > max(0.5, abs(value) * 2.0**-23)
-    return Held(count, wrong)
+    return Tally(count, wrong)
 
 
-def lines(count: int, seed: int) -> Held:
+def lines(count: int, seed: int) -> Tally:
     """Lines that look like an answer, or hardly: numbers, or that it is none."""
     rng, wrong = random.Random(seed), 0
     answers = [Answer(template) for template in TEMPLATES]
@@ -262,10 +251,10 @@ def lines(count: int, seed: int) -> Held:
         if not is_damaged and answer is answers[0]:
             right = {("angle", axis): float(f"{each:.4f}") for axis, each in enumerate(numbers)}
             wrong += found != right
-    return Held(count, wrong)
+    return Tally(count, wrong)
 
 
-def modbus_rtu(count: int, seed: int) -> Held:
+def modbus_rtu(count: int, seed: int) -> Tally:
     """Damaged answers over a serial line are refused; damage that a CRC shows is never taken."""
     rng, wrong = random.Random(seed), 0
     shown = {damage.__name__ for damage in SHOWN}
@@ -280,7 +269,7 @@ def modbus_rtu(count: int, seed: int) -> Held:
             continue
         if answer is not None and damage.__name__ in shown:
             wrong += getattr(answer, "registers", words) != words
-    return Held(count, wrong)
+    return Tally(count, wrong)
 
 
 def _modbus_crc(data: bytes) -> int:
@@ -319,42 +308,28 @@ send a CRC should; a reading that is far off is found by the checks of its segme
 """
 
 
-@dataclass(frozen=True)
-class Row:
-    """One parser: the inputs, processor seconds, and what was wrong."""
-
-    parser: str
-    inputs: int
-    seconds: float
-    wrong: int
-    by_chance: int = 0
-    lost: int = 0
-
-    def __str__(self) -> str:
-        figures = (f"{self.inputs:,}", f"{self.seconds:.0f}", self.wrong)
-        return line((self.parser, *figures, self.by_chance, self.lost))
-
-
-def row(parser: str, count: int, seed: int) -> Row:
-    """A row of one parser. Whatever it raises ends it."""
-    began = time.process_time()
-    if parser in ANSWERS:
-        held = ANSWERS[parser](count, seed)
-        return Row(parser, held.inputs, time.process_time() - began, held.wrong)
-    (kind,) = (each for each in KINDS if each.name == parser)
-    tally = feed(kind, count, seed)
-    seconds = time.process_time() - began
-    figures = (tally.wrong_though_shown, tally.wrong_by_chance, tally.lost)
-    return Row(parser, tally.fed, seconds, *figures)
+PARSERS: dict[str, Callable[[int, int], Tally]] = {
+    **{kind.name: partial(feed, kind) for kind in KINDS}, **ANSWERS,
+}  # fmt: skip
 
 
 def fuzz(count: Count = 1_000_000, seed: Seed = 1, out: Out = None, write: Write = False) -> None:
     """Damaged inputs for every parser."""
-    parsers = (*(kind.name for kind in KINDS), *ANSWERS)
-    work = {f"{seed}-{count}-{re.sub(r'[^a-z0-9]+', '-', one)}": one for one in parsers}
-    hold("fuzz", work, partial(row, count=count, seed=seed), partial(page, count, seed), out,
-         write=write, faults=lambda one: [one.parser] if one.wrong else [])  # fmt: skip
+    work = {f"{seed}-{count}-{re.sub(r'[^a-z0-9]+', '-', one)}": one for one in PARSERS}
+    hold("fuzz", work, partial(_fed, count=count, seed=seed), partial(_page, count, seed), out,
+         write=write, faults=lambda one: [one[0]] if one[1].wrong_though_shown else [])  # fmt: skip
 
 
-def page(count: int, seed: int, rows: Sequence[Row]) -> str:
-    return TEXT.format(count=count, seed=seed, rows="\n".join(map(str, rows)))
+def _fed(parser: str, count: int, seed: int) -> tuple[str, Tally, float]:
+    """What came of one parser, and its processor time (s). Whatever it raises ends it."""
+    began = time.process_time()
+    return parser, PARSERS[parser](count, seed), time.process_time() - began
+
+
+def _page(count: int, seed: int, found: Sequence[tuple[str, Tally, float]]) -> str:
+    rows = (
+        line((parser, f"{each.fed:,}", f"{seconds:.0f}", each.wrong_though_shown,
+              each.wrong_by_chance, each.lost))
+        for parser, each, seconds in found
+    )  # fmt: skip
+    return TEXT.format(count=count, seed=seed, rows="\n".join(rows))

@@ -1,4 +1,4 @@
-"""Which units a line has, when each was run on which station, and which station was tilted."""
+"""A line with years behind it: its units, their runs, results and papers, as a store."""
 
 import hashlib
 from collections import Counter
@@ -28,32 +28,22 @@ from tasks.conformity import decide
 from tasks.specifications.register import specification_for
 from tasks.stages.certify import due_date
 from tasks.stages.estimate import estimate
-from tests.proof.plant.case import Case, EffectCall, Grade, UnitErrors, channel_noise, draw_unit
+from tests.proof.plant.case import Case, Grade, UnitErrors, channel_noise, draw_unit
 from tests.proof.plant.simulate import simulate
 
 STATIONS, YEARS = 6, 3.0
+LINE_UNITS = 200  # of a whole line
 BEGINNING = datetime(2023, 11, 1, 8, tzinfo=UTC)
 MODELS: tuple[tuple[str, Grade], ...] = (
     ("MX-110", "industrial"), ("MX-120", "industrial"), ("MX-210", "consumer"),
     ("MX-400", "tactical"),
 )  # fmt: skip
 YEAR_D = 365.25
-TILT_RAD = (0.8e-4, 1.6e-4)
 DRIFT_BIAS = 2e-3, 8e-3  # rad/s and m/s² in a year, of gyro and accelerometer
 DRIFT_SCALE = 1.5e-3  # in a year
 OFF_SCALE = 8e-4  # by which the models' mean scale factors differ
 NONE, SQUARE = np.zeros(3), np.zeros((3, 3))
 IDEAL = UnitErrors(Kg=np.eye(3), Bg=NONE, G=SQUARE, Ka=np.eye(3), Ba=NONE, P=SQUARE)
-
-
-@dataclass(frozen=True)
-class Tilt:
-    """A station whose base is no longer level. east, north: rad, the vector it was turned by."""
-
-    station: int
-    since: datetime
-    east: float
-    north: float
 
 
 @dataclass(frozen=True)
@@ -81,36 +71,23 @@ class LineUnit:
 
 @dataclass(frozen=True)
 class Line:
-    """What determines a store. places: of the units' runs, drawn when a run is made."""
+    """What determines a store."""
 
     seed: int
     runs: int
     units: tuple[LineUnit, ...]
-    tilt: Tilt
 
 
 def draw_line(seed: int, runs: int, units: int) -> Line:
     """A line of a seed with so many runs of so many units."""
     rng = np.random.default_rng([seed, 61])
-    days = YEARS * YEAR_D * rng.uniform(0.35, 0.7)
-    azimuth, size = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(*TILT_RAD)
-    tilt = Tilt(
-        station=int(rng.integers(STATIONS)),
-        since=BEGINNING + timedelta(days=float(days)),
-        east=size * float(np.cos(azimuth)),
-        north=size * float(np.sin(azimuth)),
-    )
-    return Line(seed, runs, tuple(_unit(rng, number) for number in range(units)), tilt)
+    return Line(seed, runs, tuple(_unit(rng, number) for number in range(units)))
 
 
 def combined(one: UnitErrors, other: UnitErrors, factor: float) -> UnitErrors:
     """one + factor·other, coefficient by coefficient."""
     sums = {name: getattr(one, name) + factor * getattr(other, name) for name in vars(one)}
     return UnitErrors(**sums)
-
-
-def is_tilted(line: Line, station: int, at: datetime) -> bool:
-    return station == line.tilt.station and at >= line.tilt.since
 
 
 def station_name(number: int) -> str:
@@ -142,30 +119,15 @@ TRUTH_OF_CASE = 1  # of the unit that the plant plays, before it becomes one of 
 Values = dict[str, dict[str, float]]  # by item and element
 
 
-@dataclass(frozen=True)
-class Measured:
-    """How units of a grade are measured. template: the real calibration of one recording, whose
-    U, units and clauses hold for all. shift: by what the tilt moves each element.
-    """
-
-    template: Calibration
-    shift: Values
-
-
-def case_of(seed: int, grade: Grade, tilt: Tilt | None) -> Case:
+def case_of(seed: int, grade: Grade) -> Case:
     """A run of the line as the plant plays it: thirty rests and turns of five seconds."""
-    effects = [
-        EffectCall(name="axis_tilt", parameters={"east": each.east, "north": each.north})
-        for each in [tilt]
-        if each is not None
-    ]
     return Case(
         seed=seed, unit_seed=TRUTH_OF_CASE, grade=grade, rate_hz=20, rates_deg_s=(30.0, 120.0),
-        dwell_s=5.0, effects=tuple(effects),
+        dwell_s=5.0,
     )  # fmt: skip
 
 
-def played(case: Case, truth: UnitErrors, manifest: Manifest | None = None) -> Recording:
+def played(case: Case, truth: UnitErrors) -> Recording:
     """A case with a unit of these coefficients in the place of the plant's own."""
     simulated = simulate(case)
     rates, force = np.split(simulated.reported.T, 2)
@@ -177,32 +139,17 @@ def played(case: Case, truth: UnitErrors, manifest: Manifest | None = None) -> R
         spread = step * (rng.uniform(size=len(series)) - 0.5)  # rounded twice as if once
         columns[channel] = np.round((columns[channel] + spread + series) / step) * step
     imu = replace(recording.imu, columns=columns)
-    return replace(recording, imu=imu, manifest=manifest or recording.manifest)
+    return replace(recording, imu=imu)
 
 
-def measured_by_grade(line: Line) -> Mapping[Grade, Measured]:
-    """For each grade a recording as it is, and the same one on the tilted station."""
-    return {grade: _measured(line, grade) for grade in {unit.grade for unit in line.units}}
+def templates(line: Line) -> Mapping[Grade, Calibration]:
+    """The real calibration of one recording of each grade: its U and clauses hold for all."""
+    grades = {unit.grade for unit in line.units}
+    return {grade: _calibrated(case_of(line.seed, grade)) for grade in grades}
 
 
-def _measured(line: Line, grade: Grade) -> Measured:
-    level, tilted = (
-        _calibrated(simulate(case_of(line.seed, grade, tilt)).recording)
-        for tilt in (None, line.tilt)
-    )
-    return Measured(level, {
-        name: {e: _value(tilted, name, e) - _value(level, name, e) for e in elements}
-        for name, elements in true_values(draw_unit(TRUTH_OF_CASE)).items()
-    })  # fmt: skip
-
-
-def _value(calibration: Calibration, item: str, element: str) -> float:
-    value = calibration.items[item].value[element]
-    assert value is not None
-    return value
-
-
-def _calibrated(recording: Recording) -> Calibration:
+def _calibrated(case: Case) -> Calibration:
+    recording = simulate(case).recording
     specification = specification_for(recording.manifest.standard, None)
     evaluation = evaluation_for(recording, "GUM", {})
     return calibrate(
@@ -239,24 +186,17 @@ def true_values(unit: UnitErrors) -> Values:
 
 
 def result_of(
-    unit: LineUnit,
-    truth: UnitErrors,
-    how: Measured,
-    tilted: bool,
-    rng: np.random.Generator,
-    without: str | None,
+    truth: UnitErrors, template: Calibration, rng: np.random.Generator, without: str | None
 ) -> Calibration:
-    """A calibration as the template's with values of this unit: truth, shift and noise of u.
+    """A calibration as the template's with values of this unit: truth and noise of u.
 
     without: an item that the run does not determine.
     """
     items = {}
     for name, values in true_values(truth).items():
-        item = how.template.items[name]
+        item = template.items[name]
         value: dict[str, float | None] = {
-            element: true
-            + tilted * how.shift[name][element]
-            + float(rng.standard_normal()) * (item.u[element] or 0.0)
+            element: true + float(rng.standard_normal()) * (item.u[element] or 0.0)
             for element, true in values.items()
         }
         if name == without:
@@ -267,7 +207,7 @@ def result_of(
             "value_without_earth_rotation": None, "u_without_earth_rotation": None,
             "U_without_earth_rotation": None,
         })  # fmt: skip
-    return how.template.model_copy(update={
+    return template.model_copy(update={
         "items": items, "information": {}, "segments": (), "remarks": (),
         "unavailable": {without: "no rest of the run is long enough"} if without else {},
         "unavailable_zh": {without: "测量中没有足够长的静止段"} if without else {},
@@ -315,7 +255,7 @@ class _State:
 
 
 def runs_of(
-    line: Line, unit: LineUnit, measured: Mapping[Grade, Measured], tolerance: Tolerance
+    line: Line, unit: LineUnit, measured: Mapping[Grade, Calibration], tolerance: Tolerance
 ) -> Iterator[LineRun]:
     """A unit's runs from the oldest, as many as each unit of the line has."""
     rng = np.random.default_rng([line.seed, 62, unit.number])
@@ -324,7 +264,7 @@ def runs_of(
     day, state, visit, made = float(rng.uniform(0.0, pause)), _State(1.0, 0.0), 0, 0
     while made < count:
         station = int(rng.integers(STATIONS))
-        for one in _visit(line, unit, measured[unit.grade], tolerance, rng, state, day, station):
+        for one in _visit(unit, measured[unit.grade], tolerance, rng, state, day, station):
             is_last = one.is_last or made + 1 == count
             yield one.model_copy(update={"visit": visit, "number": made, "is_last": is_last})
             made += 1
@@ -334,9 +274,8 @@ def runs_of(
 
 
 def _visit(
-    line: Line,
     unit: LineUnit,
-    how: Measured,
+    template: Calibration,
     tolerance: Tolerance,
     rng: np.random.Generator,
     state: _State,
@@ -351,7 +290,7 @@ def _visit(
         truth = unit.after(years, kept)
         chance = rng.uniform()
         without = "gyro_g_sensitivity" if INVALID < chance < INVALID + MISSING else None
-        result = result_of(unit, truth, how, is_tilted(line, station, at), rng, without)
+        result = result_of(truth, template, rng, without)
         if chance < INVALID:
             result = result.model_copy(update={"remarks": (SHOCK,)})
         decision = decide(result, tolerance)
@@ -527,8 +466,7 @@ def as_recorded(
 
 def recording_of(line: Line, unit: LineUnit, run: LineRun) -> Recording:
     """The run as the plant plays it, with its unit's coefficients of that day."""
-    tilt = line.tilt if is_tilted(line, run.station, run.at) else None
-    case = case_of(line.seed * 100_000 + 100 * unit.number + run.number, unit.grade, tilt)
+    case = case_of(line.seed * 100_000 + 100 * unit.number + run.number, unit.grade)
     recording = played(case, unit.after(run.years, run.kept))
     declared = recording.manifest.model_dump(mode="json", exclude_none=True)
     declared |= manifest_of_run(unit, run)
@@ -541,6 +479,9 @@ def recording_of(line: Line, unit: LineUnit, run: LineRun) -> Recording:
 # The line as a store: rows in bulk, by the functions that make them of a single run.
 
 Rows = dict[str, list[dict[str, Any]]]
+FILLED = (
+    "runs", "results", "elements", "outcomes", "equipment", "certificates", "decisions",
+)  # fmt: skip
 UNCERTIFIED = 0.03  # of the runs
 SECONDS, ROWS = 235.0, 4_700
 
@@ -567,7 +508,7 @@ def fill(home: Home, line: Line, recorded: Recorded, progress: Callable[[int, in
     equipment.add(first, home, "Wang Li")
     for renewed in later:
         equipment.renew(renewed, home, "Wang Li")
-    numbers, measured, done = _Numbers(), measured_by_grade(line), 0
+    numbers, measured, done = _Numbers(), templates(line), 0
     for unit in line.units:
         tolerance = tolerance_of(MODELS[unit.model][0])
         made = []
@@ -580,18 +521,7 @@ def fill(home: Home, line: Line, recorded: Recorded, progress: Callable[[int, in
 
 def _keep(home: Home, unit: LineUnit, made: list[LineRun], numbers: _Numbers) -> None:
     """All of a unit in one transaction; what the recorded runs have already stays."""
-    rows: Rows = {
-        name: []
-        for name in (
-            "runs",
-            "results",
-            "elements",
-            "outcomes",
-            "equipment",
-            "certificates",
-            "decisions",
-        )
-    }
+    rows: Rows = {name: [] for name in FILLED}
     with database.changing(home) as connection:
         for run in made:
             manifest = manifest_for(unit, run)

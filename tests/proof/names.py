@@ -15,13 +15,13 @@ from storage.formats.folder import read_folder
 from tasks.explain.explain import explain
 from tasks.version import code_version
 from tests.proof import station
-from tests.proof.real.run import write
+from tests.proof.plant.simulate import write
 from tests.proof.real.stated import KNOWN, judged
 from tests.proof.station import Case, cases, recording_of
 from tests.proof.study import Minutes, Out, Real, Seed, Write, folder_of, hold, table
 from tests.proof.trial.blind import UNNAMED, as_data
 from tests.proof.trial.parameters import Truth, compared
-from tests.proof.trial.rough import draw_rough, record_and_seal_rough, scored_rough
+from tests.proof.trial.rough import draw_rough, group_of, record_and_seal_rough, scored_rough
 from tests.proof.trial.seal import DWELLS, RECORDINGS, SEALED, draw, record_and_seal
 
 # What one answer says that is right and wrong, by what is known of the recording.
@@ -44,18 +44,11 @@ class Verdict:
 def by_names(answer: Answer, true: set[str], pairs: tuple[int, int] = (0, 0)) -> Verdict:
     """By the names of all that is true of a recording. pairs: intervals inside, and of how many."""
     named = [one for one in answer["findings"] if one["effect"] != UNNAMED]
-    right = [one for one in named if offered(one) & true]
-    wrong = [one for one in named if not offered(one) & true]
+    right = [one for one in named if group_of(one) & true]
+    wrong = [one for one in named if one not in right]
     return Verdict(
         tuple(one["effect"] for one in right), tuple(one["effect"] for one in wrong), *pairs
     )
-
-
-def offered(finding: Mapping[str, Any]) -> set[str]:
-    """Every name that a finding offers for what it found."""
-    return {
-        finding["effect"], *(finding.get("group") or ()), *finding["indistinguishable_from"],
-    }  # fmt: skip
 
 
 # The kept recordings: of the sealed trial, the rough trial and the station, and the real ones.
@@ -185,10 +178,9 @@ def _by_plain(sealed: Path, answer: Answer) -> Verdict:
 def _by_rough(sealed: Path, answer: Answer) -> Verdict:
     declared, trial = _json(sealed / "truth.json"), _json(sealed / "trial.json")
     score = scored_rough(sealed.name, declared, trial, dict(answer), 0.0)
-    wrong = [*score.wrong]
-    right = [name for name in score.names if name != station.UNNAMED and name not in wrong]
+    right = (name for name in score.names if name not in (UNNAMED, *score.wrong))
     inside = sum(pair.inside for pair in score.parameters)
-    return Verdict(tuple(right), tuple(wrong), inside, len(score.parameters))
+    return Verdict(tuple(right), score.wrong, inside, len(score.parameters))
 
 
 def _station(folder: Path) -> Iterator[Kept]:
@@ -206,7 +198,7 @@ def _record(case: Case, folder: Path) -> None:
 
 def _by_station(case: Case, answer: Answer) -> Verdict:
     score = station.score(case, {**answer, "seconds": 0.0})
-    named = [one["effect"] for one in answer["findings"] if one["effect"] != station.UNNAMED]
+    named = [one["effect"] for one in answer["findings"] if one["effect"] != UNNAMED]
     right = [name for name in named if name not in score.wrong]
     stated = [each for each in (score.low_pass, score.delay) if each != "absent"]
     return Verdict(

@@ -23,8 +23,7 @@ from tasks.station.clock import wall_s
 from tasks.station.ports import EncoderBlock, TableState
 from tasks.station.virtual.config import STEP_S, VirtualStation, virtual_station
 from tasks.station.virtual.simulation import Simulation
-from tasks.version import code_version
-from tests.proof.real.run import write as write_folder
+from tests.proof.plant.simulate import write
 from tests.proof.study import Count, Out, Write, answers, folder_of, publish, table
 from tests.proof.trial.blind import ANSWER, ANSWERS, RECORDINGS, explain_blind
 from tests.tasks.station.in_memory import InMemoryStation, InMemoryTable
@@ -337,15 +336,13 @@ def station(count: Count = 80, out: Out = None, write: Write = False) -> None:
         score(case, json.loads((folder / ANSWERS / label / ANSWER).read_text("utf-8")))
         for label, case in asked.items()
     ]
-    data = json.dumps(as_data(scores), indent=1, ensure_ascii=False) + "\n"
-    (folder / "station.json").write_text(data, encoding="utf-8")
     publish("station", as_markdown(scores), folder, write)
 
 
 def _record(case: Case, folder: Path) -> None:
     own = folder / RECORDINGS / f"{cases(MOST).index(case) + 1:03d}"
     shutil.rmtree(own, ignore_errors=True)
-    write_folder(recording_of(case), own)
+    write(recording_of(case), own)
 
 
 def as_markdown(scores: Sequence[Score]) -> str:
@@ -369,25 +366,6 @@ def summary(scores: Sequence[Score]) -> list[str]:
         counts = ", ".join(f"{how} {n}" for how, n in declared.most_common())
         lines.append(f"{what.replace('_', '-')}: {counts}.")
     return lines
-
-
-def as_data(scores: Sequence[Score]) -> dict[str, object]:
-    """What station.md says, and of each recording the truth beside what was said of it."""
-    return {
-        "code_version": code_version(),
-        "summary": summary(scores),
-        "recordings": [_data(one) for one in scores],
-    }
-
-
-def _data(one: Score) -> dict[str, object]:
-    case = one.case
-    return {
-        "name": case.name, "is_loaded": case.is_loaded, "corners_hz": case.corners_hz,
-        "delay_s": case.delay_s, "group_delays_s": case.group_delays_s, "is_right": one.is_right,
-        "low_pass": one.low_pass, "delay": one.delay, "wrong": one.wrong, "told": one.names,
-        "failed": one.failed, "seconds": round(one.seconds, 2),
-    }  # fmt: skip
 
 
 def _row(one: Score) -> tuple[str, ...]:

@@ -20,7 +20,6 @@ import typer
 
 from flows.terminal import counting
 from schemas.base import Unusable
-from schemas.text import Statement
 from tasks.version import code_version
 
 Work = TypeVar("Work")
@@ -175,8 +174,3 @@ def share(what: str, asked: str, some: Sequence[Work], holds: Callable[[Work], b
     count = sum(map(holds, some))
     held = f"{100.0 * count / len(some):.0f} % ({count} of {len(some)})" if some else "–"
     return line((what, asked, len(some), held))
-
-
-def bilingual(en: str, zh: str) -> Statement:
-    """A text in both languages."""
-    return Statement(en=en, zh=zh)

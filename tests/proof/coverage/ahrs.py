@@ -1,30 +1,15 @@
-"""Coverage of JJF 1536 where laboratories are: an AHRS on a one-axis table, re-fixed by hand.
+"""Recordings of JJF 1536 as laboratories make them: an AHRS on a one-axis table, re-fixed by hand.
 
-`python -m tests.proof.coverage.ahrs UNITS [SCENARIO …]` makes recordings with numpy alone, has
-the program calibrate them, and prints for each item how many true values lie within U, and the rms
-of error/(U/2). Nothing of the program makes the recordings, and none of its noise models.
+In numpy alone, as those of `bench`: nothing of the program makes them, nor its noise models.
 """
 
-import json
-import sys
-import tempfile
-from collections import Counter
 from dataclasses import dataclass, field
-from pathlib import Path
+from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 
-from schemas.calibration import Calibration
-from tasks.calibrate.calibrate import calibrate
-from tasks.specifications.register import specification_for
-from tasks.stages import import_recording
+from tests.proof.coverage.bench import ARCSECOND, AXES, DEG, EARTH, LATITUDE, G, Made, small
 
-DEG, G = np.pi / 180.0, 9.8015
-EARTH, LATITUDE = 7.292115e-5, 39.9 * DEG  # rad/s
-ARCSECOND = DEG / 3600.0
-AXES = "xyz"
 RATES = (-300.0, -200.0, -100.0, -10.0, 10.0, 100.0, 200.0, 300.0)  # deg/s
 COMPASS = {"E": (1, 0, 0), "W": (-1, 0, 0), "N": (0, 1, 0), "S": (0, -1, 0),
            "U": (0, 0, 1), "D": (0, 0, -1)}  # fmt: skip
@@ -103,7 +88,7 @@ class Run:
     scenario: Scenario
     random: np.random.Generator
     t: float = 0.0
-    labels: list[dict] = field(default_factory=list)
+    labels: list[dict[str, Any]] = field(default_factory=list)
     knots: list[tuple[float, float]] = field(default_factory=lambda: [(0.0, 0.0)])
     held: list[tuple[float, np.ndarray]] = field(default_factory=list)
     stated: np.ndarray = field(default_factory=lambda: np.eye(3))
@@ -112,9 +97,9 @@ class Run:
     def fix(self, points: str) -> None:
         """Re-fixed by hand, so that its axes point there (the table at zero)."""
         wrong = self.random.uniform(-1.0, 1.0, 3) * self.scenario.crooked
-        self.stated = np.array([COMPASS[p] for p in points], float).T @ rotation(wrong)
+        self.stated = np.array([COMPASS[p] for p in points], float).T @ small(wrong)
         tilt = self.random.uniform(-5.0, 5.0, 3) * ARCSECOND  # 6.2.2 b)
-        self.held.append((self.t, self.stated @ rotation(tilt)))
+        self.held.append((self.t, self.stated @ small(tilt)))
 
     def turn(self, rate: float, seconds: float) -> None:
         """At a rate (rad/s) that is reached evenly, over 2 s where it changes."""
@@ -135,17 +120,7 @@ class Run:
         self.knots[-1] = (self.knots[-1][0], self.knots[-1][1] + angle)
 
 
-def rotation(vector: np.ndarray) -> np.ndarray:
-    """Matrix (3, 3) of a rotation vector, rad."""
-    size = float(np.linalg.norm(vector))
-    if size == 0.0:
-        return np.eye(3)
-    x, y, z = vector / size
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(size) * cross + (1 - np.cos(size)) * cross @ cross
-
-
-def mount_of(matrix: np.ndarray) -> dict:
+def mount_of(matrix: np.ndarray) -> dict[str, Any]:
     """A mount as the manifest has it: the quaternion of a rotation matrix."""
     k = np.zeros((4, 4))
     m = matrix
@@ -231,24 +206,26 @@ def felt_by(run: Run, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray
     return table, np.einsum("nji,nj->ni", attitude, rate), attitude[:, 2, :]
 
 
-def put_out(s: Scenario, t: np.ndarray, read: np.ndarray, felt: np.ndarray) -> dict:
-    """The unit's stream: accumulated angles, or rates and specific force (n, 3)."""
+def put_out(
+    s: Scenario, t: np.ndarray, read: np.ndarray, felt: np.ndarray
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The unit's stream: accumulated angles, or rates and specific force (n, 3), by time."""
     if s.angles:
         total = np.vstack([np.zeros(3), np.cumsum(read * np.diff(t)[:, None], axis=0)])
-        return {"t": t + s.delay_s} | named("angle", total, s.step)
+        return t + s.delay_s, named("angle", total, s.step)
     middle = 0.5 * (t[1:] + t[:-1]) + s.delay_s
-    return {"t": middle} | named("gyro", read, s.step) | named("accel", felt, 0.0)
+    return middle, named("gyro", read, s.step) | named("accel", felt, 0.0)
 
 
-def named(name: str, values: np.ndarray, step: float) -> dict:
+def named(name: str, values: np.ndarray, step: float) -> dict[str, np.ndarray]:
     """Columns of (n, 3), in steps."""
     coded = np.round(values / step) * step if step else values
     return {f"{name}_{axis}": column for axis, column in zip(AXES, coded.T, strict=True)}
 
 
-def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
-    """Write a recording of a scenario; the truth by item and element, in printed units."""
-    s, random = SCENARIOS[name], np.random.default_rng((seed, 1536))
+def record(s: Scenario, seed: int) -> Made:
+    """Manifest, streams and truth of a unit drawn by the seed, as `bench.record` gives them."""
+    random = np.random.default_rng((seed, 1536))
     drawn = float(random.normal(0.0, 1e-4))
     off = drawn if s.rate_off is None else s.rate_off
     K = np.eye(3) * (1.0 + random.uniform(-5e-3, 5e-3, 3)) + DEG * random.uniform(-0.5, 0.5, (3, 3))
@@ -271,26 +248,23 @@ def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
     read += random.normal(0.0, 1.0, (n, 3)) * noise / np.sqrt(dt)
     if s.estimator_s:
         read -= estimated(read, dt, s.estimator_s)
-    columns = put_out(s, t, read, G * up + random.normal(0.0, 3e-3, (n, 3)))
+    at, columns = put_out(s, t, read, G * up + random.normal(0.0, 3e-3, (n, 3)))
     if s.warms_k:
-        columns["temperature"] = 20.0 + np.interp(columns["t"], t[:-1], warm)
-    pq.write_table(pa.table(columns), folder / "imu.parquet")
-    streams = {"imu": "imu.parquet"}
+        columns["temperature"] = 20.0 + np.interp(at, t[:-1], warm)
+    streams = {"imu": (at, columns)}
     if s.encoders:
         shown = table / (1.0 + drawn) if s.rate_off is None else table
-        pq.write_table(pa.table({"t": t, "table_angle": shown}), folder / "table.parquet")
-        streams["table"] = "table.parquet"
+        streams["table"] = (t, {"table_angle": shown})
     manifest = {
         "format": "mimu-recording/1", "recording_id": f"ahrs_{seed}", "standard": "JJF 1536-2015",
         "unit": {"manufacturer": "proof", "model": "AHRS", "serial": str(seed)},
         "station": {"id": "one axis", "latitude_deg": 39.9, "gravity_m_s2": G, "heading_deg": 0.0,
                     "table_axes": [{"name": "table", "direction": [0, 0, 1]}]},
-        "mount": {"quaternion_wxyz": [1, 0, 0, 0]}, "streams": streams, "segments": run.labels,
+        "mount": {"quaternion_wxyz": [1, 0, 0, 0]}, "segments": run.labels,
     }  # fmt: skip
     if s.rate_stated and not s.encoders:
         bound = {"half_width": 2e-4, "distribution": "normal"}  # Table 1
         manifest["table_time"] = {"commanded_rate": bound}
-    (folder / "manifest.json").write_text(json.dumps(manifest))
     true_zero = zero.mean(axis=0) if s.of_run else bias
     own = [
         np.mean([np.interp(label["t_start"] + 10.0, t[:-1], warm) for label in run.labels
@@ -298,13 +272,17 @@ def make(name: str, seed: int, folder: Path) -> dict[str, dict[str, float]]:
         for axis in AXES
     ]  # fmt: skip
     scale = np.diag(K) * (1.0 + scale_k * np.array(own))
-    return {
-        "ahrs_scale_factor": dict(zip(AXES, scale, strict=True)),
-        "ahrs_zero_offset": dict(zip(AXES, true_zero / DEG, strict=True)),
-        "ahrs_misalignment": {
-            AXES[i] + AXES[j]: K[i, j] / DEG for i in range(3) for j in range(3) if i != j
+    return (
+        manifest,
+        streams,
+        {
+            "ahrs_scale_factor": dict(zip(AXES, scale, strict=True)),
+            "ahrs_zero_offset": dict(zip(AXES, true_zero / DEG, strict=True)),
+            "ahrs_misalignment": {
+                AXES[i] + AXES[j]: K[i, j] / DEG for i in range(3) for j in range(3) if i != j
+            },
         },
-    }
+    )
 
 
 def estimated(read: np.ndarray, dt: float, seconds: float) -> np.ndarray:
@@ -316,55 +294,3 @@ def estimated(read: np.ndarray, dt: float, seconds: float) -> np.ndarray:
         if np.abs(each).max() < 1.0 * DEG:
             now = now + share * (each - now)
     return out
-
-
-def calibrated(folder: Path) -> Calibration:
-    """By the program, of the recording as it lies on disk."""
-    recording = import_recording.read(folder)
-    specification = specification_for(recording.manifest.standard)
-    return calibrate(specification, recording, run="proof", code_version="-")
-
-
-def judge(name: str, units: int, first: int) -> dict:
-    """Errors over U/2 by item and axis, the codes of remarks, and how many runs are invalid."""
-    ratios: dict[str, list[float]] = {}
-    codes: Counter[str] = Counter()
-    invalid = 0
-    for seed in range(first, first + units):
-        with tempfile.TemporaryDirectory() as folder:
-            truth = make(name, seed, Path(folder))
-            made = calibrated(Path(folder))
-        codes.update({each.code for each in made.remarks})
-        invalid += any(each.run == "invalid" for each in made.remarks)
-        for key, elements in truth.items():
-            for element, true in elements.items():
-                value, U = made.items[key].value[element], made.items[key].U[element]
-                error = np.nan if value is None or U is None else (value - true) / (0.5 * U)
-                ratios.setdefault(f"{key}.{element}", []).append(error)
-    return {"ratios": ratios, "codes": codes, "invalid": invalid}
-
-
-def row(name: str, units: int, found: dict) -> str:
-    """One line: for each item, inside of stated and r; invalid runs; remarks beside the usual."""
-    cells = [f"{name:44s}"]
-    for key in ("ahrs_scale_factor", "ahrs_zero_offset", "ahrs_misalignment"):
-        every = np.concatenate([v for k, v in found["ratios"].items() if k.startswith(key)])
-        stated = every[np.isfinite(every)]
-        inside = int((np.abs(stated) <= 2.0).sum())
-        r = np.sqrt(np.mean(stated**2)) if len(stated) else np.nan
-        cells.append(f"{inside:4d}/{len(stated):<4d}of {len(every):<4d} r {r:5.2f}")
-    usual = {"environment_not_recorded", "unit_temperature_not_recorded", "supply_not_recorded",
-             "slow_sampling"}  # fmt: skip
-    listed = ", ".join(f"{c} {n}" for c, n in sorted(found["codes"].items()) if c not in usual)
-    return " | ".join([*cells, f"invalid {found['invalid']:3d} of {units}", listed])
-
-
-def main(units: int, first: int, names: list[str]) -> None:
-    """Print a line for each scenario whose name begins with one of those given."""
-    for name in SCENARIOS:
-        if not names or any(name.startswith(each) for each in names):
-            print(row(name, units, judge(name, units, first)), flush=True)
-
-
-if __name__ == "__main__":
-    main(int(sys.argv[1]), 1, sys.argv[2:])

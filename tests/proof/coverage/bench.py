@@ -22,6 +22,7 @@ FACES = {
     "+z": (0.0, 0.0), "-z": (180.0, 0.0),
 }  # fmt: skip
 AXES = "xyz"
+Made = tuple[dict[str, Any], dict[str, Any], dict[str, Any]]  # manifest, streams, truth
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def pink(random: np.random.Generator, n: int, longest_s: float) -> np.ndarray:
 
 def record(  # noqa: C901, PLR0915 - one recording, from the journey to the streams
     bench: Bench, seed: int
-) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+) -> Made:
     """Manifest, streams {name: {column: values}}, and truth of a unit drawn by the seed.
 
     truth: item → element → value in printed units; 'mean' holds (6,) what drift and flicker add

@@ -1,11 +1,21 @@
-"""The operator of a station: mounts the unit of the next order, clears a fault, tries again."""
+"""The operator of a station: mounts units, clears faults, tries again, presses stop."""
 
+import json
 import random
+import socket
+import struct
 import time
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from urllib.parse import urlsplit
 
 import httpx
+import numpy as np
 
+from schemas.recording import RunStatus
+from schemas.station import StationFile
+from tasks.station.virtual.config import draw_unit
 from tests.proof.factory.draw import (
     BY_CHANCE,
     DISTURBED,
@@ -15,7 +25,7 @@ from tests.proof.factory.draw import (
     STOPS_AFTER_S,
     OrderedUnit,
 )
-from tests.proof.factory.facts import Order
+from tests.proof.factory.judge import Order
 from tests.proof.factory.works import Works
 
 MOST_TRIES = 6  # of an order: what keeps failing is left, and found by the judge
@@ -157,3 +167,83 @@ class Operator:
     def came_back(self) -> None:
         """The station was started anew: whatever was on the table is to be mounted again."""
         self._mounted = None
+
+
+# The stop that an operator presses once while a table turns.
+
+WITHIN_S = 2.0  # from the press to the table's rest
+FROM_SEGMENT = 5  # of a run: what was measured before is to be there when it goes on
+MEASURING = "measuring"
+AT_REST_RAD_S = np.radians(1.0)  # that a gyro may read
+RESTS_WITHIN_S = 20.0  # wall time: ten times that of the watchdog and the ramps
+LOOKED_AT = 40  # frames
+FRAME = struct.Struct("<HIQ3i3ihH")  # deploy/station.md, the frame of rates
+
+
+@dataclass
+class Stop:
+    """Pressed at the first run that is well under way. answer: what the command answered."""
+
+    works: Works
+    station: str = ""
+    order: str | None = None
+    seconds: float | None = None
+    is_at_rest: bool = False
+    answer: str = ""
+
+    @property
+    def is_over(self) -> bool:
+        return self.order is not None
+
+    def tick(self, orders: list[Order], after: int) -> None:
+        """after: orders that are to be done before."""
+        done = sum(order.state == "done" for order in orders)
+        running = [each for each in orders if each.state == "running" and not each.runs]
+        for status in self._statuses() if not self.is_over and done >= after else ():
+            mine = [each for each in running if each.serial in status.units]
+            if mine and status.state == MEASURING and (status.segment or 0) >= FROM_SEGMENT:
+                self.station = status.station
+                self._press(mine[0])
+                return
+
+    def _statuses(self) -> Iterator[RunStatus]:
+        for file in (self.works.home / "status").glob("*.json"):
+            with suppress(OSError, ValueError):
+                yield RunStatus.model_validate_json(file.read_bytes())
+
+    def _press(self, order: Order) -> None:
+        self.order = order.number
+        try:
+            answer = self.works.command("station", "stop", self.station, "--by", "Li Na", "--json")
+        except RuntimeError as fault:
+            self.answer = str(fault)
+            return
+        self.seconds = float(json.loads(answer)["seconds"])
+        self.answer = answer.strip()
+        station = StationFile.model_validate_json(
+            self.works.station_file(self.station).read_bytes()
+        )
+        self.is_at_rest = comes_to_rest(station, draw_unit(1).gyro.lsb)
+        self.works.command("station", "release", self.station)
+
+
+def comes_to_rest(station: StationFile, lsb: float) -> bool:
+    """Whether the table comes to rest soon, by the gyros of its unit, whose step is lsb (rad/s).
+
+    The unit tells it also where the table's controller answers no more, and asking it is no sign
+    of life that would keep a watchdog waiting.
+    """
+    unit = urlsplit(station.unit_link.url)
+    place = str(unit.hostname), int(unit.port or 0)
+    end_s = time.monotonic() + RESTS_WITHIN_S
+    with socket.create_connection(place, RESTS_WITHIN_S) as line:
+        while time.monotonic() < end_s:
+            data = b""
+            while len(data) < LOOKED_AT * FRAME.size:
+                data += (part := line.recv(LOOKED_AT * FRAME.size - len(data)))
+                if not part:
+                    return False
+            counts = np.array([frame[3:6] for frame in FRAME.iter_unpack(data)])
+            if np.abs(np.median(counts, axis=0)).max() * lsb < AT_REST_RAD_S:
+                return True
+    return False

@@ -2,35 +2,49 @@
 
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import nullcontext
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import psutil
+import typer
 
 from flows.terminal import counting, stdout, working
 from tests.proof.factory import works as parts
 from tests.proof.factory.close import closed, read
-from tests.proof.factory.disturbances import PARTS
 from tests.proof.factory.draw import FULL, OrderedUnit, ordered
-from tests.proof.factory.guard import adopt, left
 from tests.proof.factory.judge import Row, judged, none_of
-from tests.proof.factory.page import ABOUT, page, table_of
-from tests.proof.factory.part import end_all
-from tests.proof.factory.play import Played, play
-from tests.proof.factory.stop import WITHIN_S
+from tests.proof.factory.operators import WITHIN_S
+from tests.proof.factory.play import OF_A_RUN, PARTS, Played, play
+from tests.proof.factory.processes import Part, adopt, end_all, guarded, left
 from tests.proof.factory.works import STATIONS, Works
-from tests.proof.load import busy
+from tests.proof.study import table
 
 LONGEST_S = 900.0  # what the issue allows
 HELD_S = 60.0  # once every part is up again
 ENDS_WITHIN_S = 15.0  # a flow run whose worker is gone
 SHARED = Path("/dev/shm")
+LOOP = [sys.executable, "-c", "while True: pass"]
+COLUMNS = ("promise", "expected", "got", "verdict")
+ABOUT = """# The factory
+
+`make factory ARGS="--units {units} --seed {seed}"`, {machine}: PostgreSQL, a Prefect server behind
+authentication, two stations with a worker each, a worker for the line, a dask scheduler with two
+workers, an S3 server, the pages and a mail server, each killed (SIGKILL) once while {units} units
+were produced in {minutes:.1f} min. {full} units were measured by `jjf2003` as it is shipped, the
+others by the same clauses with dwells of {dwell:g} s in place of 30 s, on which no unit passes: a
+run of the shipped procedure alone costs two cores a minute. The stations' clocks ran up to
+{speed:g} times as fast, so that these are {hours:.0f} h of each station, and their tables kept ten
+encoder samples a second.
+"""
 
 
 @dataclass(frozen=True)
@@ -160,3 +174,91 @@ def written(rows: list[Row], played: Played | None, works: Works, settings: Sett
         settings.out.write_text(
             page(about, rows, played, list(works.parts.values())), encoding="utf-8"
         )
+
+
+@contextmanager
+def busy(cores: int) -> Iterator[None]:
+    """Endless loops, one for each core, for the length of the block."""
+    loops = [subprocess.Popen(LOOP) for _ in range(cores)]
+    try:
+        yield
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
+
+
+def table_of(rows: Sequence[Row]) -> str:
+    """A row for each promise."""
+    return "\n".join(table(COLUMNS, (
+        (row.promise, row.expected, row.got, "holds" if row.holds else "**FAILS**") for row in rows
+    )))  # fmt: skip
+
+
+def page(
+    about: str, rows: Sequence[Row], played: Played | None, parts: Sequence[Part]
+) -> str:  # fmt: skip
+    """about: the text before the table. parts: as they ended, with what they used."""
+    text = [about, table_of(rows), ""]
+    if played is not None:
+        killed = ((each.part, each.after, f"{each.away_s:.1f}") for each in played.happened)
+        text += table(("killed", "after orders", "answers again after (s)"), killed)
+        if played.events:
+            text += ["", "What the operators had to do:", ""]
+            text += [f"- {' '.join(event.split())}" for event in played.events]
+    used = sorted(parts, key=lambda part: -part.processor_s)
+    text += ["", *table(("part, with what it started", "processor (s)"),
+                        ((part.name, f"{part.processor_s:.0f}") for part in used))]  # fmt: skip
+    return "\n".join((*text, ""))
+
+
+# The commands: the factory for two days, and a line whose parts are killed again and again.
+
+SPEED = 100.0
+KILLED_AGAIN = """# A line whose parts are killed again and again
+
+`make prove ARGS="line-kills --units {{units}} --each {each} --seed {{seed}}"`, {{machine}}:
+[the factory](../../../deploy/factory.md), {{units}} units in {{minutes:.1f}} min, with SIGKILL
+{each} times each for the database, Prefect's server, the process of a run, a station and its
+worker, one kill at a time and at a random moment, the next once its part answers again.
+"""
+Units = Annotated[int, typer.Option(metavar="N", min=4, help="Units that are ordered.")]
+Draws = Annotated[int, typer.Option("--seed", min=0, help="Draws units, faults and kills.")]
+Longest = Annotated[
+    float, typer.Option("--minutes", min=1.0, help="Production is broken off after so long.")
+]
+Table = Annotated[
+    Path | None, typer.Option("--out", metavar="FILE", help="The table is written here.")
+]
+
+
+def factory(
+    units: Units = 100, seed: Draws = 1,
+    speed: Annotated[
+        float, typer.Option(min=1.0, help="Station seconds in a second, at most.")
+    ] = SPEED,
+    minutes: Longest = 2 * LONGEST_S / 60,
+    busy: Annotated[
+        bool, typer.Option("--busy", help="Other programs want every core meanwhile.")
+    ] = False,
+    out: Table = None,
+) -> None:  # fmt: skip
+    """Two days of production with everything that it needs; exits with 1 if a promise broke."""
+    sys.exit(guarded(partial(run, Settings(units, seed, speed, out, minutes * 60, busy))))
+
+
+def line_kills(
+    each: Annotated[int, typer.Option(min=1, help="Kills of each part.")] = 20,
+    units: Units = 100, seed: Draws = 1, minutes: Longest = 120.0, out: Table = None,
+) -> None:  # fmt: skip
+    """Parts of a line killed again and again; exits with 1 if a promise broke.
+
+    A kill takes as long as an order: with fewer units the last runs end before their kills.
+    """
+    station = STATIONS[0]
+    parts = ("PostgreSQL", "Prefect server", OF_A_RUN, f"worker station-{station}", station)
+    settings = Settings(
+        units, seed, SPEED, out, minutes * 60, is_busy=False, parts=parts * each,
+        within_s=minutes * 60, about=KILLED_AGAIN.format(each=each),
+    )  # fmt: skip
+    sys.exit(guarded(partial(run, settings)))

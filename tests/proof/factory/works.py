@@ -19,7 +19,7 @@ from schemas.procedure import Procedure
 from tasks.station import procedures
 from tests import postgres
 from tests.proof.factory.draw import CLIENTS, EVERY_MONTH
-from tests.proof.factory.part import Part
+from tests.proof.factory.processes import Part
 from tests.proof.study import environment
 
 STATIONS = ("HALL-A", "HALL-B")
@@ -109,9 +109,9 @@ class Works:
         """What a command of the line prints; raises RuntimeError with its sentence if it fails."""
         return self._run(MIMUCAL, words, given, changes)
 
-    def python(self, module: str, *words: object) -> str:
-        """The same of a module of the factory."""
-        return self._run((sys.executable, "-m", module), words, "", {})
+    def python(self, code: str) -> str:
+        """The same of a few lines of Python."""
+        return self._run((sys.executable, "-c", code), (), "", {})
 
     def _run(
         self, program: Sequence[str], words: Sequence[object], given: str, changes: dict[str, str]
@@ -135,8 +135,8 @@ class Works:
         """A station with the unit of that seed on its table, which says that it is that serial."""
         port, file = self.ports[id_], self.station_file(id_)
         command = (
-            sys.executable, "-m", "tests.proof.factory.station", id_, serial, seed, self.speed,
-            port, file, *faults,
+            sys.executable, "-m", "tests.proof.factory.servers", "station", port, id_, serial,
+            seed, self.speed, file, *faults,
         )  # fmt: skip
         return self._part(id_, command, lambda: file.exists() and listens(port + 1))
 
@@ -144,10 +144,12 @@ class Works:
         """Everything but the deployments and their workers."""
         self.database.start()
         self.database.create("mimucal", "prefect", "restored")
-        bucket = (sys.executable, "-m", "tests.proof.factory.bucket", self.objects, 0, 0)
-        sink = (sys.executable, "-m", "tests.proof.factory.mail_sink")
+        s3 = (sys.executable, "-m", "tests.proof.factory.servers", "s3")
+        sink = (*s3[:-1], "mail")
         parts = [
-            self._part("S3", (*bucket, self.ports["s3"]), lambda: listens(self.ports["s3"])),
+            self._part(
+                "S3", (*s3, self.ports["s3"], self.objects), lambda: listens(self.ports["s3"])
+            ),
             self._part(
                 "mail sink", (*sink, self.ports["mail"], self.mails),
                 lambda: listens(self.ports["mail"]),

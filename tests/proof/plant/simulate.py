@@ -588,11 +588,13 @@ def sensor_noise(case: Case, count: int) -> np.ndarray:
 def write(recording: Recording, folder: Path) -> None:
     """Writes manifest.json and the streams; nothing of the truth."""
     folder.mkdir(parents=True, exist_ok=True)
-    manifest = recording.manifest.model_dump(mode="json", exclude_none=True)
-    _write_json(manifest, folder / "manifest.json")
-    for name, stream in recording.streams().items():
+    streams = recording.streams()
+    files = {name: f"{name}.parquet" for name in streams}
+    manifest = recording.manifest.model_copy(update={"streams": files})
+    _write_json(manifest.model_dump(mode="json", exclude_none=True), folder / "manifest.json")
+    for name, stream in streams.items():
         pd.DataFrame({"t": stream.t, **stream.columns}).to_parquet(
-            folder / f"{name}.parquet", index=False
+            folder / files[name], index=False
         )
 
 

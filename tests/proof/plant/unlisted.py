@@ -9,7 +9,7 @@ from scipy.signal import fftconvolve
 
 from schemas.recording import Recording
 from tests.proof.plant.case import Case, generator
-from tests.proof.plant.effects.gyro import signs
+from tests.proof.plant.effects.sensors import signs
 from tests.proof.plant.procedures import plan_of
 from tests.proof.plant.simulate import (
     drive,

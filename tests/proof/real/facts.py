@@ -7,7 +7,6 @@ from typing import Any, Literal
 import numpy as np
 
 from schemas.recording import ACCEL, Recording
-from schemas.text import Statement as Text
 from tests.proof.real.hand.measured import (
     Measured,
     amplitude,
@@ -39,7 +38,6 @@ from tests.proof.real.hand.shaft import (
     jump_at,
     line_shared,
 )
-from tests.proof.study import bilingual
 
 Answer = Mapping[str, Any]  # answer.json of tests.proof.trial.blind
 Recordings = Mapping[str, Recording]
@@ -57,10 +55,10 @@ class Fact:
 
     key: str
     recordings: tuple[str, ...]
-    what: Text
-    how: tuple[Text, Text]
+    what: str
+    how: tuple[str, str]
     size: tuple[str, str]
-    unknown: Text
+    unknown: str
     declared: Callable[[Answer], "Judged"]
 
 
@@ -80,9 +78,9 @@ class Claim:
     """
 
     recording: str
-    what: Text
+    what: str
     truth: Truth
-    evidence: Text
+    evidence: str
     made: Callable[[Answer], bool]
 
 
@@ -160,18 +158,15 @@ def _earth(recordings: Recordings) -> Fact:
     return Fact(
         "earth",
         (RING_LASER,),
-        bilingual("Earth's rotation", "地球自转"),
+        "Earth's rotation",
         (
-            bilingual(
-                "half of gyro x up less down; u by batches", "陀螺x朝上减朝下之半；分批估计u"
-            ),
-            bilingual("15.041 deg/h · sin(latitude told)", "15.041 °/h × sin(所给纬度)"),
+            "half of gyro x up less down; u by batches",
+            "15.041 deg/h · sin(latitude told)",
         ),
         (str(observation), str(known)),
-        bilingual(
+        (
             "two positions show only the vertical part, and would show a g-sensitivity of the same "
-            "size alike: the agreement with the latitude is what speaks for Earth",
-            "两位置只反映垂直分量，且与同样大小的g灵敏度无法区分；判定依据是与纬度计算值一致",
+            "size alike: the agreement with the latitude is what speaks for Earth"
         ),
         declared,
     )
@@ -190,18 +185,15 @@ def _no_earth(recordings: Recordings) -> Fact:
     return Fact(
         "no_earth",
         (MEMS,),
-        bilingual("Earth's rotation cannot be seen", "看不到地球自转"),
+        "Earth's rotation cannot be seen",
         (
-            bilingual(
-                "half of gyro x up less down; u by batches", "陀螺x朝上减朝下之半；分批估计u"
-            ),
-            bilingual("15.041 deg/h · sin(latitude told)", "15.041 °/h × sin(所给纬度)"),
+            "half of gyro x up less down; u by batches",
+            "15.041 deg/h · sin(latitude told)",
         ),
         (str(observation), str(known)),
-        bilingual(
+        (
             "what is seen has the other sign: g-sensitivity or a bias that moved between the "
-            "positions, which two positions do not separate",
-            "实测差值符号相反：为g灵敏度或两位置之间的零偏变化，两位置无法区分",
+            "positions, which two positions do not separate"
         ),
         declared,
     )
@@ -222,20 +214,15 @@ def _mains(recordings: Recordings) -> Fact:
     return Fact(
         "mains",
         (MEMS,),
-        bilingual(
-            "a line at 40 Hz in the accelerometers: mains of 60 Hz, folded at 100 Hz",
-            "加速度计40 Hz谱线：60 Hz工频在100 Hz采样下混叠",
-        ),
+        "a line at 40 Hz in the accelerometers: mains of 60 Hz, folded at 100 Hz",
         (
-            bilingual("spectrum of accelerometer x, x up", "加速度计x频谱（x朝上）"),
-            bilingual("the same with x down, a minute later", "一分钟后x朝下，同法"),
+            "spectrum of accelerometer x, x up",
+            "the same with x down, a minute later",
         ),
         (observation[0], observation[1]),
-        bilingual(
+        (
             "40, 60 and 140 Hz look alike at 100 Hz; that it keeps to 60 Hz within 2e-4, in a land "
-            "with 60 Hz, speaks for the mains, not its way in",
-            "100 Hz采样下40、60、140 Hz不可区分；与60 Hz相差小于2e-4且当地电网为60 Hz，支持工频；"
-            "耦合途径未知",
+            "with 60 Hz, speaks for the mains, not its way in"
         ),
         declared,
     )
@@ -258,19 +245,13 @@ def _strongest_line(recordings: Recordings) -> Fact:
     return Fact(
         "strongest_line",
         (RING_LASER,),
-        bilingual(
-            "its strongest line, in all three gyros, moves between the positions",
-            "最强谱线（三轴陀螺均有），两位置间频率有移动",
-        ),
+        "its strongest line, in all three gyros, moves between the positions",
         (
-            bilingual("spectrum of gyro z, x up", "陀螺z频谱（x朝上）"),
-            bilingual("the same with x down", "x朝下，同法"),
+            "spectrum of gyro z, x up",
+            "the same with x down",
         ),
         (observation[0], observation[1]),
-        bilingual(
-            "sampled at 64 Hz, anything below 32 Hz may be folded: the source is not told",
-            "64 Hz采样的32 Hz以下均可能为混叠，来源无法判断",
-        ),
+        "sampled at 64 Hz, anything below 32 Hz may be folded: the source is not told",
         declared,
     )
 
@@ -319,19 +300,15 @@ def _gyro_delay(recordings: Recordings) -> Fact:
     return Fact(
         "gyro_delay",
         (SHAFT,),
-        bilingual("the gyro is late against the encoder", "陀螺相对编码器滞后"),
+        "the gyro is late against the encoder",
         (
-            bilingual("phase of the cross spectrum, 1 to 13 Hz", "互谱相位（1～13 Hz）"),
-            bilingual(
-                "lag at which the summed gyro follows the encoder's angle best",
-                "积分陀螺与编码器角度最吻合的滞后",
-            ),
+            "phase of the cross spectrum, 1 to 13 Hz",
+            "lag at which the summed gyro follows the encoder's angle best",
         ),
         (str(delay_by_phase(recording)), str(by_angle)),
-        bilingual(
+        (
             "4.8 ms of it is the maker's low-pass; whether the rest lies in the encoder's reading "
-            "or in the bus is not told",
-            "其中4.8 ms为厂家低通滤波；其余来自编码器读数还是总线无法判断",
+            "or in the bus is not told"
         ),
         lambda answer: _judged_delay(answer, by_angle),
     )
@@ -349,21 +326,15 @@ def _gravity_delay(recordings: Recordings) -> Fact:
     return Fact(
         "gravity_delay",
         (SHAFT,),
-        bilingual(
-            "the accelerometers are late, too, but less than the gyro", "加速度计也滞后，但小于陀螺"
-        ),
+        "the accelerometers are late, too, but less than the gyro",
         (
-            bilingual("turn of gravity's pattern with the rate", "重力方向随角速率的偏转"),
-            bilingual(
-                "lag at which gravity's pattern over the angle fits best, no lever arm",
-                "重力随角度变化最吻合的滞后（不计杆臂）",
-            ),
+            "turn of gravity's pattern with the rate",
+            "lag at which gravity's pattern over the angle fits best, no lever arm",
         ),
         (str(late), str(pattern)),
-        bilingual(
+        (
             "the two ways differ by what a lever arm takes, more than their scatter; no catalogue "
-            "name has one delay for each triad: a single τ must be wrong for one of them",
-            "两法之差源于杆臂项，大于各自离散；目录中没有两组传感器时延不同的因素：单一τ必有一组不准",
+            "name has one delay for each triad: a single τ must be wrong for one of them"
         ),
         declared,
     )
@@ -385,19 +356,13 @@ def _low_pass(recordings: Recordings) -> Fact:
     return Fact(
         "low_pass",
         (SHAFT,),
-        bilingual(
-            f"the gyro's low-pass, time constant {known:.1f} ms",
-            f"陀螺低通，时间常数{known:.1f} ms",
-        ),
+        f"the gyro's low-pass, time constant {known:.1f} ms",
         (
-            bilingual(
-                "gain at the stepper's 12.8 Hz beside the gain at 1 to 5 Hz",
-                "步进电机12.8 Hz处与1～5 Hz处增益之比",
-            ),
-            bilingual("the maker's setting", "厂家设定值"),
+            "gain at the stepper's 12.8 Hz beside the gain at 1 to 5 Hz",
+            "the maker's setting",
         ),
         (str(observation), str(DATASHEET)),
-        bilingual("its order: one frequency shows one number", "滤波阶数：单一频率只能给出一个数"),
+        "its order: one frequency shows one number",
         declared,
     )
 
@@ -414,22 +379,16 @@ def _rounding(recordings: Recordings) -> Fact:
     return Fact(
         "rounding",
         (SHAFT,),
-        bilingual(
-            "accelerometers in steps of 0.01 g, cut off towards zero",
-            "加速度计步长0.01 g，向零截断",
-        ),
+        "accelerometers in steps of 0.01 g, cut off towards zero",
         (
-            bilingual("every reading is a whole number of steps", "全部读数为步长的整数倍"),
-            bilingual(
-                "accelerometer y over the angle: misfit if rounded, and if cut off",
-                "加速度计y随角度的变化：四舍五入与截断两种模型的残差",
-            ),
+            "every reading is a whole number of steps",
+            "accelerometer y over the angle: misfit if rounded, and if cut off",
         ),
         (
             f"{steps['accel_y']:.5f} m/s²",
             f"{1e3 * nearest:.1f} and {1e3 * zero:.1f} mm/s²",
         ),
-        bilingual("where it was cut: in the logger's text or before", "截断发生在记录程序还是之前"),
+        "where it was cut: in the logger's text or before",
         declared,
     )
 
@@ -469,24 +428,15 @@ def _ripple(recordings: Recordings) -> Fact:
     return Fact(
         "ripple",
         (FIRST, SECOND),
-        bilingual(
-            "the table's rate ripples 48 (and 44) times a turn", "转台速率每转波动48次（及44次）"
-        ),
+        "the table's rate ripples 48 (and 44) times a turn",
         (
-            bilingual(
-                "strongest line of the turning gyro of IMU0, x and y turns at 30 deg/s",
-                "IMU0绕x、y轴30 °/s转动时的最强谱线",
-            ),
-            bilingual(
-                f"the same in IMU1, which rode with it: coherence {alike:.3f}",
-                f"同台的IMU1，同法：相干度{alike:.3f}",
-            ),
+            "strongest line of the turning gyro of IMU0, x and y turns at 30 deg/s",
+            f"the same in IMU1, which rode with it: coherence {alike:.3f}",
         ),
         (depths[0], depths[1]),
-        bilingual(
+        (
             "motor cogging, or its drive: not told; turns about z have it not, which speaks for "
-            "another set-up of the drive",
-            "电机齿槽还是驱动引起，无法判断；绕z转动时没有，可能驱动设置不同",
+            "another set-up of the drive"
         ),
         declared,
     )
@@ -517,25 +467,16 @@ def _exchanged(recordings: Recordings) -> Fact:
     return Fact(
         "exchanged",
         (FIRST, SECOND),
-        bilingual("z rests of the two units were exchanged", "两台产品的z位置数据互换"),
+        "z rests of the two units were exchanged",
         (
-            bilingual(
-                "misfit of the accelerometers' six rests to bias and matrix, IMU0 and IMU1",
-                "六位置加速度计数据对零偏与矩阵模型的残差（IMU0、IMU1）",
-            ),
-            bilingual(
-                "the same with the z rests exchanged; in brackets with x, with y",
-                "互换z静止数据后的残差；括号内为互换x、y",
-            ),
+            "misfit of the accelerometers' six rests to bias and matrix, IMU0 and IMU1",
+            "the same with the z rests exchanged; in brackets with x, with y",
         ),
         (
             _pair(before),
             f"{_pair(after['z'])} ({_pair(after['x'])}; {_pair(after['y'])})",
         ),
-        bilingual(
-            "when and by whom; one recording alone cannot tell: `unnamed` is right",
-            "何时何人所致不明；单一记录无法判断，故“未命名”为正确",
-        ),
+        "when and by whom; one recording alone cannot tell: `unnamed` is right",
         declared,
     )
 
@@ -550,19 +491,16 @@ def _reversed(recordings: Recordings) -> Fact:
     return Fact(
         "reversed",
         (BENCH,),
-        bilingual("labels of x and y are upside down", "x、y位置标签颠倒"),
+        "labels of x and y are upside down",
         (
-            bilingual("reading along the label: x, x, y, y", "沿标签方向的读数：x、x、y、y"),
-            bilingual("the same for z, z", "z、z，同法"),
+            "reading along the label: x, x, y, y",
+            "the same for z, z",
         ),
         (
             ", ".join(f"{value:.2f}" for value in along[:4]) + " m/s²",
             ", ".join(f"{value:.2f}" for value in along[4:]) + " m/s²",
         ),
-        bilingual(
-            "whether the labels or a unit turned half round about z: the same data",
-            "标签错误，还是产品绕z转了180°：数据相同",
-        ),
+        "whether the labels or a unit turned half round about z: the same data",
         declared,
     )
 
@@ -623,12 +561,9 @@ def _line(
     where = ", ".join(CHANNELS[c] for c in channels)
     return Claim(
         name,
-        bilingual(f"a line at {at:g} Hz, there all the time", f"{at:g} Hz处始终存在的谱线"),
+        f"a line at {at:g} Hz, there all the time",
         truth,
-        bilingual(
-            f"amplitude over its surroundings in {where}, rest by rest: {shown} (noise: 1)",
-            f"{where}中幅值与邻域之比，逐段：{shown}（噪声为1）",
-        ),
+        f"amplitude over its surroundings in {where}, rest by rest: {shown} (noise: 1)",
         lambda answer: bool(lines_at(answer, at, 0.02)),
     )
 
@@ -652,14 +587,12 @@ def _walk(recordings: Recordings, name: str, channels: tuple[int, ...], en: str,
     )
     return Claim(
         name,
-        bilingual(f"biases of the {en} wander", f"{zh}零偏随机游走"),
+        f"biases of the {en} wander",
         truth,
-        bilingual(
+        (
             "second less first halves of the rests: so much by noise alone p = "
             f"{tried.p_noise:.2g}, so little by a walk that makes the misfit between the rests "
-            f"p = {tried.p_walk:.2g}",
-            f"各静止段后半减前半：仅由噪声引起的概率{tried.p_noise:.2g}，"
-            f"由足以造成位置间残差的随机游走引起的概率{tried.p_walk:.2g}",
+            f"p = {tried.p_walk:.2g}"
         ),
         lambda answer: any(
             CHANNELS[c] in each["channels"]
@@ -674,16 +607,11 @@ def _products(recordings: Recordings) -> Claim:
     truth: Truth = "false" if zero < 0.7 * nearest else "cannot tell"
     return Claim(
         SHAFT,
-        bilingual(
-            "accelerometer y follows products and squares of the other forces",
-            "加速度计y跟随其他轴比力的乘积与平方",
-        ),
+        "accelerometer y follows products and squares of the other forces",
         truth,
-        bilingual(
+        (
             f"misfit over the angle {1e3 * nearest:.1f} mm/s² if readings are rounded, "
-            f"{1e3 * zero:.1f} if they are cut off towards zero: mostly a matter of rounding",
-            f"随角度残差：四舍五入{1e3 * nearest:.1f} mm/s²，"
-            f"向零截断{1e3 * zero:.1f} mm/s²：主要为截断所致",
+            f"{1e3 * zero:.1f} if they are cut off towards zero: mostly a matter of rounding"
         ),
         lambda answer: any(
             any(word in str(each["follows"]) for word in ("product", "squares"))
@@ -696,12 +624,11 @@ def _stepper(recordings: Recordings) -> Claim:
     at, coherence = line_shared(recordings[SHAFT])
     return Claim(
         SHAFT,
-        bilingual(f"a line at {at:.2f} Hz beyond the motion", f"运动以外的{at:.2f} Hz谱线"),
+        f"a line at {at:.2f} Hz beyond the motion",
         "false" if coherence > 0.95 else "cannot tell",
-        bilingual(
+        (
             f"the encoder sees it, too: coherence with the gyro {coherence:.4f}; it is motion, "
-            "which a smoothed encoder rate damps",
-            f"编码器同样可见，与陀螺相干度{coherence:.4f}：属真实运动，被编码器速率的平滑削弱",
+            "which a smoothed encoder rate damps"
         ),
         lambda answer: bool(lines_at(answer, at, 0.1)),
     )
@@ -714,15 +641,12 @@ def _jump(recordings: Recordings) -> Claim:
     value, u, off, scatter = np.degrees([jump.value, jump.u, brief.value, brief.u])
     return Claim(
         SHAFT,
-        bilingual(f"gyro z jumps at {when:.1f} s", f"陀螺z在{when:.1f} s处阶跃"),
+        f"gyro z jumps at {when:.1f} s",
         "true" if abs(value) > 4.0 * u else "false",
-        bilingual(
+        (
             f"mean of the strokes after less before: {value:.3f} ± {u:.3f} deg/s; between "
             f"{when:.1f} and {until:.1f} s it is off by {off:.2f} ± {scatter:.2f} deg/s of the "
-            "same place in other strokes: brief, no bias",
-            f"其后与其前各往复周期均值之差：{value:.3f} ± {u:.3f} °/s；"
-            f"{when:.1f}～{until:.1f} s与其他周期同一位置相差{off:.2f} ± {scatter:.2f} °/s："
-            "短暂扰动，并非零偏",
+            "same place in other strokes: brief, no bias"
         ),
         lambda answer: any(
             "jumps" in str(each["follows"]) or each["effect"] == "bias_step"
@@ -738,13 +662,11 @@ def _as_many_as_rests(recordings: Recordings) -> Claim:
     shown = ", ".join(f"{value:.4f}" for value in pairs)
     return Claim(
         BENCH,
-        bilingual("biases of the gyros follow acceleration squared", "陀螺零偏随加速度平方变化"),
+        "biases of the gyros follow acceleration squared",
         "cannot tell",
-        bilingual(
+        (
             f"gyro x, mean of each pair of rests in the order of time: {shown} deg/s. Bias, "
-            "g- and g²-sensitivity are six parameters and fit any six rests; a slow drift fits too",
-            f"陀螺x各对位置均值（按时间）：{shown} °/s。零偏、g与g²灵敏度共六个参数，"
-            "任意六个位置均可吻合；缓慢漂移同样吻合",
+            "g- and g²-sensitivity are six parameters and fit any six rests; a slow drift fits too"
         ),
         lambda answer: bool(findings(answer, "gyro_g2_sensitivity")),
     )

@@ -4,8 +4,9 @@ import json
 import os
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -14,8 +15,8 @@ import typer
 
 from storage.formats.folder import read_folder
 from tasks.version import code_version
-from tests.proof.real.facts import RECORDINGS, Answer, Claim, doubtful, in_words
-from tests.proof.study import EVIDENCE, Minutes, Out, Write, answers, folder_of, publish, table
+from tests.proof.real.facts import RECORDINGS, Answer, Claim, Fact, doubtful, facts_of, in_words
+from tests.proof.study import Minutes, Out, Write, answers, folder_of, publish, table
 
 RIG = "maker's register map, and the phase of the gyro against the encoder, by hand"
 POSES = "least squares of the readings on the poses and their derivatives, 10 to 12 Hz, by hand"
@@ -127,8 +128,8 @@ BY_TRUTH: dict[str, Judgement] = {
 class Judged:
     """One finding with a name, or an unnamed one that the hand has tried.
 
-    response: name, group and first size. share: of the mismatch that it removes; None where an
-    older answer does not state it. evidence: the figure for or against, and where it is from.
+    response: name, group and first size. share: of the mismatch that it removes. evidence: the
+    figure for or against, and where it is from.
     """
 
     recording: str
@@ -152,7 +153,7 @@ def judged(
         if judgement == "not known":
             by_hand = [one for one in tried if one.made({"findings": [_plain(finding)]})]
             if by_hand:
-                judgement, evidence = BY_TRUTH[by_hand[0].truth], by_hand[0].evidence.en
+                judgement, evidence = BY_TRUTH[by_hand[0].truth], by_hand[0].evidence
         if finding["effect"] == "unnamed" and judgement == "not known":
             continue
         found.append(
@@ -234,14 +235,12 @@ class Cost:
     memory: float
 
 
-def explained(
-    recording: Path, out: Path, program: Sequence[str] = (sys.executable, "-m", "flows.cli")
-) -> tuple[Mapping[str, Any] | None, Cost]:
+def explained(recording: Path, out: Path) -> tuple[Mapping[str, Any] | None, Cost]:
     """explain's JSON, kept in out/, and its cost; None where it refuses the recording."""
     environment = {**os.environ, **THREADS, "MIMUCAL_HOME": str(out / "home" / recording.name)}
     answer = out / f"{recording.name}.json"
     with answer.open("w", encoding="utf-8") as kept:
-        ordered = [*program, "explain", str(recording), "--json"]
+        ordered = [sys.executable, "-m", "flows.cli", "explain", str(recording), "--json"]
         process = subprocess.Popen(ordered, stdout=kept, env=environment)
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
@@ -250,59 +249,43 @@ def explained(
     return (json.loads(text) if process.returncode == 0 else None), cost
 
 
-# The page of all claims on real recordings, as Markdown and as data.
+# The page of all claims on real recordings.
 
 HEAD = ("recording", "explain says (± u)", "share", "judgement", "the figure for or against")
-COSTS = ("recording", "s before", "s now", "MiB before", "MiB now", "explained share", "unnamed")
+FACTS = (
+    "what is there", "recording", "by hand", "a second way", "not known", "explain says", "",
+)  # fmt: skip
+COSTS = ("recording", "s", "MiB", "explained share", "unnamed")
 
 
 @dataclass(frozen=True)
 class Answered:
-    """One recording: what explain said of it and what that cost; before: an older engine's cost."""
+    """One recording: what explain said of it, how that is judged, and what it cost."""
 
     recording: str
     answer: Mapping[str, Any] | None
     claims: tuple[Judged, ...]
     cost: Cost
-    before: Cost | None
 
 
-def markdown(every: Sequence[Answered], code_version: str) -> str:
-    """Counts, all claims, and what each recording cost."""
+def markdown(every: Sequence[Answered], facts: Sequence[Fact], code_version: str) -> str:
+    """Counts, all claims, what is there by hand, and what each recording cost."""
+    answered = {one.recording: one.answer for one in every}
     claims = [claim for one in every for claim in one.claims]
-    counts = {
-        word: sum(claim.judgement == word for claim in claims)
-        for word in ("right", "wrong", "not known")
-    }
+    counts = Counter(claim.judgement for claim in claims)
+    shown = (f"{counts[word]} {word}" for word in ("right", "wrong", "not known"))
     return "\n".join([
         "# Every claim on every real recording", "",
         "Each named finding of explain, held against what the recording's makers document and "
         "what was measured on it by hand. A claim is wrong where the effect is not there, or where "
         "its size with U misses what was measured.", "",
-        f"{len(claims)} claims: " + ", ".join(f"{n} {word}" for word, n in counts.items()) + ".",
-        "", *table(HEAD, [_claim(claim) for claim in claims]), "",
-        "Processor time of one core and largest memory, start of the program included; before: "
-        "commit 230cf52.", "", *table(COSTS, [_cost(one) for one in every]), "",
-        f"{code_version}.", "",
+        f"{len(claims)} claims: {', '.join(shown)}.", "",
+        *table(HEAD, map(_claim, claims)), "",
+        "## What is there by hand, in two ways", "",
+        *table(FACTS, (_fact(fact, answered) for fact in facts)), "",
+        "Processor time of one core and largest memory, start of the program included.", "",
+        *table(COSTS, map(_cost, every)), "", f"{code_version}.", "",
     ])  # fmt: skip
-
-
-def data(every: Sequence[Answered], code_version: str) -> dict[str, Any]:
-    """`mimu-stated-real/1`."""
-    return {
-        "format": "mimu-stated-real/1",
-        "code_version": code_version,
-        "recordings": [
-            {
-                "recording": one.recording,
-                "verdict": one.answer and one.answer["verdict"],
-                "claims": [asdict(claim) for claim in one.claims],
-                "cost": asdict(one.cost),
-                "before": one.before and asdict(one.before),
-            }
-            for one in every
-        ],
-    }
 
 
 def _claim(claim: Judged) -> tuple[str, ...]:
@@ -310,50 +293,39 @@ def _claim(claim: Judged) -> tuple[str, ...]:
     return (claim.recording, claim.response, share, claim.judgement, claim.evidence)
 
 
-def _cost(one: Answered) -> tuple[str, ...]:
-    before, now = one.before, one.cost
-    declared = one.answer or {}
-    share = declared.get("explained_share")
-    unnamed = sum(each["effect"] == "unnamed" for each in declared.get("findings", ()))
+def _fact(fact: Fact, answered: Mapping[str, Answer | None]) -> tuple[str, ...]:
+    refused = {"failed": "refused"}
+    said = [fact.declared(answered.get(name) or refused) for name in fact.recordings]
+    ways = (f"{how}: {size}" for how, size in zip(fact.how, fact.size, strict=True))
     return (
-        one.recording,
-        "—" if before is None else f"{before.seconds:.1f}",
-        f"{now.seconds:.1f}",
-        "—" if before is None else f"{before.memory:.0f}",
-        f"{now.memory:.0f}",
-        "refused" if one.answer is None else "—" if share is None else f"{100.0 * share:.0f} %",
-        str(unnamed),
-    )
+        fact.what, ", ".join(fact.recordings), *ways, fact.unknown,
+        "; ".join(each.words for each in said), "; ".join(each.outcome for each in said),
+    )  # fmt: skip
+
+
+def _cost(one: Answered) -> tuple[object, ...]:
+    answer, unnamed = one.answer, 0
+    share = "refused"
+    if answer is not None:
+        share = f"{100.0 * answer['explained_share']:.0f} %"
+        unnamed = sum(each["effect"] == "unnamed" for each in answer["findings"])
+    return one.recording, f"{one.cost.seconds:.1f}", f"{one.cost.memory:.0f}", share, unnamed
 
 
 def stated(
     folders: Annotated[list[Path], typer.Argument(help="Folders that hold recordings.")],
-    before: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Costs of an older engine, a line of JSON each: "
-                     "recording, seconds, memory."),
-    ] = None,
     out: Out = None, minutes: Minutes = None, write: Write = False,
 ) -> None:  # fmt: skip
     """Every claim of `explain` about real recordings, judged by what is known of them."""
     own = folder_of("stated", out)
     found = sorted(path.parent for folder in folders for path in folder.glob("*/manifest.json"))
     by_name = {path.name: path for path in found}
-    tried = doubtful({name: read_folder(by_name[name]) for name in RECORDINGS})
-    older = {} if before is None else dict(map(_older_cost, before.read_text().splitlines()))
+    recordings = {name: read_folder(by_name[name]) for name in RECORDINGS}
+    tried = doubtful(recordings)
     every = []
     explained_ = answers("stated", by_name, partial(explained, out=own), own, minutes=minutes)
     for name, (answer, cost) in explained_.items():
         claims = [claim for claim in tried if claim.recording == name]
-        every.append(Answered(name, answer, tuple(judged(name, answer or {}, KNOWN, claims)),
-                              cost, older.get(name)))  # fmt: skip
-    version = code_version()
-    response = json.dumps(data(every, version), indent=1, ensure_ascii=False) + "\n"
-    for place in (own, *([EVIDENCE] if write else [])):
-        (place / "stated.json").write_text(response, encoding="utf-8")
-    publish("stated", markdown(every, version), own, write)
-
-
-def _older_cost(line: str) -> tuple[str, Cost]:
-    read = json.loads(line)
-    return read["recording"], Cost(read["seconds"], read["memory"])
+        judgements = tuple(judged(name, answer or {}, KNOWN, claims))
+        every.append(Answered(name, answer, judgements, cost))
+    publish("stated", markdown(every, facts_of(recordings), code_version()), own, write)

@@ -24,7 +24,7 @@ from tests.proof.real.hand.measured import Measured, strongest
 from tests.proof.real.hand.poses import by_poses
 from tests.proof.real.hand.rests import vertical_earth_rate
 from tests.proof.real.hand.shaft import delay_by_angle, delay_by_phase
-from tests.proof.study import EVIDENCE, Minutes, Out, Write, folder_of, hold
+from tests.proof.study import EVIDENCE, Minutes, Out, Write, folder_of, hold, table
 
 UNKNOWN_SCALE = 0.01  # of accelerometers of which gravity was taken
 FIT = "least squares on the poses, four parts in four bands"
@@ -299,31 +299,28 @@ def markdown(every: Sequence[Explained], code_version: str) -> str:
         f"alone, {sum(r.holds != 'no' for r in others)} with that by hand where one is stated.",
         "", *_table(others), "",
         "## Verdicts", "",
-        "| recording | verdict | explained | without a name, or refused |", "|---|---|---:|---|",
-        *(_verdict(one) for one in every), "", f"{code_version}.", "",
+        *table(("recording", "verdict", "explained", "without a name, or refused"),
+               map(_verdict, every)), "", f"{code_version}.", "",
     ]  # fmt: skip
     return "\n".join(lines)
 
 
 def _table(rows: Sequence[Row]) -> list[str]:
-    return [
-        "| recording | effect | parameter | value ± U | by hand ± U | by hand, how | holds |",
-        "|---|---|---|---:|---:|---|---|",
-        *(f"| {r.recording} | {r.effect} | {r.parameter} | {r.stated} | {r.hand} | {r.how} | "
-          f"{r.holds} |" for r in rows),
-    ]  # fmt: skip
+    columns = ("recording", "effect", "parameter", "value ± U", "by hand ± U", "by hand, how",
+               "holds")  # fmt: skip
+    return table(columns, (vars(row).values() for row in rows))
 
 
-def _verdict(one: Explained) -> str:
+def _verdict(one: Explained) -> tuple[str, ...]:
     answer = one.answer
     if "refused" in answer:
-        return f"| {one.name} | not explained: {answer['refused']} | | |"
+        return one.name, f"not explained: {answer['refused']}", "", ""
     unnamed = [
         each["behaviour"] + (f" (refused: {each['refused']})" if each["refused"] else "")
         for each in answer["findings"] if each["effect"] == "unnamed"
     ]  # fmt: skip
     share = f"{100.0 * answer['explained_share']:.0f} %"
-    return f"| {one.name} | {answer['verdict']} | {share} | {'; '.join(unnamed) or '—'} |"
+    return one.name, answer["verdict"], share, "; ".join(unnamed) or "—"
 
 
 def values(

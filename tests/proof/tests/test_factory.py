@@ -1,11 +1,9 @@
 """The judge of the factory finds what is lost and what is done twice."""
 
-import random
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 import psycopg
 import pytest
@@ -16,10 +14,8 @@ from storage.home import Home
 from tasks.stages.issue import check, issue
 from tests import postgres
 from tests.drafts import draft, recording_of
-from tests.proof.factory import disturbances
 from tests.proof.factory.draw import REJECTED, OrderedUnit, ordered
-from tests.proof.factory.facts import Facts, Order, Paper, Run, facts
-from tests.proof.factory.judge import judged
+from tests.proof.factory.judge import Facts, Order, Paper, Run, facts, judged
 
 UNITS = ordered(1, 40, ("A", "B"))
 REMINDED = "North Works"
@@ -116,7 +112,7 @@ def test_a_store_that_lost_a_run_or_has_one_twice_is_judged_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The facts are read from a real catalogue, which is then tampered with."""
-    unit = OrderedUnit("F-1", "1", 1, "A", "factory", "Harbour Instruments", None)
+    unit = OrderedUnit("F-1", "1", 1, "A", "jjf2003", "Harbour Instruments", None)
     with postgres.running() as server:
         monkeypatch.setenv("MIMUCAL_DATABASE", url := postgres.empty_database(server))
         home = Home(tmp_path)
@@ -145,20 +141,3 @@ def test_a_store_that_lost_a_run_or_has_one_twice_is_judged_so(
             catalogue.execute("UPDATE again SET number = 'F-2'")
             catalogue.execute("INSERT INTO orders SELECT * FROM again")
             assert "Every order of the file is in the queue, and no other" in found()
-
-
-def test_kills_for_which_no_run_is_left_end_with_the_orders(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(disturbances, "DELAY_S", (0.0, 0.0))
-    monkeypatch.setattr(disturbances.Disturbances, "_running", lambda _: {})
-    works: Any = None
-    kills = disturbances.Disturbances(
-        works, [disturbances.OF_A_RUN] * 2, 4, random.Random(1), lambda _: None
-    )
-    kills.tick(done=3)
-    assert not kills.is_over
-    for _ in range(2):
-        kills.tick(done=4)
-    assert kills.is_over
-    assert kills.happened == []

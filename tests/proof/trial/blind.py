@@ -147,19 +147,11 @@ def _write_prediction(explanation: Explanation, path: Path) -> None:
     pq.write_table(pa.table(columns), path, compression="zstd")
 
 
-def explain_blind(folder: Path, peers: bool = False) -> None:
-    """Answers every recording of a folder, in processes that know nothing else of it.
-
-    peers: whether the peers answer it, too; they need libraries of their own.
-    """
+def explain_blind(folder: Path) -> None:
+    """Answers every recording of a folder, in processes that know nothing else of it."""
     work = {each.name: each for each in sorted((folder / RECORDINGS).iterdir())}
-    answers("explain blind", work, partial(_answered, folder / ANSWERS, peers), folder)
+    answers("explain blind", work, partial(_answered, folder / ANSWERS), folder)
 
 
-def _answered(own: Path, peers: bool, recording: Path) -> None:
-    read = read_folder(recording)
-    answer(read, own / recording.name)
-    if peers:
-        from tests.proof.peers.answer import answer_peers  # late: an extra that may be missing
-
-        answer_peers(read, own / recording.name)
+def _answered(own: Path, recording: Path) -> None:
+    answer(read_folder(recording), own / recording.name)

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,11 +17,9 @@ import numpy as np
 import typer
 
 from schemas.base import Unusable
-from schemas.text import Statement as Text
-from tasks.rendering import page
 from tests.proof.plant.case import Case, Data, EffectCall
 from tests.proof.plant.effects.memory import BiasStep
-from tests.proof.plant.effects.outside_sensors import Telegraph
+from tests.proof.plant.effects.outside import Telegraph
 from tests.proof.plant.rough.forms import FORMS, KNOWN
 from tests.proof.plant.rough.play import BY_SIZE, at_standing, play, standing, without
 from tests.proof.plant.rough.runs import Encoder, RoughCase, Run, Tracking
@@ -34,15 +32,13 @@ from tests.proof.study import (
     Short,
     Write,
     answers,
-    bilingual,
     folder_of,
     publish,
     table,
 )
 from tests.proof.trial.blind import RECORDINGS, UNNAMED
-from tests.proof.trial.evidence import rate_words
+from tests.proof.trial.evidence import counting, rate_words
 from tests.proof.trial.parameters import Compared, Truth, compared
-from tests.proof.trial.score import Rate
 from tests.proof.trial.seal import SEALED, check_seals, sealed
 
 Kind = Literal["control", "listed", "form", "logger", "outside", "mixed"]
@@ -459,45 +455,10 @@ COLUMNS = (
     "its group", f"named at z ≥ {PLAIN:g}", "or in a group", "95 % intervals", "χ²/dof after",
     "no answer", "seconds",
 )  # fmt: skip
-AGREE = ("χ²/dof after", "parameters", "95 % intervals", "|error| over u, median")
-CLASSES = ((0.0, 2.0), (2.0, 10.0), (10.0, float("inf")))
 
 
-@dataclass(frozen=True)
-class RoughRow:
-    """Recordings of one kind. named, in_group: of the listed effects that stand at z ≥ 30."""
-
-    name: str
-    recordings: int
-    any_named: Rate
-    wrong: Rate
-    wrong_in_group: Rate
-    named: Rate
-    in_group: Rate
-    intervals: Rate
-    left: float | None
-    failed: int
-    seconds: float
-
-    def cells(self) -> list[str]:
-        """As words, in the order of COLUMNS."""
-        rates = (
-            self.any_named, self.wrong, self.wrong_in_group, self.named, self.in_group,
-            self.intervals,
-        )  # fmt: skip
-        return [
-            self.name,
-            f"{self.recordings}",
-            *(f"{rate.count}/{rate.of} = {rate_words(rate, True)}" if rate.of else "–"
-              for rate in rates),
-            "–" if self.left is None else f"{self.left:.3g}",
-            f"{self.failed}",
-            f"{self.seconds:.0f}",
-        ]  # fmt: skip
-
-
-def rows_rough(scores: Sequence[RoughScore]) -> list[RoughRow]:
-    """All together, then by run and by kind."""
+def rows_rough(scores: Sequence[RoughScore]) -> list[tuple[str, ...]]:
+    """All together, then by run and by kind; in the order of COLUMNS."""
     parts = {
         getattr(each, sort): [one for one in scores if getattr(one, sort) == getattr(each, sort)]
         for sort in ("run", "kind")
@@ -506,51 +467,27 @@ def rows_rough(scores: Sequence[RoughScore]) -> list[RoughRow]:
     return [_row("all", scores), *(_row(name, part) for name, part in parts.items())]
 
 
-def _row(name: str, scores: Sequence[RoughScore]) -> RoughRow:
+def _row(name: str, scores: Sequence[RoughScore]) -> tuple[str, ...]:
     answered = [each for each in scores if each.failed is None]
     plain = [one for each in answered for one in each.listed if one.z >= PLAIN]
-    pairs = [pair for each in answered for pair in each.parameters]
     left = [each.worst_left for each in answered if each.worst_left is not None]
-
-    def share(holds: Callable[[RoughScore], object]) -> Rate:
-        return Rate(sum(bool(holds(each)) for each in answered), len(answered))
-
-    return RoughRow(
-        name=name,
-        recordings=len(scores),
-        any_named=share(lambda each: set(each.names) - {"unnamed"}),
-        wrong=share(lambda each: each.wrong),
-        wrong_in_group=share(lambda each: each.in_group),
-        named=Rate(sum(one.named for one in plain), len(plain)),
-        in_group=Rate(sum(one.named or one.in_group for one in plain), len(plain)),
-        intervals=Rate(sum(pair.inside for pair in pairs), len(pairs)),
-        left=median(left) if left else None,
-        failed=len(scores) - len(answered),
-        seconds=median(each.seconds for each in scores),
+    rates = (
+        counting(bool(set(each.names) - {UNNAMED}) for each in answered),
+        counting(bool(each.wrong) for each in answered),
+        counting(bool(each.in_group) for each in answered),
+        counting(one.named for one in plain),
+        counting(one.named or one.in_group for one in plain),
+        counting(pair.inside for each in answered for pair in each.parameters),
     )
-
-
-def agreement(scores: Sequence[RoughScore]) -> list[list[str]]:
-    """What is left beside what U says of it: errors over u where more and less is left."""
-    rows = []
-    for low, high in CLASSES:
-        pairs = [
-            pair
-            for each in scores
-            if each.worst_left is not None and low <= each.worst_left < high
-            for pair in each.parameters
-        ]
-        words = f"{low:g} to {high:g}" if high < float("inf") else f"{low:g} and more"
-        rows.append([words, f"{len(pairs)}", *_held(pairs)])
-    return rows
-
-
-def _held(pairs: Sequence[Compared]) -> tuple[str, str]:
-    if not pairs:
-        return "–", "–"
-    inside = Rate(sum(pair.inside for pair in pairs), len(pairs))
-    errors = median(abs(pair.found - pair.true) / pair.u for pair in pairs)
-    return f"{inside.count}/{inside.of} = {rate_words(inside, True)}", f"{errors:.2g}"
+    return (
+        name,
+        f"{len(scores)}",
+        *(f"{rate.count}/{rate.of} = {rate_words(rate, True)}" if rate.of else "–"
+          for rate in rates),
+        f"{median(left):.3g}" if left else "–",
+        f"{len(scores) - len(answered)}",
+        f"{median(each.seconds for each in scores):.0f}",
+    )  # fmt: skip
 
 
 CASES = ("recording", "kind", "run", "hidden (z)", "brought by the reference", "said", "wrong",
@@ -582,48 +519,29 @@ def _hidden(score: RoughScore) -> list[str]:
     return [f"{name} ({listed[name]:.0f})" if name in listed else name for name in score.truth]
 
 
-# rough.html and rough.md: what engines said of the same sealed rough recordings.
+# rough.md: what engines said of the same sealed rough recordings.
 
-TEMPLATE = Path(__file__).parent / "templates" / "rough.html"
-TITLE: Text = bilingual("The sealed trial on rough recordings", "粗糙记录的密封试验")
-RULES: Text = bilingual(
+RULES = (
     "References err (coarse or late encoders, tracked bodies moved by hand), loggers change rows "
     "and codes, effects come in forms that no term has, and two or three strong ones outside the "
     "catalogue come at once. A wrong name: a name of the catalogue that is neither among what is "
     "hidden or brought along by the reference, nor in a group with such a one; the latter are "
     "counted apart. z: how far an effect stands above everything else in the recording, after the "
     "standard's parameters took their part. Intervals: stated parameters whose 95 % interval "
-    "holds the truth, where both mean the same. Rates with Wilson's 95 % interval.",
-    "参考本身有误差（粗分度或滞后的编码器、手持运动的跟踪刚体），记录器改变行与码，因素的形式与模型项不同，"
-    "并有两三个目录外的强因素同时存在。错误名称：既不属于隐藏因素或参考带来的因素，也不与其同组的目录名称；"
-    "后者单独计数。z：规范模型参数吸收之后，该因素高出记录中其余一切的倍数。区间：含义相同的参数中，"
-    "所声明95 %区间包含真值者。比率附Wilson 95 %区间。",
+    "holds the truth, where both mean the same. Rates with Wilson's 95 % interval."
 )
 
 Answers = Mapping[str, Sequence[RoughScore]]
 
 
-def rough_html(seed: int, seals: str, answers: Answers) -> str:
-    """The page of a trial. answers: the scores by engine."""
-    tables = [
-        (engine, _rows(scores), agreement(scores), cases(scores))
-        for engine, scores in answers.items()
-    ]
-    return page(TEMPLATE, title=TITLE, rules=RULES, seed=seed, seals=seals, tables=tables,
-                columns=COLUMNS, agree=AGREE, cases=CASES)  # fmt: skip
-
-
 def rough_markdown(seed: int, seals: str, answers: Answers) -> str:
-    """The same tables."""
-    lines = [f"# {TITLE.en}, seed {seed}", "", RULES.en, "", f"SHA-256 of the seals: {seals}", ""]
+    """The page of a trial. answers: the scores by engine."""
+    title = f"# The sealed trial on rough recordings, seed {seed}"
+    lines = [title, "", RULES, "", f"SHA-256 of the seals: {seals}", ""]
     for engine, scores in answers.items():
-        lines += [f"## {engine}", "", *table(COLUMNS, _rows(scores)), ""]
-        lines += [*table(AGREE, agreement(scores)), "", *table(CASES, cases(scores)), ""]
+        lines += [f"## {engine}", "", *table(COLUMNS, rows_rough(scores)), ""]
+        lines += [*table(CASES, cases(scores)), ""]
     return "\n".join(lines)
-
-
-def _rows(scores: Sequence[RoughScore]) -> list[list[str]]:
-    return [row.cells() for row in rows_rough(scores)]
 
 
 # Holding a rough trial: drawn, sealed, explained blind by one engine or several, scored.
@@ -655,7 +573,6 @@ def rough(
         for each in sorted(folder.glob(f"{ANSWERS_OF}*"))
     }
     kept = {name: scores for name, scores in by_engine.items() if scores}
-    (folder / "rough.html").write_text(rough_html(seed, seals, kept), encoding="utf-8")
     page = rough_markdown(seed, seals, kept)
     publish("rough", page, folder)
     if write:

@@ -303,24 +303,14 @@ class Rate:
     def interval(self) -> tuple[float, float] | None:
         return interval_of_share(self.count / self.of, self.of) if self.of else None
 
-    def response(self) -> dict[str, object]:
-        """As plain data."""
-        return {"count": self.count, "of": self.of, "share": self.share, "interval": self.interval}
-
-
-def plain_of(counted: Any) -> dict[str, Any]:
-    """The fields of a record, its rates among them, as plain data."""
-    values = ((name, getattr(counted, name)) for name in counted.__dataclass_fields__)
-    return {name: value.response() if isinstance(value, Rate) else value for name, value in values}
-
 
 @dataclass(frozen=True)
 class Row:
     """Cases of one kind. parameters: intervals that hold the truth; gap: the median share
     closed; of_closable: that of what noise lets be closed. right: of those that have a name.
     before, after: median of the certificate's largest error, in U, without the findings and with
-    them; beyond_before, beyond_after: those above one U; wrong_before, wrong_after: verdicts that
-    are not the unit's; unnoticed: certificates whose own evaluation remarks on nothing.
+    them; wrong_before, wrong_after: verdicts that are not the unit's; unnoticed: certificates whose
+    own evaluation remarks on nothing.
     """
 
     name: str
@@ -337,17 +327,13 @@ class Row:
     found: Rate
     parameters: Rate
     gap: float | None
-    gap_worst: float | None
     before: float | None
     after: float | None
     before_most: float | None
-    beyond_before: Rate
-    beyond_after: Rate
     wrong_before: Rate
     wrong_after: Rate
     unnoticed: Rate
     of_closable: float | None
-    seconds: float
 
 
 def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
@@ -381,17 +367,13 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
         found=Rate(sum(len(e.named) for e in scores), sum(len(e.effects) for e in scores)),
         parameters=Rate(sum(pair.inside for pair in pairs), len(pairs)),
         gap=median(gaps) if gaps else None,
-        gap_worst=min(gaps) if gaps else None,
         before=median(each.before for each in costs) if costs else None,
         after=median(each.after for each in costs) if costs else None,
         before_most=max((each.before for each in costs), default=None),
-        beyond_before=of_costs(lambda each: each.before > 1.0),
-        beyond_after=of_costs(lambda each: each.after > 1.0),
         wrong_before=of_costs(lambda each: each.wrong_before),
         wrong_after=of_costs(lambda each: each.wrong_after),
         unnoticed=of_costs(lambda each: each.unnoticed),
         of_closable=median(shares) if shares else None,
-        seconds=median(each.seconds for each in scores),
     )
 
 

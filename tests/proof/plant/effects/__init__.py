@@ -1,41 +1,24 @@
 """Every effect the plant can make, by name."""
 
 from collections.abc import Mapping
-from types import ModuleType
 
 from tests.proof.plant.case import Case
 from tests.proof.plant.effects import (
-    accelerometer,
     electronics,
     environment,
-    geometry,
-    gyro,
     memory,
-    outside_motion,
-    outside_sensors,
-    site,
-    table,
-    timing,
+    outside,
+    sensors,
+    setup,
 )
 from tests.proof.plant.effects.base import Effect
 from tests.proof.plant.world import Setting
 
-
-def _effects(module: ModuleType) -> list[type[Effect]]:
-    classes = [item for item in vars(module).values() if isinstance(item, type)]
-    own = [item for item in classes if item.__module__ == module.__name__]
-    return [item for item in own if issubclass(item, Effect)]
-
-
-FAMILIES: dict[str, list[type[Effect]]] = {
-    module.__name__.rsplit(".", 1)[1]: _effects(module)
-    for module in (
-        site, geometry, table, timing, gyro, accelerometer, environment, electronics, memory,
-        outside_motion, outside_sensors,
-    )
-}  # fmt: skip
 EFFECTS: dict[str, type[Effect]] = {
-    effect.name: effect for family in FAMILIES.values() for effect in family
+    item.name: item
+    for module in (setup, sensors, environment, electronics, memory, outside)
+    for item in vars(module).values()
+    if isinstance(item, type) and item.__module__ == module.__name__ and hasattr(item, "name")
 }
 CATALOGUE = tuple(name for name in EFFECTS if not name.startswith("x_"))
 OUTSIDE = tuple(name for name in EFFECTS if name.startswith("x_"))

@@ -131,6 +131,39 @@ class Effect:
         return steps
 
 
+@dataclass(frozen=True)
+class Following(Effect):
+    """Biases that follow one course of time, each triad in a direction of its own.
+
+    typical: the coefficients' size by triad, of gyros before accelerometers.
+    """
+
+    typical: ClassVar[Mapping[str, float]]
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
+        sizes = cls.typical.items()
+        coefficients = {name: (size * unit_vector(rng)).tolist() for name, size in sizes}
+        return coefficients | cls.beside(rng, setting)
+
+    @classmethod
+    def beside(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
+        """The other parameters."""
+        return {}
+
+    def course(self, world: World) -> np.ndarray:
+        """What the biases follow, (n,) or (3, n)."""
+        raise NotImplementedError
+
+    def sense(self, world: World) -> np.ndarray | None:
+        course, none = self.course(world), np.zeros((3, 1))
+        gyro, accel = (
+            (self.column(name) if name in self.typical else none) * course
+            for name in ("gyro", "accel")
+        )
+        return np.concatenate([gyro, accel])
+
+
 def unit_vector(rng: np.random.Generator) -> np.ndarray:
     """A direction in space, (3,), evenly drawn."""
     drawn = rng.standard_normal(3)

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tests.proof.plant.effects.base import Effect, Parameters, unit_vector
+from tests.proof.plant.effects.base import Effect, Following, Parameters, unit_vector
 from tests.proof.plant.world import REFERENCE, Setting, World, on_accelerometers, on_gyros
 
 DIPOLE = 31.2e-6  # T, of the Earth's field at the magnetic equator
@@ -15,23 +15,16 @@ def both(gyro: np.ndarray, accel: np.ndarray, follows: np.ndarray) -> np.ndarray
     return on_gyros(gyro * follows) + on_accelerometers(accel * follows)
 
 
-class TemperatureBias(Effect):
+class TemperatureBias(Following):
     """Biases follow the unit's own temperature, counted from 25 °C."""
 
     name = "temperature_bias"
     units: ClassVar = {"gyro": "(rad/s)/K", "accel": "(m/s^2)/K"}
     sized = ("gyro", "accel")
+    typical: ClassVar = {"gyro": 1.2e-4, "accel": 1.5e-3}
 
-    @classmethod
-    def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
-        return {
-            "gyro": (1.2e-4 * unit_vector(rng)).tolist(),
-            "accel": (1.5e-3 * unit_vector(rng)).tolist(),
-        }
-
-    def sense(self, world: World) -> np.ndarray:
-        warmer = world.weather.temperature - REFERENCE
-        return both(self.column("gyro"), self.column("accel"), warmer)
+    def course(self, world: World) -> np.ndarray:
+        return world.weather.temperature - REFERENCE
 
 
 class TemperatureScale(Effect):
@@ -54,62 +47,44 @@ class TemperatureScale(Effect):
         return np.concatenate([gyro, self.column("accel") * world.sensed_force() * warmer])
 
 
-class ThermalTransient(Effect):
+class ThermalTransient(Following):
     """Biases settle after power-on, e^(−t/τ), in another time than the temperature sensor's."""
 
     name = "thermal_transient"
     units: ClassVar = {"gyro": "rad/s", "accel": "m/s^2", "tau": "s"}
     sized = ("gyro", "accel")
+    typical: ClassVar = {"gyro": 1e-3, "accel": 1e-2}
 
     @classmethod
-    def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
-        return {
-            "gyro": (1e-3 * unit_vector(rng)).tolist(),
-            "accel": (1e-2 * unit_vector(rng)).tolist(),
-            "tau": float(rng.uniform(60.0, 180.0)),
-        }
+    def beside(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
+        return {"tau": float(rng.uniform(60.0, 180.0))}
 
-    def sense(self, world: World) -> np.ndarray:
-        left = np.exp(-np.maximum(world.t, 0.0) / self.parameters["tau"])
-        return both(self.column("gyro"), self.column("accel"), left)
+    def course(self, world: World) -> np.ndarray:
+        return np.asarray(np.exp(-np.maximum(world.t, 0.0) / self.parameters["tau"]))
 
 
-class ThermalGradient(Effect):
+class ThermalGradient(Following):
     """Biases follow the rate at which the unit's temperature changes (heat flows through it)."""
 
     name = "thermal_gradient"
     units: ClassVar = {"gyro": "(rad/s)/(K/s)", "accel": "(m/s^2)/(K/s)"}
     sized = ("gyro", "accel")
+    typical: ClassVar = {"gyro": 4e-2, "accel": 4e-1}
 
-    @classmethod
-    def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
-        return {
-            "gyro": (4e-2 * unit_vector(rng)).tolist(),
-            "accel": (4e-1 * unit_vector(rng)).tolist(),
-        }
-
-    def sense(self, world: World) -> np.ndarray:
-        change = world.weather.temperature_rate
-        return both(self.column("gyro"), self.column("accel"), change)
+    def course(self, world: World) -> np.ndarray:
+        return world.weather.temperature_rate
 
 
-class SupplySensitivity(Effect):
+class SupplySensitivity(Following):
     """Biases follow the supply voltage, counted from 5 V."""
 
     name = "supply_sensitivity"
     units: ClassVar = {"gyro": "(rad/s)/V", "accel": "(m/s^2)/V"}
     sized = ("gyro", "accel")
+    typical: ClassVar = {"gyro": 6e-3, "accel": 6e-2}
 
-    @classmethod
-    def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
-        return {
-            "gyro": (6e-3 * unit_vector(rng)).tolist(),
-            "accel": (6e-2 * unit_vector(rng)).tolist(),
-        }
-
-    def sense(self, world: World) -> np.ndarray:
-        excess = world.weather.supply - 5.0
-        return both(self.column("gyro"), self.column("accel"), excess)
+    def course(self, world: World) -> np.ndarray:
+        return world.weather.supply - 5.0
 
 
 class MagneticSensitivity(Effect):

@@ -9,12 +9,11 @@ from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from tests.proof.plant.case import generator
 from tests.proof.plant.effects import EFFECTS, effects_of
-from tests.proof.plant.effects.accelerometer import VibrationRectification
-from tests.proof.plant.effects.base import Effect, Parameters, unit_vector
+from tests.proof.plant.effects.base import Effect, Following, Parameters, unit_vector
 from tests.proof.plant.effects.environment import both
-from tests.proof.plant.effects.gyro import STANDARD_G, signs
 from tests.proof.plant.effects.memory import in_one_direction
-from tests.proof.plant.effects.outside_motion import lagged
+from tests.proof.plant.effects.outside import lagged
+from tests.proof.plant.effects.sensors import STANDARD_G, VibrationRectification, signs
 from tests.proof.plant.rough.runs import RoughSetting, scattered
 from tests.proof.plant.simulate import fine_rate
 from tests.proof.plant.world import REFERENCE, Setting, World, on_accelerometers, on_gyros
@@ -561,25 +560,22 @@ class AccelSines(AccelOddSquare):
         return on_accelerometers(self.column("coefficient") * STANDARD_G * wave)
 
 
-class LateTemperature(Effect):
+class LateTemperature(Following):
     """Biases follow a temperature that lags behind the thermometer's by `tau`."""
 
     name, form = "temperature_bias", "temperature_bias_late"
     units: ClassVar = {"gyro": "(rad/s)/K", "accel": "(m/s^2)/K", "tau": "s"}
     sized = ("gyro", "accel")
+    typical: ClassVar = {"gyro": 4e-4, "accel": 5e-3}
 
     @classmethod
-    def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
-        return {
-            "gyro": (4e-4 * unit_vector(rng)).tolist(),
-            "accel": (5e-3 * unit_vector(rng)).tolist(),
-            "tau": float(rng.uniform(20.0, 120.0)),
-        }
+    def beside(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
+        return {"tau": float(rng.uniform(20.0, 120.0))}
 
-    def sense(self, world: World) -> np.ndarray:
+    def course(self, world: World) -> np.ndarray:
         warmer = world.weather.temperature - REFERENCE
-        late = warmer[0] + lagged(warmer - warmer[0], world.motion.step / self.parameters["tau"])
-        return both(self.column("gyro"), self.column("accel"), late)
+        late = lagged(warmer - warmer[0], world.motion.step / self.parameters["tau"])
+        return np.asarray(warmer[0] + late)
 
 
 # Strong effects outside the catalogue: what rigs, cables and ageing electronics do.
@@ -769,11 +765,6 @@ FORMS: dict[str, type[Effect]] = {
     if isinstance(item, type) and item.__module__ == __name__ and "form" in vars(item)
 }
 KNOWN: dict[str, type[Effect]] = EFFECTS | FORMS
-
-
-def catalogue_name(called: str) -> str:
-    """The name that a report would give the effect; x_… outside the catalogue."""
-    return KNOWN[called].name
 
 
 def rough_effects(setting: RoughSetting) -> tuple[Effect, ...]:

@@ -7,7 +7,7 @@ derivative of the coarse encoder (0.08 deg) is ever needed.
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import least_squares, minimize_scalar
+from scipy.optimize import minimize_scalar
 from scipy.signal import csd, savgol_filter, welch
 
 from schemas.recording import GYRO, Recording
@@ -76,14 +76,6 @@ def delay_by_angle(recording: Recording) -> Measured:
     turned = np.concatenate([[0.0], np.cumsum(rate[1:] + rate[:-1]) / (2.0 * RATE)])
     each = [_best_lag(part, t, angle, turned) for part in _parts(t)]
     return Measured(float(np.mean(each)), float(np.std(each, ddof=1) / np.sqrt(len(each))), "s")
-
-
-def lag_series(recording: Recording, lags: np.ndarray) -> np.ndarray:
-    """Scatter, rad, of encoder angle beside the summed gyro at each lag (m,) s."""
-    t, angle, rate = even_courses(recording)
-    turned = np.concatenate([[0.0], np.cumsum(rate[1:] + rate[:-1]) / (2.0 * RATE)])
-    inside = (t > EDGE) & (t < t[-1] - EDGE)
-    return np.array([_scatter(lag, inside, t, angle, turned) for lag in lags])
 
 
 def delay_by_gravity(recording: Recording) -> Measured:
@@ -163,39 +155,6 @@ def _scatter(
     A = np.column_stack([observation, np.ones_like(observation), t[part]])
     left = angle[part] - A @ np.linalg.lstsq(A, angle[part], rcond=None)[0]
     return float(left.std())
-
-
-def scale_by_gravity(recording: Recording) -> Measured:
-    """How much too much the encoder tells, by the angle that gravity turns: κ, 1.
-
-    accel = a·sin(θ/(1 + κ)) + b·cos(θ/(1 + κ)) + c with lag and lever arm; the same κ for both.
-    """
-    imu, (t, angle, _) = recording.imu, even_courses(recording)
-    observation = [np.interp(t, imu.t, imu.columns[name]) for name in ("accel_x", "accel_z")]
-    speed, bend = (savgol_filter(angle, 21, 3, deriv=n, delta=1.0 / RATE) for n in (1, 2))
-
-    def left(values: np.ndarray) -> np.ndarray:
-        turned = angle / (1.0 + values[0])
-        sin, cos = np.sin(turned), np.cos(turned)
-        A = np.column_stack([sin, cos, np.ones_like(sin), speed * sin, speed * cos, bend, speed**2])
-        return np.concatenate([y - A @ np.linalg.lstsq(A, y, rcond=None)[0] for y in observation])
-
-    found = least_squares(left, [0.0], diff_step=1e-4)
-    slope = found.jac[:, 0]
-    return Measured(float(found.x[0]), float(np.std(found.fun) / np.sqrt((slope**2).sum())), "1")
-
-
-def slip_at(recording: Recording, when: float) -> Measured:
-    """How much earlier the unit's stamps are after a time than before, s, by the summed gyro."""
-    t, angle, rate = even_courses(recording)
-    turned = np.concatenate([[0.0], np.cumsum(rate[1:] + rate[:-1]) / (2.0 * RATE)])
-    lags = []
-    for low, high in ((EDGE, when - EDGE), (when + EDGE, t[-1] - EDGE)):
-        edges = np.linspace(low, high, PARTS // 2 + 1)
-        parts = [(t >= a) & (t < b) for a, b in pairwise(edges)]
-        lags.append([_best_lag(part, t, angle, turned) for part in parts])
-    u = float(np.linalg.norm([np.std(each, ddof=1) / np.sqrt(len(each)) for each in lags]))
-    return Measured(float(np.mean(lags[0]) - np.mean(lags[1])), u, "s")
 
 
 def line_shared(recording: Recording) -> tuple[float, float]:

@@ -1,12 +1,15 @@
-"""A part of the factory: a process with a log, that is waited for, killed and started again."""
+"""The processes of the factory: begun, waited for, killed and started again; none survives it."""
 
+import ctypes
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NoReturn
 
 import psutil
 
@@ -135,3 +138,68 @@ def end_all(processes: Sequence[psutil.Process]) -> None:
         except psutil.Error:
             continue
     psutil.wait_procs(processes, END_S)
+
+
+# Nothing of a play survives it, however it ends.
+#
+# The play is a process of its own. This one adopts whatever of it loses its parent, waits, and ends
+# what is left; it ends the play where it is itself ended.
+
+_SET_DEATH_SIGNAL, _SET_SUBREAPER = 1, 36  # of prctl(2)
+STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def guarded(play: Callable[[], int]) -> int:
+    """What the play answers, once nothing is left of it."""
+    adopt()
+    guard = os.getpid()
+    child = os.fork()
+    if child == 0:
+        _play(guard, play)
+    for each in STOPPING:  # a terminal's Ctrl-C reaches the play by itself
+        signal.signal(each, lambda number, _: _pass_on(child, number))
+    _, status = os.waitpid(child, 0)
+    end_all(left())
+    return os.waitstatus_to_exitcode(status)
+
+
+def adopt() -> None:
+    """From now on, processes below this one that lose their parent become its own."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_SET_SUBREAPER, 1)
+
+
+def left() -> list[psutil.Process]:
+    """What lives below this process."""
+    alive = []
+    for each in psutil.Process().children(recursive=True):
+        try:
+            if each.status() != psutil.STATUS_ZOMBIE:
+                alive.append(each)
+        except psutil.Error:
+            continue
+    return alive
+
+
+def _pass_on(child: int, number: int) -> None:
+    if number != signal.SIGINT:
+        os.kill(child, number)
+
+
+def _play(guard: int, play: Callable[[], int]) -> NoReturn:
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_SET_DEATH_SIGNAL, signal.SIGTERM)
+    signal.signal(signal.SIGTERM, _interrupt)
+    signal.signal(signal.SIGHUP, _interrupt)
+    code = 1
+    try:
+        if os.getppid() == guard:
+            code = play()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+
+
+def _interrupt(*_: object) -> NoReturn:
+    raise KeyboardInterrupt

@@ -1,1 +1,0 @@
-"""Coverage of the stated uncertainties on tables unlike that of the validation."""
