@@ -15,10 +15,9 @@ from flows.terminal import print_json, print_rows, stdout
 from schemas.base import Unusable, first_fault
 from schemas.calibration import Calibration, Information, Item
 from schemas.certificate import AsFound
-from schemas.discrepancy import Discrepancy, ReportedFinding, Verdict
+from schemas.discrepancy import Discrepancy, ReportedFinding, Review, ReviewFinding, Verdict
 from schemas.history import Impact, Plan, Pruned, Reprocessing
 from schemas.recording import LogEntry
-from schemas.review import Review, ReviewFinding
 from schemas.text import Validity, text_of, texts_of
 from schemas.tolerance import Verdict as ToleranceVerdict
 from storage.catalogue import audit_trail, certificates, results, runs

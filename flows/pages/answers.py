@@ -9,8 +9,20 @@ from pydantic.json_schema import models_json_schema
 from werkzeug.exceptions import HTTPException
 
 from flows.orders import production
-from flows.pages.do.actions import check_may
-from flows.pages.line.data import (
+from flows.pages import (
+    budget,
+    discrepancy,
+    do,
+    due,
+    line,
+    quality,
+    run,
+    runs,
+    signals,
+    unit,
+)
+from flows.pages.do import check_may
+from flows.pages.line_data import (
     Acknowledged,
     AlarmPressed,
     Released,
@@ -31,8 +43,7 @@ from flows.pages.parts import (
     refuse_what_is_raised,
     view_of_request,
 )
-from flows.pages.register import PAGES
-from flows.pages.run.data import pdf_of
+from flows.pages.run_data import pdf_of
 from schemas.access import Visitor
 from schemas.base import Frozen, NotThere, Unusable
 from schemas.orders import (
@@ -48,6 +59,24 @@ from storage.catalogue.runs import find
 from storage.home import Home
 from tasks.station import procedures
 from tasks.version import code_version
+
+# All pages, in the order of the navigation.
+
+
+PAGES: tuple[Page, ...] = (
+    line.PAGE,
+    runs.PAGE,
+    run.PAGE,
+    signals.PAGE,
+    budget.PAGE,
+    unit.PAGE,
+    due.PAGE,
+    quality.PAGE,
+    discrepancy.PAGE,
+    do.PAGE,
+)
+FIRST = PAGES[0]  # what the bare address shows
+
 
 # /api/v1/orders: a manufacturing system gives orders, and sees what became of them.
 

@@ -19,10 +19,10 @@ from werkzeug.wrappers import Response
 
 from flows.logs import set_up
 from flows.pages import answers, health, shell
+from flows.pages.answers import FIRST, PAGES
 from flows.pages.answers import files as certificate_files
 from flows.pages.login import Gate, guard, log_in, log_out, passed
 from flows.pages.parts import view_of_request
-from flows.pages.register import FIRST, PAGES
 from flows.terminal import stdout
 from schemas.base import Unusable
 from storage import settings

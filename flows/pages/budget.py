@@ -4,7 +4,7 @@ import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.parts import Page, View, table
-from flows.pages.run.data import BudgetQuestion, BudgetShown
+from flows.pages.run_data import BudgetQuestion, BudgetShown
 from schemas.base import Unusable
 from storage.catalogue import results
 from storage.home import Home

@@ -11,20 +11,23 @@ from dateutil.relativedelta import relativedelta
 from pydantic import Field
 
 from flows.pages.parts import (
+    BLUE,
+    Figure,
     Kind,
     Page,
     StepState,
     View,
     badge,
     choice,
+    figure,
     grid,
     heading,
     minute_of,
+    picture,
     stated,
     table,
     today,
 )
-from flows.pages.pictures import BLUE, Figure, figure, picture
 from schemas.base import Frozen
 from schemas.store import DueUnit
 from schemas.text import Statement, text_in

@@ -9,10 +9,10 @@ from dash.development.base_component import Component
 from flask_wtf.csrf import generate_csrf
 from pydantic import ValidationError
 
-from flows.pages import parts, pictures
+from flows.pages import parts
+from flows.pages.answers import PAGES
 from flows.pages.login import fault
 from flows.pages.parts import Page, View, note, notice, parameters, view_of_request, zone
-from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
 from storage.catalogue.database import Busy
 from storage.home import Home
@@ -120,7 +120,7 @@ def add_callbacks(app: Dash, home: Home) -> None:
         prevent_initial_call=True,
     )
     parts.callbacks(app)
-    pictures.callbacks(app)
+    parts.picture_callbacks(app)
     for page in PAGES:
         if page.callbacks is not None:
             page.callbacks(app, home)

@@ -7,9 +7,8 @@ import dash_mantine_components as dmc
 from dash import Dash, Input, Output, State, dcc, no_update
 from dash.development.base_component import Component
 
-from flows.pages.parts import Page, View, view_of_request
-from flows.pages.pictures import GRAPH, figure
-from flows.pages.run.data import SignalsQuestion, SignalsShown
+from flows.pages.parts import GRAPH, Page, View, figure, view_of_request
+from flows.pages.run_data import SignalsQuestion, SignalsShown
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream
 from storage.catalogue import runs

@@ -9,6 +9,7 @@ import sqlalchemy as sql
 from schemas.text import Statement
 from storage.catalogue import database, tables
 from storage.catalogue.certificates import reasons_in
+from storage.catalogue.database import while_unchanged
 from storage.catalogue.run_states import (
     LAST_CERTIFICATE,
     LAST_RESULT,
@@ -16,7 +17,6 @@ from storage.catalogue.run_states import (
     complete_results,
     complete_runs,
 )
-from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
 
 # Outcomes, values, limits and renewals of many runs at once, from the catalogue.

@@ -19,8 +19,8 @@ from schemas.certificate import State
 from schemas.text import RunVerdict
 from schemas.tolerance import Verdict
 from storage.catalogue import certificates, database, results, runs, tables
+from storage.catalogue.database import while_unchanged
 from storage.catalogue.results import calibration_of
-from storage.catalogue.unchanged import while_unchanged
 from storage.formats.manifest import manifest_of
 from storage.home import Home
 

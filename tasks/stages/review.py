@@ -10,8 +10,8 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.certificate import LIVE, Laboratory
+from schemas.discrepancy import KeptReview, Review, Skipped, Touched
 from schemas.orders import ReviewOrder, Selection, order_of
-from schemas.review import KeptReview, Review, Skipped, Touched
 from storage import run_statistics, settings
 from storage.catalogue import certificates, runs
 from storage.catalogue.runs import Run

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 from lxml import html
 
+from flows.pages.answers import PAGES
 from flows.pages.parts import View
-from flows.pages.register import PAGES
 from flows.pages.shell import page_at
 from flows.shown_results import print_calibration, print_discrepancy
 from schemas.certificate import Certificate

@@ -19,7 +19,7 @@ from argon2 import PasswordHasher
 
 from flows import execute
 from flows.orders.signed_orders import accepted, sign
-from flows.pages.register import PAGES
+from flows.pages.answers import PAGES
 from schemas.access import ROLES
 from schemas.base import Unusable
 from schemas.orders import CheckOrder, IssueOrder, StepOrder, WithdrawOrder

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import httpx
 import sqlalchemy as sql
 
-from flows.pages.register import PAGES
+from flows.pages.answers import PAGES
 from schemas.base import Unusable
 from storage.catalogue import database, tables
 from storage.catalogue.database import rows

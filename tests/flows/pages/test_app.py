@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from flask.testing import FlaskClient
 
+from flows.pages.answers import PAGES
 from flows.pages.app import CELLS, GRID, UNUSED, make_app
 from flows.pages.parts import Page, View
-from flows.pages.register import PAGES
 from flows.pages.shell import page_at
 from storage.home import Home
 from tasks.words import LANGUAGES, known

@@ -9,24 +9,21 @@ from pathlib import Path
 import pytest
 
 from flows.pages.app import make_app
-from flows.pages.discrepancy import PAGE
-from flows.pages.discrepancy.data import DiscrepancyQuestion, data
+from flows.pages.discrepancy import PAGE, DiscrepancyQuestion, data
 from flows.pages.parts import View
 from schemas.discrepancy import (
+    Carrier,
     Consequence,
     Detection,
     Discrepancy,
     EvidenceFor,
     FoundParameter,
     HeldOut,
-    ReportedFinding,
-)
-from schemas.review import (
-    Carrier,
     KeptReview,
     Moment,
     PooledEvidence,
     PooledValue,
+    ReportedFinding,
     Review,
     ReviewFinding,
     Touched,

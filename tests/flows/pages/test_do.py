@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from flows.pages.do.actions import FIELDS, DoQuestion, Orders
-from flows.pages.do.page import answer, chosen, data, layout, step_answer
+from flows.pages.do import FIELDS, DoQuestion, Orders, answer, chosen, data, layout, step_answer
 from flows.pages.parts import View
 from schemas.access import MAY, ROLES, Action, Role, Visitor
 from schemas.base import Unusable

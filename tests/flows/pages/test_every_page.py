@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from flows.pages.do.page import answer, chosen
+from flows.pages.do import answer, chosen
 from flows.pages.parts import View
 from flows.pages.shell import page_at
 from schemas.access import Visitor

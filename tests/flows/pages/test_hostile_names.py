@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
+from flows.pages.answers import PAGES
 from flows.pages.parts import Page, View
-from flows.pages.register import PAGES
 from flows.pages.shell import page_at
 from storage.catalogue import results, runs
 from storage.home import Home

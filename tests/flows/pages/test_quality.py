@@ -17,7 +17,7 @@ from flows.pages.app import make_app
 from flows.pages.login import hashed
 from flows.pages.parts import View, csv_of
 from flows.pages.quality import PAGE
-from flows.pages.quality.data import QualityQuestion, QualityShown, data
+from flows.pages.quality_data import QualityQuestion, QualityShown, data
 from schemas.base import Unusable
 from storage import dataframes
 from storage.catalogue import certificates, results, runs, users

@@ -10,8 +10,8 @@ from plotly.utils import PlotlyJSONEncoder
 
 from flows.pages.app import make_app
 from flows.pages.parts import View
-from flows.pages.run.data import RunQuestion, RunShown, SignalsQuestion, data
-from flows.pages.run.page import lineage
+from flows.pages.run import lineage
+from flows.pages.run_data import RunQuestion, RunShown, SignalsQuestion, data
 from flows.pages.shell import page_at
 from flows.pages.signals import data as signals
 from schemas.base import Unusable

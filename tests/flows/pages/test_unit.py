@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from flows.pages.parts import View
-from flows.pages.unit import PAGE
-from flows.pages.unit.data import UnitQuestion, UnitShown, data
+from flows.pages.unit import PAGE, UnitQuestion, UnitShown, data
 from schemas.base import Unusable
 from storage import dataframes
 from storage.catalogue import certificates, runs

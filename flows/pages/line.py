@@ -1,4 +1,4 @@
-"""The Line page: a card for each station, its Stop button, and what is to be seen to."""
+"""The Line page: what each station is doing, what is to be seen to, what waits, and the day."""
 
 from collections.abc import Sequence
 from datetime import timedelta
@@ -8,8 +8,8 @@ import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
 
-from flows.pages.do.actions import roles_of
-from flows.pages.line.data import (
+from flows.pages.do import roles_of
+from flows.pages.line_data import (
     NO_SERVER,
     AlarmShown,
     Flows,
@@ -19,10 +19,12 @@ from flows.pages.line.data import (
     Queued,
     StationNow,
     Waits,
+    line_now,
 )
 from flows.pages.parts import (
     Cell,
     Kind,
+    Page,
     StepState,
     View,
     asking,
@@ -327,3 +329,8 @@ def _today(today: Output, view: View) -> Component:
         f"pages-line-output.{name.replace('_', '-')}": str(count) for name, count in counts.items()
     }
     return facts(shown | {"pages-line-output.by-station": stations}, view)
+
+
+REFRESH_S = 2.0
+
+PAGE = Page("line", LineQuestion, LineNow, line_now, layout, refresh_s=REFRESH_S)

@@ -1,4 +1,4 @@
-"""The Run page: values and signals, certificates, log and lineage of a run."""
+"""The page of one run: signals, segments, items, certificates, log and lineage."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,6 +9,7 @@ from dash.development.base_component import Component
 
 from flows.pages import budget, signals
 from flows.pages.parts import (
+    Page,
     View,
     badge,
     certificate_state,
@@ -28,7 +29,7 @@ from flows.pages.parts import (
     verdict_state,
     view_of_request,
 )
-from flows.pages.run.data import (
+from flows.pages.run_data import (
     BudgetQuestion,
     CertificateShown,
     ElementShown,
@@ -36,6 +37,7 @@ from flows.pages.run.data import (
     RunQuestion,
     RunShown,
     SegmentShown,
+    data,
 )
 from schemas.text import Remark, Statement
 from storage.catalogue.runs import STANDARD_DOCUMENT
@@ -288,3 +290,6 @@ def callbacks(app: Dash, home: Home) -> None:
         item, _, element = chosen.partition(" ")
         question = BudgetQuestion(run=run, item=item, element=element)
         return budget.layout(budget.data(question, home), view, question)
+
+
+PAGE = Page("run", RunQuestion, RunShown, data, layout, in_navigation=False, callbacks=callbacks)

@@ -1,4 +1,4 @@
-"""The Quality page and its charts, as plotly figures."""
+"""The Quality page: yield, failures, capability, control charts and stations of selected runs."""
 
 from collections.abc import Callable, Sequence
 from datetime import timedelta
@@ -7,9 +7,27 @@ from typing import Any
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.parts import StepState, View, badge, csv_link, facts, heading, note, stated, table
-from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
-from flows.pages.quality.data import (
+from flows.pages.parts import (
+    BLUE,
+    GREY,
+    ORANGE,
+    RED,
+    Figure,
+    Page,
+    StepState,
+    View,
+    badge,
+    csv_link,
+    facts,
+    figure,
+    heading,
+    note,
+    picture,
+    stated,
+    table,
+)
+from flows.pages.quality_data import (
+    NUMBERS,
     CapabilityShown,
     ChartShown,
     Failing,
@@ -20,7 +38,9 @@ from flows.pages.quality.data import (
     QualityShown,
     StationShown,
     Yield,
+    callbacks,
     choices,
+    data,
 )
 from tasks.quality.capability import FEWEST as FEWEST_IN_INDEX
 from tasks.quality.capability import CapabilityIndex
@@ -417,3 +437,8 @@ def _station(one: StationShown, shown: QualityShown, view: View) -> tuple[Any, .
     state = stated(words, "bad" if is_off else "good")
     cells = (f"{made.values[0]}{unit}", f"{made.uncertainties[0]}{unit} (k = {USUAL_K:g})")
     return one.station, *cells, str(one.runs), badge(state, view)
+
+
+PAGE = Page(
+    "quality", QualityQuestion, QualityShown, data, layout, callbacks=callbacks, numbers=NUMBERS
+)

@@ -16,8 +16,8 @@ from pydantic import AwareDatetime, Field, ValidationError
 
 from flows.on_prefect.server import server_named
 from flows.orders import production
-from flows.orders.outcomes import LATE, failed_since, shown_cause
-from flows.pages.do.actions import check_may
+from flows.orders.production import LATE, failed_since, shown_cause
+from flows.pages.do import check_may
 from flows.pages.parts import today
 from schemas.access import Visitor
 from schemas.base import Frozen, NotThere, Unusable

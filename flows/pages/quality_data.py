@@ -19,7 +19,7 @@ from schemas.text import Statement
 from storage import settings
 from storage.catalogue import production_history
 from storage.catalogue.certificates import AS_LEFT
-from storage.catalogue.unchanged import while_unchanged
+from storage.catalogue.database import while_unchanged
 from storage.home import Home
 from tasks.conformity.limits import is_of_a_limit
 from tasks.quality.capability import CapabilityIndex, capability, consumed
