@@ -31,7 +31,15 @@ def add(name: options.UserName, role: options.UserRole, by: options.By = None) -
             f"{name[:LONGEST]!r} is not a valid user name; give 1 to {LONGEST} characters that "
             "neither begin nor end with a space."
         )
-    users.add(name, chosen, hashed(_password(name)), home(), options.person(by))
+    if sys.stdin.isatty():
+        given: str = typer.prompt(
+            f"Password of {name}", hide_input=True, confirmation_prompt=True, err=True
+        )
+    else:
+        given = sys.stdin.readline().rstrip("\n")
+    if len(given) < SHORTEST:
+        raise Unusable(f"The password has {len(given)} characters; give at least {SHORTEST}.")
+    users.add(name, chosen, hashed(given), home(), options.person(by))
     print(f"{name}: {chosen}")
 
 
@@ -57,15 +65,3 @@ def remove(name: options.UserName, by: options.By = None) -> None:
 
     users.remove(name, home(), options.person(by))
     print(f"{name} removed")
-
-
-def _password(name: str) -> str:
-    if sys.stdin.isatty():
-        given: str = typer.prompt(
-            f"Password of {name}", hide_input=True, confirmation_prompt=True, err=True
-        )
-    else:
-        given = sys.stdin.readline().rstrip("\n")
-    if len(given) < SHORTEST:
-        raise Unusable(f"The password has {len(given)} characters; give at least {SHORTEST}.")
-    return given

@@ -185,7 +185,8 @@ def login(home: Home, gate: Gate) -> Blueprint:
             log_in(user, home)
         except Unusable:
             return _form(message("pages-no-database"), wanted), 503
-        return redirect(_own(wanted))
+        # The page that somebody wanted, if it is one of ours; else the first
+        return redirect(wanted if wanted in {f"/{page.name}" for page in PAGES} else "/")
 
     @made.post("/logout")
     def leave() -> Page:
@@ -196,11 +197,6 @@ def login(home: Home, gate: Gate) -> Blueprint:
         return redirect("/login")
 
     return made
-
-
-def _own(wanted: str) -> str:
-    """The page that somebody wanted, if it is one of ours; else the first."""
-    return wanted if wanted in {f"/{page.name}" for page in PAGES} else "/"
 
 
 def _form(fault: Message | None, wanted: str) -> str:
@@ -230,7 +226,13 @@ def serve(home: Home, host: str, port: int) -> None:
 
 def listening(home: Home, host: str, port: int) -> Any:
     """A server of the pages that listens already; `run` answers, `close` ends it."""
-    _check_reach(home, host)
+    # Raises Unusable for pages that everybody on the network could look at without a name
+    if not _is_here(host) and not users(home) and settings.pages(home).proxy is None:
+        raise Unusable(
+            f"--host {host} opens the pages to other computers, but nobody has a password yet; "
+            "first run `mimucal user add NAME --role administrator`, or name a proxy in "
+            f"{home.path / settings.PAGES}."
+        )
     app = make_app(home).server
     gc.freeze()  # what was imported lives to the end: no collection walks over it again
     pages = settings.pages(home)
@@ -248,16 +250,6 @@ def listening(home: Home, host: str, port: int) -> Any:
             f"the pages cannot be served at {host} port {port} ({error}); choose others with "
             "--host and --port."
         ) from error
-
-
-def _check_reach(home: Home, host: str) -> None:
-    """Raises Unusable for pages that everybody on the network could look at without a name."""
-    if not _is_here(host) and not users(home) and settings.pages(home).proxy is None:
-        raise Unusable(
-            f"--host {host} opens the pages to other computers, but nobody has a password yet; "
-            "first run `mimucal user add NAME --role administrator`, or name a proxy in "
-            f"{home.path / settings.PAGES}."
-        )
 
 
 def _is_here(host: str) -> bool:

@@ -199,7 +199,15 @@ def data(question: DiscrepancyQuestion, home: Home) -> DiscrepancyShown:
     return DiscrepancyShown(
         review=_review(home), runs=counted[0][0] if counted else 0, explained=len(chosen),
         invalid=len(chosen) - len(valid), effects=tuple(_effects(valid, question, home)),
-        newest=tuple(_run(run) for run in reversed(chosen[-NEWEST:])),
+        newest=tuple(ExplainedRun(
+        run=run["run"], day=run["recorded_on"], station=run["station"] or "", model=run["model"],
+        serial=run["serial"], validity=run["validity"], verdict=run["verdict"],
+        findings=tuple(
+            FoundShown(effect=f["effect"], title=f["brief"].title, share=f["share"],
+                       parameters=f["brief"].parameters, others=f["brief"].others)
+            for f in run["findings"]
+        ),
+    ) for run in reversed(chosen[-NEWEST:])),
         stations=_names(every, "station"), models=_names(every, "model"),
         serials=_names(every, "serial"),
         known=tuple(sorted({found["effect"] for run in every for found in run["findings"]})),
@@ -357,18 +365,6 @@ def _by(own: Sequence[Explained], runs: Sequence[Explained], *fields: str) -> tu
     return tuple(sorted(found, key=lambda each: (-each.shown / each.of, -each.shown, each.name)))
 
 
-def _run(run: Explained) -> ExplainedRun:
-    return ExplainedRun(
-        run=run["run"], day=run["recorded_on"], station=run["station"] or "", model=run["model"],
-        serial=run["serial"], validity=run["validity"], verdict=run["verdict"],
-        findings=tuple(
-            FoundShown(effect=f["effect"], title=f["brief"].title, share=f["share"],
-                       parameters=f["brief"].parameters, others=f["brief"].others)
-            for f in run["findings"]
-        ),
-    )  # fmt: skip
-
-
 # Lays the Mismatch page out.
 
 
@@ -384,29 +380,28 @@ def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -
         "pages-mismatch-explained", explained=shown.explained, runs=shown.runs,
         invalid=shown.invalid,
     )  # fmt: skip
-    return dmc.Stack(
-        [
-            heading("pages-mismatch-review", view),
-            *review,
-            heading("pages-mismatch-own", view),
-            _choices(shown, view, question),
-            note(counted),
-            *(_effect_card(each, view) for each in shown.effects),
-            heading("pages-mismatch-runs", view),
-            _runs(shown.newest, view),
-        ],
-        gap="sm",
-    )
-
-
-def _choices(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
     values = {"effect": shown.known, "station": shown.stations, "model": shown.models,
               "serial": shown.serials}  # fmt: skip
     controls = [
         choice(name, f"pages-mismatch-asked.{name}", of, getattr(question, name), view, EVERY)
         for name, of in values.items()
     ]
-    return dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
+    names = "run day station unit validity verdict findings report"
+    return dmc.Stack(
+        [
+            heading("pages-mismatch-review", view),
+            *review,
+            heading("pages-mismatch-own", view),
+            dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs"),
+            note(counted),
+            *(_effect_card(each, view) for each in shown.effects),
+            heading("pages-mismatch-runs", view),
+            table(
+                "pages-mismatch-column", names, [_run_row(run, view) for run in shown.newest], view
+            ),
+        ],
+        gap="sm",
+    )
 
 
 def _review_parts(review: ReviewShown, view: View) -> list[Component]:
@@ -589,11 +584,6 @@ def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
     ]  # fmt: skip
     lines += [dmc.Text("…")] if len(shares) > FEW else []
     return dmc.Stack(lines, gap=0, className="small")
-
-
-def _runs(runs: Sequence[ExplainedRun], view: View) -> Component:
-    names = "run day station unit validity verdict findings report"
-    return table("pages-mismatch-column", names, [_run_row(run, view) for run in runs], view)
 
 
 def _run_row(run: ExplainedRun, view: View) -> tuple[Cell, ...]:

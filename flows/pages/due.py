@@ -12,7 +12,6 @@ from pydantic import Field
 
 from flows.pages.parts import (
     BLUE,
-    Figure,
     Kind,
     Page,
     StepState,
@@ -232,6 +231,13 @@ ROW_PX, FRAME_PX, MOST_PX = 38, 115, 560
 
 def layout(shown: DueShown, view: View, question: DueQuestion) -> Component:
     """What is asked for; units, clients and months; messages; equipment."""
+    bars = {
+        "type": "bar", "x": [each.month for each in shown.months],
+        "y": [each.units for each in shown.months], "marker": {"color": BLUE},
+        "hovertemplate": "%{x}: %{y}<extra></extra>",
+    }  # fmt: skip
+    title = view.text("pages-due-months")
+    names = "at certificate occasion channel state tries fault"
     return dmc.Stack(
         [
             _choices(shown, view, question),
@@ -241,12 +247,28 @@ def layout(shown: DueShown, view: View, question: DueQuestion) -> Component:
             dmc.SimpleGrid(
                 [
                     _client_table(shown, view, question),
-                    picture("due-months", _month_bars(shown, view)),
+                    picture(
+                        "due-months",
+                        figure(
+                            [bars],
+                            view,
+                            260,
+                            xaxis={"type": "category", "tickangle": -40},
+                            yaxis={"rangemode": "tozero", "title": {"text": title}},
+                            margin={"t": 10, "r": 10, "l": 55, "b": 60},
+                        ),
+                    ),
                 ],
                 cols={"base": 1, "md": 2},
             ),
             heading("pages-due-heading.messages", view),
-            _messages(shown, view),
+            table(
+                "pages-due-message",
+                names,
+                [_message_row(e, view) for e in shown.messages],
+                view,
+                none="pages-due-none.messages",
+            ),
             heading("pages-due-heading.equipment", view),
             _equipment_table(shown, view),
         ],
@@ -311,29 +333,6 @@ def _client_table(shown: DueShown, view: View, question: DueQuestion) -> Compone
         320,
         days=question.within,
         none="pages-due-none.clients",
-    )
-
-
-def _month_bars(shown: DueShown, view: View) -> Figure:
-    bars = {
-        "type": "bar", "x": [each.month for each in shown.months],
-        "y": [each.units for each in shown.months], "marker": {"color": BLUE},
-        "hovertemplate": "%{x}: %{y}<extra></extra>",
-    }  # fmt: skip
-    title = view.text("pages-due-months")
-    return figure([bars], view, 260, xaxis={"type": "category", "tickangle": -40},
-                  yaxis={"rangemode": "tozero", "title": {"text": title}},
-                  margin={"t": 10, "r": 10, "l": 55, "b": 60})  # fmt: skip
-
-
-def _messages(shown: DueShown, view: View) -> Component:
-    names = "at certificate occasion channel state tries fault"
-    return table(
-        "pages-due-message",
-        names,
-        [_message_row(e, view) for e in shown.messages],
-        view,
-        none="pages-due-none.messages",
     )
 
 

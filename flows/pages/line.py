@@ -15,7 +15,6 @@ from flows.pages.line_data import (
     Flows,
     LineNow,
     LineQuestion,
-    Output,
     Queued,
     StationNow,
     Waits,
@@ -134,7 +133,18 @@ def card(now: StationNow, view: View) -> Component:
     else:
         body += _free(now, view)
     if now.alarm is not None:
-        body.append(_alarm(now.alarm, now, view))
+        # Red where the station stands for it; else it is one that a run goes on or ended with
+        kind = "bad" if KINDS[now.state] == "bad" else "open"
+        at = f"{hour_of(now.alarm.at)}  " if now.alarm.at else ""
+        body.append(
+            html.Div(
+                [
+                    html.Div(f"{at}{view.say(now.alarm.cause)}", className="station-cause"),
+                    html.Div(f"→ {view.say(now.alarm.todo)}"),
+                ],
+                className=f"station-alarm alarm-{kind}",
+            )
+        )
     body += _queue(now.waiting, view)
     return html.Section(
         [
@@ -158,10 +168,13 @@ def _run(now: StationNow, run: RunStatus, view: View) -> list[Component]:
         end = hour_of(run.at + timedelta(seconds=run.wall_s_left))
         left = view.say(_duration(run.wall_s_left))
         large.append(_figure(message("pages-line-left", end=end), left, view))
+    rates = [f"{name} {rate:.1f} Hz" for name, rate in run.rates_hz.items()]
+    noise = [f"{name} {value:.2g} {UNITS.get(name, '')}" for name, value in run.noise.items()]
+    at = view.text("pages-line-at", at=second_of(run.at))
     parts += [
         html.Div(large, className="station-figures"),
         dmc.Progress(value=min(share, 100), size="lg"),
-        html.Div(_details(run, view), className="station-details one-line"),
+        html.Div(" · ".join([at, *rates, *noise]), className="station-details one-line"),
     ]
     return parts
 
@@ -193,26 +206,6 @@ def _duration(seconds: float) -> Sayable:
     if hours:
         return message("pages-line-duration.hours", hours=hours, minutes=f"{rest:02d}")
     return message("pages-line-duration.minutes", minutes=rest)
-
-
-def _details(run: RunStatus, view: View) -> str:
-    rates = [f"{name} {rate:.1f} Hz" for name, rate in run.rates_hz.items()]
-    noise = [f"{name} {value:.2g} {UNITS.get(name, '')}" for name, value in run.noise.items()]
-    at = view.text("pages-line-at", at=second_of(run.at))
-    return " · ".join([at, *rates, *noise])
-
-
-def _alarm(alarm: AlarmShown, now: StationNow, view: View) -> Component:
-    """Red where the station stands for it; else it is one that a run goes on or ended with."""
-    kind = "bad" if KINDS[now.state] == "bad" else "open"
-    at = f"{hour_of(alarm.at)}  " if alarm.at else ""
-    return html.Div(
-        [
-            html.Div(f"{at}{view.say(alarm.cause)}", className="station-cause"),
-            html.Div(f"→ {view.say(alarm.todo)}"),
-        ],
-        className=f"station-alarm alarm-{kind}",
-    )
 
 
 def _queue(waiting: Sequence[Queued], view: View) -> list[Component]:
@@ -252,7 +245,16 @@ def layout(line: LineNow, view: View, _: LineQuestion) -> Component:
     parts += [heading("pages-line-heading.flows", view), _flows(line.flows, view)]
     if line.today is not None:
         title = view.text("pages-line-today", day=str(line.today.day))
-        parts += [dmc.Title(title, order=3, mt="sm"), _today(line.today, view)]
+        stations = ", ".join(f"{name} {count}" for name, count in line.today.by_station.items())
+        counts = line.today.model_dump(exclude={"day", "by_station"})
+        shown: dict[str, Cell] = {
+            f"pages-line-output.{name.replace('_', '-')}": str(count)
+            for name, count in counts.items()
+        }
+        parts += [
+            dmc.Title(title, order=3, mt="sm"),
+            facts(shown | {"pages-line-output.by-station": stations}, view),
+        ]
     return dmc.Stack(parts, gap="sm")
 
 
@@ -320,15 +322,6 @@ def _flows(flows: Flows, view: View) -> Component:
         view,
         none="pages-line-none.flows",
     )
-
-
-def _today(today: Output, view: View) -> Component:
-    stations = ", ".join(f"{name} {count}" for name, count in today.by_station.items())
-    counts = today.model_dump(exclude={"day", "by_station"})
-    shown: dict[str, Cell] = {
-        f"pages-line-output.{name.replace('_', '-')}": str(count) for name, count in counts.items()
-    }
-    return facts(shown | {"pages-line-output.by-station": stations}, view)
 
 
 REFRESH_S = 2.0

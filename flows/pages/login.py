@@ -116,8 +116,11 @@ def guard(server: Flask, home: Home) -> Gate:
     gate, pages = Gate(), settings.pages(home)
     if pages.proxy and pages.proxy.secret_file:
         whole_files.read(home.path / pages.proxy.secret_file)  # an invalid one is reported now
+    # What signs the cookies: a file of the home; with no home yet, for this process alone
     server.config.update(
-        SECRET_KEY=_key(home),
+        SECRET_KEY=whole_files.made(home.path / KEY)
+        if home.path.is_dir()
+        else secrets.token_hex(32),
         PERMANENT_SESSION_LIFETIME=SESSION,
         SESSION_COOKIE_NAME=session_cookie(home),
         SESSION_COOKIE_HTTPONLY=True,
@@ -233,7 +236,11 @@ def _identified(known: dict[str, User], gate: Gate, home: Home) -> Visitor | Non
     if not known and proxy is None:
         return Visitor()
     user = known.get(session.get("name", ""))
-    if user and session.get("password") == _mark(user) and _is_open(user, home):
+    if (
+        user
+        and session.get("password") == _mark(user)
+        and users.is_open(str(session.get("id", "")), user.name, home)
+    ):
         return _visitor(user)
     if not request.path.startswith(PREFIX):
         return None
@@ -255,10 +262,6 @@ def _is_of(proxy: Proxy, home: Home) -> bool:
     secret = whole_files.read(home.path / proxy.secret_file)
     given = request.headers.get(proxy.secret_header, "")
     return hmac.compare_digest(given.encode(), secret.encode())
-
-
-def _is_open(user: User, home: Home) -> bool:
-    return users.is_open(str(session.get("id", "")), user.name, home)
 
 
 def by_password(known: dict[str, User], gate: Gate, home: Home) -> User | None:
@@ -303,8 +306,3 @@ def _without_database(error: Busy) -> AnyResponse | None:
         return None if str(asked).startswith(OF_THE_FRAME) else jsonify(ASK_AGAIN)
     is_page = request.method == "GET" and "text/html" in request.headers.get("Accept", "")
     return None if is_page or request.path in SHELL else refusal(503, str(error))
-
-
-def _key(home: Home) -> str:
-    """What signs the cookies: a file of the home; with no home yet, for this process alone."""
-    return whole_files.made(home.path / KEY) if home.path.is_dir() else secrets.token_hex(32)

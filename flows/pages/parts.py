@@ -282,14 +282,15 @@ def link(text: str, path: str, **fields: str) -> Component:
 def facts(named: Mapping[str, Cell], view: View, across: int = 4) -> Component:
     """Names, as messages by their identifiers, and what they are, side by side."""
     cards = [
-        dmc.Box([dmc.Text(view.text(id_), size="xs", c="dimmed"), _fact(value)])
+        dmc.Box(
+            [
+                dmc.Text(view.text(id_), size="xs", c="dimmed"),
+                value if isinstance(value, Component) else dmc.Text(value or "–", lineClamp=3),
+            ]
+        )
         for id_, value in named.items()
     ]
     return dmc.SimpleGrid(cards, cols={"base": 2, "sm": across}, spacing="xs")
-
-
-def _fact(value: Cell) -> Component:
-    return value if isinstance(value, Component) else dmc.Text(value or "–", lineClamp=3)
 
 
 def grid(

@@ -99,8 +99,16 @@ def lineage(shown: RunShown, view: View) -> Component:
         for each in shown.results
     ]
     names = "id method code made supersedes why certificates"
+    # The number of a certificate, or that the recording's manifest does
     standards = [
-        (each.name, each.serial, each.certificate, _named_by(each.document, view))
+        (
+            each.name,
+            each.serial,
+            each.certificate,
+            view.text("pages-standards-manifest")
+            if each.document == STANDARD_DOCUMENT
+            else each.document,
+        )
         for each in shown.standards
     ]
     made_with = [setting(*each) for each in shown.settings.items()]
@@ -124,11 +132,6 @@ def lineage(shown: RunShown, view: View) -> Component:
             table("pages-settings-column", "name value", settings, view),
         ]
     )
-
-
-def _named_by(document: str, view: View) -> str:
-    """The number of a certificate, or that the recording's manifest does."""
-    return view.text("pages-standards-manifest") if document == STANDARD_DOCUMENT else document
 
 
 # Lays the page of one run out, and draws its signals.

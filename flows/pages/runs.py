@@ -28,7 +28,7 @@ from schemas.text import RunVerdict
 from schemas.tolerance import Verdict
 from storage.catalogue.run_states import Comparison, Condition, ResultState, RunLine, run_list
 from storage.home import Home
-from tasks.words import Sayable, message
+from tasks.words import message
 
 AT_ONCE = 100
 MOST_AT_ONCE = 1000
@@ -247,12 +247,8 @@ def _by_words(name: str, kind: Comparison, text: str, view: View) -> Condition:
     if kind in ("blank", "not_blank"):
         return Condition(column=name, kind=kind)
     every: tuple[str | None, ...] = (*codes, None)
-    found = tuple(code for code in every if meets[kind](_folded(words(code), view)))
+    found = tuple(code for code in every if meets[kind](view.say(words(code)).casefold()))
     return Condition(column=name, kind="among", values=found)
-
-
-def _folded(sayable: Sayable, view: View) -> str:
-    return view.say(sayable).casefold()
 
 
 def _day(text: str | None) -> date | None:

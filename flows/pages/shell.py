@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from flows.pages import parts
 from flows.pages.answers import PAGES
 from flows.pages.login import fault
-from flows.pages.parts import Page, View, note, notice, parameters, view_of_request, zone
+from flows.pages.parts import View, note, notice, parameters, view_of_request, zone
 from schemas.base import Unusable, first_fault
 from storage.catalogue.database import Busy
 from storage.home import Home
@@ -142,15 +142,15 @@ def page_at(path: str, search: str, home: Home, view: View) -> PageAndInterval:
     except Unusable as error:
         return notice(view, "pages-not-answered", "yellow", error), NEVER, True
     interval = NEVER if page.refresh_s is None else int(page.refresh_s * 1000)
-    return _titled(page, shown, view), interval, page.refresh_s is None
+    heading = dmc.Title(page.title(view), order=2)
+    about = f"{page.about(view)} · {view.say(zone())}"
+    return (
+        dmc.Stack([dmc.Box([heading, note(about)]), shown], gap="md"),
+        interval,
+        page.refresh_s is None,
+    )
 
 
 def no_database(fault: Exception | str, view: View) -> PageAndInterval:
     """What a page says while the database does not answer; then it asks again."""
     return notice(view, "pages-no-database", "red", fault), int(RETRY_S * 1000), False
-
-
-def _titled(page: Page, shown: Component, view: View) -> Component:
-    heading = dmc.Title(page.title(view), order=2)
-    about = f"{page.about(view)} · {view.say(zone())}"
-    return dmc.Stack([dmc.Box([heading, note(about)]), shown], gap="md")

@@ -252,8 +252,16 @@ SYMBOLS: dict[AsMeasured, str] = {"found": "circle", "left": "diamond", "invalid
 def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
     """One unit where it is named, else the list."""
     if shown.unit is None:
-        return _list(shown, view)
-    parts = [_facts(shown.unit, view), _advice_box(shown, view)]
+        names = "serial model manufacturer runs last-run certificate verdict due"
+        rows = [_row(each, view) for each in shown.units]
+        shown_units = grid(
+            "units", "pages-unit-column", names, rows, view, "calc(100vh - 190px)", 120, OWN
+        )
+        count = view.text("pages-unit-count", count=shown.total)
+        return dmc.Stack([dmc.Text(count), shown_units], gap="xs")
+    sentence = view.say(shown.advice or shown.why_no_advice or "")
+    name = dmc.Text(view.text("pages-unit-interval"), size="xs", c="dimmed")
+    parts = [_facts(shown.unit, view), dmc.Box([name, dmc.Text(sentence, size="sm")])]
     if shown.elements:
         parts += [_choice(shown, view), *_history(shown, view)]
     else:
@@ -265,16 +273,6 @@ def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
             certificate_table(shown.certificates, view),
         ]
     )
-
-
-def _list(shown: UnitShown, view: View) -> Component:
-    names = "serial model manufacturer runs last-run certificate verdict due"
-    rows = [_row(each, view) for each in shown.units]
-    shown_units = grid(
-        "units", "pages-unit-column", names, rows, view, "calc(100vh - 190px)", 120, OWN
-    )
-    count = view.text("pages-unit-count", count=shown.total)
-    return dmc.Stack([dmc.Text(count), shown_units], gap="xs")
 
 
 def _row(line: UnitLine, view: View) -> dict[str, Any]:
@@ -306,12 +304,6 @@ def _facts(line: UnitLine, view: View) -> Component:
         },
         view,
     )
-
-
-def _advice_box(shown: UnitShown, view: View) -> Component:
-    sentence = view.say(shown.advice or shown.why_no_advice or "")
-    name = dmc.Text(view.text("pages-unit-interval"), size="xs", c="dimmed")
-    return dmc.Box([name, dmc.Text(sentence, size="sm")])
 
 
 def _choice(shown: UnitShown, view: View) -> Component:
@@ -423,7 +415,21 @@ def history_figure(elements: Sequence[ElementHistory], view: View, scales: Scale
         end = "" if number == 0 else str(number + 1)
         axes |= _axes(number, down, end, element)
         scale = scales.get(element.unit) or Scale(1.0, 0, element.unit)
-        titles.append(_title(number, down, element.symbol, scale.unit))
+        x, y = _domains(number, down)
+        titles.append(
+            {
+                "text": element.symbol
+                if scale.unit == "1"
+                else f"{element.symbol} ({unit_text(scale.unit)})",
+                "x": x[0],
+                "y": y[1],
+                "xref": "paper",
+                "yref": "paper",
+                "xanchor": "left",
+                "yanchor": "bottom",
+                "showarrow": False,
+            }
+        )
         edges = [edge for edge in (element.lower, element.upper) if edge is not None]
         shapes += [_limit(edge * scale.factor, end) for edge in edges]
         for state in COLORS:
@@ -457,15 +463,6 @@ def _axes(number: int, down: int, end: str, element: ElementHistory) -> dict[str
         f"xaxis{end}": {"domain": x, "anchor": f"y{end}", "tickformat": "%Y-%m", "nticks": 4,
                         "type": "date"},
         f"yaxis{end}": {"domain": y, "anchor": f"x{end}", "exponentformat": "power", "nticks": 6},
-    }  # fmt: skip
-
-
-def _title(number: int, down: int, name: str, unit: str) -> dict[str, Any]:
-    x, y = _domains(number, down)
-    return {
-        "text": name if unit == "1" else f"{name} ({unit_text(unit)})",
-        "x": x[0], "y": y[1], "xref": "paper", "yref": "paper",
-        "xanchor": "left", "yanchor": "bottom", "showarrow": False,
     }  # fmt: skip
 
 
