@@ -22,7 +22,7 @@ from flows.pages import answers, health, shell
 from flows.pages.answers import FIRST, PAGES
 from flows.pages.answers import files as certificate_files
 from flows.pages.login import Gate, guard, log_in, log_out, passed
-from flows.pages.parts import view_of_request
+from flows.pages.parts import say, view
 from flows.terminal import stdout
 from schemas.base import Unusable
 from storage import settings
@@ -84,7 +84,6 @@ class Application(Dash):
         renderer: str = "",
     ) -> str:
         """The first document, before any script has run."""
-        view = view_of_request()
         tags = scripts.splitlines()
         scripts = "\n".join(tag for tag in tags if UNUSED not in tag)
         early, late = CELLS, ""
@@ -93,8 +92,8 @@ class Application(Dash):
             early, late = "", f' data-grid="{grid[1]}"'
             scripts = GRID.sub("", scripts)
         return f"""<!DOCTYPE html>
-<html lang="{view.language}"
- data-mantine-color-scheme="{view.theme}" data-ag-theme-mode="{view.theme}"{late}>
+<html lang="{view().language}"
+ data-mantine-color-scheme="{view().theme}" data-ag-theme-mode="{view().theme}"{late}>
 <head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 {metas}<title>{title}</title>{favicon}{css}{early}</head>
@@ -200,11 +199,10 @@ def login(home: Home, gate: Gate) -> Blueprint:
 
 
 def _form(fault: Message | None, wanted: str) -> str:
-    view = view_of_request()
     return render_template(
-        "login.html", language=view.language, theme=view.theme, next=wanted,
-        fault=fault and view.say(fault), token=generate_csrf(),
-        words={name: view.say(each) for name, each in WORDS.items()},
+        "login.html", language=view().language, theme=view().theme, next=wanted,
+        fault=fault and say(fault), token=generate_csrf(),
+        words={name: say(each) for name, each in WORDS.items()},
     )  # fmt: skip
 
 

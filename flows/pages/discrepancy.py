@@ -15,7 +15,6 @@ from flows.pages.parts import (
     Cell,
     Page,
     StepState,
-    View,
     badge,
     choice,
     day_in,
@@ -23,6 +22,8 @@ from flows.pages.parts import (
     heading,
     link,
     note,
+    said,
+    say,
     second_of,
     table,
     validity_state,
@@ -372,64 +373,61 @@ EVERY = "pages-mismatch-all"
 FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
 
 
-def layout(shown: DiscrepancyShown, view: View, question: DiscrepancyQuestion) -> Component:
+def layout(shown: DiscrepancyShown, question: DiscrepancyQuestion) -> Component:
     """The last review, then what the explained runs show one by one."""
-    none = view.text("pages-mismatch-no-review")
-    review = _review_parts(shown.review, view) if shown.review else [dmc.Text(none)]
-    counted = view.text(
+    none = said("pages-mismatch-no-review")
+    review = _review_parts(shown.review) if shown.review else [dmc.Text(none)]
+    counted = said(
         "pages-mismatch-explained", explained=shown.explained, runs=shown.runs,
         invalid=shown.invalid,
     )  # fmt: skip
     values = {"effect": shown.known, "station": shown.stations, "model": shown.models,
               "serial": shown.serials}  # fmt: skip
     controls = [
-        choice(name, f"pages-mismatch-asked.{name}", of, getattr(question, name), view, EVERY)
+        choice(name, f"pages-mismatch-asked.{name}", of, getattr(question, name), EVERY)
         for name, of in values.items()
     ]
     names = "run day station unit validity verdict findings report"
     return dmc.Stack(
         [
-            heading("pages-mismatch-review", view),
+            heading("pages-mismatch-review"),
             *review,
-            heading("pages-mismatch-own", view),
+            heading("pages-mismatch-own"),
             dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs"),
             note(counted),
-            *(_effect_card(each, view) for each in shown.effects),
-            heading("pages-mismatch-runs", view),
-            table(
-                "pages-mismatch-column", names, [_run_row(run, view) for run in shown.newest], view
-            ),
+            *(_effect_card(each) for each in shown.effects),
+            heading("pages-mismatch-runs"),
+            table("pages-mismatch-column", names, [_run_row(run) for run in shown.newest]),
         ],
         gap="sm",
     )
 
 
-def _review_parts(review: ReviewShown, view: View) -> list[Component]:
-    asked = ", ".join(_asked(name, value, view) for name, value in review.asked.items())
+def _review_parts(review: ReviewShown) -> list[Component]:
+    asked = ", ".join(_asked(name, value) for name, value in review.asked.items())
     days = f"{review.days[0]} … {review.days[1]}" if review.days else None
     about = facts(
         {
             "pages-mismatch-fact.at": second_of(review.at),
-            "pages-mismatch-fact.asked": asked or view.text(EVERY),
+            "pages-mismatch-fact.asked": asked or said(EVERY),
             "pages-mismatch-fact.runs": f"{review.runs} (+ {review.skipped})",
             "pages-mismatch-fact.days": days,
         },
-        view,
     )
     state = _state(review.verdict)
-    summary = dmc.Group([badge(state, view), dmc.Text(view.say(review.statement))])
+    summary = dmc.Group([badge(state), dmc.Text(say(review.statement))])
     carriers: dict[tuple[str, str], list[Carried]] = {}
     for each in review.findings:
         carriers.setdefault((each.finding.level, each.finding.carrier), []).append(each)
-    return [about, summary, *(_carrier(of, view) for of in carriers.values())]
+    return [about, summary, *(_carrier(of) for of in carriers.values())]
 
 
-def _asked(name: str, value: str, view: View) -> str:
+def _asked(name: str, value: str) -> str:
     """A part of what a review was asked of, in words."""
     if name == "paths":
-        return view.text("pages-mismatch-recordings", count=int(value))
+        return said("pages-mismatch-recordings", count=int(value))
     kind = "fact" if name in ("since", "until") else "asked"
-    return f"{view.text(f'pages-mismatch-{kind}.{name}')} {value}"
+    return f"{said(f'pages-mismatch-{kind}.{name}')} {value}"
 
 
 def _state(verdict: Verdict) -> StepState:
@@ -438,41 +436,40 @@ def _state(verdict: Verdict) -> StepState:
     return StepState(words, "good" if verdict == "no_mismatch" else "bad")
 
 
-def _carrier(of: Sequence[Carried], view: View) -> Component:
+def _carrier(of: Sequence[Carried]) -> Component:
     """A station, unit, model, lot or site once, with everything that was found of it."""
     finding = of[0].finding
-    name = view.text(f"pages-mismatch-level.{finding.level}") + f" {finding.carrier}"
-    parts = [part for each in of for part in _carried_parts(each, view)]
+    name = said(f"pages-mismatch-level.{finding.level}") + f" {finding.carrier}"
+    parts = [part for each in of for part in _carried_parts(each)]
     head = dmc.Title(name, order=4)
     return dmc.Card(dmc.Stack([head, *parts], gap="xs"), withBorder=True, className="carried")
 
 
-def _carried_parts(carried: Carried, view: View) -> list[Component]:
+def _carried_parts(carried: Carried) -> list[Component]:
     """An effect: since when, in how many runs, how large and how clear; what to do about it, and
     what it touches.
     """
     finding = carried.finding
     evidence = finding.evidence
-    sizes = dmc.Stack([dmc.Text(_parameter(p, view)) for p in finding.parameters], gap=0)
+    sizes = dmc.Stack([dmc.Text(_parameter(p)) for p in finding.parameters], gap=0)
     shown = facts(
         {
-            "pages-mismatch-fact.since": _moment(finding.since, view),
-            "pages-mismatch-fact.until": _moment(finding.until, view),
+            "pages-mismatch-fact.since": _moment(finding.since),
+            "pages-mismatch-fact.until": _moment(finding.until),
             "pages-mismatch-fact.shown": f"{evidence.runs_that_show_it} / {evidence.runs}",
             "pages-mismatch-fact.sizes": sizes,
-            "pages-mismatch-fact.clear": view.text(
+            "pages-mismatch-fact.clear": said(
                 "pages-mismatch-clear", z=plain(evidence.per_run_z_median, 2)
             ),
         },
-        view,
     )
-    parts = [dmc.Text(view.say(carried.title), fw="bold"), shown, _to_do(finding, view)]
-    parts += _touched(carried.papers, carried.query, view)
-    parts += [_uncertain_line(each, view) for each in carried.uncertain]
-    return parts + _moved_parts(carried.moved, view)
+    parts = [dmc.Text(say(carried.title), fw="bold"), shown, _to_do(finding)]
+    parts += _touched(carried.papers, carried.query)
+    parts += [_uncertain_line(each) for each in carried.uncertain]
+    return parts + _moved_parts(carried.moved)
 
 
-def _to_do(finding: ReviewFinding, view: View) -> Component:
+def _to_do(finding: ReviewFinding) -> Component:
     """What separates it from other carriers and effects, else what removes it; and where."""
     steps: list[Sayable] = [
         deciding_run(finding.level, finding.carrier, each) for each in finding.alternatives
@@ -484,12 +481,12 @@ def _to_do(finding: ReviewFinding, view: View) -> Component:
         steps += [message("review-separated-by", recording=separated)] if separated else []
     step = next_step(finding.effect)
     steps += [step] if step and not steps else []
-    texts = [dmc.Text(f"→ {view.say(each)}") for each in steps]
-    order = dcc.Link(view.text("pages-action.acquire"), href="/do", className="button")
+    texts = [dmc.Text(f"→ {say(each)}") for each in steps]
+    order = dcc.Link(said("pages-action.acquire"), href="/do", className="button")
     return dmc.Stack([*texts, dmc.Group(order)], gap=4)
 
 
-def _moment(moment: Moment | None, view: View) -> str | None:
+def _moment(moment: Moment | None) -> str | None:
     """The day, and the days between which the change lies with 95 %."""
     if moment is None:
         return None
@@ -499,18 +496,18 @@ def _moment(moment: Moment | None, view: View) -> str | None:
     if not without:
         return f"{at} (95 %: {earliest} … {latest})"
     low, high = (without, latest) if without < earliest else (earliest, without)
-    return view.text("pages-mismatch-between", at=at, low=low, high=high)
+    return said("pages-mismatch-between", at=at, low=low, high=high)
 
 
-def _uncertain_line(time: UncertainTime, view: View) -> Component:
-    counted = view.text(
+def _uncertain_line(time: UncertainTime) -> Component:
+    counted = said(
         "pages-mismatch-uncertain", issued=time.papers.issued, since=time.query["since"],
         until=time.query["until"],
     )  # fmt: skip
-    return dmc.Group([dmc.Text(counted, size="sm"), _runs_link(time.query, view)])
+    return dmc.Group([dmc.Text(counted, size="sm"), _runs_link(time.query)])
 
 
-def _moved_parts(papers: Sequence[PaperMoved], view: View) -> list[Component]:
+def _moved_parts(papers: Sequence[PaperMoved]) -> list[Component]:
     """What it changes in the certificates of reviewed runs, element by element."""
     if not papers:
         return []
@@ -522,10 +519,10 @@ def _moved_parts(papers: Sequence[PaperMoved], view: View) -> list[Component]:
         )
         for paper in papers[:MOST_PAPERS]
     ]
-    about = view.text("pages-mismatch-moved", count=len(papers), listed=len(rows))
+    about = said("pages-mismatch-moved", count=len(papers), listed=len(rows))
     return [
         dmc.Text(about, size="sm", fw="bold"),
-        table("pages-mismatch-moved", "paper run elements", rows, view),
+        table("pages-mismatch-moved", "paper run elements", rows),
     ]
 
 
@@ -534,44 +531,43 @@ def _in_U(moved: Moved) -> str:
     return f"{symbol(moved.item, moved.element)} {multiple(moved.in_U)} U".replace(" ", "\u00a0")
 
 
-def _parameter(parameter: FoundParameter, view: View) -> str:
-    return view.say(parameter_text(parameter))
+def _parameter(parameter: FoundParameter) -> str:
+    return say(parameter_text(parameter))
 
 
-def _touched(papers: Papers | None, query: dict[str, str] | None, view: View) -> list[Component]:
+def _touched(papers: Papers | None, query: dict[str, str] | None) -> list[Component]:
     """The certificates that may be wrong, with the way to their runs."""
     if papers is None:
         return []
-    counted = view.text("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
+    counted = said("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
     parts: list[Component] = [dmc.Text(counted, size="sm", fw="bold")]
-    parts += [_runs_link(query, view)] if query else []
+    parts += [_runs_link(query)] if query else []
     listed = [link(number, "/runs", certificate=number) for number in papers.numbers]
     listed += [dmc.Text("…")] if papers.issued > len(papers.numbers) else []
     return [dmc.Group(parts), dmc.Group(listed, gap="xs", className="small")]
 
 
-def _runs_link(query: dict[str, str], view: View) -> Component:
-    return link(view.text("pages-mismatch-their-runs"), "/runs", **query)
+def _runs_link(query: dict[str, str]) -> Component:
+    return link(said("pages-mismatch-their-runs"), "/runs", **query)
 
 
-def _effect_card(seen: EffectSeen, view: View) -> Component:
+def _effect_card(seen: EffectSeen) -> Component:
     carriers = {
         f"pages-mismatch-level.{level}": _shares(getattr(seen, f"by_{level}"), seen, field)
         for level, field in (("station", "station"), ("model", "model"), ("unit", "serial"))
     }
     days = f"{seen.since} … {seen.until}" if seen.since else None
     moved = ", ".join(map(_in_U, seen.moved))
-    counted = view.text("pages-mismatch-in-runs", count=seen.runs)
+    counted = said("pages-mismatch-in-runs", count=seen.runs)
     head = dmc.Group([
-        dmc.Title(view.say(seen.title), order=4), dmc.Code(seen.effect),
+        dmc.Title(say(seen.title), order=4), dmc.Code(seen.effect),
         link(counted, "/mismatch", effect=seen.effect),
     ])  # fmt: skip
     shown = facts(
         {"pages-mismatch-fact.days": days, **carriers,
          "pages-mismatch-fact.moved": dmc.Text(moved, size="sm") if moved else None},
-        view,
     )  # fmt: skip
-    touched = _touched(seen.papers, None, view)
+    touched = _touched(seen.papers, None)
     return dmc.Card(dmc.Stack([head, shown, *touched], gap="xs"), withBorder=True)
 
 
@@ -586,14 +582,14 @@ def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
     return dmc.Stack(lines, gap=0, className="small")
 
 
-def _run_row(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
+def _run_row(run: ExplainedRun) -> tuple[Cell, ...]:
     found = [
-        dmc.Text(f"{view.say(f.title)} ({100 * f.share:.0f} %): " + ", ".join(
-            _parameter(p, view) for p in f.parameters[:3]), size="sm")
+        dmc.Text(f"{say(f.title)} ({100 * f.share:.0f} %): " + ", ".join(
+            _parameter(p) for p in f.parameters[:3]), size="sm")
         for f in run.findings
     ]  # fmt: skip
     report = html.A(
-        view.text("pages-mismatch-report"), href=f"/explained/{run.run}.html",
+        said("pages-mismatch-report"), href=f"/explained/{run.run}.html",
         className="whole",
         target="_blank",
     )  # fmt: skip
@@ -602,8 +598,8 @@ def _run_row(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
         str(run.day) if run.day else None,
         run.station,
         f"{run.model} {run.serial}",
-        badge(validity_state(run.validity), view),
-        badge(_state(run.verdict), view),
+        badge(validity_state(run.validity)),
+        badge(_state(run.verdict)),
         dmc.Stack(found, gap=2) if found else None,
         report,
     )

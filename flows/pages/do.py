@@ -26,17 +26,18 @@ from flows.orders.signed_orders import carry_out_signed
 from flows.pages.parts import (
     Kind,
     Page,
-    View,
     asking,
     badge,
     decision_state,
     facts,
     heading,
     notice,
+    said,
+    say,
     second_of,
     stated,
     table,
-    view_of_request,
+    view,
 )
 from schemas.access import MAY, Action, Visitor
 from schemas.base import Finite, Frozen, NotAllowed, Unusable
@@ -361,58 +362,58 @@ def data(_: DoQuestion, home: Home) -> DoShown:
     )
 
 
-def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
+def layout(shown: DoShown, question: DoQuestion) -> Component:
     """A form for each order that the role allows; the orders given here; who may give which."""
-    allowed = [action for action in FIELDS if view.visitor.may(action)]
-    forms = [_form(action, shown, question, view) for action in allowed]
-    why = "pages-do-nothing" if view.visitor.name else "pages-do-nobody"
-    nothing = dmc.Alert(view.text(why), color="gray")
-    busy: dict[str, Any] = {"data-busy": view.text("pages-do-busy")}
+    allowed = [action for action in FIELDS if view().visitor.may(action)]
+    forms = [_form(action, shown, question) for action in allowed]
+    why = "pages-do-nothing" if view().visitor.name else "pages-do-nobody"
+    nothing = dmc.Alert(said(why), color="gray")
+    busy: dict[str, Any] = {"data-busy": said("pages-do-busy")}
     return dmc.Stack(
         [
             html.Div(html.Div(id="do-answer"), className="answer", **busy),
             dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
-            heading("pages-do-queue", view),
-            dmc.Box(_production(shown, view), id="do-production"),
-            heading("pages-do-orders", view),
-            dmc.Box(_orders(shown.orders, view), id="do-orders"),
+            heading("pages-do-queue"),
+            dmc.Box(_production(shown), id="do-production"),
+            heading("pages-do-orders"),
+            dmc.Box(_orders(shown.orders), id="do-orders"),
             dcc.Interval(id="do-again", interval=REFRESH_MS),
-            heading("pages-do-roles", view),
-            _roles(view),
+            heading("pages-do-roles"),
+            _roles(),
         ]
     )
 
 
-def _form(action: Action, shown: DoShown, question: DoQuestion, view: View) -> Component:
+def _form(action: Action, shown: DoShown, question: DoQuestion) -> Component:
     """A certificate's card ends with what is said of the chosen one, and the button with it."""
-    title = dmc.Title(view.text(f"pages-action.{action}"), order=4)
-    fields = [_field(action, name, shown, question, view) for name in FIELDS[action]]
+    title = dmc.Title(said(f"pages-action.{action}"), order=4)
+    fields = [_field(action, name, shown, question) for name in FIELDS[action]]
     of_paper = "certificate" in FIELDS[action]
-    end = dmc.Box(id={"of": action, "shows": "chosen"}) if of_paper else _button(action, view)
+    end = dmc.Box(id={"of": action, "shows": "chosen"}) if of_paper else _button(action)
     return dmc.Card([dmc.Stack([title, *fields, end], gap="xs")], withBorder=True, padding="md")
 
 
-def _button(action: Action, view: View, **more: Any) -> Component:
+def _button(action: Action, **more: Any) -> Component:
     color = "red" if action == "withdraw" else "blue"
     return dmc.Button(
-        view.text(f"pages-action.{action}"), id={"do": action}, color=color, fullWidth=True,
+        said(f"pages-action.{action}"), id={"do": action}, color=color, fullWidth=True,
         className="primary", **more,
     )  # fmt: skip
 
 
-def chosen(action: Action, number: str | None, view: View, home: Home) -> Component:
+def chosen(action: Action, number: str | None, home: Home) -> Component:
     """What a certificate says, with its PDF, beside the button of its next step; without one
     nothing can be pressed. Withdrawing is asked first.
     """
     if not number:
-        return _button(action, view, disabled=True)
+        return _button(action, disabled=True)
     try:
         paper = certificates.record_of(certificates.entry_of(number, home), home)
     except Unusable as error:
-        return notice(view, "pages-not-answered", "red", error)
+        return notice("pages-not-answered", "red", error)
     unit, decision = paper.manifest.unit, paper.decision
     counted = Counter(limit.verdict for limit in decision.limits)
-    limits = view.text(
+    limits = said(
         "pages-do-limits", passed=counted["pass"], failed=counted["fail"],
         open=counted["inconclusive"],
     )  # fmt: skip
@@ -424,22 +425,20 @@ def chosen(action: Action, number: str | None, view: View, home: Home) -> Compon
             f"pages-do-step.{step.step}": f"{step.person}, {second_of(step.at)}"
             for step in paper.steps
         },
-        "pages-column-verdict": badge(decision_state(decision.verdict), view),
+        "pages-column-verdict": badge(decision_state(decision.verdict)),
         "pages-items-column.limits": limits,
     }
     pdf = html.A(
-        view.text("pages-do-pdf"), href=f"/certificate/{number}.pdf", target="_blank",
+        said("pages-do-pdf"), href=f"/certificate/{number}.pdf", target="_blank",
         className="button",
     )  # fmt: skip
-    question = view.text("pages-do-withdraw", certificate=number)
-    asked = asking(question, view) if action == "withdraw" else {}
-    reasons = [dmc.Text(view.say(each), size="sm") for each in texts_of(decision, "reasons")]
-    return dmc.Stack([facts(about, view, 2), *reasons, pdf, _button(action, view, **asked)], gap=8)
+    question = said("pages-do-withdraw", certificate=number)
+    asked = asking(question) if action == "withdraw" else {}
+    reasons = [dmc.Text(say(each), size="sm") for each in texts_of(decision, "reasons")]
+    return dmc.Stack([facts(about, 2), *reasons, pdf, _button(action, **asked)], gap=8)
 
 
-def _field(
-    action: Action, name: str, shown: DoShown, question: DoQuestion, view: View
-) -> Component:
+def _field(action: Action, name: str, shown: DoShown, question: DoQuestion) -> Component:
     chosen: dict[str, list[str]] = {
         "procedure": list(shown.procedures),
         "certificate": _certificates(action, shown),
@@ -449,7 +448,7 @@ def _field(
     if action == "acquire":
         chosen["station"] = list(shown.stations)
     id_ = {"of": action, "field": name}
-    label = view.text(f"pages-do-field.{name.replace('_', '-')}")
+    label = said(f"pages-do-field.{name.replace('_', '-')}")
     given, needed = getattr(question, name, None), name in REQUIRED.get(action, ())
     if name not in chosen:
         return dmc.TextInput(id=id_, label=label, value=given or "", withAsterisk=needed)
@@ -463,15 +462,15 @@ def _certificates(action: Any, shown: DoShown) -> list[str]:
     return [c.number for c in shown.certificates if c.state == STEP_OF.get(action)]
 
 
-def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
+def _orders(given: tuple[GivenOrder, ...]) -> Component:
     rows = [
         (
             second_of(each.at),
             each.person,
-            view.text(f"pages-action.{each.action}"),
+            said(f"pages-action.{each.action}"),
             each.subject,
-            _state(each.state, None, view),
-            each.fault and view.say(cause_of(each.fault)),
+            _state(each.state, None),
+            each.fault and say(cause_of(each.fault)),
         )
         for each in given
     ]  # fmt: skip
@@ -479,51 +478,50 @@ def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
         "pages-order-column",
         "at person action subject state fault",
         rows,
-        view,
         none="pages-do-no-order",
     )
 
 
-def _production(shown: DoShown, view: View) -> Component:
+def _production(shown: DoShown) -> Component:
     """The queue by station, unit and procedure, with what can be done about each order."""
     rows = [
         (
             each.station,
             each.serials,
             each.procedure,
-            _state(each.state, shown.progress.get(each.station), view),
+            _state(each.state, shown.progress.get(each.station)),
             each.person,
             second_of(each.ordered_at),
             each.number,
-            view.say(shown_cause(each)) if each.fault else ", ".join(each.certificates),
-            _step(each, view),
+            say(shown_cause(each)) if each.fault else ", ".join(each.certificates),
+            _step(each),
         )
         for each in shown.production
     ]
     names = "station unit procedure state person at number outcome step"
-    return table("pages-order-column", names, rows, view, none="pages-do-no-order")
+    return table("pages-order-column", names, rows, none="pages-do-no-order")
 
 
-def _state(state: str, share: float | None, view: View) -> Component:
+def _state(state: str, share: float | None) -> Component:
     """Of an order that runs with how far it is, or else that it moves."""
-    shown = badge(stated(f"pages-order.{state}", KINDS[state]), view)
+    shown = badge(stated(f"pages-order.{state}", KINDS[state]))
     bar = dmc.Progress(value=100 * (share or 1.0), animated=share is None)
     return dmc.Stack([shown, *([bar] if state == "running" else [])], gap=4)
 
 
-def _step(order: ProductionOrder, view: View) -> Component | None:
+def _step(order: ProductionOrder) -> Component | None:
     step = QUEUE_STEPS.get(order.state)
-    if step is None or not view.visitor.may("acquire"):
+    if step is None or not view().visitor.may("acquire"):
         return None
     id_ = {"step": step, "number": order.number}
-    return dmc.Button(view.text(f"pages-order-step.{step}"), id=id_)
+    return dmc.Button(said(f"pages-order-step.{step}"), id=id_)
 
 
-def _roles(view: View) -> Component:
+def _roles() -> Component:
     """Which role may do what, as it stands."""
-    rows = [(view.text(f"pages-action.{action}"), view.text("pages-roles", roles=roles_of(action)))
+    rows = [(said(f"pages-action.{action}"), said("pages-roles", roles=roles_of(action)))
             for action in MAY]  # fmt: skip
-    return table("pages-roles-column", "action roles", rows, view)
+    return table("pages-roles-column", "action roles", rows)
 
 
 def callbacks(app: Dash, home: Home) -> None:
@@ -536,9 +534,9 @@ def callbacks(app: Dash, home: Home) -> None:
         Input("do-again", "n_intervals"),
     )
     def refresh(_: int | None) -> tuple[Component, Component, list[list[str]]]:
-        view, shown = view_of_request(), data(DoQuestion(), home)
+        shown = data(DoQuestion(), home)
         listed = [_certificates(each["id"].get("of"), shown) for each in ctx.outputs_list[2]]
-        return _production(shown, view), _orders(shown.orders, view), listed
+        return _production(shown), _orders(shown.orders), listed
 
     @app.callback(
         Output({"of": MATCH, "shows": "chosen"}, "children"),
@@ -548,7 +546,7 @@ def callbacks(app: Dash, home: Home) -> None:
         action = next((each for each in STEP_OF if each == ctx.outputs_list["id"]["of"]), None)
         if action is None or not isinstance(number, str | None):
             return no_update
-        return chosen(action, number, view_of_request(), home)
+        return chosen(action, number, home)
 
     @app.callback(
         Output("do-answer", "children", allow_duplicate=True),
@@ -558,7 +556,7 @@ def callbacks(app: Dash, home: Home) -> None:
     def take_step(clicks: list[int | None]) -> Any:
         if not any(clicks) or not isinstance(ctx.triggered_id, dict):
             return no_update
-        return step_answer(ctx.triggered_id, view_of_request(), home)
+        return step_answer(ctx.triggered_id, home)
 
     @app.callback(
         Output("do-answer", "children"),
@@ -571,37 +569,37 @@ def callbacks(app: Dash, home: Home) -> None:
     def give(clicks: list[int | None], values: list[str | None], ids: list[dict[str, str]]) -> Any:
         if not any(clicks) or not isinstance(ctx.triggered_id, dict):
             return no_update
-        view, action = view_of_request(), ctx.triggered_id["do"]
+        action = ctx.triggered_id["do"]
         fields = {
             each["field"]: value or ""
             for each, value in zip(ids, values, strict=True)
             if each["of"] == action
         }
-        return answer(action, fields, view, home)
+        return answer(action, fields, home)
 
 
-def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Component:
+def answer(action: str, fields: dict[str, str], home: Home) -> Component:
     """Gives an order; what became of it, as a sentence."""
     known = next((each for each in FIELDS if each == action), None)
     if known is None or not all(isinstance(value, str) for value in fields.values()):
-        LOGGER.warning("order %s refused to %s: no such order", plain(action), view.visitor.name)
-        return dmc.Alert(view.text("pages-not-answered"), color="red")
+        LOGGER.warning("order %s refused to %s: no such order", plain(action), view().visitor.name)
+        return dmc.Alert(said("pages-not-answered"), color="red")
     words = message(f"pages-action.{action}")
-    return _became(words, view, lambda: orders_of(home).give(known, fields, view.visitor))
+    return _became(words, lambda: orders_of(home).give(known, fields, view().visitor))
 
 
-def step_answer(button: dict[str, str], view: View, home: Home) -> Component:
+def step_answer(button: dict[str, str], home: Home) -> Component:
     """Cancels an order of a queue or repeats it; what became of it, as a sentence."""
     step, number = button["step"], button["number"]
     words = message(f"pages-order-step.{step}")
-    return _became(words, view, lambda: orders_of(home).queue_step(step, number, view.visitor))
+    return _became(words, lambda: orders_of(home).queue_step(step, number, view().visitor))
 
 
-def _became(action: Message, view: View, give: Callable[[], str]) -> Component:
+def _became(action: Message, give: Callable[[], str]) -> Component:
     try:
-        return dmc.Alert(view.text("pages-do-done", action=action, subject=give()), color="green")
+        return dmc.Alert(said("pages-do-done", action=action, subject=give()), color="green")
     except Unusable as error:
-        return notice(view, "pages-do-refused", "red", error)
+        return notice("pages-do-refused", "red", error)
 
 
 PAGE = Page("do", DoQuestion, DoShown, data, layout, callbacks=callbacks)

@@ -13,7 +13,7 @@ from dash import ClientsideFunction, Dash, Input, Output
 from dash.development.base_component import Component
 from pydantic import Field
 
-from flows.pages.parts import Numbers, Row, View, asks, choice, place, rows_of
+from flows.pages.parts import Numbers, Row, asks, choice, place, rows_of, said, say, view
 from schemas.base import Finite, Frozen, Unusable
 from schemas.text import Statement
 from storage import settings
@@ -629,28 +629,27 @@ def _known(asked: str | None, known: Sequence[str], what: str) -> str | None:
 EVERY = "pages-quality-all"
 
 
-def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
+def choices(shown: QualityShown, question: QualityQuestion) -> Component:
     """The question as it was answered, in controls that ask another one."""
     asked = question.model_dump(mode="json") | {
         "model": shown.model, "item": shown.item, "element": shown.element
     }  # fmt: skip
     known = shown.choices
     item = next((each for each in known.items if each.item == shown.item), None)
-    of_items = [{"value": i.item, "label": view.say(i.title)} for i in known.items]
+    of_items = [{"value": i.item, "label": say(i.title)} for i in known.items]
     of_elements = (
         [{"value": e, "label": symbol(item.item, e)} for e in item.elements] if item else []
     )
     plots = [
-        {"value": each, "label": view.text(f"pages-quality-plot.{each}")}
-        for each in ("value", "change")
+        {"value": each, "label": said(f"pages-quality-plot.{each}")} for each in ("value", "change")
     ]
 
     def select(name: str, values: Sequence[Any], every: str = "") -> Component:
-        return choice(name, f"pages-quality-asked.{name}", values, asked[name], view, every)
+        return choice(name, f"pages-quality-asked.{name}", values, asked[name], every)
 
     def day(name: str) -> Component:
         return dmc.DateInput(
-            id=asks(name, asked[name]), label=view.text(f"pages-quality-asked.{name}"),
+            id=asks(name, asked[name]), label=said(f"pages-quality-asked.{name}"),
             value=asked[name], valueFormat="YYYY-MM-DD", clearable=True, placeholder="YYYY-MM-DD",
         )  # fmt: skip
 
@@ -660,7 +659,7 @@ def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Compo
         day("since"), day("until"), select("plot", plots),
     ]  # fmt: skip
     shown_all = dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
-    return dmc.DatesProvider(shown_all, settings={"locale": view.language, "firstDayOfWeek": 1})
+    return dmc.DatesProvider(shown_all, settings={"locale": view().language, "firstDayOfWeek": 1})
 
 
 def callbacks(app: Dash, _: Home) -> None:

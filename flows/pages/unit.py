@@ -21,7 +21,6 @@ from flows.pages.parts import (
     Figure,
     Page,
     StepState,
-    View,
     badge,
     choice,
     decision_state,
@@ -33,6 +32,8 @@ from flows.pages.parts import (
     note,
     picture,
     place,
+    said,
+    say,
     stated,
     table,
 )
@@ -249,43 +250,43 @@ COLORS: dict[AsMeasured, str] = {"found": BLUE, "left": ORANGE, "invalid": GREY}
 SYMBOLS: dict[AsMeasured, str] = {"found": "circle", "left": "diamond", "invalid": "x"}
 
 
-def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
+def layout(shown: UnitShown, question: UnitQuestion) -> Component:
     """One unit where it is named, else the list."""
     if shown.unit is None:
         names = "serial model manufacturer runs last-run certificate verdict due"
-        rows = [_row(each, view) for each in shown.units]
+        rows = [_row(each) for each in shown.units]
         shown_units = grid(
-            "units", "pages-unit-column", names, rows, view, "calc(100vh - 190px)", 120, OWN
+            "units", "pages-unit-column", names, rows, "calc(100vh - 190px)", 120, OWN
         )
-        count = view.text("pages-unit-count", count=shown.total)
+        count = said("pages-unit-count", count=shown.total)
         return dmc.Stack([dmc.Text(count), shown_units], gap="xs")
-    sentence = view.say(shown.advice or shown.why_no_advice or "")
-    name = dmc.Text(view.text("pages-unit-interval"), size="xs", c="dimmed")
-    parts = [_facts(shown.unit, view), dmc.Box([name, dmc.Text(sentence, size="sm")])]
+    sentence = say(shown.advice or shown.why_no_advice or "")
+    name = dmc.Text(said("pages-unit-interval"), size="xs", c="dimmed")
+    parts = [_facts(shown.unit), dmc.Box([name, dmc.Text(sentence, size="sm")])]
     if shown.elements:
-        parts += [_choice(shown, view), *_history(shown, view)]
+        parts += [_choice(shown), *_history(shown)]
     else:
-        parts.append(dmc.Text(view.text("pages-unit-no-result")))
+        parts.append(dmc.Text(said("pages-unit-no-result")))
     return dmc.Stack(
         [
             *parts,
-            heading("pages-unit-heading.certificates", view),
-            certificate_table(shown.certificates, view),
+            heading("pages-unit-heading.certificates"),
+            certificate_table(shown.certificates),
         ]
     )
 
 
-def _row(line: UnitLine, view: View) -> dict[str, Any]:
+def _row(line: UnitLine) -> dict[str, Any]:
     verdict, due = decision_state(line.verdict), due_state(line.due)
     return {
         "unit": line.id, "serial": line.serial, "model": line.model, "runs": line.runs,
         "manufacturer": line.manufacturer, "last-run": line.last_run and str(line.last_run),
-        "certificate": line.certificate, "verdict": view.say(verdict.words),
+        "certificate": line.certificate, "verdict": say(verdict.words),
         "verdict_kind": verdict.kind, "due": str(line.due or "–"), "due_kind": due.kind,
     }  # fmt: skip
 
 
-def _facts(line: UnitLine, view: View) -> Component:
+def _facts(line: UnitLine) -> Component:
     due = due_state(line.due)
     runs = link(str(line.runs), "/runs", manufacturer=line.manufacturer, model=line.model,
                 serial=line.serial)  # fmt: skip
@@ -297,22 +298,21 @@ def _facts(line: UnitLine, view: View) -> Component:
             "pages-unit-column.runs": runs,
             "pages-unit-column.last-run": str(line.last_run or "–"),
             "pages-unit-column.certificate": line.certificate,
-            "pages-unit-column.verdict": badge(decision_state(line.verdict), view),
+            "pages-unit-column.verdict": badge(decision_state(line.verdict)),
             "pages-unit-column.due": dmc.Group(
-                [dmc.Text(str(line.due or "–")), badge(due, view)], gap="xs"
+                [dmc.Text(str(line.due or "–")), badge(due)], gap="xs"
             ),
         },
-        view,
     )
 
 
-def _choice(shown: UnitShown, view: View) -> Component:
-    titles = {each.item: view.say(each.title) for each in shown.elements}
+def _choice(shown: UnitShown) -> Component:
+    titles = {each.item: say(each.title) for each in shown.elements}
     items = [{"value": item, "label": title} for item, title in titles.items()]
-    return dmc.Box(choice("item", "pages-unit-item", items, shown.item, view), maw=480)
+    return dmc.Box(choice("item", "pages-unit-item", items, shown.item), maw=480)
 
 
-def _history(shown: UnitShown, view: View) -> list[Component]:
+def _history(shown: UnitShown) -> list[Component]:
     of_item = [each for each in shown.elements if each.item == shown.item]
     scales = _scales(shown.elements)
     if shown.limits_of:
@@ -322,13 +322,13 @@ def _history(shown: UnitShown, view: View) -> list[Component]:
     else:
         limits = message("pages-unit-limits.none")
     return [
-        note(view.say(limits)),
-        picture("unit-history", history_figure(of_item, view, scales)),
-        heading("pages-unit-heading.drift", view),
-        note(view.text("pages-unit-drift-about")),
-        _drifts(shown, view, scales),
-        heading("pages-unit-heading.adjustments", view),
-        _adjustments(of_item, view, scales),
+        note(say(limits)),
+        picture("unit-history", history_figure(of_item, scales)),
+        heading("pages-unit-heading.drift"),
+        note(said("pages-unit-drift-about")),
+        _drifts(shown, scales),
+        heading("pages-unit-heading.adjustments"),
+        _adjustments(of_item, scales),
     ]
 
 
@@ -341,22 +341,22 @@ def _scales(elements: Sequence[ElementHistory]) -> Scales:
     )
 
 
-def _drifts(shown: UnitShown, view: View, scales: Scales) -> Component:
+def _drifts(shown: UnitShown, scales: Scales) -> Component:
     names = "item symbol value limits drift readings state"
-    rows = [_element(each, view, scales.get(each.unit)) for each in shown.elements]
-    return table("pages-unit-drift", names, rows, view)
+    rows = [_element(each, scales.get(each.unit)) for each in shown.elements]
+    return table("pages-unit-drift", names, rows)
 
 
-def _element(of: ElementHistory, view: View, scale: Scale | None) -> tuple[Any, ...]:
+def _element(of: ElementHistory, scale: Scale | None) -> tuple[Any, ...]:
     found = of.drift
     return (
-        view.say(of.title),
+        say(of.title),
         of.symbol,
         None if of.value is None else quantity(of.value, of.U, of.unit, scale),
         _limits_text(of, scale or Scale(1.0, 0, of.unit)),
         found and quantity(found.per_year, found.U, of.unit, scale),
         found and str(found.readings),
-        badge(_drift_state(found), view),
+        badge(_drift_state(found)),
     )
 
 
@@ -379,7 +379,7 @@ def _drift_state(found: DriftRate | None) -> StepState:
     return stated(words, "open" if drifts else "good")
 
 
-def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> Component:
+def _adjustments(of_item: list[ElementHistory], scales: Scales) -> Component:
     def text(of: ElementHistory, one: Reading) -> str | None:
         scale = scales.get(of.unit)
         return None if one.value is None else quantity(one.value, one.U, of.unit, scale)
@@ -400,12 +400,11 @@ def _adjustments(of_item: list[ElementHistory], view: View, scales: Scales) -> C
         "pages-unit-adjustment",
         "day symbol found left run-found run-left",
         rows,
-        view,
         none="pages-unit-not-adjusted",
     )
 
 
-def history_figure(elements: Sequence[ElementHistory], view: View, scales: Scales) -> Figure:
+def history_figure(elements: Sequence[ElementHistory], scales: Scales) -> Figure:
     """Values with U over the years, limits dotted; as left and invalid in their own colours."""
     down = -(-len(elements) // ACROSS)
     axes: dict[str, Any] = {}
@@ -437,10 +436,10 @@ def history_figure(elements: Sequence[ElementHistory], view: View, scales: Scale
                 each for each in element.readings if each.state == state and each.value is not None
             ]
             if of:
-                traces.append(_points(of, state, end, state not in shown, view, scale.factor))
+                traces.append(_points(of, state, end, state not in shown, scale.factor))
                 shown.add(state)
     return figure(
-        traces, view, 90 + PANEL_PX * down, shapes=shapes, showlegend=True,
+        traces, 90 + PANEL_PX * down, shapes=shapes, showlegend=True,
         legend={"orientation": "h", "y": 1.0, "yref": "container", "yanchor": "top", "x": 0},
         annotations=titles,
         margin={"t": 60, "r": 15, "l": 65, "b": 35}, **axes,
@@ -467,8 +466,7 @@ def _axes(number: int, down: int, end: str, element: ElementHistory) -> dict[str
 
 
 def _points(
-    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, view: View,
-    factor: float,
+    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, factor: float,
 ) -> Figure:  # fmt: skip
     return {
         "type": "scatter", "mode": "markers", "xaxis": f"x{end}", "yaxis": f"y{end}",
@@ -480,7 +478,7 @@ def _points(
         "customdata": [each.run for each in readings],
         "text": [f"{each.run}, {each.station or '–'}" for each in readings],
         "hovertemplate": "%{x}: %{y:.6g}<br>%{text}<extra></extra>",
-        "name": view.text(f"pages-unit-state.{state}"), "legendgroup": state,
+        "name": said(f"pages-unit-state.{state}"), "legendgroup": state,
         "showlegend": in_legend,
     }  # fmt: skip
 

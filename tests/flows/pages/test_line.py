@@ -23,7 +23,7 @@ from flows.pages.line_data import (
     acknowledge,
     output,
 )
-from flows.pages.parts import View
+from flows.pages.parts import View, seen_by
 from schemas.access import ROLES, Visitor
 from schemas.base import Unusable
 from schemas.orders import ProductionOrder
@@ -64,7 +64,7 @@ VIEW = View("en", visitor=OPERATOR)
 
 
 def shown(home: Home, view: View = VIEW) -> str:
-    laid_out = PAGE.layout(line_of(home), view, LineQuestion())
+    laid_out = seen_by(view, PAGE.layout, line_of(home), LineQuestion())
     return json.dumps(
         laid_out.to_plotly_json(), default=lambda part: part.to_plotly_json(), ensure_ascii=False
     )
@@ -310,7 +310,7 @@ def test_release_stands_far_from_stop_and_is_asked_first(tmp_path: Path) -> None
     write_status(status(state="stopped", cause="the table tripped"), home)
     request = StopRequest(key="k", station="T1", by="Li", at=datetime.now(UTC))
     lock_out(request, home)
-    _, released, _, foot = card(only(home), VIEW).children
+    _, released, _, foot = seen_by(VIEW, card, only(home)).children
     assert "data-release" in str(released)
     assert "Is nobody within reach of the table of T1?" in str(released)
     assert "data-release" not in str(foot)
