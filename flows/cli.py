@@ -13,16 +13,15 @@ from typer.exceptions import TyperException
 
 from flows import (
     certificate_commands,
-    equipment_commands,
+    import_commands,
     operating_commands,
     options,
     order_commands,
+    register_commands,
     result_commands,
     station_commands,
     store_commands,
-    user_commands,
 )
-from flows import import_commands as import_commands
 from flows.logs import set_up
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
@@ -44,16 +43,21 @@ app = typer.Typer(
 )
 app.add_typer(certificate_commands.app)
 app.add_typer(result_commands.app)
-app.add_typer(certificate_commands.app)
 app.add_typer(import_commands.app)
 app.add_typer(store_commands.app)
-app.add_typer(result_commands.app)
 app.add_typer(operating_commands.app)
-app.add_typer(operating_commands.app)
-app.add_typer(equipment_commands.app, name="equipment")
+app.add_typer(register_commands.app, name="equipment")
 app.add_typer(station_commands.app, name="station")
 app.add_typer(order_commands.app, name="order")
-app.add_typer(user_commands.app, name="user")
+app.add_typer(register_commands.users, name="user")
+
+
+def _collect_rarely() -> None:
+    """Saves a sixth of `mimucal runs` (0.3 s of 2.1 s): imported modules are not garbage, and at
+    the end the system frees everything anyway.
+    """
+    gc.set_threshold(GC_THRESHOLD)
+    atexit.register(gc.freeze)
 
 
 def main() -> None:
@@ -62,20 +66,12 @@ def main() -> None:
     Exits with 2 and one sentence for unusable input, with 1 for internal errors and interruptions.
     """
     end_as_ctrl_c()
-    # Saves a sixth of `mimucal runs` (0.3 s of 2.1 s): imported modules are not garbage, and at the
-    # end the system frees everything anyway
-    gc.set_threshold(GC_THRESHOLD)
-    atexit.register(gc.freeze)
+    _collect_rarely()
     # Before numpy is imported: on matrices this small a second thread only occupies a core.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         set_up()
-        # Raises Unusable for an argument that cannot be printed on a page or in JSON
-        for argument in sys.argv[1:]:
-            if not argument.isascii() and any("\ud800" <= sign <= "\udfff" for sign in argument):
-                raise Unusable(
-                    f"the argument {argument!a} is not UTF-8; give the file another name."
-                )
+        _check_text(sys.argv[1:])
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:
         _say_and_leave(f"{_fault_of(fault)}. See `mimucal --help`.", 2)
@@ -113,6 +109,13 @@ def _fail(failure: Exception) -> None:
         f"mimucal itself failed ({type(failure).__name__}: {failure}); MIMUCAL_DEBUG=1 shows where",
         1,
     )
+
+
+def _check_text(arguments: list[str]) -> None:
+    """Raises Unusable for an argument that cannot be printed on a page or in JSON."""
+    for argument in arguments:
+        if not argument.isascii() and any("\ud800" <= sign <= "\udfff" for sign in argument):
+            raise Unusable(f"the argument {argument!a} is not UTF-8; give the file another name.")
 
 
 def _say_and_leave(sentence: str, code: int) -> None:
@@ -163,11 +166,12 @@ def calibrate(
 
     States which items could not be determined, and why.
     """
+    given = options.fields(locals())
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from schemas.orders import CalibrateOrder, order_of
 
-    order = order_of(CalibrateOrder, run=run, method=method, uncertainty=uncertainty, terms=terms)
+    order = order_of(CalibrateOrder, **given)
     calibration = carry_out(execute.calibrate, order, run)
     if as_json:
         print(calibration.model_dump_json(indent=1))
@@ -199,29 +203,14 @@ def certify(
 
     The draft replaces an earlier one of the same run. An invalid run is refused.
     """
+    given = options.fields(locals())
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from flows.shown_results import print_certificate
     from schemas.orders import CertifyOrder, order_of
 
-    certify_order = order_of(
-        CertifyOrder,
-        run=run,
-        method=method,
-        uncertainty=uncertainty,
-        tolerance=tolerance,
-        laboratory=laboratory,
-        client_order=order,
-        calibrated_on=calibrated_on.date() if calibrated_on else None,
-        as_found=as_found,
-        budget=budget,
-        invalid_run=invalid_run,
-        report=report,
-        terms=terms,
-        operator=operator,
-        by=by,
-    )
-    print_certificate(carry_out(execute.certify, certify_order, run), as_json)
+    ordered = order_of(CertifyOrder, **given)
+    print_certificate(carry_out(execute.certify, ordered, run), as_json)
 
 
 @app.command(epilog="Example: mimucal acquire station.json --dry-run")
@@ -242,7 +231,7 @@ def acquire(
     abandoned; the runs of the others are kept.
     """
     from flows import execute
-    from flows.execute import as_flow_run
+    from flows.carry_out import as_flow_run
     from flows.shown_results import print_acquired
     from flows.terminal import ask_for_operator
     from schemas.orders import AcquireOrder

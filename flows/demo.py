@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from flows.carry_out import import_flows
 from flows.execute import procedure_of
 from flows.on_prefect.server import connect
 from flows.shown_results import print_calibration, print_verdict, summary
@@ -33,7 +34,7 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     config = virtual_station(seed, ahrs)
     _write_in_home(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
     with working("starting Prefect"):
-        connect(folder)
+        connect(folder, import_flows)
         from flows.on_prefect import flows
     with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
         _write_in_home(station_file, station.model_dump_json(indent=1))

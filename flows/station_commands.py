@@ -154,12 +154,12 @@ def work(station: options.OrderedStation) -> None:
     one, until none waits: `mimucal order` and the pages begin it where an order needs it.
     """
     from flows.on_prefect.server import server_named
-    from flows.orders.production import work_at
+    from flows.orders.production import submit, work_at
 
     if server_named():
         from flows.on_prefect.queue import work_at_station
 
-        work_at_station(station, home())
+        work_at_station(station, home(), submit)
 
     def report(order: "ProductionOrder") -> None:
         outcome = order.fault or ", ".join(order.certificates)

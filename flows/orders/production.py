@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Any
@@ -32,11 +33,11 @@ from storage.order_lock import no_order_at, one_order_at, only_worker_of
 from storage.stations import file_named, file_of, is_running, lockout_of, statuses
 from storage.whole_files import writing_in_home
 from tasks.stages.acquire import left_runs
-from tasks.stages.certificate_inputs import check_order, day_of_moment
+from tasks.stages.certificate_inputs import check_order, day_of_moment, read_inputs
 from tasks.stages.procedure_input import procedure_named
 from tasks.stages.store import ready_to_acquire
 from tasks.station.drivers.backend import OTHER_UNIT, confirm
-from tasks.words import Message, argument, cause_of, message
+from tasks.words import Message, argument, cause_of, clauses, message
 
 if TYPE_CHECKING:
     from tasks.stages.certify import Published
@@ -403,6 +404,44 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
                 _carried_out_before(kept, order, station, home, work)
 
 
+def produce(
+    order: ProduceOrder, drafted: "Callable[[Published], object]" = lambda _: None
+) -> "tuple[Published, ...]":
+    """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
+
+    drafted: called with each draft. Raises BrokenOff for units that were abandoned or have no
+    certificate, once the others have theirs.
+    """
+    return carry_out(order, partial(_produced, drafted=drafted))
+
+
+def _produced(
+    production: Production, drafted: "Callable[[Published], object]"
+) -> "tuple[Published, ...]":
+    order, runs = production.order, production.runs
+    inputs = read_inputs(order)  # bad files are refused before it turns
+    faults: list[Unusable] = []
+    if not runs:
+        usual = inputs.laboratory.operator if inputs.laboratory else None
+        acquired = execute.acquire(order.model_copy(update={"by": order.by or usual}))
+        runs = tuple(run.id for run, _ in acquired.kept)
+        faults += acquired.given_up
+        production.note_runs(runs)
+    for run in runs:
+        try:
+            draft = execute.certify(order.certify(run))
+        except Unusable as fault:
+            faults.append(fault)
+        else:
+            production.note_draft(draft)
+            drafted(draft)
+    if faults:
+        sentence = "; ".join(str(fault).rstrip(".") for fault in faults)
+        cause = clauses([cause_of(fault) for fault in faults], "station-cause.and")
+        raise BrokenOff(sentence, cause)
+    return tuple(production.drafts)
+
+
 def _carried_out_before(
     kept: ProductionOrder, order: ProduceOrder, station: StationFile, home: Home, work: Work
 ) -> None:
@@ -558,7 +597,7 @@ def _take(number: str, file: Path, home: Home) -> None:
     """Carry out one order; raises what kept it from being begun, which the next would meet too."""
     order = ProduceOrder(home=str(home.path), station=str(file), number=number, attended=False)
     try:
-        execute.produce(order)
+        produce(order)
     except (Unusable, BrokenOff) as fault:
         if isinstance(fault, BrokenOff) and fault.__cause__ is not None:  # a stop, or a full disk
             raise BrokenOff(

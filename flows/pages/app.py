@@ -224,13 +224,7 @@ def serve(home: Home, host: str, port: int) -> None:
 
 def listening(home: Home, host: str, port: int) -> Any:
     """A server of the pages that listens already; `run` answers, `close` ends it."""
-    # Raises Unusable for pages that everybody on the network could look at without a name
-    if not _is_here(host) and not users(home) and settings.pages(home).proxy is None:
-        raise Unusable(
-            f"--host {host} opens the pages to other computers, but nobody has a password yet; "
-            "first run `mimucal user add NAME --role administrator`, or name a proxy in "
-            f"{home.path / settings.PAGES}."
-        )
+    _check_reach(home, host)
     app = make_app(home).server
     gc.freeze()  # what was imported lives to the end: no collection walks over it again
     pages = settings.pages(home)
@@ -248,6 +242,16 @@ def listening(home: Home, host: str, port: int) -> Any:
             f"the pages cannot be served at {host} port {port} ({error}); choose others with "
             "--host and --port."
         ) from error
+
+
+def _check_reach(home: Home, host: str) -> None:
+    """Raises Unusable for pages that everybody on the network could look at without a name."""
+    if not _is_here(host) and not users(home) and settings.pages(home).proxy is None:
+        raise Unusable(
+            f"--host {host} opens the pages to other computers, but nobody has a password yet; "
+            "first run `mimucal user add NAME --role administrator`, or name a proxy in "
+            f"{home.path / settings.PAGES}."
+        )
 
 
 def _is_here(host: str) -> bool:

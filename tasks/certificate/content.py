@@ -19,10 +19,16 @@ from tasks.certificate.cover import Signature, calibrated_object
 from tasks.certificate.equipment import accuracy, settings
 from tasks.certificate.fields import NONE, NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.figures import PrintedFigure, figures
-from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.mandatory import standards_of
 from tasks.certificate.remarks import RemarkRow, remarks
-from tasks.certificate.results import Mark, PrintedSection, mark, sections
+from tasks.certificate.results import (
+    InformationRow,
+    Mark,
+    PrintedSection,
+    information_rows,
+    mark,
+    sections,
+)
 from tasks.certificate.statements import (
     ReadingRow,
     basis,

@@ -38,7 +38,7 @@ from tasks.review.several_recordings import (
     reviewed_runs,
 )
 from tasks.stages import import_recording
-from tasks.stages.estimate import limits_in_use, read_calibration
+from tasks.stages.estimate import in_use, read_calibration
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.stage import stage
 from tasks.words import Message, message
@@ -197,7 +197,7 @@ def explain_run(
     reference, doubts = _reference(as_mean_rates(recording), home, order)
     unit = recording.manifest.unit
     tolerance = settings.tolerance_for(unit.manufacturer, unit.model, home)
-    limits = limits_in_use(recording.manifest, home, settings.laboratory(home))
+    limits = in_use(recording, home, settings.laboratory(home)).limits
     prepared = prepare(recording, reference, progress=progress)
     explanation = explained(prepared, progress=progress)
     report_progress(progress, "consequences")

@@ -36,7 +36,7 @@ from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from storage.stations import end_dead_statuses, is_held, request_in, statuses
 from tasks.stages.stop import stop_station
-from tasks.station.sequencer import Sequencer
+from tasks.station.acquisition import Sequencer
 from tasks.station.virtual.config import VirtualStation
 from tests.proof.kills import seeds
 from tests.proof.study import Count, Out, Seed, Write, folder_of, hold, table

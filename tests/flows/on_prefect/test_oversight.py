@@ -7,8 +7,9 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
-from flows.on_prefect import flows
-from flows.on_prefect.flows import CANCELLATION, FLOW_RUN, LOSS, overseen
+from flows import signals
+from flows.signals import FLOW_RUN, overseen
+from tasks.station.connected_station import CANCELLATION, LOSS
 
 pytestmark = pytest.mark.real_time
 
@@ -40,7 +41,7 @@ def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[type[Server]]:
         monkeypatch.setenv("PREFECT_API_URL", f"http://127.0.0.1:{serving.server_port}/api")
         monkeypatch.setenv("PREFECT_API_AUTH_STRING", "line:secret")
         monkeypatch.setenv(FLOW_RUN, "1234")
-        monkeypatch.setattr(flows, "LOOK_S", 0.02)
+        monkeypatch.setattr(signals, "LOOK_S", 0.02)
         yield Server
         serving.shutdown()
         thread.join()
@@ -63,7 +64,7 @@ def test_a_run_whose_worker_is_gone_is_stopped_without_the_server(monkeypatch, s
     causes, stopped = caused()
     monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:9/api")
     parents = iter([77, 77, 1])
-    monkeypatch.setattr(flows.os, "getppid", lambda: next(parents, 1))
+    monkeypatch.setattr(signals.os, "getppid", lambda: next(parents, 1))
     with overseen(lambda cause: (causes.append(cause), stopped.set())):
         assert stopped.wait(30)
     assert causes == [LOSS]

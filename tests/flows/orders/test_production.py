@@ -12,7 +12,6 @@ from typing import Any
 
 import pytest
 
-from flows import execute
 from flows.orders import production
 from flows.orders.production import (
     Production,
@@ -83,7 +82,7 @@ class Work:
 @pytest.fixture
 def worked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Work], Work]:
     def use(work: Work) -> Work:
-        monkeypatch.setattr(execute, "produce", lambda order: carry_out(order, work))
+        monkeypatch.setattr(production, "produce", lambda order: carry_out(order, work))
         return work
 
     return use

@@ -13,8 +13,8 @@ from schemas.described import Register
 from schemas.station import ModbusTable, PythonDevice, StationFile, TableDevice
 from tasks.station.drivers import devices as module
 from tasks.station.drivers.devices import Devices
-from tasks.station.drivers.encoders import Unwrapped
 from tasks.station.drivers.modbus import ModbusBackend
+from tasks.station.drivers.table import Unwrapped
 from tests.tasks.station.sample_stations import sample
 
 TABLE: TypeAdapter[Any] = TypeAdapter(TableDevice)
