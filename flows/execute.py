@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flows import terminal
-from flows.signals import ending_as_ctrl_c, lasting_output, overseen, pausing, stopping
+from flows.signals import cancellation_watch, ending_as_ctrl_c, pausing, resilient_output, stopping
 from flows.terminal import counting, describe
 from schemas.base import Unusable
 from schemas.orders import (
@@ -35,7 +35,7 @@ from storage.stations import file_named, release
 from tasks.stages.authority import authorised_operator
 from tasks.stages.import_recording import run_of
 from tasks.stages.procedure_input import procedure_named
-from tasks.stages.stop import whoever
+from tasks.stages.stop import current_user
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,9 +65,9 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
     place, stop = home_of(order), StopSwitch()
     operator = authorised_operator(order.by, procedure.standard, settings.laboratory(place))
     with (
-        lasting_output(),
+        resilient_output(),
         stopping(stop),
-        overseen(stop.press),
+        cancellation_watch(stop.press),
         pausing() as is_paused,
         acquisition_view() as report,
     ):
@@ -89,7 +89,7 @@ def release_station(order: AcquireOrder) -> None:
     """Whoever starts a run by hand has seen that the station may turn after a stop."""
     place = home_of(order)
     station = settings.read(file_named(order.station, place), StationFile).station.id
-    release(station, order.by or whoever(), place)
+    release(station, order.by or current_user(), place)
 
 
 def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":

@@ -145,7 +145,7 @@ CANCELLED_TYPES = ("CANCELLING", "CANCELLED")
 
 
 @contextmanager
-def overseen(stop: Callable[[str], object]) -> Iterator[None]:
+def cancellation_watch(stop: Callable[[str], object]) -> Iterator[None]:
     """Calls `stop`, once and with the cause, if the worker is gone or Prefect cancels the run.
 
     It is called in another thread, and only within the block. Outside of a worker's process
@@ -200,7 +200,7 @@ REST_S = 1.0  # for what is still on its way; a child that inherited the pipe ma
 
 
 @contextmanager
-def lasting_output() -> Iterator[None]:
+def resilient_output() -> Iterator[None]:
     """Writing within the block never fails, even if the reader is gone. A terminal is left as it
     is: its loss arrives as a signal.
     """

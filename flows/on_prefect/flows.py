@@ -33,7 +33,7 @@ from flows.on_prefect.queue import POOL, one_of_those_due, pool_of
 from flows.orders import production
 from flows.orders.production import station_of
 from flows.orders.signed_orders import accepted
-from flows.signals import lasting_output
+from flows.signals import resilient_output
 from schemas.base import BrokenOff, Unusable
 from schemas.calibration import Calibration
 from schemas.history import Reprocessing
@@ -160,7 +160,7 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     Raises BrokenOff for units that were abandoned or have no certificate, once the others have
     theirs.
     """
-    with lasting_output(), accepted("produce", order):
+    with resilient_output(), accepted("produce", order):
         context = FlowRunContext.get()
         pool = context and context.flow_run and context.flow_run.work_pool_name
         station = station_of(order, execute.home_of(order)).station.id

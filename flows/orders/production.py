@@ -151,7 +151,7 @@ _started: list["subprocess.Popen[bytes]"] = []  # workers that this process bega
 
 
 @dataclass(frozen=True)
-class GivenProduction:
+class QueuedOrder:
     """An order of the queue. is_new: whether it was not there before. fault: why nothing can carry
     it out just now; it waits, and the next order that is given tries again.
     """
@@ -161,7 +161,7 @@ class GivenProduction:
     fault: str | None = None
 
 
-def give(request: OrderRequest, person: str, home: Home) -> GivenProduction:
+def give(request: OrderRequest, person: str, home: Home) -> QueuedOrder:
     """Check an order, keep it, and have it carried out when the station is free.
 
     An order without a number for units that are in the queue already is the one that is there.
@@ -171,14 +171,12 @@ def give(request: OrderRequest, person: str, home: Home) -> GivenProduction:
     return given
 
 
-def give_all(
-    requests: Sequence[OrderRequest], person: str, home: Home
-) -> tuple[GivenProduction, ...]:
+def give_all(requests: Sequence[OrderRequest], person: str, home: Home) -> tuple[QueuedOrder, ...]:
     """Orders in their sequence. Raises Unusable, and keeps none, where one cannot be kept."""
     made = [_known_or_new(request, person, home) for request in requests]
     kept = orders.add(made, home)
     fault = submit(home)
-    return tuple(GivenProduction(order, is_new, fault) for order, is_new in kept)
+    return tuple(QueuedOrder(order, is_new, fault) for order, is_new in kept)
 
 
 def _known_or_new(request: OrderRequest, person: str, home: Home) -> ProductionOrder:
@@ -211,13 +209,13 @@ def checked(request: OrderRequest, person: str, home: Home) -> ProductionOrder:
     execute.check_acquisition(run)
     check_order(request.client_order, None, day_of_moment(now))
     return ProductionOrder(
-        number=request.number or drawn_number(now), station=request.station, units=units,
+        number=request.number or new_order_number(now), station=request.station, units=units,
         procedure=procedure, client_order=request.client_order, person=person,
         ordered_at=now,
     )  # fmt: skip
 
 
-def drawn_number(now: datetime) -> str:
+def new_order_number(now: datetime) -> str:
     """A number for an order that has none."""
     return f"{now:%Y%m%d-%H%M%S}-{token_hex(3)}"
 
@@ -239,7 +237,7 @@ def submit(home: Home) -> str | None:
 
     An order whose process died waits again.
     """
-    take_up_left(home)
+    requeue_orphans(home)
     tell(home)
     waiting = orders.waiting(home)
     if not waiting:
@@ -255,7 +253,7 @@ def submit(home: Home) -> str | None:
 
 def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     """Cancel an order that waits, here and at Prefect; raises Unusable for any other."""
-    take_up_left(home)
+    requeue_orphans(home)
     flow_run = orders.find(number, home).flow_run
     cancelled = orders.cancel(number, person, home)
     if flow_run and server_named():
@@ -265,20 +263,20 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     return cancelled
 
 
-def retry(number: str, person: str, home: Home, reason: str | None = None) -> GivenProduction:
+def retry(number: str, person: str, home: Home, reason: str | None = None) -> QueuedOrder:
     """Have an order carried out again that failed or was cancelled.
 
     A run it began goes on; after an invalid one its units are measured again.
     """
-    left = take_up_left(home)
+    left = requeue_orphans(home)
     if any(each.number == number for each in left):
         order = orders.find(number, home)  # it waits again already
     else:
         order = orders.retry(number, person, home, reason)
-    return GivenProduction(order, is_new=False, fault=submit(home))
+    return QueuedOrder(order, is_new=False, fault=submit(home))
 
 
-def take_up_left(home: Home, *, here: bool = False) -> list[ProductionOrder]:
+def requeue_orphans(home: Home, *, here: bool = False) -> list[ProductionOrder]:
     """Have every order wait again whose process died, whoever that was; returns them.
 
     On this computer the process is looked for, and the lock of its station's orders; of another
@@ -466,7 +464,7 @@ def _next_to_begin(number: str, station: StationFile, home: Home, *, is_of_queue
     while True:
         with suppress(Busy):
             kept = orders.find(number, home)
-            hindrance = _hindrance(kept, station, home, is_of_queue)
+            hindrance = _blocked_by(kept, station, home, is_of_queue)
             if kept.state != "waiting" or hindrance is None:
                 return number
             if other := _mounted_instead(hindrance, station, home):
@@ -485,12 +483,12 @@ def _mounted_instead(hindrance: Unusable, station: StationFile, home: Home) -> s
     mounted = str(argument(hindrance.cause, "found"))
     for each in orders.waiting(home, station.station.id):
         is_of_it = mounted in (unit.serial for unit in each.units)
-        if is_of_it and _hindrance(each, station, home, is_of_queue=True) is None:
+        if is_of_it and _blocked_by(each, station, home, is_of_queue=True) is None:
             return each.number
     return None
 
 
-def _hindrance(
+def _blocked_by(
     kept: ProductionOrder, station: StationFile, home: Home, is_of_queue: bool
 ) -> Unusable | None:
     """Why an order cannot begin just now."""
@@ -520,7 +518,7 @@ def _own_order(order: ProduceOrder, station: StationFile, home: Home) -> str:
     now = datetime.now(UTC)
     units = order.units or tuple(each.unit for each in station.per_unit())
     made = ProductionOrder(
-        number=drawn_number(now), station=station.station.id, units=units,
+        number=new_order_number(now), station=station.station.id, units=units,
         procedure=order.procedure, person=order.by or SCHEDULE, ordered_at=now,
         flow_run=flow_run(),
     )  # fmt: skip

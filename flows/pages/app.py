@@ -21,7 +21,7 @@ from flows.logs import set_up
 from flows.pages import answers, health, shell
 from flows.pages.answers import FIRST, PAGES
 from flows.pages.answers import files as certificate_files
-from flows.pages.login import Gate, guard, log_in, log_out, passed
+from flows.pages.login import LoginLimiter, guard, log_in, log_out, passed
 from flows.pages.parts import say, view
 from flows.terminal import stdout
 from schemas.base import Unusable
@@ -163,7 +163,7 @@ def _keep_at_home(app: Application, is_https: bool) -> None:
     )
 
 
-def login(home: Home, gate: Gate) -> Blueprint:
+def login(home: Home, gate: LoginLimiter) -> Blueprint:
     """The form, and what becomes of it."""
     made = Blueprint("login", __name__, template_folder="templates")
 

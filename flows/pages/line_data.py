@@ -465,7 +465,7 @@ def line_now(_: LineQuestion, home: Home) -> LineNow:
     queued: tuple[Queued, ...] = ()
     made = None
     try:
-        if production.take_up_left(home, here=True):
+        if production.requeue_orphans(home, here=True):
             production.submit(home)
         queued = tuple(map(_queued, orders.listed(home, states=OPEN)))
         made = output(today(), home)

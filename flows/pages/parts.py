@@ -334,7 +334,7 @@ def locale() -> dict[str, str]:
 # Controls that reload a page with another question: each is a parameter of the address.
 
 
-def asks(field: str, value: object) -> dict[str, str]:
+def control_id(field: str, value: object) -> dict[str, str]:
     """The id of a control that asks for a field of the question and holds a value now."""
     return {"asks": field, "was": "" if value is None else str(value)}
 
@@ -344,7 +344,7 @@ def choice(
 ) -> Component:
     """A choice of one of some values, or with `every` of all. label, every: messages."""
     return dmc.Select(
-        id=asks(field, value), label=said(label), data=list(values),
+        id=control_id(field, value), label=said(label), data=list(values),
         value=None if value is None else str(value), searchable=True, clearable=bool(every),
         placeholder=said(every) if every else "", allowDeselect=False,
     )  # fmt: skip

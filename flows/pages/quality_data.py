@@ -13,13 +13,13 @@ from dash import ClientsideFunction, Dash, Input, Output
 from dash.development.base_component import Component
 from pydantic import Field
 
-from flows.pages.parts import Numbers, Row, asks, choice, place, rows_of, said, say, view
+from flows.pages.parts import Numbers, Row, choice, control_id, place, rows_of, said, say, view
 from schemas.base import Finite, Frozen, Unusable
 from schemas.text import Statement
 from storage import settings
 from storage.catalogue import production_history
 from storage.catalogue.certificates import AS_LEFT
-from storage.catalogue.database import while_unchanged
+from storage.catalogue.database import cached_until_commit
 from storage.home import Home
 from tasks.conformity.limits import is_of_a_limit
 from tasks.quality.capability import CapabilityIndex, capability, consumed
@@ -415,7 +415,7 @@ def data(question: QualityQuestion, home: Home) -> QualityShown:
     return _data(question, settings.quality(home).golden, home)
 
 
-@while_unchanged(16)
+@cached_until_commit(16)
 def _data(question: QualityQuestion, golden: tuple[str, ...], home: Home) -> QualityShown:
     every = runs_of(home)
     runs = every.assign(golden=every["serial"].isin(golden))
@@ -455,7 +455,7 @@ def _data(question: QualityQuestion, golden: tuple[str, ...], home: Home) -> Qua
     )  # fmt: skip
 
 
-@while_unchanged(2)
+@cached_until_commit(2)
 def runs_of(home: Home) -> Runs:
     """Every run in the order of time: who, where, on which day, how it ended, and whether it was
     the first of its unit's visit.
@@ -649,7 +649,7 @@ def choices(shown: QualityShown, question: QualityQuestion) -> Component:
 
     def day(name: str) -> Component:
         return dmc.DateInput(
-            id=asks(name, asked[name]), label=said(f"pages-quality-asked.{name}"),
+            id=control_id(name, asked[name]), label=said(f"pages-quality-asked.{name}"),
             value=asked[name], valueFormat="YYYY-MM-DD", clearable=True, placeholder="YYYY-MM-DD",
         )  # fmt: skip
 

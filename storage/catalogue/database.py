@@ -143,7 +143,7 @@ def explained(made: sql.Engine) -> Iterator[None]:
         if type(error) not in (sql.exc.OperationalError, sql.exc.DatabaseError):
             raise  # an error of the program, not of the database
         reason = str(error.orig).splitlines()[0].rstrip(".")
-        raise (Busy if _may_pass(error) else Unusable)(
+        raise (Busy if _is_transient(error) else Unusable)(
             f"The catalogue {shown(repr(made.url))} cannot be used ({reason}); see that it can be "
             "reached and written and that its disk has room, or let MIMUCAL_HOME or "
             "MIMUCAL_DATABASE name another.",
@@ -151,7 +151,7 @@ def explained(made: sql.Engine) -> Iterator[None]:
         ) from error
 
 
-def _may_pass(error: sql.exc.DatabaseError) -> bool:
+def _is_transient(error: sql.exc.DatabaseError) -> bool:
     """Whether the error is transient: a lock in SQLite, any operational error in PostgreSQL."""
     if isinstance(error.orig, sqlite3.Error):
         return _is_locked(error.orig)
@@ -442,7 +442,7 @@ def _index_header(file: Path) -> bytes | None:
         return None
 
 
-def while_unchanged(most: int) -> Callable[[Function], Function]:
+def cached_until_commit(most: int) -> Callable[[Function], Function]:
     """Caches the last `most` answers of a function that reads only the catalogue.
 
     Its last argument is the home; all are hashable. Answers must not be modified.

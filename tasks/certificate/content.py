@@ -302,7 +302,7 @@ def content(certificate: Certificate) -> Content:
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),
         laboratory_fields=tuple(cover.laboratory_fields(laboratory)),
-        front=cover.front(certificate, specification, bool(deviating)),
+        front=cover.cover_fields(certificate, specification, bool(deviating)),
         verdict=decision.verdict,
         verdict_text=cover.verdict(decision),
         scope=scope_with_found(certificate, cover.scope(calibration, decision, specification)),

@@ -26,7 +26,7 @@ LONG, USUAL_OF, FEWEST = 2.5, 101, 5  # times the usual one, which is the median
 AGAIN = 2  # times that an angle is read whose time is known too badly
 
 
-class Exchanges:
+class LatencyMonitor:
     """Tells an exchange that took unusually long: it was repeated, or the computer was busy.
 
     When an angle was read in it is known too badly.
@@ -47,7 +47,7 @@ class Exchanges:
         return len(self._took_s) >= FEWEST
 
 
-class Unwrapped:
+class AngleUnwrapper:
     """Angles (n, axes) in deg that continue where the encoder wraps.
 
     rates: (axes,) deg/s last known, by which it goes on between readings that are far apart.
@@ -107,7 +107,7 @@ class CapturedEncoders:
         registers = described.registers
         self._wanted, self._count = registers[capture.wanted], registers[capture.count]
         self._first, self._samples = registers[capture.first], registers[capture.samples]
-        self._unwrapped = Unwrapped(described.turnover)
+        self._unwrapped = AngleUnwrapper(described.turnover)
 
     async def block(self, first: int) -> EncoderBlock:
         """The captured samples from number `first` on, or from the oldest one kept."""
@@ -156,7 +156,7 @@ class PolledEncoders:
         described: ModbusTable | TextTable,
         backend: Backend,
         began_s: float,
-        unwrapped: Unwrapped,
+        unwrapped: AngleUnwrapper,
     ) -> None:
         self.period_us = described.poll_period_ms * 1000
         self.time_half_width_s = 0.0
@@ -165,7 +165,7 @@ class PolledEncoders:
         self._unwrapped = unwrapped
         self._began_s = began_s
         self._polled_s = -np.inf
-        self._exchanges = Exchanges()
+        self._exchanges = LatencyMonitor()
 
     async def block(self, first: int) -> EncoderBlock:
         """One sample, a poll period after the one before; its number is `first`, or past it
@@ -244,8 +244,8 @@ class DescribedTable:
         self._backend = backend
         self._is_held = False  # by this client, from `home` to `leave`
         self._began_s = wall_s()
-        self._unwrapped = Unwrapped(described.turnover)
-        self._exchanges = Exchanges()
+        self._unwrapped = AngleUnwrapper(described.turnover)
+        self._exchanges = LatencyMonitor()
         self._encoders = self._encoders_of(described, backend)
         shown = {"time", "angle", "rate"} | {flag.of for flag in described.flags.values()}
         self._state_names = frozenset(shown & described.readings)

@@ -3,7 +3,7 @@
 import sqlalchemy as sql
 
 from storage.catalogue import database
-from storage.catalogue.database import engine_of, url_of, version, while_unchanged
+from storage.catalogue.database import cached_until_commit, engine_of, url_of, version
 from storage.catalogue.users import add, users
 from storage.home import Home
 
@@ -11,7 +11,7 @@ from storage.home import Home
 def test_an_answer_is_asked_for_again_after_a_write_and_only_then(tmp_path) -> None:
     asked = []
 
-    @while_unchanged(4)
+    @cached_until_commit(4)
     def names(prefix: str, home: Home) -> list[str]:
         asked.append(prefix)
         return [name for name in users(home) if name.startswith(prefix)]
