@@ -1,5 +1,6 @@
 """Registers: `mimucal equipment`, the measurement standards; `mimucal user`, who may log in."""
 
+import sys
 from collections.abc import Callable
 from datetime import date
 from pathlib import Path
@@ -15,7 +16,6 @@ from storage.whole_files import written_out
 
 if TYPE_CHECKING:
     from schemas.laboratory import MeasurementStandard
-import sys
 
 app = typer.Typer(help="The laboratory's measurement standards, their certificates and due dates.")
 

@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
@@ -18,15 +18,26 @@ from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Any
 
+from sqlalchemy import Connection
+
 from flows import execute
 from flows.on_prefect.server import server_named
 from flows.orders.signed_orders import flow_run
 from schemas.base import BrokenOff, Unusable
-from schemas.orders import AcquireOrder, OrderedUnit, OrderRequest, ProduceOrder, ProductionOrder
+from schemas.orders import ENDED as ORDER_ENDED
+from schemas.orders import (
+    OPEN,
+    AcquireOrder,
+    OrderedUnit,
+    OrderRequest,
+    ProduceOrder,
+    ProductionOrder,
+    ProductionState,
+)
 from schemas.recording import ENDED, Unit
 from schemas.station import StationFile
 from storage import settings
-from storage.catalogue import orders
+from storage.catalogue import audit_trail, database, orders
 from storage.catalogue.database import Busy
 from storage.home import Home
 from storage.order_lock import no_order_at, one_order_at, only_worker_of
@@ -35,21 +46,13 @@ from storage.whole_files import writing_in_home
 from tasks.stages.acquire import left_runs
 from tasks.stages.certificate_inputs import check_order, day_of_moment, read_inputs
 from tasks.stages.procedure_input import procedure_named
+from tasks.stages.remind import alert
 from tasks.stages.store import ready_to_acquire
 from tasks.station.drivers.backend import OTHER_UNIT, confirm
-from tasks.words import Message, argument, cause_of, clauses, message
+from tasks.words import Message, Sayable, argument, cause_of, clauses, message
 
 if TYPE_CHECKING:
     from tasks.stages.certify import Published
-from collections.abc import Iterator
-
-from sqlalchemy import Connection
-
-from schemas.orders import ENDED as ORDER_ENDED
-from schemas.orders import OPEN, ProductionState
-from storage.catalogue import audit_trail, database
-from tasks.stages.remind import alert
-from tasks.words import Sayable
 
 # What became of an order, said once to whoever operates the line.
 

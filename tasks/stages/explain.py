@@ -9,10 +9,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from schemas.base import Unusable
 from schemas.discrepancy import Discrepancy, RunStatistics
 from schemas.orders import ExplainOrder
-from schemas.recording import ANGLE, Recording
+from schemas.recording import ACCEL, ANGLE, GYRO, Recording, Stream
 from storage import run_statistics, settings
 from storage.catalogue import discrepancies, runs
 from storage.catalogue.runs import Run
@@ -46,9 +48,6 @@ from tasks.words import Message, message
 if TYPE_CHECKING:
     from tasks.explain.explanation import Explanation
     from tasks.explain.inputs.prepared import Prepared
-import numpy as np
-
-from schemas.recording import ACCEL, GYRO, Stream
 
 # The readings predicted by another simulator, and whether they are of this run.
 

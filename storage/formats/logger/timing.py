@@ -1,26 +1,23 @@
 """The times of a log's rows, and the protocol that lies on them."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from schemas.recording import AXES, UPS, Segment
 from storage.formats.logger import units
 from storage.formats.logger.columns import Column
-from storage.formats.logger.sheet import Sheet
-from storage.formats.logger.units import Times, plain
+from storage.formats.logger.sheet import Sheet, read_protocol
+from storage.formats.logger.units import DEG, TIME, Times, plain, scale
 from storage.formats.manifest import MAX_TIME_S
 
 if TYPE_CHECKING:
     import pandas as pd
-from collections.abc import Mapping
-from itertools import product
-
-from schemas.recording import AXES, UPS, Segment
-from storage.formats.logger.sheet import read_protocol
-from storage.formats.logger.units import DEG, TIME, scale
 
 # A protocol of what was done when, one line for each position or rate, as labelled segments.
 
