@@ -1,17 +1,13 @@
 """Commands for the life of a certificate: check, issue, amend, withdraw, and the audit trail."""
 
 import sys
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 import typer
 
 from flows import options
 from schemas.base import Unusable
-
-if TYPE_CHECKING:
-    from tasks.stages.certify import Published
-
 
 app = typer.Typer()
 
@@ -24,10 +20,7 @@ def check(
     as_json: options.Json = False,
 ) -> None:
     """Record that a person has checked the draft of a certificate."""
-    from flows import execute
-    from schemas.orders import CheckOrder
-
-    _step(execute.check, CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
+    _step("check", locals())
 
 
 @app.command(epilog='Example: mimucal issue draft-r8b7e8cc --by "Chen Jie"')
@@ -38,10 +31,7 @@ def issue(
     as_json: options.Json = False,
 ) -> None:
     """Issue a checked certificate: it receives its number and is frozen."""
-    from flows import execute
-    from schemas.orders import IssueOrder
-
-    _step(execute.issue, IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
+    _step("issue", locals())
 
 
 @app.command(epilog='Example: mimucal amend MC-2026-0001 --why "client renamed"')
@@ -67,27 +57,7 @@ def amend(
     and the draft prints everything that is different.
     The draft is checked and issued like any other; on issue, the old one is marked as amended.
     """
-    from flows import execute
-    from schemas.orders import AmendOrder
-
-    _step(
-        execute.amend,
-        AmendOrder,
-        as_json,
-        certificate=certificate,
-        by=by,
-        why=why,
-        run=run,
-        tolerance=tolerance,
-        laboratory=laboratory,
-        client_order=order,
-        calibrated_on=calibrated_on.date() if calibrated_on else None,
-        as_found=as_found,
-        budget=budget,
-        invalid_run=invalid_run,
-        report=report,
-        operator=operator,
-    )
+    _step("amend", locals())
 
 
 @app.command(epilog='Example: mimucal withdraw MC-2026-0001 --why "wrong unit"')
@@ -101,10 +71,7 @@ def withdraw(
 
     Its files remain unchanged.
     """
-    from flows import execute
-    from schemas.orders import WithdrawOrder
-
-    _step(execute.withdraw, WithdrawOrder, as_json, certificate=certificate, by=by, why=why)
+    _step("withdraw", locals())
 
 
 @app.command(epilog="Example: mimucal trail --as csv")
@@ -118,17 +85,22 @@ def trail(form: options.TrailForm = "table", as_json: options.Json = False) -> N
     print_trail("json" if as_json else form)
 
 
-def _step(work: Callable[[Any], "Published"], kind: Any, as_json: bool, **fields: Any) -> None:
-    from flows.execute import carry_out
+def _step(step: str, chosen: Mapping[str, Any]) -> None:
+    """Takes a step of a certificate: `execute` has it by its name, and its order is called so."""
+    from flows import execute
+    from flows.carry_out import carry_out
     from flows.shown_results import print_certificate
-    from schemas.orders import order_of
+    from schemas import orders
 
-    if not (fields["by"] or "").strip():
+    given = options.fields(chosen)
+    if not given.get("by", "").strip():
         raise Unusable(
-            f"Say who does it: mimucal {work.__name__} {fields['certificate']} --by NAME, or let "
+            f"Say who does it: mimucal {step} {given['certificate']} --by NAME, or let "
             "MIMUCAL_USER name the person."
         )
-    print_certificate(carry_out(work, order_of(kind, **fields), fields["certificate"]), as_json)
+    order = orders.order_of(getattr(orders, f"{step.capitalize()}Order"), **given)
+    published = carry_out(getattr(execute, step), order, order.certificate)
+    print_certificate(published, chosen["as_json"])
 
 
 # Commands that take a result to where the unit is used: `export` and `apply`.
@@ -177,7 +149,7 @@ def apply(
     calibration, common to all readings; their own noise is not in it.
     """
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from flows.terminal import print_json
     from schemas.orders import ApplyOrder
     from tasks.words.numbers import USUAL_K

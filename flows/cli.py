@@ -13,16 +13,15 @@ from typer.exceptions import TyperException
 
 from flows import (
     certificate_commands,
-    equipment_commands,
+    import_commands,
     operating_commands,
     options,
     order_commands,
+    register_commands,
     result_commands,
     station_commands,
     store_commands,
-    user_commands,
 )
-from flows import import_commands as import_commands
 from flows.logs import set_up
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
@@ -44,16 +43,13 @@ app = typer.Typer(
 )
 app.add_typer(certificate_commands.app)
 app.add_typer(result_commands.app)
-app.add_typer(certificate_commands.app)
 app.add_typer(import_commands.app)
 app.add_typer(store_commands.app)
-app.add_typer(result_commands.app)
 app.add_typer(operating_commands.app)
-app.add_typer(operating_commands.app)
-app.add_typer(equipment_commands.app, name="equipment")
+app.add_typer(register_commands.app, name="equipment")
 app.add_typer(station_commands.app, name="station")
 app.add_typer(order_commands.app, name="order")
-app.add_typer(user_commands.app, name="user")
+app.add_typer(register_commands.users, name="user")
 
 
 def _collect_rarely() -> None:
@@ -170,11 +166,12 @@ def calibrate(
 
     States which items could not be determined, and why.
     """
+    given = options.fields(locals())
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from schemas.orders import CalibrateOrder, order_of
 
-    order = order_of(CalibrateOrder, run=run, method=method, uncertainty=uncertainty, terms=terms)
+    order = order_of(CalibrateOrder, **given)
     calibration = carry_out(execute.calibrate, order, run)
     if as_json:
         print(calibration.model_dump_json(indent=1))
@@ -206,29 +203,14 @@ def certify(
 
     The draft replaces an earlier one of the same run. An invalid run is refused.
     """
+    given = options.fields(locals())
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from flows.shown_results import print_certificate
     from schemas.orders import CertifyOrder, order_of
 
-    certify_order = order_of(
-        CertifyOrder,
-        run=run,
-        method=method,
-        uncertainty=uncertainty,
-        tolerance=tolerance,
-        laboratory=laboratory,
-        client_order=order,
-        calibrated_on=calibrated_on.date() if calibrated_on else None,
-        as_found=as_found,
-        budget=budget,
-        invalid_run=invalid_run,
-        report=report,
-        terms=terms,
-        operator=operator,
-        by=by,
-    )
-    print_certificate(carry_out(execute.certify, certify_order, run), as_json)
+    ordered = order_of(CertifyOrder, **given)
+    print_certificate(carry_out(execute.certify, ordered, run), as_json)
 
 
 @app.command(epilog="Example: mimucal acquire station.json --dry-run")
@@ -249,7 +231,7 @@ def acquire(
     abandoned; the runs of the others are kept.
     """
     from flows import execute
-    from flows.execute import as_flow_run
+    from flows.carry_out import as_flow_run
     from flows.shown_results import print_acquired
     from flows.terminal import ask_for_operator
     from schemas.orders import AcquireOrder

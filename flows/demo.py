@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from flows.carry_out import import_flows
 from flows.execute import procedure_of
 from flows.on_prefect.server import connect
 from flows.shown_results import print_calibration, print_verdict, summary
@@ -33,11 +34,22 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     config = virtual_station(seed, ahrs)
     _write_in_home(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
     with working("starting Prefect"):
-        connect(folder)
+        connect(folder, import_flows)
         from flows.on_prefect import flows
     with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
         _write_in_home(station_file, station.model_dump_json(indent=1))
-        (draft,) = flows.run_now(flows.produce, order.model_copy(update=_certificate_files(ahrs)))
+        papers = files("flows") / "demo_papers"
+        own = papers / "ahrs" if ahrs else papers
+        (draft,) = flows.run_now(
+            flows.produce,
+            order.model_copy(
+                update={
+                    "tolerance": str(own / "tolerance.toml"),
+                    "laboratory": str(papers / "laboratory.toml"),
+                    "client_order": str(own / "order.toml"),
+                }
+            ),
+        )
     made = _made(draft, folder)
     made["seconds"] = round(time.monotonic() - began, 1)
     if as_json:
@@ -55,16 +67,6 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
 def _write_in_home(path: Path, text: str) -> None:
     with writing_in_home(path):
         path.write_text(text + "\n", encoding="utf-8")
-
-
-def _certificate_files(ahrs: bool) -> dict[str, str]:
-    papers = files("flows") / "demo_papers"
-    own = papers / "ahrs" if ahrs else papers
-    return {
-        "tolerance": str(own / "tolerance.toml"),
-        "laboratory": str(papers / "laboratory.toml"),
-        "client_order": str(own / "order.toml"),
-    }
 
 
 def _made(draft: Published, folder: Home) -> dict[str, Any]:

@@ -5,14 +5,13 @@ certificate.
 """
 
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from flows import terminal
-from flows.signals import ending_as_ctrl_c, pausing, stopping
+from flows.signals import cancellation_watch, ending_as_ctrl_c, pausing, resilient_output, stopping
 from flows.terminal import counting, describe
-from schemas.base import BrokenOff, Unusable
+from schemas.base import Unusable
 from schemas.orders import (
     AcquireOrder,
     AmendOrder,
@@ -24,7 +23,6 @@ from schemas.orders import (
     IssueOrder,
     NextOrder,
     OrderModel,
-    ProduceOrder,
     ReprocessOrder,
     ReviewOrder,
     SimulateOrder,
@@ -37,13 +35,11 @@ from storage.stations import file_named, release
 from tasks.stages.authority import authorised_operator
 from tasks.stages.import_recording import run_of
 from tasks.stages.procedure_input import procedure_named
-from tasks.stages.stop import whoever
-from tasks.words import cause_of, clauses
+from tasks.stages.stop import current_user
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flows.orders.production import Production
     from schemas.calibration import Calibration
     from schemas.certificate import Replaced
     from schemas.discrepancy import NextRecording
@@ -62,8 +58,6 @@ if TYPE_CHECKING:
 def acquire(order: AcquireOrder) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
-    from flows.on_prefect.flows import overseen
-    from flows.on_prefect.queue import lasting_output
     from tasks.stages.acquire import acquire_run
     from tasks.station.connected_station import StopSwitch
 
@@ -71,9 +65,9 @@ def acquire(order: AcquireOrder) -> "AcquiredRuns":
     place, stop = home_of(order), StopSwitch()
     operator = authorised_operator(order.by, procedure.standard, settings.laboratory(place))
     with (
-        lasting_output(),
+        resilient_output(),
         stopping(stop),
-        overseen(stop.press),
+        cancellation_watch(stop.press),
         pausing() as is_paused,
         acquisition_view() as report,
     ):
@@ -95,7 +89,7 @@ def release_station(order: AcquireOrder) -> None:
     """Whoever starts a run by hand has seen that the station may turn after a stop."""
     place = home_of(order)
     station = settings.read(file_named(order.station, place), StationFile).station.id
-    release(station, order.by or whoever(), place)
+    release(station, order.by or current_user(), place)
 
 
 def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":
@@ -108,48 +102,6 @@ def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | No
         except ValueError as fault:
             raise Unusable(f"units: {fault}; order one for each place") from fault
     return station, procedure, terminal.at_terminal() if order.attended else None
-
-
-def produce(
-    order: ProduceOrder, drafted: "Callable[[Published], object]" = lambda _: None
-) -> "tuple[Published, ...]":
-    """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
-
-    drafted: called with each draft. Raises BrokenOff for units that were abandoned or have no
-    certificate, once the others have theirs.
-    """
-    from flows.orders.production import carry_out
-
-    return carry_out(order, partial(_produced, drafted=drafted))
-
-
-def _produced(
-    production: "Production", drafted: "Callable[[Published], object]"
-) -> "tuple[Published, ...]":
-    from tasks.stages.certificate_inputs import read_inputs
-
-    order, runs = production.order, production.runs
-    inputs = read_inputs(order)  # bad files are refused before it turns
-    faults: list[Unusable] = []
-    if not runs:
-        usual = inputs.laboratory.operator if inputs.laboratory else None
-        acquired = acquire(order.model_copy(update={"by": order.by or usual}))
-        runs = tuple(run.id for run, _ in acquired.kept)
-        faults += acquired.given_up
-        production.note_runs(runs)
-    for run in runs:
-        try:
-            draft = certify(order.certify(run))
-        except Unusable as fault:
-            faults.append(fault)
-        else:
-            production.note_draft(draft)
-            drafted(draft)
-    if faults:
-        sentence = "; ".join(str(fault).rstrip(".") for fault in faults)
-        cause = clauses([cause_of(fault) for fault in faults], "station-cause.and")
-        raise BrokenOff(sentence, cause)
-    return tuple(production.drafts)
 
 
 def calibrate(order: CalibrateOrder) -> "Calibration":
@@ -289,40 +241,3 @@ def home_of(order: OrderModel) -> Home:
 def procedure_of(order: AcquireOrder) -> "Procedure":
     """A procedure by name, or from a file of that name."""
     return procedure_named(order.procedure)
-
-
-# Carries out an order from the command line, as a Prefect flow run or directly in this process.
-
-Order = TypeVar("Order", bound=OrderModel)
-Answer = TypeVar("Answer")
-
-
-def carry_out(work: Callable[[Order], Answer], order: Order, of: str) -> Answer:
-    """Carry out an order: as a flow run if a Prefect server is named, otherwise in this process.
-
-    work: a function of this module. of: the run or certificate it concerns, for the operator.
-    """
-    from flows.on_prefect.server import server_named
-
-    if server_named():
-        return as_flow_run(work, order)
-    from flows.terminal import working
-
-    with working(f"{work.__name__} {of}"):
-        return work(order)
-
-
-def as_flow_run(work: Callable[[Order], Answer], order: Order) -> Answer:
-    """Carry out an order as a flow run, on a server of our own if none is named.
-
-    Signs it for whoever it names: the account that runs this command may read the home's key.
-    """
-    from flows.on_prefect.server import connect
-    from flows.orders.signed_orders import sign
-
-    order = sign(work.__name__, order)
-    connect(home_of(order))
-    from flows.on_prefect import flows
-
-    answer: Answer = flows.run_now(getattr(flows, work.__name__), order)
-    return answer

@@ -1,6 +1,7 @@
 """Arguments and options shared by the commands, and the values they accept."""
 
 import math
+from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -295,6 +296,20 @@ AbleStation = Annotated[
     Path | None,
     _option("FILE", "Station file; default: the motions made by the run's own table.", "--station"),
 ]
+
+
+def fields(chosen: Mapping[str, Any]) -> dict[str, Any]:
+    """What was chosen on the command line as the fields of an order, where anything was.
+
+    chosen: the parameters of the command, by their names.
+    """
+    return {
+        "client_order" if name == "order" else name: str(value)
+        if isinstance(value, Path)
+        else value
+        for name, value in chosen.items()
+        if value is not None and name != "as_json"
+    }
 
 
 def person(by: str | None) -> str:

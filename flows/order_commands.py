@@ -12,7 +12,7 @@ from schemas.base import Unusable
 from storage.home import home
 
 if TYPE_CHECKING:
-    from flows.orders.production import GivenProduction
+    from flows.orders.production import QueuedOrder
 
 
 app = typer.Typer(
@@ -141,11 +141,11 @@ def cancel(
     number: options.GivenNumber, by: options.By = None, as_json: options.Json = False
 ) -> None:
     """Cancel an order that waits."""
-    from flows.orders.production import GivenProduction
+    from flows.orders.production import QueuedOrder
     from flows.orders.production import cancel as cancel_order
 
     order = cancel_order(number, options.person(by), home())
-    _print_given([GivenProduction(order, is_new=False)], as_json)
+    _print_given([QueuedOrder(order, is_new=False)], as_json)
 
 
 @app.command(epilog="Example: mimucal order retry 4711")
@@ -165,7 +165,7 @@ def retry(
     _print_given([retry_order(number, options.person(by), home(), reason)], as_json)
 
 
-def _print_given(given: "Sequence[GivenProduction]", as_json: bool) -> None:
+def _print_given(given: "Sequence[QueuedOrder]", as_json: bool) -> None:
     from schemas.orders import GivenOrders
 
     faults = sorted({each.fault for each in given if each.fault})

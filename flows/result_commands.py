@@ -29,7 +29,7 @@ def explain(
     Several runs of one unit are analysed together, so that weak evidence accumulates.
     """
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from schemas.orders import ExplainOrder
 
     order = ExplainOrder(
@@ -63,7 +63,7 @@ def next_recording(
     Writes a procedure for `acquire --procedure`.
     """
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from schemas.orders import NextOrder
 
     names = tuple(name.strip() for name in (effects or "").split(",") if name.strip())
@@ -97,11 +97,12 @@ def simulate(
 
     Writes a recording for `explain --simulated`.
     """
+    given = options.fields(locals())
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from schemas.orders import SimulateOrder
 
-    order = SimulateOrder(run=run, out=str(out), calibration=calibration)
+    order = SimulateOrder(**given)
     simulation = carry_out(execute.simulate, order, order.run)
     if as_json:
         from flows.terminal import print_json
@@ -137,20 +138,12 @@ def review(
     as_json: options.Json = False,
 ) -> None:
     """Find effects that only many runs show together, what carries them, and since when."""
+    given = options.fields(locals())
     from flows import execute
-    from flows.execute import carry_out
+    from flows.carry_out import carry_out
     from schemas.orders import ReviewOrder, order_of
 
-    order = order_of(
-        ReviewOrder,
-        paths=tuple(paths or ()),
-        station=station,
-        model=model,
-        serial=serial,
-        since=since.date() if since else None,
-        until=until.date() if until else None,
-        out=str(out) if out else None,
-    )
+    order = order_of(ReviewOrder, **given)
     reviewed = carry_out(execute.review, order, "runs")
     if as_json:
         print(reviewed.review.model_dump_json(indent=1))
@@ -184,28 +177,14 @@ def reprocess(
 
     New results are stored beside the old ones. After an interruption, the same command continues.
     """
+    given = options.fields(locals())
     from flows import execute, shown_results
-    from flows.execute import as_flow_run
+    from flows.carry_out import as_flow_run
     from schemas.orders import ReprocessOrder, order_of
     from storage.catalogue.database import Busy
     from storage.catalogue.selection import check_known
 
-    order = order_of(
-        ReprocessOrder,
-        since=since.date() if since else None,
-        until=until.date() if until else None,
-        model=model,
-        serial=serial,
-        station=station,
-        procedure=procedure,
-        equipment=equipment,
-        code_version=code_version,
-        engine=engine,
-        scheduler=scheduler,
-        workers=workers,
-        out=out,
-        dry_run=dry_run,
-    )
+    order = order_of(ReprocessOrder, **given)
     if dry_run:
         from tasks.stages.reprocess import plan
 
@@ -259,13 +238,12 @@ def impact(
 
     Between two days of recording, both included.
     """
+    given = options.fields(locals())
     from flows.shown_results import print_impact
     from schemas.orders import Selection, order_of
     from storage.catalogue.selection import impact_of
 
-    first, last = since.date() if since else None, until.date() if until else None
-    selection = order_of(Selection, equipment=equipment, since=first, until=last)
-    found = impact_of(selection, home())
+    found = impact_of(order_of(Selection, **given), home())
     if as_json:
         print(found.model_dump_json(indent=1))
     else:

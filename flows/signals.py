@@ -1,10 +1,10 @@
-"""Every terminating signal acts as Ctrl-C does; Ctrl-Z pauses an acquisition."""
+"""What ends or pauses a long run: signals, and the loss of its worker or its reader."""
 
 import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -131,3 +131,112 @@ def pausing() -> Iterator[Callable[[], bool]]:
         yield lambda: len(presses) % 2 == 1
     finally:
         signal.signal(signal.SIGTSTP, before)
+
+
+# A flow run that stops by itself where its worker can no longer stop it.
+#
+# A worker stops its flow run when Prefect cancels it; one that died, or that stopped polling
+# because the server was down, does not. The process of the run therefore polls as well.
+
+LOOK_S = 1.0
+ASK_EVERY = 3  # looks
+FLOW_RUN = "PREFECT__FLOW_RUN_ID"  # set by a worker for the process that it starts
+CANCELLED_TYPES = ("CANCELLING", "CANCELLED")
+
+
+@contextmanager
+def cancellation_watch(stop: Callable[[str], object]) -> Iterator[None]:
+    """Calls `stop`, once and with the cause, if the worker is gone or Prefect cancels the run.
+
+    It is called in another thread, and only within the block. Outside of a worker's process
+    nothing is looked for.
+    """
+    run = os.environ.get(FLOW_RUN)
+    if run is None:
+        yield
+        return
+    from tasks.station.connected_station import CANCELLATION, LOSS
+
+    ended, ending = threading.Event(), threading.Lock()
+    worker = os.getppid()
+
+    def look_until_the_end() -> None:
+        looks = 0
+        while not ended.wait(LOOK_S):
+            looks += 1
+            is_lost = os.getppid() != worker
+            if is_lost or (looks % ASK_EVERY == 0 and is_cancelled(run)):
+                with ending:
+                    if not ended.is_set():
+                        stop(LOSS if is_lost else CANCELLATION)
+                return
+
+    threading.Thread(target=look_until_the_end, daemon=True).start()
+    try:
+        yield
+    finally:
+        with ending:
+            ended.set()
+
+
+def is_cancelled(run: str) -> bool:
+    """Whether Prefect has a flow run as cancelled; False of a server that does not answer."""
+    from tasks.stages.prefect_api import NotAnswered, get
+
+    try:
+        return get(f"/flow_runs/{run}").get("state_type") in CANCELLED_TYPES
+    except NotAnswered:
+        return False
+
+
+# Output of a long run that survives the loss of its reader.
+#
+# A worker that is killed leaves its flow run writing into a pipe that nobody reads: any line of a
+# log would then end the run, wherever it is written.
+
+STDOUT, STDERR = 1, 2
+PART = 1 << 16  # bytes
+REST_S = 1.0  # for what is still on its way; a child that inherited the pipe may keep it open
+
+
+@contextmanager
+def resilient_output() -> Iterator[None]:
+    """Writing within the block never fails, even if the reader is gone. A terminal is left as it
+    is: its loss arrives as a signal.
+    """
+    with ExitStack() as relays:
+        for descriptor in (STDOUT, STDERR):
+            if not os.isatty(descriptor):
+                relays.enter_context(_relayed(descriptor))
+        yield
+
+
+@contextmanager
+def _relayed(descriptor: int) -> Iterator[None]:
+    """What is written to a descriptor goes through a pipe of our own, which is always read."""
+    reader = os.dup(descriptor)
+    source, sink = os.pipe()
+    os.dup2(sink, descriptor)
+    os.close(sink)
+    relay = threading.Thread(target=_relay, args=(source, reader), daemon=True)
+    relay.start()
+    try:
+        yield
+    finally:
+        os.dup2(reader, descriptor)  # closes our pipe, whose end the relay then sees
+        relay.join(REST_S)
+        if not relay.is_alive():
+            os.dup2(reader, descriptor)  # the relay may have lost the reader in the meantime
+            os.close(source)
+            os.close(reader)
+
+
+def _relay(source: int, reader: int) -> None:
+    """Forwards the output; once the reader is gone, discards it."""
+    while part := os.read(source, PART):
+        try:
+            os.write(reader, part)
+        except OSError:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, reader)
+            os.close(nowhere)

@@ -78,13 +78,13 @@ def check(
     from flows.terminal import print_json, print_rows
     from schemas.station import StationFile
     from storage import settings
-    from tasks.stages.stoppable import stoppable
+    from tasks.stages.stoppable import stop_watch
     from tasks.station.check_devices import check_station
     from tasks.station.connected_station import StopRequested, StopSwitch
 
     station, switch = settings.read(Path(station_file), StationFile), StopSwitch()
     try:
-        with stopping(switch), stoppable(station, home(), switch):
+        with stopping(switch), stop_watch(station, home(), switch):
             trials = check_station(station, move, switch)
     except StopRequested as stopped:
         raise BrokenOff(f"stopped by {stopped}") from stopped
@@ -154,12 +154,12 @@ def work(station: options.OrderedStation) -> None:
     one, until none waits: `mimucal order` and the pages begin it where an order needs it.
     """
     from flows.on_prefect.server import server_named
-    from flows.orders.production import work_at
+    from flows.orders.production import submit, work_at
 
     if server_named():
         from flows.on_prefect.queue import work_at_station
 
-        work_at_station(station, home())
+        work_at_station(station, home(), submit)
 
     def report(order: "ProductionOrder") -> None:
         outcome = order.fault or ", ".join(order.certificates)
@@ -179,9 +179,9 @@ def stop(
     folder of this computer. The recording is kept; `acquire --resume` continues the run.
     Exits with 1 where it could not be confirmed that the table is at rest.
     """
-    from tasks.stages.stop import stop_station, whoever
+    from tasks.stages.stop import current_user, stop_station
 
-    stopped = stop_station(station, by or whoever(), home())
+    stopped = stop_station(station, by or current_user(), home())
     if as_json:
         print(stopped.model_dump_json(indent=1))
     if not stopped.at_rest:
@@ -204,13 +204,13 @@ def release(station: options.OrderedStation, by: options.ReleasedBy = None) -> N
     A run that is started by hand, with `mimucal acquire`, releases it, too.
     """
     from storage import stations
-    from tasks.stages.stop import whoever
+    from tasks.stages.stop import current_user
 
     stop = stations.lockout_of(station, home())
     if stop is None:
         print(f"station {station} is not locked out")
         return
-    person = by or whoever()
+    person = by or current_user()
     stations.release(station, person, home())
     at = f"{stop.at.astimezone():%F %T}"
     print(f"station {station} released by {person}; it was stopped by {stop.by} at {at}")
@@ -227,9 +227,9 @@ def page(
     Only this computer reaches it. It works with everything else down.
     """
     from flows.station_page import serve_page
-    from tasks.stages.stop import whoever
+    from tasks.stages.stop import current_user
 
-    serve_page(station, port, by or whoever(), home())
+    serve_page(station, port, by or current_user(), home())
 
 
 def _as_data(trial: "Trial") -> dict[str, Any]:

@@ -13,7 +13,7 @@ import pyarrow as pa
 from pydantic import ValidationError
 
 from schemas.base import Unusable, first_fault
-from schemas.review import KeptReview, Layout, RunStatistics
+from schemas.discrepancy import KeptReview, Layout, RunStatistics
 from storage.blobs import blobs_of
 from storage.home import Home
 from storage.whole_files import writing_to

@@ -4,10 +4,8 @@ A deployment takes the order as its parameter, which Prefect validates. Import t
 after `flows.on_prefect.server.connect`.
 """
 
-import os
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from copy import copy
 from datetime import UTC, datetime, timedelta
 from functools import partial, wraps
@@ -31,10 +29,11 @@ from flows.on_prefect.artifacts import (
     show_items,
     show_review,
 )
-from flows.on_prefect.queue import POOL, lasting_output, one_of_those_due, pool_of
+from flows.on_prefect.queue import POOL, one_of_those_due, pool_of
 from flows.orders import production
 from flows.orders.production import station_of
 from flows.orders.signed_orders import accepted
+from flows.signals import resilient_output
 from schemas.base import BrokenOff, Unusable
 from schemas.calibration import Calibration
 from schemas.history import Reprocessing
@@ -55,10 +54,9 @@ from storage.catalogue import orders, runs
 from storage.home import Home, home
 from storage.stations import file_named, statuses
 from tasks.stages import remind as reminding
-from tasks.stages.prefect_api import NotAnswered, get
 from tasks.stages.stage import without_loss
 from tasks.stages.stop import stop_station
-from tasks.station.connected_station import CANCELLATION, LOSS, stopped_by
+from tasks.station.connected_station import CANCELLATION, stopped_by
 from tasks.words import statement
 
 if TYPE_CHECKING:
@@ -93,58 +91,6 @@ def free_station(flow: Any, flow_run: "FlowRun", state: "State[Any]") -> None:
                     shown = statement(stopped_by(CANCELLATION))
                     orders.finish(each.number, "failed", place, shown.en, shown)
         production.submit(place)
-
-
-# A flow run that stops by itself where its worker can no longer stop it.
-#
-# A worker stops its flow run when Prefect cancels it; one that died, or that stopped polling
-# because the server was down, does not. The process of the run therefore polls as well.
-
-LOOK_S = 1.0
-ASK_EVERY = 3  # looks
-FLOW_RUN = "PREFECT__FLOW_RUN_ID"  # set by a worker for the process that it starts
-CANCELLED_TYPES = ("CANCELLING", "CANCELLED")
-
-
-@contextmanager
-def overseen(stop: Callable[[str], object]) -> Iterator[None]:
-    """Calls `stop`, once and with the cause, if the worker is gone or Prefect cancels the run.
-
-    It is called in another thread, and only within the block. Outside of a worker's process
-    nothing is looked for.
-    """
-    run = os.environ.get(FLOW_RUN)
-    if run is None:
-        yield
-        return
-    ended, ending = threading.Event(), threading.Lock()
-    worker = os.getppid()
-
-    def look_until_the_end() -> None:
-        looks = 0
-        while not ended.wait(LOOK_S):
-            looks += 1
-            is_lost = os.getppid() != worker
-            if is_lost or (looks % ASK_EVERY == 0 and is_cancelled(run)):
-                with ending:
-                    if not ended.is_set():
-                        stop(LOSS if is_lost else CANCELLATION)
-                return
-
-    threading.Thread(target=look_until_the_end, daemon=True).start()
-    try:
-        yield
-    finally:
-        with ending:
-            ended.set()
-
-
-def is_cancelled(run: str) -> bool:
-    """Whether Prefect has a flow run as cancelled; False of a server that does not answer."""
-    try:
-        return get(f"/flow_runs/{run}").get("state_type") in CANCELLED_TYPES
-    except NotAnswered:
-        return False
 
 
 # Names of flow runs: what it is done to, and how, as the people at the station call it.
@@ -214,7 +160,7 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
     Raises BrokenOff for units that were abandoned or have no certificate, once the others have
     theirs.
     """
-    with lasting_output(), accepted("produce", order):
+    with resilient_output(), accepted("produce", order):
         context = FlowRunContext.get()
         pool = context and context.flow_run and context.flow_run.work_pool_name
         station = station_of(order, execute.home_of(order)).station.id
@@ -223,7 +169,7 @@ def produce(order: ProduceOrder) -> "tuple[Published, ...]":
                 f"the order is for station {station}, and this worker is one of pool {pool}: run "
                 f"produce/{station}"
             )
-        return execute.produce(order, lambda draft: show(lambda: show_certificate(draft)))
+        return production.produce(order, lambda draft: show(lambda: show_certificate(draft)))
 
 
 @flow(name="reprocess")

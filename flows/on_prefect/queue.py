@@ -2,11 +2,10 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from functools import wraps
-from threading import Thread
 from typing import TYPE_CHECKING, Any, NoReturn
 from uuid import UUID
 
@@ -24,7 +23,6 @@ from prefect.context import FlowRunContext
 from prefect.states import Cancelled
 
 from flows.on_prefect.server import connect, prefect_client
-from flows.orders import production
 from schemas.base import Unusable
 from schemas.orders import ProductionOrder
 from storage.catalogue import orders
@@ -211,17 +209,17 @@ def work_for_line(home: Home) -> NoReturn:
     _become(LINE, LINE, dict(os.environ), home)
 
 
-def work_at_station(station: str, home: Home) -> NoReturn:
+def work_at_station(station: str, home: Home, submit: Callable[[Home], object]) -> NoReturn:
     """Become the one worker of a station's pool.
 
     A worker that was killed between taking a flow run and beginning it left it pending, and the
-    pool, which carries out one at a time, full: such a run crashes, and its order is given again.
+    pool, which carries out one at a time, full: such a run crashes. submit: gives its order again.
     Raises Unusable for an unknown station, and where Prefect's server does not answer.
     """
     own = dict(os.environ)  # without what `connect` sets for a command that prints its own words
     file_of(station, home)
     give_up_pending(pool_of(station), home)
-    production.submit(home)
+    submit(home)
     _become(pool_of(station), station, own, home)
 
 
@@ -288,56 +286,3 @@ def _cancelled_others(run: FlowRun, deployment: "UUID") -> bool:
 
 def _due_at(run: FlowRun) -> datetime:
     return run.expected_start_time or datetime.min.replace(tzinfo=UTC)
-
-
-# Output of a long run that survives the loss of its reader.
-#
-# A worker that is killed leaves its flow run writing into a pipe that nobody reads: any line of a
-# log would then end the run, wherever it is written.
-
-STDOUT, STDERR = 1, 2
-PART = 1 << 16  # bytes
-REST_S = 1.0  # for what is still on its way; a child that inherited the pipe may keep it open
-
-
-@contextmanager
-def lasting_output() -> Iterator[None]:
-    """Writing within the block never fails, even if the reader is gone. A terminal is left as it
-    is: its loss arrives as a signal.
-    """
-    with ExitStack() as relays:
-        for descriptor in (STDOUT, STDERR):
-            if not os.isatty(descriptor):
-                relays.enter_context(_relayed(descriptor))
-        yield
-
-
-@contextmanager
-def _relayed(descriptor: int) -> Iterator[None]:
-    """What is written to a descriptor goes through a pipe of our own, which is always read."""
-    reader = os.dup(descriptor)
-    source, sink = os.pipe()
-    os.dup2(sink, descriptor)
-    os.close(sink)
-    relay = Thread(target=_relay, args=(source, reader), daemon=True)
-    relay.start()
-    try:
-        yield
-    finally:
-        os.dup2(reader, descriptor)  # closes our pipe, whose end the relay then sees
-        relay.join(REST_S)
-        if not relay.is_alive():
-            os.dup2(reader, descriptor)  # the relay may have lost the reader in the meantime
-            os.close(source)
-            os.close(reader)
-
-
-def _relay(source: int, reader: int) -> None:
-    """Forwards the output; once the reader is gone, discards it."""
-    while part := os.read(source, PART):
-        try:
-            os.write(reader, part)
-        except OSError:
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, reader)
-            os.close(nowhere)

@@ -71,11 +71,11 @@ def server_named() -> bool:
     return environment().prefect_server is not None
 
 
-def connect(home: Home) -> None:
+def connect(home: Home, meanwhile: Callable[[], None] = lambda: None) -> None:
     """Point Prefect at its server before it is imported; start one if none is named.
 
     Environment variables set by the operator are kept. Call this from the main thread: Linux ends
-    the server together with the thread that started it.
+    the server together with the thread that started it. meanwhile: done while the server starts.
     """
     settings = QUIET if server_named() else QUIET | OWN_SERVER
     for name, value in settings.items():
@@ -86,13 +86,13 @@ def connect(home: Home) -> None:
         if named.prefect_login:
             os.environ[CLIENT_AUTH] = named.prefect_login
     else:
-        _start(home.prefect.absolute())
+        _start(home.prefect.absolute(), meanwhile)
         # Runs before the server is ended, which a second Ctrl-C would break off with a traceback.
         for stop in STOPPING:
             atexit.register(signal.signal, stop, signal.SIG_IGN)
 
 
-def _start(folder: Path) -> None:
+def _start(folder: Path, meanwhile: Callable[[], None]) -> None:
     """Start a server whose database is in the folder, and wait until it answers."""
     try:
         make_folder(folder)
@@ -113,8 +113,7 @@ def _start(folder: Path) -> None:
         _fork(listener, log)
     import httpx
 
-    from flows.on_prefect import flows  # noqa: F401 (half a second while the server starts)
-
+    meanwhile()
     try:  # the socket listens already: the answer comes once the server is there
         httpx.get(f"{url}/health", timeout=START_UP_S, trust_env=False).raise_for_status()
     except httpx.HTTPError as error:

@@ -9,38 +9,137 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Any
 
+from sqlalchemy import Connection
+
 from flows import execute
 from flows.on_prefect.server import server_named
-from flows.orders import outcomes
 from flows.orders.signed_orders import flow_run
 from schemas.base import BrokenOff, Unusable
-from schemas.orders import AcquireOrder, OrderedUnit, OrderRequest, ProduceOrder, ProductionOrder
+from schemas.orders import ENDED as ORDER_ENDED
+from schemas.orders import (
+    OPEN,
+    AcquireOrder,
+    OrderedUnit,
+    OrderRequest,
+    ProduceOrder,
+    ProductionOrder,
+    ProductionState,
+)
 from schemas.recording import ENDED, Unit
 from schemas.station import StationFile
 from storage import settings
-from storage.catalogue import orders
+from storage.catalogue import audit_trail, database, orders
 from storage.catalogue.database import Busy
 from storage.home import Home
 from storage.order_lock import no_order_at, one_order_at, only_worker_of
 from storage.stations import file_named, file_of, is_running, lockout_of, statuses
 from storage.whole_files import writing_in_home
 from tasks.stages.acquire import left_runs
-from tasks.stages.certificate_inputs import check_order, day_of_moment
+from tasks.stages.certificate_inputs import check_order, day_of_moment, read_inputs
 from tasks.stages.procedure_input import procedure_named
+from tasks.stages.remind import alert
 from tasks.stages.store import ready_to_acquire
 from tasks.station.drivers.backend import OTHER_UNIT, confirm
-from tasks.words import Message, argument, cause_of, message
+from tasks.words import Message, Sayable, argument, cause_of, clauses, message
 
 if TYPE_CHECKING:
     from tasks.stages.certify import Published
+
+# What became of an order, said once to whoever operates the line.
+
+
+LINE = "line"  # the person of what the program itself enters in the trail
+UNSENT = "alert not sent"
+RECENT = timedelta(days=1)  # an older outcome is no news
+LATE = timedelta(minutes=15)  # a person mounts a unit, a computer starts, within that
+
+
+def tell(home: Home) -> None:
+    """Alert the operators to every outcome that they were not alerted to yet.
+
+    Those are orders that failed or were refused, and the next order of a station that nothing takes
+    although nothing runs there. Whoever comes here first alerts, and the trail says so.
+    """
+    now = datetime.now(UTC)
+    with suppress(Unusable):  # without the catalogue nobody knows what was said
+        for order in failed_since(now - RECENT, home):
+            outcome = "failed" if order.attempts else "refused"
+            say_once(order, outcome, shown_cause(order), home)
+        for order in _never_begun(now, home):
+            say_once(order, "never-begun", message("order-outcome.nothing-takes-it"), home)
+
+
+def say_once(order: ProductionOrder, outcome: str, cause: Sayable, home: Home) -> None:
+    """Alert the operators, where the home names any and nobody did it for this attempt before.
+
+    A channel by which it could not be sent is tried once more, by whoever comes next.
+    """
+    asked = settings.reminders(home)
+    if asked is None or asked.operators is None:
+        return
+    about: dict[str, Any] = {"outcome": outcome, "attempt": order.attempts}
+    with database.changing(home) as connection:
+        due = [
+            channel
+            for channel in asked.operators.channels
+            if _is_due(connection, order.number, **about, channel=channel)
+        ]
+    sent = alert(home, sentence_of(order, outcome, cause), only=due) if due else []
+    if unsent := [each.channel for each in sent if each.fault]:
+        with database.changing(home) as connection:
+            for channel in unsent:
+                audit_trail.add(connection, LINE, UNSENT, order.number, **about, channel=channel)
+
+
+def _is_due(connection: Connection, number: str, **alert_: Any) -> bool:
+    """Whether an alert is to be sent by a channel now, of which the trail has that it was."""
+    if audit_trail.add_once(connection, LINE, "alert", number, **alert_):
+        return True
+    again = audit_trail.has(connection, UNSENT, number, **alert_)
+    return again and audit_trail.add_once(connection, LINE, "alert again", number, **alert_)
+
+
+def failed_since(moment: datetime, home: Home) -> list[ProductionOrder]:
+    """The orders that failed since then, of the last ones."""
+    states: tuple[ProductionState, ...] = ("failed",)
+    failed = orders.listed(home, states=states, last=orders.MANY)
+    return [each for each in failed if each.ended_at and each.ended_at > moment]
+
+
+def sentence_of(order: ProductionOrder, outcome: str, cause: Sayable) -> Message:
+    """Which order of which unit, what became of it on which station, why, and what to do."""
+    about = {"number": order.number, "unit": order.serials, "station": order.station}
+    minutes = f"{LATE.total_seconds() / 60:.0f}"
+    return message(f"order-outcome.{outcome}", **about, minutes=minutes, cause=cause)
+
+
+def shown_cause(order: ProductionOrder) -> Sayable:
+    """Why an order failed, or does not begin, as pages and alerts show it."""
+    return order.cause or cause_of(order.fault or "")
+
+
+def _never_begun(now: datetime, home: Home) -> Iterator[ProductionOrder]:
+    """The next order of each station where none is carried out, or kept from beginning."""
+    next_of: dict[str, ProductionOrder | None] = {}
+    for each in orders.listed(home, states=OPEN):
+        next_of.setdefault(each.station, each)
+        if each.state == "running" or each.fault:
+            next_of[each.station] = None
+    for order in filter(None, next_of.values()):
+        last = orders.listed(home, order.station, ORDER_ENDED, last=1)
+        ended = [each.ended_at for each in last if each.ended_at]
+        is_late = now - max((order.ordered_at, *ended)) > LATE
+        if is_late and not lockout_of(order.station, home):
+            yield order
 
 
 # The queue of each station: orders are checked, kept, and given to what carries them out.
@@ -55,7 +154,7 @@ _started: list["subprocess.Popen[bytes]"] = []  # workers that this process bega
 
 
 @dataclass(frozen=True)
-class GivenProduction:
+class QueuedOrder:
     """An order of the queue. is_new: whether it was not there before. fault: why nothing can carry
     it out just now; it waits, and the next order that is given tries again.
     """
@@ -65,7 +164,7 @@ class GivenProduction:
     fault: str | None = None
 
 
-def give(request: OrderRequest, person: str, home: Home) -> GivenProduction:
+def give(request: OrderRequest, person: str, home: Home) -> QueuedOrder:
     """Check an order, keep it, and have it carried out when the station is free.
 
     An order without a number for units that are in the queue already is the one that is there.
@@ -75,14 +174,12 @@ def give(request: OrderRequest, person: str, home: Home) -> GivenProduction:
     return given
 
 
-def give_all(
-    requests: Sequence[OrderRequest], person: str, home: Home
-) -> tuple[GivenProduction, ...]:
+def give_all(requests: Sequence[OrderRequest], person: str, home: Home) -> tuple[QueuedOrder, ...]:
     """Orders in their sequence. Raises Unusable, and keeps none, where one cannot be kept."""
     made = [_known_or_new(request, person, home) for request in requests]
     kept = orders.add(made, home)
     fault = submit(home)
-    return tuple(GivenProduction(order, is_new, fault) for order, is_new in kept)
+    return tuple(QueuedOrder(order, is_new, fault) for order, is_new in kept)
 
 
 def _known_or_new(request: OrderRequest, person: str, home: Home) -> ProductionOrder:
@@ -115,13 +212,13 @@ def checked(request: OrderRequest, person: str, home: Home) -> ProductionOrder:
     execute.check_acquisition(run)
     check_order(request.client_order, None, day_of_moment(now))
     return ProductionOrder(
-        number=request.number or drawn_number(now), station=request.station, units=units,
+        number=request.number or new_order_number(now), station=request.station, units=units,
         procedure=procedure, client_order=request.client_order, person=person,
         ordered_at=now,
     )  # fmt: skip
 
 
-def drawn_number(now: datetime) -> str:
+def new_order_number(now: datetime) -> str:
     """A number for an order that has none."""
     return f"{now:%Y%m%d-%H%M%S}-{token_hex(3)}"
 
@@ -143,8 +240,8 @@ def submit(home: Home) -> str | None:
 
     An order whose process died waits again.
     """
-    take_up_left(home)
-    outcomes.tell(home)
+    requeue_orphans(home)
+    tell(home)
     waiting = orders.waiting(home)
     if not waiting:
         return None
@@ -159,7 +256,7 @@ def submit(home: Home) -> str | None:
 
 def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     """Cancel an order that waits, here and at Prefect; raises Unusable for any other."""
-    take_up_left(home)
+    requeue_orphans(home)
     flow_run = orders.find(number, home).flow_run
     cancelled = orders.cancel(number, person, home)
     if flow_run and server_named():
@@ -169,20 +266,20 @@ def cancel(number: str, person: str, home: Home) -> ProductionOrder:
     return cancelled
 
 
-def retry(number: str, person: str, home: Home, reason: str | None = None) -> GivenProduction:
+def retry(number: str, person: str, home: Home, reason: str | None = None) -> QueuedOrder:
     """Have an order carried out again that failed or was cancelled.
 
     A run it began goes on; after an invalid one its units are measured again.
     """
-    left = take_up_left(home)
+    left = requeue_orphans(home)
     if any(each.number == number for each in left):
         order = orders.find(number, home)  # it waits again already
     else:
         order = orders.retry(number, person, home, reason)
-    return GivenProduction(order, is_new=False, fault=submit(home))
+    return QueuedOrder(order, is_new=False, fault=submit(home))
 
 
-def take_up_left(home: Home, *, here: bool = False) -> list[ProductionOrder]:
+def requeue_orphans(home: Home, *, here: bool = False) -> list[ProductionOrder]:
     """Have every order wait again whose process died, whoever that was; returns them.
 
     On this computer the process is looked for, and the lock of its station's orders; of another
@@ -308,6 +405,44 @@ def carry_out(order: ProduceOrder, work: Work) -> "tuple[Published, ...]":
                 _carried_out_before(kept, order, station, home, work)
 
 
+def produce(
+    order: ProduceOrder, drafted: "Callable[[Published], object]" = lambda _: None
+) -> "tuple[Published, ...]":
+    """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
+
+    drafted: called with each draft. Raises BrokenOff for units that were abandoned or have no
+    certificate, once the others have theirs.
+    """
+    return carry_out(order, partial(_produced, drafted=drafted))
+
+
+def _produced(
+    production: Production, drafted: "Callable[[Published], object]"
+) -> "tuple[Published, ...]":
+    order, runs = production.order, production.runs
+    inputs = read_inputs(order)  # bad files are refused before it turns
+    faults: list[Unusable] = []
+    if not runs:
+        usual = inputs.laboratory.operator if inputs.laboratory else None
+        acquired = execute.acquire(order.model_copy(update={"by": order.by or usual}))
+        runs = tuple(run.id for run, _ in acquired.kept)
+        faults += acquired.given_up
+        production.note_runs(runs)
+    for run in runs:
+        try:
+            draft = execute.certify(order.certify(run))
+        except Unusable as fault:
+            faults.append(fault)
+        else:
+            production.note_draft(draft)
+            drafted(draft)
+    if faults:
+        sentence = "; ".join(str(fault).rstrip(".") for fault in faults)
+        cause = clauses([cause_of(fault) for fault in faults], "station-cause.and")
+        raise BrokenOff(sentence, cause)
+    return tuple(production.drafts)
+
+
 def _carried_out_before(
     kept: ProductionOrder, order: ProduceOrder, station: StationFile, home: Home, work: Work
 ) -> None:
@@ -332,15 +467,15 @@ def _next_to_begin(number: str, station: StationFile, home: Home, *, is_of_queue
     while True:
         with suppress(Busy):
             kept = orders.find(number, home)
-            hindrance = _hindrance(kept, station, home, is_of_queue)
+            hindrance = _blocked_by(kept, station, home, is_of_queue)
             if kept.state != "waiting" or hindrance is None:
                 return number
             if other := _mounted_instead(hindrance, station, home):
                 return other
             if str(hindrance) != kept.fault:
                 orders.note(number, home, fault=str(hindrance), cause=cause_of(hindrance))
-            if datetime.now(UTC) - began > outcomes.LATE:
-                outcomes.say_once(kept, "waits", cause_of(hindrance), home)
+            if datetime.now(UTC) - began > LATE:
+                say_once(kept, "waits", cause_of(hindrance), home)
         time.sleep(LOOK_S)
 
 
@@ -351,12 +486,12 @@ def _mounted_instead(hindrance: Unusable, station: StationFile, home: Home) -> s
     mounted = str(argument(hindrance.cause, "found"))
     for each in orders.waiting(home, station.station.id):
         is_of_it = mounted in (unit.serial for unit in each.units)
-        if is_of_it and _hindrance(each, station, home, is_of_queue=True) is None:
+        if is_of_it and _blocked_by(each, station, home, is_of_queue=True) is None:
             return each.number
     return None
 
 
-def _hindrance(
+def _blocked_by(
     kept: ProductionOrder, station: StationFile, home: Home, is_of_queue: bool
 ) -> Unusable | None:
     """Why an order cannot begin just now."""
@@ -386,7 +521,7 @@ def _own_order(order: ProduceOrder, station: StationFile, home: Home) -> str:
     now = datetime.now(UTC)
     units = order.units or tuple(each.unit for each in station.per_unit())
     made = ProductionOrder(
-        number=drawn_number(now), station=station.station.id, units=units,
+        number=new_order_number(now), station=station.station.id, units=units,
         procedure=order.procedure, person=order.by or SCHEDULE, ordered_at=now,
         flow_run=flow_run(),
     )  # fmt: skip
@@ -433,7 +568,7 @@ def _finished(
         with suppress(Busy):  # then whoever comes next finds that this process ended
             sentence = str(fault) or type(fault).__name__
             orders.finish(kept.number, "failed", home, sentence, cause_of(fault))
-            outcomes.tell(home)
+            tell(home)
         raise
     orders.finish(kept.number, "done", home)
     return drafts
@@ -463,7 +598,7 @@ def _take(number: str, file: Path, home: Home) -> None:
     """Carry out one order; raises what kept it from being begun, which the next would meet too."""
     order = ProduceOrder(home=str(home.path), station=str(file), number=number, attended=False)
     try:
-        execute.produce(order)
+        produce(order)
     except (Unusable, BrokenOff) as fault:
         if isinstance(fault, BrokenOff) and fault.__cause__ is not None:  # a stop, or a full disk
             raise BrokenOff(

@@ -9,8 +9,20 @@ from pydantic.json_schema import models_json_schema
 from werkzeug.exceptions import HTTPException
 
 from flows.orders import production
-from flows.pages.do.actions import check_may
-from flows.pages.line.data import (
+from flows.pages import (
+    budget,
+    discrepancy,
+    do,
+    due,
+    line,
+    quality,
+    run,
+    runs,
+    signals,
+    unit,
+)
+from flows.pages.do import check_may
+from flows.pages.line_data import (
     Acknowledged,
     AlarmPressed,
     Released,
@@ -29,10 +41,10 @@ from flows.pages.parts import (
     json_answer,
     refusal,
     refuse_what_is_raised,
-    view_of_request,
+    seen_by,
+    view,
 )
-from flows.pages.register import PAGES
-from flows.pages.run.data import pdf_of
+from flows.pages.run_data import pdf_of
 from schemas.access import Visitor
 from schemas.base import Frozen, NotThere, Unusable
 from schemas.orders import (
@@ -48,6 +60,24 @@ from storage.catalogue.runs import find
 from storage.home import Home
 from tasks.station import procedures
 from tasks.version import code_version
+
+# All pages, in the order of the navigation.
+
+
+PAGES: tuple[Page, ...] = (
+    line.PAGE,
+    runs.PAGE,
+    run.PAGE,
+    signals.PAGE,
+    budget.PAGE,
+    unit.PAGE,
+    due.PAGE,
+    quality.PAGE,
+    discrepancy.PAGE,
+    do.PAGE,
+)
+FIRST = PAGES[0]  # what the bare address shows
+
 
 # /api/v1/orders: a manufacturing system gives orders, and sees what became of them.
 
@@ -69,7 +99,7 @@ def retry(asked: RetriedOrder, visitor: Visitor, home: Home) -> ProductionOrder:
 
 def give(home: Home) -> Response:
     """Keep an order: 201, or 200 where it is there already; it needs a number."""
-    visitor = view_of_request().visitor
+    visitor = view().visitor
     check_may("acquire", visitor, "*", home)
     if (request.content_length or 0) > LONGEST:
         raise Unusable(f"the order has more than {LONGEST} bytes; give one order at a time")
@@ -152,7 +182,7 @@ def _acting(
     def answer() -> Response:
         asked = takes.model_validate_json(request.get_data())
         try:
-            return json_answer(act(asked, view_of_request().visitor, home).model_dump_json())
+            return json_answer(act(asked, view().visitor, home).model_dump_json())
         except NotThere as fault:
             return refusal(404, str(fault))
 
@@ -163,7 +193,8 @@ def openapi() -> dict[str, Any]:
     """The description of all endpoints (OpenAPI 3.1), made of the models of the pages."""
     paths: dict[str, dict[str, Any]] = {}
     for page in PAGES:
-        about, address = page.about(View()), f"{PREFIX}/{page.name}"
+        about = seen_by(View(), page.about)  # in English, whoever asks
+        address = f"{PREFIX}/{page.name}"
         shown = {200: ("What the page shows.", page.answer)}
         paths[address] = {"get": _operation(page.name, about, shown, asks=page.question)}
         for part in page.numbers:

@@ -19,10 +19,10 @@ from werkzeug.wrappers import Response
 
 from flows.logs import set_up
 from flows.pages import answers, health, shell
+from flows.pages.answers import FIRST, PAGES
 from flows.pages.answers import files as certificate_files
-from flows.pages.login import Gate, guard, log_in, log_out, passed
-from flows.pages.parts import view_of_request
-from flows.pages.register import FIRST, PAGES
+from flows.pages.login import LoginLimiter, guard, log_in, log_out, passed
+from flows.pages.parts import say, view
 from flows.terminal import stdout
 from schemas.base import Unusable
 from storage import settings
@@ -84,7 +84,6 @@ class Application(Dash):
         renderer: str = "",
     ) -> str:
         """The first document, before any script has run."""
-        view = view_of_request()
         tags = scripts.splitlines()
         scripts = "\n".join(tag for tag in tags if UNUSED not in tag)
         early, late = CELLS, ""
@@ -93,8 +92,8 @@ class Application(Dash):
             early, late = "", f' data-grid="{grid[1]}"'
             scripts = GRID.sub("", scripts)
         return f"""<!DOCTYPE html>
-<html lang="{view.language}"
- data-mantine-color-scheme="{view.theme}" data-ag-theme-mode="{view.theme}"{late}>
+<html lang="{view().language}"
+ data-mantine-color-scheme="{view().theme}" data-ag-theme-mode="{view().theme}"{late}>
 <head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 {metas}<title>{title}</title>{favicon}{css}{early}</head>
@@ -164,7 +163,7 @@ def _keep_at_home(app: Application, is_https: bool) -> None:
     )
 
 
-def login(home: Home, gate: Gate) -> Blueprint:
+def login(home: Home, gate: LoginLimiter) -> Blueprint:
     """The form, and what becomes of it."""
     made = Blueprint("login", __name__, template_folder="templates")
 
@@ -185,7 +184,8 @@ def login(home: Home, gate: Gate) -> Blueprint:
             log_in(user, home)
         except Unusable:
             return _form(message("pages-no-database"), wanted), 503
-        return redirect(_own(wanted))
+        # The page that somebody wanted, if it is one of ours; else the first
+        return redirect(wanted if wanted in {f"/{page.name}" for page in PAGES} else "/")
 
     @made.post("/logout")
     def leave() -> Page:
@@ -198,17 +198,11 @@ def login(home: Home, gate: Gate) -> Blueprint:
     return made
 
 
-def _own(wanted: str) -> str:
-    """The page that somebody wanted, if it is one of ours; else the first."""
-    return wanted if wanted in {f"/{page.name}" for page in PAGES} else "/"
-
-
 def _form(fault: Message | None, wanted: str) -> str:
-    view = view_of_request()
     return render_template(
-        "login.html", language=view.language, theme=view.theme, next=wanted,
-        fault=fault and view.say(fault), token=generate_csrf(),
-        words={name: view.say(each) for name, each in WORDS.items()},
+        "login.html", language=view().language, theme=view().theme, next=wanted,
+        fault=fault and say(fault), token=generate_csrf(),
+        words={name: say(each) for name, each in WORDS.items()},
     )  # fmt: skip
 
 

@@ -3,8 +3,8 @@
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.parts import Page, View, table
-from flows.pages.run.data import BudgetQuestion, BudgetShown
+from flows.pages.parts import Page, said, say, table
+from flows.pages.run_data import BudgetQuestion, BudgetShown
 from schemas.base import Unusable
 from storage.catalogue import results
 from storage.home import Home
@@ -33,14 +33,14 @@ def data(question: BudgetQuestion, home: Home) -> BudgetShown:
     )
 
 
-def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
+def layout(shown: BudgetShown, _: BudgetQuestion) -> Component:
     """A line for each input, as the certificate prints them."""
     budget = shown.budget
     unit = unit_text(budget.unit)
     rows = [
         (
-            f"{view.say(name_of(each))} ({each.symbol})",
-            f"{each.kind}, {view.text(f'pages-distribution.{each.distribution}')}",
+            f"{say(name_of(each))} ({each.symbol})",
+            f"{each.kind}, {said(f'pages-distribution.{each.distribution}')}",
             f"{plain(each.u)} {unit_text(each.unit)}",
             plain(each.sensitivity),
             f"{plain(each.contribution)} {unit}",
@@ -51,7 +51,7 @@ def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
     ]
     printed = column([budget.value], [budget.U], budget.k)
     power = f"{power_of_ten(printed.exponent)} ".lstrip()
-    summary = view.text(
+    summary = said(
         "pages-budget-summary", item=shown.title, symbol=shown.symbol,
         value=f"{printed.values[0]} {power}{unit}",
         u=f"{plain(budget.u_c)} {unit}", k=f"{budget.k:.3g}",
@@ -61,7 +61,7 @@ def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
     return dmc.Stack(
         [
             dmc.Text(summary),
-            table("pages-budget-column", names, rows, view),
+            table("pages-budget-column", names, rows),
         ]
     )
 

@@ -11,20 +11,23 @@ from dateutil.relativedelta import relativedelta
 from pydantic import Field
 
 from flows.pages.parts import (
+    BLUE,
     Kind,
     Page,
     StepState,
-    View,
     badge,
     choice,
+    figure,
     grid,
     heading,
     minute_of,
+    picture,
+    said,
+    say,
     stated,
     table,
     today,
 )
-from flows.pages.pictures import BLUE, Figure, figure, picture
 from schemas.base import Frozen
 from schemas.store import DueUnit
 from schemas.text import Statement, text_in
@@ -227,52 +230,73 @@ OWN: dict[str, dict[str, Any]] = {
 ROW_PX, FRAME_PX, MOST_PX = 38, 115, 560
 
 
-def layout(shown: DueShown, view: View, question: DueQuestion) -> Component:
+def layout(shown: DueShown, question: DueQuestion) -> Component:
     """What is asked for; units, clients and months; messages; equipment."""
+    bars = {
+        "type": "bar", "x": [each.month for each in shown.months],
+        "y": [each.units for each in shown.months], "marker": {"color": BLUE},
+        "hovertemplate": "%{x}: %{y}<extra></extra>",
+    }  # fmt: skip
+    title = said("pages-due-months")
+    names = "at certificate occasion channel state tries fault"
     return dmc.Stack(
         [
-            _choices(shown, view, question),
-            heading("pages-due-heading.units", view),
-            *_units(shown, view, question),
-            heading("pages-due-heading.clients", view),
+            _choices(shown, question),
+            heading("pages-due-heading.units"),
+            *_units(shown, question),
+            heading("pages-due-heading.clients"),
             dmc.SimpleGrid(
                 [
-                    _client_table(shown, view, question),
-                    picture("due-months", _month_bars(shown, view)),
+                    _client_table(shown, question),
+                    picture(
+                        "due-months",
+                        figure(
+                            [bars],
+                            260,
+                            xaxis={"type": "category", "tickangle": -40},
+                            yaxis={"rangemode": "tozero", "title": {"text": title}},
+                            margin={"t": 10, "r": 10, "l": 55, "b": 60},
+                        ),
+                    ),
                 ],
                 cols={"base": 1, "md": 2},
             ),
-            heading("pages-due-heading.messages", view),
-            _messages(shown, view),
-            heading("pages-due-heading.equipment", view),
-            _equipment_table(shown, view),
+            heading("pages-due-heading.messages"),
+            table(
+                "pages-due-message",
+                names,
+                [_message_row(e) for e in shown.messages],
+                none="pages-due-none.messages",
+            ),
+            heading("pages-due-heading.equipment"),
+            _equipment_table(shown),
         ],
         gap="sm",
     )
 
 
-def _choices(shown: DueShown, view: View, question: DueQuestion) -> Component:
+def _choices(shown: DueShown, question: DueQuestion) -> Component:
     horizons = [
-        {"value": str(days), "label": view.text("pages-due-within", days=days)}
+        {"value": str(days), "label": said("pages-due-within", days=days)}
         for days in sorted({*HORIZONS, question.within})
     ]
-    named = {each[0]: {"value": each[0], "label": _client(each, view)} for each in shown.clients}
+    named = {each[0]: {"value": each[0], "label": _client(each)} for each in shown.clients}
     clients = list(named.values())
     controls = [
-        choice("client", "pages-due-asked.client", clients, question.client, view, EVERY),
-        choice("model", "pages-due-asked.model", shown.models, question.model, view, EVERY),
-        choice("within", "pages-due-asked.within", horizons, question.within, view),
+        choice("client", "pages-due-asked.client", clients, question.client, EVERY),
+        choice("model", "pages-due-asked.model", shown.models, question.model, EVERY),
+        choice("within", "pages-due-asked.within", horizons, question.within),
     ]  # fmt: skip
     return dmc.SimpleGrid(controls, cols={"base": 1, "sm": 3}, spacing="xs")
 
 
-def _client(client: tuple[str, str], view: View) -> str:
-    return view.say(text_in(client) or "")
+def _client(client: tuple[str, str]) -> str:
+    return say(text_in(client) or "")
 
 
-def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component]:
+def _units(shown: DueShown, question: DueQuestion) -> list[Component]:
     overdue = sum(each.days < 0 for each in shown.units)
-    counts = view.text(
+    counts = said(
         "pages-due-counts", overdue=overdue, coming=len(shown.units) - overdue,
         days=question.within, today=str(shown.today),
     )  # fmt: skip
@@ -280,91 +304,63 @@ def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component
     if not shown.units:
         return [text]
     names = "name client due state certificate messages"
-    rows = [_row(each, shown, view) for each in shown.units]
+    rows = [_row(each, shown) for each in shown.units]
     height = f"{min(FRAME_PX + ROW_PX * len(rows), MOST_PX)}px"
-    return [text, grid("due-units", "pages-due-column", names, rows, view, height, 130, OWN)]
+    return [text, grid("due-units", "pages-due-column", names, rows, height, 130, OWN)]
 
 
-def _row(each: UnitDue, shown: DueShown, view: View) -> dict[str, Any]:
+def _row(each: UnitDue, shown: DueShown) -> dict[str, Any]:
     state = due_state(each.due, shown.today)
     return {
-        "unit": each.unit, "name": each.name, "client": _client(each.client, view),
-        "due": str(each.due), "state": view.say(state.words), "state_kind": state.kind,
+        "unit": each.unit, "name": each.name, "client": _client(each.client),
+        "due": str(each.due), "state": say(state.words), "state_kind": state.kind,
         "certificate": each.certificate, "messages": each.messages,
     }  # fmt: skip
 
 
-def _client_table(shown: DueShown, view: View, question: DueQuestion) -> Component:
-    rows = [
-        (_client(each.client, view), str(each.overdue), str(each.coming))
-        for each in shown.by_client
-    ]
+def _client_table(shown: DueShown, question: DueQuestion) -> Component:
+    rows = [(_client(each.client), str(each.overdue), str(each.coming)) for each in shown.by_client]
     names = "client pages-due-overdue pages-due-within"
     return table(
         "pages-due-column",
         names,
         rows,
-        view,
         320,
         days=question.within,
         none="pages-due-none.clients",
     )
 
 
-def _month_bars(shown: DueShown, view: View) -> Figure:
-    bars = {
-        "type": "bar", "x": [each.month for each in shown.months],
-        "y": [each.units for each in shown.months], "marker": {"color": BLUE},
-        "hovertemplate": "%{x}: %{y}<extra></extra>",
-    }  # fmt: skip
-    title = view.text("pages-due-months")
-    return figure([bars], view, 260, xaxis={"type": "category", "tickangle": -40},
-                  yaxis={"rangemode": "tozero", "title": {"text": title}},
-                  margin={"t": 10, "r": 10, "l": 55, "b": 60})  # fmt: skip
-
-
-def _messages(shown: DueShown, view: View) -> Component:
-    names = "at certificate occasion channel state tries fault"
-    return table(
-        "pages-due-message",
-        names,
-        [_message_row(e, view) for e in shown.messages],
-        view,
-        none="pages-due-none.messages",
-    )
-
-
-def _message_row(each: MessageShown, view: View) -> tuple[Any, ...]:
+def _message_row(each: MessageShown) -> tuple[Any, ...]:
     side = "before" if each.days < 0 else "after"
     return (
         minute_of(each.at),
         each.certificate,
-        view.text(f"pages-due-occasion.{side}", days=abs(each.days)),
+        said(f"pages-due-occasion.{side}", days=abs(each.days)),
         each.channel,
-        badge(stated(f"pages-due-sent.{each.state}", MESSAGE_KINDS[each.state]), view),
+        badge(stated(f"pages-due-sent.{each.state}", MESSAGE_KINDS[each.state])),
         str(each.tries),
-        each.fault and view.say(cause_of(each.fault)),
+        each.fault and say(cause_of(each.fault)),
     )
 
 
-def _equipment_table(shown: DueShown, view: View) -> Component:
-    rows = [_standard(each, shown, view) for each in shown.equipment]
+def _equipment_table(shown: DueShown) -> Component:
+    rows = [_standard(each, shown) for each in shown.equipment]
     return table(
         "pages-due-standard",
         "name serial certificate until state",
         rows,
-        view,
         none="pages-due-none.equipment",
     )
 
 
-def _standard(each: StandardDue, shown: DueShown, view: View) -> tuple[Any, ...]:
+def _standard(each: StandardDue, shown: DueShown) -> tuple[Any, ...]:
     return (
-        view.say(each.name),
+        say(each.name),
         each.serial,
         each.certificate,
         str(each.valid_until or "–"),
-        badge(due_state(each.valid_until, shown.today), view),
+        badge(due_state(each.valid_until, shown.today)),
     )
 
 

@@ -19,7 +19,7 @@ from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from prometheus_client.metrics_core import Metric
 
 from flows.pages.answers import refusal
-from flows.pages.login import Gate, by_password
+from flows.pages.login import LoginLimiter, by_password
 from schemas.base import Unusable
 from storage import settings
 from storage.blobs import blobs_of
@@ -38,7 +38,7 @@ FORWARDED = ("Forwarded", "X-Forwarded-For", "X-Forwarded-Host", "Via")  # by a 
 Look = Callable[[Home], str | None]
 
 
-def endpoints(home: Home, gate: Gate) -> Blueprint:
+def endpoints(home: Home, gate: LoginLimiter) -> Blueprint:
     """The two endpoints; requests are counted for /metrics."""
     made, registry = Blueprint("health", __name__), CollectorRegistry()
     registry.register(LineMetrics(home))
@@ -48,7 +48,7 @@ def endpoints(home: Home, gate: Gate) -> Blueprint:
 
     @made.get("/health")
     def health() -> tuple[dict[str, Any], int]:
-        faults = {name: fault for name, fault in looked(home).items() if fault}
+        faults = {name: fault for name, fault in health_checks(home).items() if fault}
         return {"ok": not faults, "faults": faults}, 503 if faults else 200
 
     @made.get("/metrics")
@@ -67,7 +67,7 @@ def endpoints(home: Home, gate: Gate) -> Blueprint:
     return made
 
 
-def _is_user(home: Home, gate: Gate) -> bool:
+def _is_user(home: Home, gate: LoginLimiter) -> bool:
     try:
         return by_password(users(home), gate, home) is not None
     except Unusable:  # without the database nobody is known
@@ -81,7 +81,7 @@ def _is_here(home: Home) -> bool:
     return ip_address(request.remote_addr or "0.0.0.0").is_loopback
 
 
-def looked(home: Home) -> dict[str, str | None]:
+def health_checks(home: Home) -> dict[str, str | None]:
     """What is wrong with each part, None if nothing; a part that does not answer in time is wrong.
 
     No place, name or password is in it.
@@ -155,7 +155,7 @@ class LineMetrics:
         sound = GaugeMetricFamily(
             "mimucal_health", "1: the part is as it should be.", None, ["part"]
         )
-        for part, fault in looked(self._home).items():
+        for part, fault in health_checks(self._home).items():
             sound.add_metric([part], 0 if fault else 1)
         yield sound
         yield from self._stations()

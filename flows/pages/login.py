@@ -49,7 +49,7 @@ def hashed(password: str) -> str:
 DUMMY_HASH = hashed("")  # so that an unknown name takes as long as a known one
 
 
-class Gate:
+class LoginLimiter:
     """Checks a user's password, with a limit on failed attempts. Attempts are counted in the memory
     of the process that serves the pages. An account that does not exist is locked like any other.
     """
@@ -111,13 +111,16 @@ def fault() -> Busy | None:
     return found
 
 
-def guard(server: Flask, home: Home) -> Gate:
+def guard(server: Flask, home: Home) -> LoginLimiter:
     """Requires a name of every visitor; sets up sessions and CSRF tokens."""
-    gate, pages = Gate(), settings.pages(home)
+    gate, pages = LoginLimiter(), settings.pages(home)
     if pages.proxy and pages.proxy.secret_file:
         whole_files.read(home.path / pages.proxy.secret_file)  # an invalid one is reported now
+    # What signs the cookies: a file of the home; with no home yet, for this process alone
     server.config.update(
-        SECRET_KEY=_key(home),
+        SECRET_KEY=whole_files.made(home.path / KEY)
+        if home.path.is_dir()
+        else secrets.token_hex(32),
         PERMANENT_SESSION_LIFETIME=SESSION,
         SESSION_COOKIE_NAME=session_cookie(home),
         SESSION_COOKIE_HTTPONLY=True,
@@ -155,7 +158,7 @@ def session_cookie(home: Home) -> str:
     return f"mimucal_session_{hashlib.sha256(str(home.path).encode()).hexdigest()[:8]}"
 
 
-def _let_in(gate: Gate, home: Home) -> AnyResponse | None:
+def _let_in(gate: LoginLimiter, home: Home) -> AnyResponse | None:
     """Sets `g.visitor`; an answer where somebody is turned away."""
     # By the route, not by the path: an unknown path is one of Dash's pages, and not public.
     rule = request.url_rule.rule if request.url_rule else ""
@@ -189,7 +192,7 @@ def log_out(home: Home) -> None:
     session.clear()
 
 
-def passed(user: User | None, password: str, name: str, gate: Gate, home: Home) -> bool:
+def passed(user: User | None, password: str, name: str, gate: LoginLimiter, home: Home) -> bool:
     """Whether a name comes with its password; if not, that is logged, and when the gate shuts."""
     address = request.remote_addr or ""
     if gate.check(user, password, name, address) and user is not None:
@@ -225,7 +228,7 @@ def _logged(response: Response) -> Response:
     return response
 
 
-def _identified(known: dict[str, User], gate: Gate, home: Home) -> Visitor | None:
+def _identified(known: dict[str, User], gate: LoginLimiter, home: Home) -> Visitor | None:
     """By the proxy's header, the session, or name and password; else None."""
     proxy = settings.pages(home).proxy
     if proxy and _is_of(proxy, home):
@@ -233,7 +236,11 @@ def _identified(known: dict[str, User], gate: Gate, home: Home) -> Visitor | Non
     if not known and proxy is None:
         return Visitor()
     user = known.get(session.get("name", ""))
-    if user and session.get("password") == _mark(user) and _is_open(user, home):
+    if (
+        user
+        and session.get("password") == _mark(user)
+        and users.is_open(str(session.get("id", "")), user.name, home)
+    ):
         return _visitor(user)
     if not request.path.startswith(PREFIX):
         return None
@@ -257,11 +264,7 @@ def _is_of(proxy: Proxy, home: Home) -> bool:
     return hmac.compare_digest(given.encode(), secret.encode())
 
 
-def _is_open(user: User, home: Home) -> bool:
-    return users.is_open(str(session.get("id", "")), user.name, home)
-
-
-def by_password(known: dict[str, User], gate: Gate, home: Home) -> User | None:
+def by_password(known: dict[str, User], gate: LoginLimiter, home: Home) -> User | None:
     """A script says its name and password with each request (HTTP basic authentication)."""
     given, address = request.authorization, request.remote_addr or ""
     if given is None or given.username is None or gate.is_locked(given.username, address):
@@ -303,8 +306,3 @@ def _without_database(error: Busy) -> AnyResponse | None:
         return None if str(asked).startswith(OF_THE_FRAME) else jsonify(ASK_AGAIN)
     is_page = request.method == "GET" and "text/html" in request.headers.get("Accept", "")
     return None if is_page or request.path in SHELL else refusal(503, str(error))
-
-
-def _key(home: Home) -> str:
-    """What signs the cookies: a file of the home; with no home yet, for this process alone."""
-    return whole_files.made(home.path / KEY) if home.path.is_dir() else secrets.token_hex(32)

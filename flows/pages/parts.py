@@ -3,14 +3,16 @@
 import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
+from contextvars import ContextVar, copy_context
 from dataclasses import dataclass, field
 from datetime import UTC, date, datetime
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
 import dash_ag_grid as dag
 import dash_mantine_components as dmc
-from dash import ALL, ClientsideFunction, Dash, Input, Output, State, dcc, html
+import plotly.io
+from dash import ALL, MATCH, ClientsideFunction, Dash, Input, Output, State, dcc, html
 from dash.development.base_component import Component
 from flask import Blueprint, Response, g, request
 from pydantic import ValidationError
@@ -33,8 +35,8 @@ from tasks.words import (
     cause_of,
     identifiers,
     message,
-    say,
 )
+from tasks.words import say as translated
 
 # Times as people on the line read them: by the clock of the computer that serves the pages.
 #
@@ -151,18 +153,40 @@ class View:
     theme: Theme = "light"
     visitor: Visitor = field(default_factory=Visitor)
 
-    def say(self, sayable: Sayable) -> str:
-        """A message in the language of the view."""
-        return say(sayable, self.language)
 
-    def text(self, id_: str, /, **arguments: Argument) -> str:
-        """A message of the catalogues, by its identifier."""
-        return self.say(message(id_, **arguments))
+_VIEW: ContextVar[View] = ContextVar("view")
+Made = TypeVar("Made")
 
-    @property
-    def figure_template(self) -> str:
-        """The plotly template of the theme, as dash-mantine-components names it."""
-        return f"mantine_{self.theme}"
+
+def seen_by(view: View, make: Callable[..., Made], *given: Any) -> Made:
+    """What a function makes of what it is given, for a view, whoever asks."""
+    context = copy_context()
+    context.run(_VIEW.set, view)
+    return context.run(make, *given)
+
+
+def view() -> View:
+    """For whom is laid out: as `seen_by` says, else as the request asks by its cookies, or else in
+    the browser's language, and light.
+    """
+    given = _VIEW.get(None)
+    if given is not None:
+        return given
+    chosen = request.cookies.get(LANGUAGE)
+    accepted = request.accept_languages.best_match(LANGUAGES, default=MAIN)
+    theme: Theme = "dark" if request.cookies.get(THEME) == "dark" else "light"
+    language = chosen if chosen in LANGUAGES else accepted
+    return View(language=language, theme=theme, visitor=g.get("visitor") or Visitor())
+
+
+def say(sayable: Sayable) -> str:
+    """A message in the language of the view."""
+    return translated(sayable, view().language)
+
+
+def said(id_: str, /, **arguments: Argument) -> str:
+    """A message of the catalogues, by its identifier, in that language."""
+    return say(message(id_, **arguments))
 
 
 @dataclass(frozen=True)
@@ -171,7 +195,7 @@ class Page:
 
     question: the model of the query string, with a default for each field that may be left out.
     answer: the model that `data` gives, which is the JSON; `data` raises Unusable for what cannot
-    be answered. layout: shows the answer to a question in a view. in_navigation: whether the
+    be answered. layout: shows the answer to a question. in_navigation: whether the
     header leads to it. has_grid: whether its lists are grids. refresh_s: after how long it is asked
     for again, for a page that is live. callbacks: registers what the page does by itself. numbers:
     its tables and charts as rows, at /api/v1/NAME/PART.csv.
@@ -181,29 +205,20 @@ class Page:
     question: type[Frozen]
     answer: type[Frozen]
     data: Callable[[Any, Home], Frozen]
-    layout: Callable[[Any, View, Any], Component]
+    layout: Callable[[Any, Any], Component]
     in_navigation: bool = True
     has_grid: bool = False
     refresh_s: float | None = None
     callbacks: Callable[[Dash, Home], None] | None = None
     numbers: Numbers = field(default_factory=dict)
 
-    def title(self, view: View) -> str:
+    def title(self) -> str:
         """What the navigation and the heading call it."""
-        return view.text(f"pages-{self.name}")
+        return said(f"pages-{self.name}")
 
-    def about(self, view: View) -> str:
+    def about(self) -> str:
         """One sentence of what it shows."""
-        return view.text(f"pages-{self.name}.about")
-
-
-def view_of_request() -> View:
-    """The view that the request asks for: its cookies, else the browser's language, and light."""
-    chosen = request.cookies.get(LANGUAGE)
-    accepted = request.accept_languages.best_match(LANGUAGES, default=MAIN)
-    theme: Theme = "dark" if request.cookies.get(THEME) == "dark" else "light"
-    language = chosen if chosen in LANGUAGES else accepted
-    return View(language=language, theme=theme, visitor=g.get("visitor") or Visitor())
+        return said(f"pages-{self.name}.about")
 
 
 OWN_WORDS = "pages-grid-"
@@ -222,7 +237,6 @@ def table(
     group: str,
     names: str,
     rows: Sequence[Sequence[Cell]],
-    view: View,
     min_width: int = 600,
     none: str = "",
     **arguments: Argument,
@@ -232,9 +246,9 @@ def table(
     which it scrolls. none: the message in the place of a table without rows.
     """
     if none and not rows:
-        return dmc.Text(view.text(none), size="sm")
+        return dmc.Text(said(none), size="sm")
     ids = [name if name.startswith("pages-") else f"{group}.{name}" for name in names.split()]
-    head = dmc.TableThead(dmc.TableTr([dmc.TableTh(view.text(id_, **arguments)) for id_ in ids]))
+    head = dmc.TableThead(dmc.TableTr([dmc.TableTh(said(id_, **arguments)) for id_ in ids]))
     body = [dmc.TableTr([_cell(cell) for cell in row]) for row in rows]
     shown = dmc.Table(
         [head, dmc.TableTbody(body)], striped=True, withTableBorder=True, verticalSpacing=4
@@ -251,9 +265,9 @@ def _cell(cell: Cell) -> Component:
     return dmc.TableTd(shown, maw=480, className="whole" if is_short else None)
 
 
-def heading(id_: str, view: View, more: str = "") -> Component:
+def heading(id_: str, more: str = "") -> Component:
     """Of a part of a page, as a message by its identifier."""
-    return dmc.Title(view.text(id_) + more, order=3, mt="sm")
+    return dmc.Title(said(id_) + more, order=3, mt="sm")
 
 
 def note(text: str) -> Component:
@@ -261,15 +275,15 @@ def note(text: str) -> Component:
     return dmc.Text(text, size="sm", c="dimmed")
 
 
-def notice(view: View, words: str, color: str, fault: Exception | str = "") -> Component:
+def notice(words: str, color: str, fault: Exception | str = "") -> Component:
     """What stands in the place of a page or of what was asked for, with the cause of the fault."""
-    cause = view.say(cause_of(fault)) if fault else ""
-    return dmc.Alert(cause, title=view.text(words), color=color, className="notice")
+    cause = say(cause_of(fault)) if fault else ""
+    return dmc.Alert(cause, title=said(words), color=color, className="notice")
 
 
-def asking(question: str, view: View) -> dict[str, str]:
+def asking(question: str) -> dict[str, str]:
     """What a button carries that acts after a question alone; `asking.js` puts it."""
-    yes, no = (view.text(f"pages-asking.{word}") for word in ("yes", "no"))
+    yes, no = (said(f"pages-asking.{word}") for word in ("yes", "no"))
     return {"data-ask": question, "data-yes": yes, "data-no": no}
 
 
@@ -278,60 +292,61 @@ def link(text: str, path: str, **fields: str) -> Component:
     return dcc.Link(text, href=f"{path}?{urlencode(fields)}")
 
 
-def facts(named: Mapping[str, Cell], view: View, across: int = 4) -> Component:
+def facts(named: Mapping[str, Cell], across: int = 4) -> Component:
     """Names, as messages by their identifiers, and what they are, side by side."""
     cards = [
-        dmc.Box([dmc.Text(view.text(id_), size="xs", c="dimmed"), _fact(value)])
+        dmc.Box(
+            [
+                dmc.Text(said(id_), size="xs", c="dimmed"),
+                value if isinstance(value, Component) else dmc.Text(value or "–", lineClamp=3),
+            ]
+        )
         for id_, value in named.items()
     ]
     return dmc.SimpleGrid(cards, cols={"base": 2, "sm": across}, spacing="xs")
 
 
-def _fact(value: Cell) -> Component:
-    return value if isinstance(value, Component) else dmc.Text(value or "–", lineClamp=3)
-
-
 def grid(
-    id_: str, group: str, names: str, rows: Sequence[Any], view: View, height: str, min_width: int,
+    id_: str, group: str, names: str, rows: Sequence[Any], height: str, min_width: int,
     own: Mapping[str, Mapping[str, Any]],
 ) -> Component:  # fmt: skip
     """Rows that are sorted and filtered as somebody looks at them. group, names: as of a table;
     own: what a column has of its own. min_width: of a column, px.
     """
     columns = [
-        {"field": name, "headerName": view.text(f"{group}.{name}"), **own.get(name, {})}
+        {"field": name, "headerName": said(f"{group}.{name}"), **own.get(name, {})}
         for name in names.split()
     ]
     return dag.AgGrid(
         id=id_, columnDefs=columns, rowData=rows,
         defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": min_width,
                        "filter": "agTextColumnFilter", "floatingFilter": True},
-        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
+        dashGridOptions=GRID_OPTIONS | {"localeText": locale()},
         style={"height": height},
     )  # fmt: skip
 
 
-def locale(view: View) -> dict[str, str]:
+def locale() -> dict[str, str]:
     """The grid's words by its own keys, which are the ends of the identifiers."""
-    return {id_.removeprefix(OWN_WORDS): view.text(id_) for id_ in identifiers(OWN_WORDS)}
+    return {id_.removeprefix(OWN_WORDS): said(id_) for id_ in identifiers(OWN_WORDS)}
 
 
 # Controls that reload a page with another question: each is a parameter of the address.
 
 
-def asks(field: str, value: object) -> dict[str, str]:
+def control_id(field: str, value: object) -> dict[str, str]:
     """The id of a control that asks for a field of the question and holds a value now."""
     return {"asks": field, "was": "" if value is None else str(value)}
 
 
 def choice(
-    field: str, label: str, values: Sequence[Any], value: object, view: View, every: str = ""
+    field: str, label: str, values: Sequence[Any], value: object, every: str = ""
 ) -> Component:
     """A choice of one of some values, or with `every` of all. label, every: messages."""
     return dmc.Select(
-        id=asks(field, value), label=view.text(label), data=list(values),
+        id=control_id(field, value), label=said(label), data=list(values),
         value=None if value is None else str(value), searchable=True, clearable=bool(every),
-        placeholder=view.text(every) if every else "", allowDeselect=False,
+        placeholder=said(every) if every else "", allowDeselect=False,
     )  # fmt: skip
 
 
@@ -409,9 +424,9 @@ def limit_state(decision: LimitDecision) -> StepState:
     return StepState(verdict_title(decision), KINDS[decision.verdict])
 
 
-def badge(state: StepState, view: View) -> Component:
+def badge(state: StepState) -> Component:
     """A state as a word on its colour."""
-    return html.Span(view.say(state.words), className=f"state state-{state.kind}")
+    return html.Span(say(state.words), className=f"state state-{state.kind}")
 
 
 # The order of items and elements on the pages: that of the specifications.
@@ -456,4 +471,39 @@ def refuse_what_is_raised(made: Blueprint) -> None:
     )
     made.register_error_handler(
         Unusable, lambda error: refusal(STATUS.get(type(error), 400), str(error))
+    )
+
+
+# Charts, drawn after the text of their page and in the colours of the theme.
+
+
+BLUE, RED, ORANGE, GREY = "#1c7ed6", "#e03131", "#f08c00", "#868e96"
+GRAPH: Any = {"displaylogo": False, "responsive": True}
+Figure = dict[str, Any]
+
+
+def figure(traces: Sequence[Figure], height: int, **layout: Any) -> Figure:
+    """Traces and layout as plotly takes them. height: px."""
+    name = f"mantine_{view().theme}"
+    if name not in plotly.io.templates:
+        dmc.add_figure_templates()
+    template = plotly.io.templates[name].to_plotly_json()
+    usual = {"margin": {"t": 20, "r": 20, "l": 70, "b": 50}, "height": height, "showlegend": False}
+    return {"data": list(traces), "layout": {"template": template, **usual, **layout}}
+
+
+def picture(id_: str, drawn: Figure) -> Component:
+    """A picture that is drawn once the text stands, in a place of its height."""
+    graph = dcc.Graph(id=id_, figure=drawn, config=GRAPH)
+    kept = dcc.Store(id={"type": "picture-kept", "name": id_}, data=graph.to_plotly_json())
+    place = dmc.Box(id={"type": "picture", "name": id_}, mih=drawn["layout"]["height"])
+    return dmc.Box([kept, place])
+
+
+def picture_callbacks(app: Dash) -> None:
+    """Each picture into its place."""
+    app.clientside_callback(
+        ClientsideFunction("pictures", "show"),
+        Output({"type": "picture", "name": MATCH}, "children"),
+        Input({"type": "picture-kept", "name": MATCH}, "data"),
     )

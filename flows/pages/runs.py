@@ -14,13 +14,13 @@ from flows.pages.parts import (
     GRID_OPTIONS,
     Page,
     StepState,
-    View,
     certificate_state,
     locale,
     result_state,
+    said,
+    say,
     validity_state,
     verdict_state,
-    view_of_request,
 )
 from schemas.base import Frozen, Unusable
 from schemas.certificate import State
@@ -28,7 +28,7 @@ from schemas.text import RunVerdict
 from schemas.tolerance import Verdict
 from storage.catalogue.run_states import Comparison, Condition, ResultState, RunLine, run_list
 from storage.home import Home
-from tasks.words import Sayable, message
+from tasks.words import message
 
 AT_ONCE = 100
 MOST_AT_ONCE = 1000
@@ -96,19 +96,19 @@ def data(question: RunsQuestion, home: Home) -> RunsShown:
     return RunsShown(total=total, runs=tuple(runs))
 
 
-def layout(shown: RunsShown, view: View, question: RunsQuestion) -> Component:
+def layout(shown: RunsShown, question: RunsQuestion) -> Component:
     """The list as a grid, which asks for its rows by itself as it is scrolled and filtered."""
     grid = dag.AgGrid(
         id="runs",
-        columnDefs=columns(view),
+        columnDefs=columns(),
         defaultColDef={"resizable": True, "sortable": True, "wrapHeaderText": True,
                        "autoHeaderHeight": True},
         rowModelType="infinite",
-        filterModel=filter_model(question, view),
-        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view), "cacheBlockSize": AT_ONCE},
+        filterModel=filter_model(question),
+        dashGridOptions=GRID_OPTIONS | {"localeText": locale(), "cacheBlockSize": AT_ONCE},
         style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
     )  # fmt: skip
-    count = view.text("pages-runs-count", count=shown.total)
+    count = said("pages-runs-count", count=shown.total)
     return dmc.Stack([dmc.Text(count, id="runs-count"), grid], gap="xs")
 
 
@@ -122,20 +122,19 @@ def callbacks(app: Dash, home: Home) -> None:
         prevent_initial_call=True,
     )
     def rows(request: dict[str, Any]) -> tuple[dict[str, Any], str]:
-        view = view_of_request()
-        conditions = conditions_from(request.get("filterModel") or {}, view)
+        conditions = conditions_from(request.get("filterModel") or {})
         order = [(str(by["colId"]), by["sort"] == "desc") for by in request.get("sortModel") or ()]
         start = int(request["startRow"])
         total, runs = run_list(conditions, order, start, AT_ONCE, home)
-        found = {"rowData": [row(run, view) for run in runs], "rowCount": total}
-        return found, view.text("pages-runs-count", count=total)
+        found = {"rowData": [row(run) for run in runs], "rowCount": total}
+        return found, said("pages-runs-count", count=total)
 
 
-def columns(view: View) -> list[dict[str, Any]]:
+def columns() -> list[dict[str, Any]]:
     """The columns of the grid; `State` and the links are renderers in assets/grid.js."""
 
     def column(name: str, width: int, kind: str = "Text", **more: Any) -> dict[str, Any]:
-        heading = view.text(f"pages-column-{name.replace('_', '-')}")
+        heading = said(f"pages-column-{name.replace('_', '-')}")
         return {
             "field": name, "headerName": heading, "width": width, "minWidth": 90,
             "filter": f"ag{kind}ColumnFilter", "floatingFilter": True, **more,
@@ -165,7 +164,7 @@ def columns(view: View) -> list[dict[str, Any]]:
     ]
 
 
-def row(run: RunLine, view: View) -> dict[str, Any]:
+def row(run: RunLine) -> dict[str, Any]:
     """A run as a row of the grid; a state has its kind beside its words."""
     states: dict[str, StepState] = {
         "validity": validity_state(run.validity),
@@ -174,7 +173,7 @@ def row(run: RunLine, view: View) -> dict[str, Any]:
         "state": certificate_state(run.state),
     }
     plain = run.model_dump(mode="json", exclude=set(states)) | {"seconds": round(run.seconds, 1)}
-    words = {name: view.say(each.words) for name, each in states.items()}
+    words = {name: say(each.words) for name, each in states.items()}
     kinds = {f"{name}_kind": each.kind for name, each in states.items()}
     return plain | words | kinds
 
@@ -192,7 +191,7 @@ def conditions_of(question: RunsQuestion) -> list[Condition]:
     return asked
 
 
-def filter_model(question: RunsQuestion, view: View) -> dict[str, Any]:
+def filter_model(question: RunsQuestion) -> dict[str, Any]:
     """The same as the grid's own filters, so that whoever looks at them sees them."""
     shown: dict[str, Any] = {}
     for condition in conditions_of(question):
@@ -203,28 +202,28 @@ def filter_model(question: RunsQuestion, view: View) -> dict[str, Any]:
                 "dateTo": f"{condition.to} 00:00:00",
             }  # fmt: skip
         else:
-            text = view.say(WORDED[name][1](condition.value)) if name in WORDED else condition.value
+            text = say(WORDED[name][1](condition.value)) if name in WORDED else condition.value
             shown[name] = {"filterType": "text", "type": "equals", "filter": text}
     return shown
 
 
-def conditions_from(model: Mapping[str, Any], view: View) -> list[Condition]:
+def conditions_from(model: Mapping[str, Any]) -> list[Condition]:
     """What the grid's filters ask of the rows; raises Unusable for what is no filter of it."""
     try:
-        return [_condition(name, each, view) for name, each in model.items()]
+        return [_condition(name, each) for name, each in model.items()]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise Unusable(f"the filter is not understood ({error}); take it out") from error
 
 
-def _condition(name: str, model: Mapping[str, Any], view: View) -> Condition:
+def _condition(name: str, model: Mapping[str, Any]) -> Condition:
     if "conditions" in model:
-        parts = tuple(_condition(name, each, view) for each in model["conditions"])
+        parts = tuple(_condition(name, each) for each in model["conditions"])
         if model["operator"] == "OR":
             return Condition(column=name, any_of=parts)
         return Condition(column=name, all_of=parts)
     kind = COMPARISONS[model["type"]]
     if name in WORDED:
-        return _by_words(name, kind, str(model.get("filter") or ""), view)
+        return _by_words(name, kind, str(model.get("filter") or ""))
     if model.get("filterType") == "date":
         first, last = (_day(model.get(key)) for key in ("dateFrom", "dateTo"))
         return Condition(column=name, kind=kind, value=first, to=last)
@@ -232,7 +231,7 @@ def _condition(name: str, model: Mapping[str, Any], view: View) -> Condition:
     return Condition(column=name, kind=kind, value=value, to=model.get("filterTo"))
 
 
-def _by_words(name: str, kind: Comparison, text: str, view: View) -> Condition:
+def _by_words(name: str, kind: Comparison, text: str) -> Condition:
     """The states whose words meet the filter."""
     codes, words = WORDED[name]
     sought = text.casefold()
@@ -247,12 +246,8 @@ def _by_words(name: str, kind: Comparison, text: str, view: View) -> Condition:
     if kind in ("blank", "not_blank"):
         return Condition(column=name, kind=kind)
     every: tuple[str | None, ...] = (*codes, None)
-    found = tuple(code for code in every if meets[kind](_folded(words(code), view)))
+    found = tuple(code for code in every if meets[kind](say(words(code)).casefold()))
     return Condition(column=name, kind="among", values=found)
-
-
-def _folded(sayable: Sayable, view: View) -> str:
-    return view.say(sayable).casefold()
 
 
 def _day(text: str | None) -> date | None:

@@ -9,14 +9,15 @@ from dash.development.base_component import Component
 from flask_wtf.csrf import generate_csrf
 from pydantic import ValidationError
 
-from flows.pages import parts, pictures
+from flows.pages import parts
+from flows.pages.answers import PAGES
 from flows.pages.login import fault
-from flows.pages.parts import Page, View, note, notice, parameters, view_of_request, zone
-from flows.pages.register import PAGES
+from flows.pages.parts import note, notice, parameters, said, say, view, zone
 from schemas.base import Unusable, first_fault
 from storage.catalogue.database import Busy
 from storage.home import Home
-from tasks.words import LANGUAGES
+from tasks.words import LANGUAGES, message
+from tasks.words import say as translated
 
 RETRY_S = 5.0  # after which a page that the database did not answer is asked for again
 NEVER = 86_400_000  # ms
@@ -25,39 +26,40 @@ PageAndInterval = tuple[Component, int, bool]
 
 def frame() -> Component:
     """The shell without a page, in the language and theme of the request."""
-    view = view_of_request()
     return dmc.MantineProvider(
         dmc.AppShell(
             [
                 dcc.Location(id="address", refresh="callback-nav"),
                 dcc.Interval(id="again", interval=NEVER, disabled=True),
-                dmc.AppShellHeader(_header(view), px="md"),
+                dmc.AppShellHeader(_header(), px="md"),
                 dmc.AppShellMain([dmc.Box(id="fault"), dmc.Box(id="page", className="figures")]),
             ],
             header={"height": {"base": 108, "md": 60}},  # on a tablet in two rows
             padding="md",
         ),
-        forceColorScheme=view.theme,
+        forceColorScheme=view().theme,
     )
 
 
-def _header(view: View) -> Component:
+def _header() -> Component:
     links = [
         dmc.NavLink(
-            label=page.title(view), href=f"/{page.name}", active="partial", className="header-link"
+            label=page.title(), href=f"/{page.name}", active="partial", className="header-link"
         )
         for page in PAGES
         if page.in_navigation
     ]
-    languages = [{"value": name, "label": View(name).text("language-name")} for name in LANGUAGES]
+    languages = [
+        {"value": name, "label": translated(message("language-name"), name)} for name in LANGUAGES
+    ]
     themes = [
-        {"value": "light", "label": view.text("pages-light")},
-        {"value": "dark", "label": view.text("pages-dark")},
+        {"value": "light", "label": said("pages-light")},
+        {"value": "dark", "label": said("pages-dark")},
     ]
     switches = [
-        dmc.SegmentedControl(id="language", data=languages, value=view.language, size="xs"),
-        dmc.SegmentedControl(id="theme", data=themes, value=view.theme, size="xs"),
-        *_person(view),
+        dmc.SegmentedControl(id="language", data=languages, value=view().language, size="xs"),
+        dmc.SegmentedControl(id="theme", data=themes, value=view().theme, size="xs"),
+        *_person(),
     ]
     return dmc.Group(
         [dmc.Group(links, gap=2, wrap="nowrap"), dmc.Group(switches, gap="xs", wrap="nowrap")],
@@ -67,31 +69,30 @@ def _header(view: View) -> Component:
     )
 
 
-def _person(view: View) -> list[Component]:
+def _person() -> list[Component]:
     """Who is logged in, and the way out; nobody where the home has no users."""
-    if not view.visitor.name:
+    if not view().visitor.name:
         return []
-    role = view.text(f"pages-role.{view.visitor.role}")
+    role = said(f"pages-role.{view().visitor.role}")
     leave = [
         dcc.Input(type="hidden", name="csrf_token", value=generate_csrf()),
-        html.Button(view.text("pages-login.leave"), type="submit", className="leave"),
+        html.Button(said("pages-login.leave"), type="submit", className="leave"),
     ]
     return [
-        dmc.Text(f"{view.visitor.name} ({role})", size="xs", truncate="end", maw=140),
+        dmc.Text(f"{view().visitor.name} ({role})", size="xs", truncate="end", maw=140),
         html.Form(leave, action="/logout", method="POST"),
     ]
 
 
 def say_fault(error: Exception) -> None:
     """What a page's own callback could not do, above the page; without a database it asks again."""
-    view = view_of_request()
     if isinstance(error, Busy):
         set_props("again", {"disabled": False, "interval": int(RETRY_S * 1000)})
     words = "pages-not-answered" if isinstance(error, Unusable) else "pages-failed"
     if not isinstance(error, Unusable):
         logging.getLogger("mimucal.pages").error("a callback failed", exc_info=error)
     fault = error if isinstance(error, Unusable) else type(error).__name__
-    set_props("fault", {"children": notice(view, words, "red", fault)})
+    set_props("fault", {"children": notice(words, "red", fault)})
 
 
 def add_callbacks(app: Dash, home: Home) -> None:
@@ -107,10 +108,10 @@ def add_callbacks(app: Dash, home: Home) -> None:
         Input("again", "n_intervals"),
     )
     def show(path: str | None, search: str | None, _: Any) -> tuple[Any, ...]:
-        view, unreachable = view_of_request(), fault()
+        unreachable = fault()
         if unreachable is not None:
-            return *no_database(unreachable, view), None
-        return *page_at(path or "/", search or "", home, view), None
+            return *no_database(unreachable), None
+        return *page_at(path or "/", search or "", home), None
 
     app.clientside_callback(
         ClientsideFunction("preferences", "keep"),
@@ -120,37 +121,37 @@ def add_callbacks(app: Dash, home: Home) -> None:
         prevent_initial_call=True,
     )
     parts.callbacks(app)
-    pictures.callbacks(app)
+    parts.picture_callbacks(app)
     for page in PAGES:
         if page.callbacks is not None:
             page.callbacks(app, home)
 
 
-def page_at(path: str, search: str, home: Home, view: View) -> PageAndInterval:
+def page_at(path: str, search: str, home: Home) -> PageAndInterval:
     """The page of an address, the ms after which it is asked for again, and whether it is not."""
     name = path.strip("/")
     page = next((page for page in PAGES if page.name == name), None)
     if page is None:
-        return notice(view, "pages-no-such-page", "yellow"), NEVER, True
+        return notice("pages-no-such-page", "yellow"), NEVER, True
     try:
         question = page.question.model_validate(parameters(search))
-        shown = page.layout(page.data(question, home), view, question)
+        shown = page.layout(page.data(question, home), question)
     except ValidationError as error:
-        return notice(view, "pages-not-answered", "yellow", first_fault(error)), NEVER, True
+        return notice("pages-not-answered", "yellow", first_fault(error)), NEVER, True
     except Busy as error:
-        return no_database(error, view)
+        return no_database(error)
     except Unusable as error:
-        return notice(view, "pages-not-answered", "yellow", error), NEVER, True
+        return notice("pages-not-answered", "yellow", error), NEVER, True
     interval = NEVER if page.refresh_s is None else int(page.refresh_s * 1000)
-    return _titled(page, shown, view), interval, page.refresh_s is None
+    heading = dmc.Title(page.title(), order=2)
+    about = f"{page.about()} · {say(zone())}"
+    return (
+        dmc.Stack([dmc.Box([heading, note(about)]), shown], gap="md"),
+        interval,
+        page.refresh_s is None,
+    )
 
 
-def no_database(fault: Exception | str, view: View) -> PageAndInterval:
+def no_database(fault: Exception | str) -> PageAndInterval:
     """What a page says while the database does not answer; then it asks again."""
-    return notice(view, "pages-no-database", "red", fault), int(RETRY_S * 1000), False
-
-
-def _titled(page: Page, shown: Component, view: View) -> Component:
-    heading = dmc.Title(page.title(view), order=2)
-    about = f"{page.about(view)} · {view.say(zone())}"
-    return dmc.Stack([dmc.Box([heading, note(about)]), shown], gap="md")
+    return notice("pages-no-database", "red", fault), int(RETRY_S * 1000), False

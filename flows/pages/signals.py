@@ -7,9 +7,8 @@ import dash_mantine_components as dmc
 from dash import Dash, Input, Output, State, dcc, no_update
 from dash.development.base_component import Component
 
-from flows.pages.parts import Page, View, view_of_request
-from flows.pages.pictures import GRAPH, figure
-from flows.pages.run.data import SignalsQuestion, SignalsShown
+from flows.pages.parts import GRAPH, Page, figure, said, say
+from flows.pages.run_data import SignalsQuestion, SignalsShown
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream
 from storage.catalogue import runs
@@ -67,7 +66,7 @@ def _recording(run: Run, home: Home) -> Recording:
     return runs.load(run, home)
 
 
-def section(run: str, view: View, question: SignalsQuestion | None = None) -> Component:
+def section(run: str, question: SignalsQuestion | None = None) -> Component:
     """The graph of a run's signals with the choice of a channel; it loads by itself."""
     asked = question or SignalsQuestion(run=run)
     return dmc.Stack(
@@ -75,21 +74,21 @@ def section(run: str, view: View, question: SignalsQuestion | None = None) -> Co
             dcc.Store(id="signals-run", data=run),
             dmc.Select(
                 id="signals-channel",
-                label=view.text("pages-signals-channel"),
+                label=said("pages-signals-channel"),
                 value=f"{asked.stream} {asked.channel}",
                 data=[f"{asked.stream} {asked.channel}"],
                 searchable=True,
                 maw=320,
             ),
             dmc.Text(id="signals-rows", size="sm", c="dimmed"),
-            dcc.Graph(id="signals", figure=figure([], view, HEIGHT_PX), config=GRAPH),
+            dcc.Graph(id="signals", figure=figure([], HEIGHT_PX), config=GRAPH),
         ]
     )
 
 
-def layout(shown: SignalsShown, view: View, question: SignalsQuestion) -> Component:
+def layout(shown: SignalsShown, question: SignalsQuestion) -> Component:
     """The graph alone."""
-    return section(shown.run, view, question)
+    return section(shown.run, question)
 
 
 def callbacks(app: Dash, home: Home) -> None:
@@ -105,7 +104,7 @@ def callbacks(app: Dash, home: Home) -> None:
         State("signals-rows", "children"),
     )
     def look(zoom: dict[str, Any] | None, chosen: str | None, run: str, rows: str | None) -> Any:
-        view, zoom = view_of_request(), zoom or {}
+        zoom = zoom or {}
         if rows and zoom and set(zoom) <= {"autosize"}:  # before them it may be the only call
             return no_update, no_update, no_update
         stream, _, channel = (chosen or "imu gyro_x").partition(" ")
@@ -119,17 +118,17 @@ def callbacks(app: Dash, home: Home) -> None:
         listed = [f"{name} {each}" for name, every in shown.channels.items() for each in every]
         words = "reduced" if shown.is_reduced else "whole"
         count = message(f"pages-signals-rows.{words}", rows=shown.rows, points=len(shown.t))
-        return _figure(shown, view), listed, view.say(count)
+        return _figure(shown), listed, say(count)
 
 
-def _figure(shown: SignalsShown, view: View) -> dict[str, Any]:
+def _figure(shown: SignalsShown) -> dict[str, Any]:
     line = {"type": "scattergl" if not shown.is_reduced else "scatter", "mode": "lines"}
     low = line | {"x": shown.t, "y": shown.low, "line": {"width": 1, "color": LOW}, "name": "min"}
     high = line | {"x": shown.t, "y": shown.high, "line": {"width": 1, "color": LOW}, "name": "max"}
     traces = [low, high | {"fill": "tonexty", "fillcolor": HIGH}] if shown.is_reduced else [low]
-    time = view.text("pages-signals-time")
+    time = said("pages-signals-time")
     return figure(
-        traces, view, HEIGHT_PX, margin={"t": 20, "r": 20},
+        traces, HEIGHT_PX, margin={"t": 20, "r": 20},
         xaxis={"title": {"text": time}, "range": [shown.since, shown.until]},
         yaxis={"title": {"text": f"{shown.channel} ({shown.unit})"}},
     )  # fmt: skip

@@ -314,7 +314,7 @@ RUN_CHARACTERS = 8  # of a run's id in the key of its draft
 FILES = {"pdf": "pdf", "dcc": "xml", "record": "json", "evidence": "evidence.json"}  # suffixes
 
 
-class Faces(Protocol):
+class CertificateFiles(Protocol):
     """The stored forms of a certificate: PDF, Digital Calibration Certificate (XML), JSON
     record, and the evidence of its result, if there is any.
     """
@@ -386,7 +386,7 @@ def add(
     connection: sql.Connection,
     home: Home,
     certificate: Certificate,
-    faces: Faces,
+    faces: CertificateFiles,
     *,
     draft: str | None = None,
 ) -> list[str]:
@@ -468,7 +468,7 @@ def _check_number(connection: sql.Connection, number: str) -> None:
         )
 
 
-def _written(home: Home, certificate: Certificate, faces: Faces) -> dict[str, Any]:
+def _written(home: Home, certificate: Certificate, faces: CertificateFiles) -> dict[str, Any]:
     """Writes the files and gives the columns that name them."""
     stem = certificate.number
     if certificate.state in NOT_ISSUED:

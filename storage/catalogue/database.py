@@ -8,12 +8,12 @@ import os
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from functools import cache, lru_cache, partial
+from functools import cache, lru_cache, partial, wraps
 from importlib import import_module
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 from urllib.parse import quote, unquote
 
 import sqlalchemy as sql
@@ -143,7 +143,7 @@ def explained(made: sql.Engine) -> Iterator[None]:
         if type(error) not in (sql.exc.OperationalError, sql.exc.DatabaseError):
             raise  # an error of the program, not of the database
         reason = str(error.orig).splitlines()[0].rstrip(".")
-        raise (Busy if _may_pass(error) else Unusable)(
+        raise (Busy if _is_transient(error) else Unusable)(
             f"The catalogue {shown(repr(made.url))} cannot be used ({reason}); see that it can be "
             "reached and written and that its disk has room, or let MIMUCAL_HOME or "
             "MIMUCAL_DATABASE name another.",
@@ -151,7 +151,7 @@ def explained(made: sql.Engine) -> Iterator[None]:
         ) from error
 
 
-def _may_pass(error: sql.exc.DatabaseError) -> bool:
+def _is_transient(error: sql.exc.DatabaseError) -> bool:
     """Whether the error is transient: a lock in SQLite, any operational error in PostgreSQL."""
     if isinstance(error.orig, sqlite3.Error):
         return _is_locked(error.orig)
@@ -399,3 +399,64 @@ def bring_to(connection: sql.Connection, revision: str) -> None:
     settings.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     settings.attributes["connection"] = connection
     command.upgrade(settings, revision)
+
+
+# Caches answers for as long as nothing is written to the catalogue.
+
+
+INDEX_HEADER = 48  # bytes
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def version(home: Home) -> Hashable:
+    """A value that changes with each commit; raises Busy if the database does not answer.
+
+    PostgreSQL: its snapshot, which names the visible transactions. SQLite: size and time of its
+    file and of the write-ahead log, and the header of that log's index, which counts transactions
+    (SQLite, WAL-mode file format, 2.1), since two may fall within one tick of the clock.
+    """
+    url = url_of(home)
+    if url.get_backend_name() == "sqlite":
+        file = url.database or ""
+        log = _stamp(Path(f"{file}-wal"))
+        return file, _stamp(Path(file)), log, log and _index_header(Path(f"{file}-shm"))
+    snapshot = sql.select(sql.cast(sql.func.pg_current_snapshot(), sql.Text))
+    return url, rows(home, snapshot)[0][0]
+
+
+def _stamp(file: Path) -> tuple[int, ...] | None:
+    """None for a missing or empty file, such as the log that a reader leaves."""
+    try:
+        found = file.stat()
+    except OSError:
+        return None
+    return (found.st_ino, found.st_size, found.st_mtime_ns) if found.st_size else None
+
+
+def _index_header(file: Path) -> bytes | None:
+    try:
+        with file.open("rb") as index:
+            return index.read(INDEX_HEADER)
+    except OSError:
+        return None
+
+
+def cached_until_commit(most: int) -> Callable[[Function], Function]:
+    """Caches the last `most` answers of a function that reads only the catalogue.
+
+    Its last argument is the home; all are hashable. Answers must not be modified.
+    """
+
+    def decorate(function: Function) -> Function:
+        @lru_cache(most)
+        def kept(_: Hashable, *asked: Hashable) -> Any:
+            return function(*asked)
+
+        @wraps(function)
+        def ask(*asked: Hashable) -> Any:
+            return kept(version(cast(Home, asked[-1])), *asked)
+
+        return cast(Function, ask)
+
+    return decorate

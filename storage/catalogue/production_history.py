@@ -9,6 +9,7 @@ import sqlalchemy as sql
 from schemas.text import Statement
 from storage.catalogue import database, tables
 from storage.catalogue.certificates import reasons_in
+from storage.catalogue.database import cached_until_commit
 from storage.catalogue.run_states import (
     LAST_CERTIFICATE,
     LAST_RESULT,
@@ -16,7 +17,6 @@ from storage.catalogue.run_states import (
     complete_results,
     complete_runs,
 )
-from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
 
 # Outcomes, values, limits and renewals of many runs at once, from the catalogue.
@@ -76,7 +76,7 @@ def items(model: str, home: Home) -> Rows:
     return _plain(home, asked.where(ELEMENT.result == newest))
 
 
-@while_unchanged(8)
+@cached_until_commit(8)
 def decided_items(model: str, home: Home) -> Rows:
     """run, item, and in how many of its elements the run's certificate does not pass it."""
     complete_certificates(home)
@@ -90,7 +90,7 @@ def decided_items(model: str, home: Home) -> Rows:
     return _plain(home, asked)
 
 
-@while_unchanged(8)
+@cached_until_commit(8)
 def not_passed(model: str, home: Home) -> Rows:
     """run, item, element and verdict of each limit that a run's certificate does not pass."""
     complete_certificates(home)
@@ -103,7 +103,7 @@ def not_passed(model: str, home: Home) -> Rows:
     return _plain(home, asked)
 
 
-@while_unchanged(8)
+@cached_until_commit(8)
 def reasons(model: str, home: Home) -> list[tuple[str, Statement]]:
     """run and reason, for each reason why a run's certificate decides on nothing.
 

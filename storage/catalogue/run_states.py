@@ -19,8 +19,8 @@ from schemas.certificate import State
 from schemas.text import RunVerdict
 from schemas.tolerance import Verdict
 from storage.catalogue import certificates, database, results, runs, tables
+from storage.catalogue.database import cached_until_commit
 from storage.catalogue.results import calibration_of
-from storage.catalogue.unchanged import while_unchanged
 from storage.formats.manifest import manifest_of
 from storage.home import Home
 
@@ -210,7 +210,7 @@ def run_list(
     return total, list(found)
 
 
-@while_unchanged(64)
+@cached_until_commit(64)
 def _run_list(
     conditions: tuple[Condition, ...],
     order: tuple[tuple[str, bool], ...],

@@ -174,11 +174,11 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
     be written.
     """
     from storage.formats import recordings
-    from storage.formats.content import as_raw, fingerprint
+    from storage.formats.content import canonical, fingerprint
     from storage.formats.mcap.writer import write_mcap
 
     source_bytes = source and recordings.fingerprint(source)
-    recording = as_raw(recording)
+    recording = canonical(recording)
     recording = replace(recording, digest=fingerprint(recording))
     blobs_of(home).keep(_raw(recording.digest), partial(write_mcap, recording))
     _write_columns(recording, home)

@@ -26,7 +26,7 @@ def nanoseconds(t: np.ndarray) -> np.ndarray:
     return np.rint(np.asarray(t) * 1e9).astype(np.int64)
 
 
-def as_raw(recording: Recording) -> Recording:
+def canonical(recording: Recording) -> Recording:
     """The recording exactly as it comes back from raw MCAP.
 
     Whole nanoseconds; only columns the format knows; humidity and pressure to 15 digits; both
@@ -83,7 +83,7 @@ def digest(recording: Recording) -> str:
     nulls; then for each stream in alphabetical order its name, its column names, t as int64 ns and
     the columns as float64, all little-endian, with one NaN.
     """
-    return fingerprint(as_raw(recording))
+    return fingerprint(canonical(recording))
 
 
 def fingerprint(recording: Recording) -> str:

@@ -14,7 +14,7 @@ from pyarrow.types import is_decimal, is_floating, is_integer, is_null
 
 from schemas.base import Unusable
 from schemas.recording import STREAMS, Manifest, Recording, Stream
-from storage.formats.content import as_raw, fingerprint, nanoseconds, to_numpy, together
+from storage.formats.content import canonical, fingerprint, nanoseconds, to_numpy, together
 from storage.formats.manifest import (
     MANIFEST,
     check_columns,
@@ -214,7 +214,7 @@ def read_folder(folder: Path, second: float = 1.0) -> Recording:
                 f"after the row before; times are kept to whole nanoseconds, so remove one of them."
             )
         streams[name] = stream
-    recording = as_raw(together(manifest, streams))
+    recording = canonical(together(manifest, streams))
     return replace(recording, digest=fingerprint(recording))
 
 

@@ -19,10 +19,16 @@ from tasks.certificate.cover import Signature, calibrated_object
 from tasks.certificate.equipment import accuracy, settings
 from tasks.certificate.fields import NONE, NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.figures import PrintedFigure, figures
-from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.mandatory import standards_of
 from tasks.certificate.remarks import RemarkRow, remarks
-from tasks.certificate.results import Mark, PrintedSection, mark, sections
+from tasks.certificate.results import (
+    InformationRow,
+    Mark,
+    PrintedSection,
+    information_rows,
+    mark,
+    sections,
+)
 from tasks.certificate.statements import (
     ReadingRow,
     basis,
@@ -296,7 +302,7 @@ def content(certificate: Certificate) -> Content:
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),
         laboratory_fields=tuple(cover.laboratory_fields(laboratory)),
-        front=cover.front(certificate, specification, bool(deviating)),
+        front=cover.cover_fields(certificate, specification, bool(deviating)),
         verdict=decision.verdict,
         verdict_text=cover.verdict(decision),
         scope=scope_with_found(certificate, cover.scope(calibration, decision, specification)),

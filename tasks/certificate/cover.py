@@ -44,7 +44,7 @@ def by_document(what: str, specification: Specification) -> str:
     return f"certificate-{what}.{slug(specification.standard)}"
 
 
-def front(
+def cover_fields(
     certificate: Certificate, specification: Specification, deviates: bool
 ) -> tuple[Field, ...]:
     """Clause 8 e), f), g) and clause 9; deviates: whether a condition was not shown to be met."""

@@ -58,7 +58,7 @@ def render(
         "pictures": tuple(appearance.pictures),
         **asdict(in_languages(content(certificate), languages)),
         "drawn": drawn(certificate),
-        "seal": _seal(certificate, languages, signed),
+        "seal": _qr_code(certificate, languages, signed),
     }
     main = appearance.template.encode() if appearance.template else LAYOUT[HOUSE]
     attached = dcc_of(certificate) if dcc is None else dcc
@@ -125,7 +125,7 @@ def sealed(number: str, record: bytes) -> str:
     return f"{number} sha256:{hashlib.sha256(record).hexdigest()}"
 
 
-def _seal(certificate: Certificate, languages: Sequence[str], signed: bool) -> dict[str, object]:
+def _qr_code(certificate: Certificate, languages: Sequence[str], signed: bool) -> dict[str, object]:
     """The QR code as SVG, what it holds, and the sentences beside it."""
     text = sealed(certificate.number, record_of(certificate))
     svg = io.BytesIO()
@@ -144,7 +144,7 @@ EVIDENCE, HEAD = b'"mimu-evidence/', 100  # bytes in which a file of that format
 
 
 @dataclass(frozen=True)
-class Faces:
+class CertificateFiles:
     """The bytes of a certificate: the PDF/A-3b, the DCC (XML) and the record (JSON).
 
     evidence: the file beside them that the record names by its hash; None where there is none.
@@ -158,20 +158,20 @@ class Faces:
 
 def faces_of(
     certificate: Certificate, signing: "Signing | None", evidence: bytes | None = None
-) -> Faces:
+) -> CertificateFiles:
     """The faces of a certificate, signed where there is a key to sign with.
 
     The DCC holds the record, and the PDF, in the languages of the record, holds the DCC.
     """
     record, dcc = record_of(certificate), dcc_of(certificate)
     if signing is None:
-        return Faces(render(certificate, dcc=dcc), dcc, record, evidence)
+        return CertificateFiles(render(certificate, dcc=dcc), dcc, record, evidence)
     # Late: pyHanko is a second and more, and few laboratories sign.
     from tasks.certificate.sign import sign_pdf, sign_xml
 
     dcc = sign_xml(dcc, signing)
     pdf = sign_pdf(render(certificate, dcc=dcc, signed=True), signing)
-    return Faces(pdf, dcc, record, evidence)
+    return CertificateFiles(pdf, dcc, record, evidence)
 
 
 def is_certificate(path: Path) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc, fdtrc
 
-from schemas.review import Level
+from schemas.discrepancy import Level
 from tasks.explain.explanation import CERTAIN, as_likely_within
 from tasks.explain.search.stepwise import HOLDS, PER_PARAMETER
 from tasks.review.hypotheses import Effect, Evidence, ridged, solved

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_array
 
+from schemas.discrepancy import Layout, PooledParameter, PooledTerm
 from schemas.recording import Recording
-from schemas.review import Layout, PooledParameter, PooledTerm
 from tasks.explain.search.candidates import parts_of
 from tasks.model.term import Inputs, Term, single
 from tasks.model.terms.axes import level_axes

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from schemas.discrepancy import LEVELS, Layout, Level, PooledParameter, PooledTerm, RunStatistics
 from schemas.recording import Recording
-from schemas.review import LEVELS, Layout, Level, PooledParameter, PooledTerm, RunStatistics
 from tasks.explain.explanation import EVERY
 from tasks.explain.inputs.prepared import Prepared, prepare
 from tasks.explain.noise import Noise

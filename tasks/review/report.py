@@ -5,12 +5,12 @@ from datetime import datetime
 
 import numpy as np
 
-from schemas.discrepancy import Consequence, Detection, FoundParameter, Verdict
-from schemas.laboratory import EquipmentLimit, LimitName
-from schemas.recording import ANGLE, Recording
-from schemas.review import (
+from schemas.discrepancy import (
     Carrier,
+    Consequence,
+    Detection,
     EstimatedSite,
+    FoundParameter,
     Level,
     Moment,
     PooledEvidence,
@@ -19,7 +19,10 @@ from schemas.review import (
     ReviewFinding,
     Skipped,
     Touched,
+    Verdict,
 )
+from schemas.laboratory import EquipmentLimit, LimitName
+from schemas.recording import ANGLE, Recording
 from schemas.text import Statement
 from tasks.explain.correction.adopt import corrected
 from tasks.explain.correction.consequences import by_clauses, moved

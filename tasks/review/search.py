@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from schemas.review import LEVELS
+from schemas.discrepancy import LEVELS
 from tasks.explain.explanation import CERTAIN
 from tasks.review.carriers import (
     Carried,

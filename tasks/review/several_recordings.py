@@ -19,12 +19,12 @@ from schemas.discrepancy import (
     EvidenceFor,
     FoundParameter,
     HeldOut,
+    Level,
     ReportedFinding,
     Verdict,
     Where,
 )
 from schemas.recording import Manifest, Station
-from schemas.review import Level
 from tasks.explain.explanation import CERTAIN, CHANNELS
 from tasks.explain.report.statements import parameter_text, sentence, sentences
 from tasks.explain.search.stepwise import PER_PARAMETER

@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from schemas.review import LEVELS, Level
+from schemas.discrepancy import LEVELS, Level
 from tasks.review.hypotheses import (
     Effect,
     TermIdentity,

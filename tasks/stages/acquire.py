@@ -21,7 +21,7 @@ from storage.home import Home
 from storage.stations import lock_place, statuses, write_status
 from storage.whole_files import writing_in_home
 from tasks.stages.stage import stage
-from tasks.stages.stoppable import stoppable
+from tasks.stages.stoppable import stop_watch
 from tasks.stages.store import ready_to_acquire, store, store_waiting
 from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
 from tasks.station.connected_station import OPERATOR, StopRequested, StopSwitch, stopped_by
@@ -36,7 +36,7 @@ EMPTY_S = 600.0  # by then every run has homed its table, and written its first 
 
 
 @dataclass(frozen=True)
-class LeftRun:
+class InterruptedRun:
     """An interrupted run: what is whole of it, and its files: attempts to go on leave more."""
 
     recording: Recording
@@ -48,7 +48,7 @@ class LeftRun:
             path.unlink(missing_ok=True)
 
 
-def left_runs(station: StationFile, procedure: Procedure, home: Home) -> dict[str, LeftRun]:
+def left_runs(station: StationFile, procedure: Procedure, home: Home) -> dict[str, InterruptedRun]:
     """The last one of each unit on this station by this procedure, by the unit's serial.
 
     A unit without one is not in it. Raises Unusable where none has one.
@@ -68,7 +68,7 @@ def left_runs(station: StationFile, procedure: Procedure, home: Home) -> dict[st
 
 def _last_of(
     station: StationFile, procedure: Procedure, known: dict[Path, tuple[Manifest, Recording | None]]
-) -> LeftRun | None:
+) -> InterruptedRun | None:
     left = {
         path: (_began(manifest), recording)
         for path, (manifest, recording) in known.items()
@@ -78,7 +78,9 @@ def _last_of(
     if not read:
         return None
     last, longest = max(read, key=lambda each: (each[0], each[1].imu.t[-1]))
-    return LeftRun(longest, tuple(path for path, (began, _) in left.items() if began == last))
+    return InterruptedRun(
+        longest, tuple(path for path, (began, _) in left.items() if began == last)
+    )
 
 
 def _known(home: Home) -> Iterator[tuple[Path, tuple[Manifest, Recording | None]]]:
@@ -130,7 +132,7 @@ class RawRecording:
     new: NewRecording
     sink: RawWriter
     path: Path
-    left: LeftRun | None
+    left: InterruptedRun | None
 
     def take_over(self) -> None:
         """Begin the file with what an interrupted run recorded."""
@@ -188,7 +190,7 @@ def acquire_run(
     ready_to_acquire(station.station.id, home)
     forget_empty(home)
     store_waiting(home)
-    held = stoppable(station, home, stop)
+    held = stop_watch(station, home, stop)
     with held, status_file(station, procedure, home, report, raw) as reporting:
 
         def unless_stopped(progress: Progress) -> None:
@@ -213,7 +215,7 @@ def measure(  # noqa: PLR0913 (what a run is, and who follows it)
     report: Callable[[Progress], None],
     ask: Ask | None,
     is_paused: Callable[[], bool],
-    left: Mapping[str, LeftRun] | None,
+    left: Mapping[str, InterruptedRun] | None,
     stop: StopSwitch,
     raw: list[RawRecording],
     operator: str | None,
@@ -297,7 +299,7 @@ def begun(
     station: StationFile,
     procedure: Procedure,
     home: Home,
-    left: LeftRun | None,
+    left: InterruptedRun | None,
     operator: str | None,
 ) -> RawRecording:
     """A new file for the unit of a station; raises Unusable where the home takes none."""

@@ -44,7 +44,7 @@ from tasks.stages.estimate import (
     as_text,
     contradictions,
     evidence_of,
-    reference_in_use,
+    in_use,
     standards_in_use,
 )
 from tasks.stages.stage import announce, stage
@@ -214,7 +214,8 @@ def certify(
     free = manifest_fields(manifest.model_extra or {}, run)
     tolerance = tolerance_of(inputs, run, manifest.unit, home)
     given = laboratory = inputs.laboratory or settings.laboratory(home)
-    recording = reference_in_use(recording, home, laboratory)
+    in_run = in_use(recording, home, laboratory)
+    recording = in_run.certified
     order, now = inputs.order, datetime.now(UTC)
     today = day_of_moment(now)
     calibrated_on = day_of_calibration(free, inputs, run)
@@ -248,7 +249,7 @@ def certify(
     evidence = None
     if why_none(calibration) is None:
         stated = conformity.as_stated(calibration, capabilities)
-        made = evidence_of(stated, recording, home, given, decision)
+        made = evidence_of(stated, in_run, decision)
         evidence = as_text(made).encode()
     found = as_found and _as_found(as_found, (run, calibration), home, inputs, given, decide)
     named = statement(record.named(validated, calibration))

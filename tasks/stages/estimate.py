@@ -3,8 +3,9 @@
 import json
 import os
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from datetime import date
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -28,12 +29,13 @@ from storage import settings
 from storage.catalogue import equipment, results, runs
 from storage.catalogue.runs import Run, provenance
 from storage.home import Home
-from tasks.calibrate.calibrate import calibrate, evaluation_for
+from tasks.calibrate.calibrate import Evaluation, calibrate, evaluation_for
 from tasks.calibrate.evidence_file import evidence_file
 from tasks.calibrate.reference import as_certified
 from tasks.model.catalogue import catalogue
 from tasks.motion.encoders import gives_angles
 from tasks.readings.codes import codes_put_right
+from tasks.specifications.estimate import Specification
 from tasks.specifications.register import SPECIFICATIONS, specification_for
 from tasks.stages.stage import stage
 from tasks.uncertainty.equipment import own_limits
@@ -115,31 +117,61 @@ def _written(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else f"{value}"
 
 
-def limits_in_use(
-    manifest: Manifest, home: Home, laboratory: Laboratory | None
-) -> dict[LimitName, EquipmentLimit]:
-    """The error limits of the equipment of a run. Those in laboratory.toml take precedence over the
-    certificates of the standards in use. Raises Unusable for a drift since an unknown day.
+@dataclass(frozen=True)
+class InUse:
+    """With what a run was measured, and what its laboratory states of it.
+
+    recording: as it was recorded. day: on which the standards were used; None where it is unknown.
     """
-    day = _day(manifest)
-    standards = standards_in_use(manifest, home, laboratory, day)
-    return own_limits(standards, laboratory.limits if laboratory else {}, day)
+
+    recording: Recording
+    laboratory: Laboratory | None
+    standards: tuple[MeasurementStandard, ...]
+    day: date | None
+
+    @cached_property
+    def limits(self) -> dict[LimitName, EquipmentLimit]:
+        """The error limits of the equipment. Those in laboratory.toml take precedence over the
+        certificates of the standards. Raises Unusable for a drift since an unknown day.
+        """
+        return own_limits(
+            self.standards, self.laboratory.limits if self.laboratory else {}, self.day
+        )
+
+    @cached_property
+    def certified(self) -> Recording:
+        """The recording with its reference corrected by the certificates of the standards.
+
+        Raises Unusable for a run outside of what they state, see `as_certified`.
+        """
+        own = self.laboratory.limits if self.laboratory else ()
+        return as_certified(self.recording, self.standards, own)
+
+    def evaluation(
+        self, kind: UncertaintyKind = "GUM", axes: ResultAxes | None = None
+    ) -> Evaluation:
+        """How uncertainties are evaluated for it; see `evaluation_for`."""
+        return evaluation_for(self.certified, kind, self.limits, axes)
+
+    def calibrated(
+        self, recording: Recording, by: Specification, evaluation: Evaluation, run: str, code: str
+    ) -> Calibration:
+        """The calibration of its recording, or of that with readings put right.
+
+        code: the version.
+        """
+        latitude = self.laboratory.latitude_deg if self.laboratory else None
+        return calibrate(
+            by, recording, run=run, code_version=code, evaluation=evaluation,
+            own_latitude_deg=latitude,
+        )  # fmt: skip
 
 
-def reference_in_use(recording: Recording, home: Home, laboratory: Laboratory | None) -> Recording:
-    """The recording with its reference corrected by the certificates of the same standards.
-
-    Raises Unusable for a run outside of what they state, see `as_certified`.
-    """
-    manifest = recording.manifest
-    standards = standards_in_use(manifest, home, laboratory, _day(manifest))
-    return as_certified(recording, standards, laboratory.limits if laboratory else ())
-
-
-def _day(manifest: Manifest) -> date | None:
-    """The day on which a run used its standards."""
-    day: date | None = provenance(manifest)["recorded_on"]
-    return day
+def in_use(recording: Recording, home: Home, laboratory: Laboratory | None) -> InUse:
+    """The circumstances of a run, by its manifest, the register and the laboratory."""
+    day: date | None = provenance(recording.manifest)["recorded_on"]
+    standards = standards_in_use(recording.manifest, home, laboratory, day)
+    return InUse(recording, laboratory, standards, day)
 
 
 def of_manifest(manifest: Manifest) -> tuple[MeasurementStandard, ...]:
@@ -186,16 +218,14 @@ def calibration_of(
     run: Run, home: Home, how: Estimation, laboratory: Laboratory | None
 ) -> Calibration:
     """The calibration of a run, which is not kept; see `estimate`."""
-    recording = reference_in_use(runs.load(run, home), home, laboratory)
-    specification = specification_for(recording.manifest.standard, how.method)
-    limits = limits_in_use(recording.manifest, home, laboratory)
+    used = in_use(runs.load(run, home), home, laboratory)
+    recording = used.certified
     calibrated = partial(
-        calibrate,
-        specification,
+        used.calibrated,
+        by=specification_for(recording.manifest.standard, how.method),
+        evaluation=used.evaluation(UNCERTAINTIES[how.uncertainty], how.axes),
         run=run.id,
-        code_version=code_version(),
-        evaluation=evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits, how.axes),
-        own_latitude_deg=laboratory.latitude_deg if laboratory else None,
+        code=code_version(),
     )
     if how.terms is None:
         return calibrated(recording)
@@ -296,40 +326,28 @@ def validity_of(run: Run, home: Home) -> Validity:
         if (made.method, made.code_version) == (method, code_version()) and not made.terms:
             return made.validity
     # Late: a run with a result needs none of it.
-    recording = runs.load(run, home)
-    laboratory = settings.laboratory(home)
+    recording, laboratory = runs.load(run, home), settings.laboratory(home)
     try:
-        own = limits_in_use(recording.manifest, home, laboratory)
-        recording = reference_in_use(recording, home, laboratory)
-        evaluation = evaluation_for(recording, own=own)
-        calibration = calibrate(
-            SPECIFICATIONS[method], recording, run=run.id, code_version="", evaluation=evaluation,
-            own_latitude_deg=laboratory.latitude_deg if laboratory else None,
-        )  # fmt: skip
+        used = in_use(recording, home, laboratory)
+        by, evaluation = SPECIFICATIONS[method], used.evaluation()
+        return used.calibrated(used.certified, by, evaluation, run.id, "").validity
     except Unusable as fault:
         return Validity(verdict="remarks", **texts_fields("reasons", (statement(str(fault)),)))
-    return calibration.validity
 
 
 # The evidence file of a result, made again from its recording.
 
 
 def evidence_of(
-    calibration: Calibration,
-    recording: Recording,
-    home: Home,
-    laboratory: Laboratory | None,
-    decision: Decision | None = None,
+    calibration: Calibration, used: InUse, decision: Decision | None = None
 ) -> EvidenceFile:
     """What a result of a recording rests on; Unusable where it has no evidence file.
 
-    calibration: as it is stated. recording: with its reference as it was in use. laboratory: whose
-    limits the result was made with. decision: what was decided on it.
+    calibration: as it is stated. used: with what it was made. decision: what was decided on it.
     """
-    specification = specification_for(recording.manifest.standard, calibration.method)
-    limits = limits_in_use(recording.manifest, home, laboratory)
-    evaluation = evaluation_for(recording, own=limits, axes=how_made(calibration).axes)
-    return evidence_file(calibration, specification, recording, evaluation, decision)
+    specification = specification_for(used.recording.manifest.standard, calibration.method)
+    evaluation = used.evaluation(axes=how_made(calibration).axes)
+    return evidence_file(calibration, specification, used.certified, evaluation, decision)
 
 
 def as_text(evidence: EvidenceFile) -> str:
@@ -344,9 +362,8 @@ def export_evidence(order: ExportOrder, home: Home) -> str:
     calibration = read_calibration(order.calibration, home)
     for run in runs.all_runs(home):
         if run.digest == calibration.digest:
-            laboratory = settings.laboratory(home)
-            recording = reference_in_use(runs.load(run, home), home, laboratory)
-            return as_text(evidence_of(calibration, recording, home, laboratory))
+            used = in_use(runs.load(run, home), home, settings.laboratory(home))
+            return as_text(evidence_of(calibration, used))
     raise Unusable(
         f"run {calibration.run} of {calibration.recording_id} is not in {home.path}, and its "
         "evidence is made of the recording: import that."

@@ -58,7 +58,7 @@ class Outcome:
     difference: Difference
 
 
-def make_again(job: Job) -> Outcome:
+def reprocess_one(job: Job) -> Outcome:
     """Estimate as before with today's code, keep the result, and say what is different.
 
     However that fails, it is an outcome with a fault, never an exception: one recording does not
@@ -236,10 +236,10 @@ def _carried_out(jobs: Sequence[Job], order: ReprocessOrder) -> Iterator[Outcome
         return with_fault(job, DIED)
 
     if order.scheduler is None:
-        return fan_out(make_again, jobs, order.workers or processors(), died)
+        return fan_out(reprocess_one, jobs, order.workers or processors(), died)
     from tasks.stages.on_cluster import on_cluster
 
-    return on_cluster(make_again, jobs, order.scheduler, died)
+    return on_cluster(reprocess_one, jobs, order.scheduler, died)
 
 
 def _done(runs: Sequence[Run], now: str, home: Home) -> list[Made]:

@@ -10,8 +10,8 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.certificate import LIVE, Laboratory
+from schemas.discrepancy import KeptReview, Review, Skipped, Touched
 from schemas.orders import ReviewOrder, Selection, order_of
-from schemas.review import KeptReview, Review, Skipped, Touched
 from storage import run_statistics, settings
 from storage.catalogue import certificates, runs
 from storage.catalogue.runs import Run
@@ -24,7 +24,7 @@ from tasks.review.report import moved_elements, review_of, touched_of, with_touc
 from tasks.review.search import Found, search
 from tasks.review.several_recordings import reviewed_runs
 from tasks.review.windows import rows_of
-from tasks.stages.estimate import limits_in_use
+from tasks.stages.estimate import in_use
 from tasks.stages.explain import all_kept_statistics, make_statistics
 from tasks.stages.fan_out import fan_out, processors
 from tasks.stages.import_recording import run_of
@@ -202,7 +202,7 @@ def _touched(job: AffectedCertificate) -> list[Touched]:
     """Nothing where the recording is gone or its clauses give no items."""
     try:
         recording = runs.load(job.run, job.home)
-        limits = limits_in_use(recording.manifest, job.home, job.laboratory)
+        limits = in_use(recording, job.home, job.laboratory).limits
         elements = moved_elements(recording, job.effect, job.values, limits)
     except Unusable:
         return []

@@ -90,7 +90,7 @@ def _enter_in_trail(request: StopRequest, home: Home) -> None:
     entering.join(TRAIL_S)
 
 
-def whoever() -> str:
+def current_user() -> str:
     """The person at this terminal: MIMUCAL_USER, else the name of the login."""
     return os.environ.get("MIMUCAL_USER") or getpass.getuser()
 

@@ -27,7 +27,7 @@ LEAVE_S = 2.0  # how long the end of a run waits for a home on the network
 
 
 @contextmanager
-def stoppable(station: StationFile, home: Home, stop: StopSwitch) -> Iterator[None]:
+def stop_watch(station: StationFile, home: Home, stop: StopSwitch) -> Iterator[None]:
     """The station for the length of the block; a request to stop it presses the switch.
 
     Two threads look for requests: one beside the lock, and one in the home where that is another

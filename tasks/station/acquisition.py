@@ -3,15 +3,15 @@
 import asyncio
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from schemas.base import Unusable
-from schemas.procedure import Procedure
+from schemas.procedure import Oscillation, Procedure, Refix
 from schemas.recording import Manifest
 from schemas.station import StationFile
 from schemas.text import Remark, Statement
-from tasks.station.clock import StationClock
+from tasks.station.clock import StationClock, wall_s
 from tasks.station.connected_station import (
     OPERATOR,
     Bench,
@@ -22,14 +22,268 @@ from tasks.station.connected_station import (
     stopped_by,
 )
 from tasks.station.drivers.unit import UnitDriver
-from tasks.station.monitor import MEASURED, remarks_on
-from tasks.station.plan import check_attended, check_limits, check_procedure, plan
-from tasks.station.ports import Ask, Table
+from tasks.station.monitor import MEASURED, Anomaly, remarks_on
+from tasks.station.plan import (
+    PlannedSegment,
+    SetPoint,
+    check_attended,
+    check_limits,
+    check_procedure,
+    move_s,
+    nearest_turn,
+    plan,
+    rate_change_s,
+)
+from tasks.station.ports import Ask, Table, TableState, check_trips, oscillating
 from tasks.station.progress import Progress, Tracker
 from tasks.station.recorder import Recorder, Sink, UnitRecorder
 from tasks.station.run_manifest import Interrupted, ManifestBuilder, remaining
-from tasks.station.sequencer import Sequencer
 from tasks.words import Message, cause_of, message, texts
+
+# Takes the table through a procedure, segment by segment, while the streams are read.
+
+
+SETTLING_MARGIN_S = 20.0  # station time beyond twice the computed duration
+GUARD_WALL_S = 0.2
+POLL_STATION_S = 0.25
+REPEATS = 2
+CATCH_UP_S = 3.0
+CATCH_UP_STEP_S = 0.02
+
+
+@dataclass
+class Sequencer:
+    """One run of a procedure on a bench. Raises Unusable where table or fixture fail.
+
+    is_paused: asked before each segment.
+    """
+
+    bench: Bench
+    station: StationFile
+    clock: StationClock
+    procedure: Procedure
+    recorder: Recorder
+    tracker: Tracker
+    is_paused: Callable[[], bool]
+
+    def __post_init__(self) -> None:
+        self._table = self.bench.table
+        self._spinning: PlannedSegment | None = None
+        self._standing: tuple[float, ...] = ()  # angles that were asked for, deg
+
+    async def run(self, planned: tuple[PlannedSegment, ...]) -> None:
+        """Warm-up, every segment, those that failed again, and the last data in."""
+        self.tracker.begin("warming_up", "warm-up", self.procedure.warm_up_s)
+        await self._warm_up()
+        measured: dict[str, PlannedSegment] = {}  # in the fixture's present attitude
+        for segment in planned:
+            if segment.refix is not None:
+                await self._repeat_failed(measured)
+                measured = {}
+            await self._pause()
+            self.tracker.begin("measuring", segment.text, segment.planned_s)
+            await self._measure(segment)
+            if segment.oscillation is None:
+                measured[segment.name] = replace(segment, refix=None)
+        await self._repeat_failed(measured)
+        self.tracker.begin("finishing", "last data", 0.0)
+        await self._catch_up(self.recorder.t_end)
+        self.tracker.end()
+
+    async def _pause(self) -> None:
+        """Rest as long as the operator wants; the streams go on."""
+        if not self.is_paused():
+            return
+        await self._stop_spinning()
+        self.tracker.begin("paused", "paused", 0.0)
+        while self.is_paused():
+            await self._watch()
+            await asyncio.sleep(GUARD_WALL_S)
+        self.recorder.fill("pause", "transition", self.clock.station_s)
+
+    async def _repeat_failed(self, measured: dict[str, PlannedSegment]) -> None:
+        """Repeats segments that are not sound, for the units concerned."""
+        for _ in range(REPEATS):
+            await self._catch_up(self.recorder.t_end)
+            failed = self.recorder.failed(measured)
+            for name, units in failed.items():
+                self.tracker.add(measured[name].planned_s)
+                self.tracker.begin("repeating", measured[name].text, measured[name].planned_s)
+                self.recorder.withdraw(name, units)
+                await self._measure(measured[name])
+
+    async def guard(self) -> None:
+        """Look at the table for ever, also while a person turns the unit over."""
+        while True:
+            await self._watch()
+            await asyncio.sleep(GUARD_WALL_S)
+
+    async def _warm_up(self) -> None:
+        warm_s = self.clock.station_s + self.procedure.warm_up_s
+        await self._wait_until(warm_s)
+        self.recorder.fill("warm", "settle", warm_s)
+
+    async def _measure(self, planned: PlannedSegment) -> None:
+        if planned.refix is not None:
+            self.tracker.enter("turning_over", planned.refix.name)
+            await self._refix(planned.refix)
+            self.tracker.enter("measuring", planned.text)
+        settled_s = await self._bring(planned)
+        if planned.oscillation is not None:
+            await self._oscillate(planned.oscillation, settled_s)
+            return
+        t_start = round(settled_s + self.procedure.settle_s, 6)
+        await self._wait_until(t_start)
+        if planned.kind == "rotation":
+            # One encoder sample at rest before it turns; a fast station may be late.
+            await self._wait_until(t_start + self._table.period_us / 1e6)
+            late_s = self.clock.station_s - self.procedure.settle_s
+            t_start = round(max(t_start, late_s), 6)
+        self.recorder.fill("ramp" if planned.kind == "rate" else "move", "transition", settled_s)
+        self.recorder.fill("settle", "settle", t_start)
+        if planned.chamber_degc is not None:
+            await self.bench.chamber.set_temperature(planned.chamber_degc)
+        if planned.kind == "rotation":
+            t_end = await self._turn(planned)
+        else:
+            t_end = round(t_start + planned.dwell_s, 6)
+            await self._wait_until(t_end, settled=True)
+        spin_axis = None if planned.spin_axis is None else self._table.names[planned.spin_axis]
+        self.recorder.finish(planned.segment(t_start, t_end), spin_axis)
+
+    async def _refix(self, refix: Refix) -> None:
+        """Have the unit turned over, the table at zero meanwhile; warm up if it was off."""
+        assert self.bench.fixture is not None  # check_attended
+        await self._stop_spinning()
+        await self._go_to((0.0,) * len(self._table.names))
+        self.recorder.fill("move", "transition", self.clock.station_s)
+        if refix.power_off:
+            self.recorder.switched_off()
+        on_s = await self.bench.fixture.turn(refix)
+        if refix.power_off:
+            self.recorder.switched_on(on_s)
+        await self._watch()
+        self.recorder.turned_over(None)
+        self.recorder.fill("refix", "transition", self.clock.station_s)
+        self.recorder.turned_over(refix)
+        if refix.power_off:
+            await self._warm_up()
+
+    async def _oscillate(self, step: Oscillation, settled_s: float) -> None:
+        """To and fro from rest to rest; what it was is told by the label alone."""
+        self.recorder.fill("move", "transition", settled_s)
+        await oscillating(self._table)(
+            step.spin_axis, step.amplitude_deg, step.frequency_hz, step.cycles
+        )
+        await self._wait_until(self.clock.station_s + step.seconds)
+        await self._settle((SetPoint(step.spin_axis, "rest"),), 0.0)
+        self.recorder.fill(step.name, "transition", self.clock.station_s)
+
+    async def _turn(self, planned: PlannedSegment) -> float:
+        """Turn by whole turns, from rest to rest; the station time (s) at which it rests again."""
+        axis, acceleration = planned.spin_axis or 0, self.procedure.acceleration_deg_s2
+        by_deg = planned.turn_by_deg or 0.0
+        target = SetPoint(axis, "angle", self._standing[axis] + by_deg)
+        rate = abs(planned.rate_deg_s)
+        await self._table.move_to(axis, target.value, rate, acceleration)
+        await self._settle((target,), move_s(by_deg, rate, acceleration))
+        t_end = round(self.clock.station_s + self.procedure.settle_s, 6)
+        await self._wait_until(t_end)
+        return t_end
+
+    async def _bring(self, planned: PlannedSegment) -> float:
+        """Bring the table to where a segment wants it; the station time at which it settled."""
+        same_run = (
+            self._spinning is not None
+            and planned.kind == "rate"
+            and self._spinning.spin_axis == planned.spin_axis
+            and self._spinning.angles_deg == planned.angles_deg
+        )
+        if not same_run:
+            await self._stop_spinning()
+            await self._go_to(planned.angles_deg)
+        if planned.kind == "rate":
+            await self._spin(planned)
+        return self.clock.station_s
+
+    async def _stop_spinning(self) -> None:
+        spinning, self._spinning = self._spinning, None
+        if spinning is None:
+            return
+        axis = spinning.spin_axis or 0
+        duration_s = rate_change_s(spinning.rate_deg_s, self.procedure.acceleration_deg_s2)
+        await self._table.stop(axis)
+        await self._settle((SetPoint(axis, "rest"),), duration_s)
+
+    async def _go_to(self, angles_deg: tuple[float, ...]) -> None:
+        rate, acceleration = self.procedure.move_rate_deg_s, self.procedure.acceleration_deg_s2
+        state = await self._watch()
+        targets = tuple(
+            SetPoint(number, "angle", self._target(number, axis.angle_deg, angle))
+            for number, (axis, angle) in enumerate(zip(state.axes, angles_deg, strict=True))
+        )
+        for target in targets:
+            await self._table.move_to(target.axis, target.value, rate, acceleration)
+        self._standing = tuple(target.value for target in targets)
+        farthest = max(abs(t.value - state.axes[t.axis].angle_deg) for t in targets)
+        await self._settle(targets, move_s(farthest, rate, acceleration))
+
+    def _target(self, axis: int, now_deg: float, angle_deg: float) -> float:
+        endless = self.station.limits.is_endless(self._table.names[axis])
+        return nearest_turn(now_deg, angle_deg) if endless else angle_deg
+
+    async def _spin(self, planned: PlannedSegment) -> None:
+        axis, acceleration = planned.spin_axis or 0, self.procedure.acceleration_deg_s2
+        before = self._spinning.rate_deg_s if self._spinning else 0.0
+        self._spinning = planned
+        await self._table.turn_at(axis, planned.rate_deg_s, acceleration)
+        duration_s = rate_change_s(planned.rate_deg_s - before, acceleration)
+        await self._settle((SetPoint(axis, "rate", planned.rate_deg_s),), duration_s)
+
+    async def _settle(self, targets: tuple[SetPoint, ...], duration_s: float) -> None:
+        """Wait for the set-points: twice the computed duration and SETTLING_MARGIN_S."""
+        limit_s = 2 * duration_s + SETTLING_MARGIN_S
+        state = await self._watch()
+        began_s = state.station_s
+        while True:
+            late = [target for target in targets if not target.is_reached(state.axes[target.axis])]
+            if not late:
+                return
+            if state.station_s - began_s > limit_s:
+                raise late[0].lateness(self._table.names, state, limit_s)
+            await asyncio.sleep(self.clock.wall(POLL_STATION_S, 0.005, 0.1))
+            state = await self._watch()
+
+    async def _wait_until(self, station_s: float, settled: bool = False) -> None:
+        """Wait for a station time; with `settled`, note which axes were not settled meanwhile."""
+        while self.clock.station_s < station_s:
+            left_s = station_s - self.clock.station_s
+            await asyncio.sleep(self.clock.wall(left_s, 0.002, 0.1))
+            state = await self._watch()
+            for name, axis in zip(self._table.names, state.axes, strict=True):
+                if settled and state.station_s < station_s and not axis.is_settled:
+                    at_s = state.station_s
+                    self.recorder.note(Anomaly("table_unsettled", at_s, at_s, subject=name))
+
+    async def _catch_up(self, station_s: float) -> None:
+        """Wait for the last data while they come; a unit that is silent says so itself."""
+        came_s = wall_s()
+        while self.recorder.reached_s < station_s and wall_s() - came_s < CATCH_UP_S:
+            before_s = self.recorder.reached_s
+            self.recorder.flush(final=True)
+            came_s = wall_s() if self.recorder.reached_s > before_s else came_s
+            await asyncio.sleep(CATCH_UP_STEP_S)
+
+    async def _watch(self) -> TableState:
+        """Read the table, and raise Unusable if it has failed."""
+        before_s = self.clock.station_s
+        state = await self._table.state()
+        self.clock.update(state.station_s, state.wall_s, state.took_s)
+        check_trips(state, self._table.names)
+        self.clock.check(before_s)
+        self.tracker.tick()
+        return state
+
 
 LEAVE_TIMEOUT_S = 8.0  # lines of text with a pause behind each take seconds
 CLOCK_INTERVAL_S = 0.1

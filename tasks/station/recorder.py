@@ -196,7 +196,7 @@ class UnitRecorder:
             self._sink.append(name, self.manifest.since_start(stream))
             self.last_rows.add(name, stream)
 
-    def give_up(self, fault: Unusable) -> None:
+    def abandon(self, fault: Unusable) -> None:
         """Record no more of it: it has failed, and its neighbours go on."""
         self.given_up, self.cause = str(fault), cause_of(fault)
         self.driver.end()
@@ -308,7 +308,7 @@ class Recorder:
         if faults and len(faults) == len(self.sound):
             raise faults[-1][1]
         for unit, its_fault in faults:
-            unit.give_up(its_fault)
+            unit.abandon(its_fault)
             unit.write_manifest(half_width_s)
 
     @property

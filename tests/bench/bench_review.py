@@ -4,7 +4,7 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
-from schemas.review import RunStatistics
+from schemas.discrepancy import RunStatistics
 from storage.home import Home
 from storage.run_statistics import keep_statistics, load
 from tasks.review.pool import VERSION, ReviewedRun, pooled, statistics_of

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 from lxml import html
 
-from flows.pages.parts import View
-from flows.pages.register import PAGES
+from flows.pages.answers import PAGES
+from flows.pages.parts import View, seen_by
 from flows.pages.shell import page_at
 from flows.shown_results import print_calibration, print_discrepancy
 from schemas.certificate import Certificate
@@ -112,7 +112,7 @@ def test_every_page_speaks_a_further_language(page: Any, home: Home, language: s
         "run": f"?id={run}", "signals": f"?run={run}", "unit": "?id=1",
         "budget": f"?run={run}&item={item}&element={element}",
     }  # fmt: skip
-    shown, _, _ = page_at(f"/{page.name}", asked.get(page.name, ""), home, View(language))
+    shown, _, _ = seen_by(View(language), page_at, f"/{page.name}", asked.get(page.name, ""), home)
     texts = list(read(shown))
     assert any("⟦" in text for text in texts)
     assert phrases(texts) - OWN - UNSAID == set()

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from flows import execute
+from flows import carry_out, execute
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
@@ -194,7 +194,7 @@ def test_a_dry_run_says_what_would_be_done_and_does_nothing(store: Home, mimucal
 def test_a_name_that_no_run_has_is_refused_with_those_that_are_known(
     store: Home, mimucal, option: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(execute, "as_flow_run", pytest.fail)  # it needs no server
+    monkeypatch.setattr(carry_out, "as_flow_run", pytest.fail)  # it needs no server
     for more in ((), ("--dry-run",)):
         refused = mimucal("reprocess", f"--{option}", "nobody", *more)
         assert refused.code == 2
@@ -273,7 +273,7 @@ def _certified(home: Home, run: str) -> str:
 def test_an_order_that_cannot_be_is_one_sentence(
     mimucal, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], named: str
 ) -> None:
-    monkeypatch.setattr(execute, "as_flow_run", pytest.fail)
+    monkeypatch.setattr(carry_out, "as_flow_run", pytest.fail)
     done = mimucal("reprocess", *arguments)
     assert done.code == 2
     assert named in done.err

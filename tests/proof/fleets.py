@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
+from schemas.discrepancy import Review, ReviewFinding, RunStatistics
 from schemas.recording import Manifest, Recording
-from schemas.review import Review, ReviewFinding
 from storage.run_statistics import decoded, encoded
 from tasks.review.pool import VERSION, ReviewedRun, pooled, statistics_of
 from tasks.review.report import review_of

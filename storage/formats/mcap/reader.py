@@ -16,7 +16,7 @@ from mcap.records import Channel, Metadata, Schema
 
 from schemas.base import Unusable
 from schemas.recording import ANGLE, FORMAT, Manifest, Recording, Station, Stream, Unit
-from storage.formats.content import NANO, as_raw, fingerprint, together
+from storage.formats.content import NANO, canonical, fingerprint, together
 from storage.formats.manifest import MAX_TIME_S, check_columns, check_stream, manifest_of
 from storage.formats.mcap.chunks import MAX_CHUNK_BYTES, Batch, Contents, scan
 from storage.formats.mcap.messages import (
@@ -405,7 +405,7 @@ def read_mcap(
     streams = {
         name: Stream((stamps - origin) / 1e9, columns) for name, (stamps, columns) in timed.items()
     }
-    recording = as_raw(together(manifest, streams))
+    recording = canonical(together(manifest, streams))
     _check(recording, path)
     return replace(recording, digest=fingerprint(recording), extra=extra)
 

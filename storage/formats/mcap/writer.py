@@ -13,7 +13,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import FORMAT, Manifest, Recording, Stream, joined
-from storage.formats.content import NANO, as_raw, nanoseconds
+from storage.formats.content import NANO, canonical, nanoseconds
 from storage.formats.mcap.chunks import ChunkWriter
 from storage.formats.mcap.messages import MESSAGES, encode
 from storage.whole_files import drafted
@@ -27,7 +27,7 @@ EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 def write_mcap(recording: Recording, path: Path) -> None:
     """Writes a recording as a ROS 2 bag; the file appears under its name only when it is whole."""
-    streams = as_raw(recording).streams()
+    streams = canonical(recording).streams()
     first = min(float(stream.t[0]) for stream in streams.values())
     last = max(float(stream.t[-1]) for stream in streams.values())
     origin = _origin(recording.manifest, first, last)

@@ -33,8 +33,7 @@ from tasks.certificate.dcc.quantities import (
 from tasks.certificate.equipment import Setting, accuracy, settings
 from tasks.certificate.fields import day, given, quoted
 from tasks.certificate.figures import figures, of_figure
-from tasks.certificate.information import WITHOUT_U
-from tasks.certificate.results import Group, sections
+from tasks.certificate.results import WITHOUT_U, Group, sections
 from tasks.conformity.limits import accepted_edges, probability_text, verdict_title
 from tasks.specifications.estimate import ITEMS, Specification
 from tasks.specifications.register import SPECIFICATIONS

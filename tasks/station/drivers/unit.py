@@ -490,7 +490,7 @@ class StampSequence:
             follows = self._comes_after(last_us, stamp)
             if not follows and place + 1 == len(stamps):
                 self._held = waiting[place:]
-            elif follows or self._is_borne_out(last_us, stamp, stamps[place + 1]):
+            elif follows or self._is_confirmed(last_us, stamp, stamps[place + 1]):
                 kept.append(place)
                 last_us = stamp
             else:
@@ -498,7 +498,7 @@ class StampSequence:
         self._last_us = last_us
         return waiting[kept]
 
-    def _is_borne_out(self, last_us: int | None, stamp: int, following: int) -> bool:
+    def _is_confirmed(self, last_us: int | None, stamp: int, following: int) -> bool:
         """Whether the sample behind it follows it, and not the one before it."""
         return self._comes_after(stamp, following) and not self._comes_after(last_us, following)
 

@@ -78,27 +78,32 @@ SCATTER_COUNTS = 1000
 DRIFT_COUNTS = 5  # per sample
 
 
-def _hold(column: int, value: int) -> Counts:
-    def change(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
-        held = counts.copy()
-        held[:, column] = value
-        return held
+def _channel(column: int, change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Counts:
+    """A change of one channel, by the numbers of the samples (n,) and its counts (n,)."""
 
-    return change
+    def changed(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
+        made = counts.copy()
+        made[:, column] = change(numbers, made[:, column])
+        return made
+
+    return changed
 
 
-stick = _hold(1, 12345)
-stick_accel = _hold(5, 12345)
+def _scatter(numbers: np.ndarray, values: np.ndarray) -> np.ndarray:
+    hashed = (numbers.astype(np.int64) * 2_654_435_761) % 2**32 / 2**32 - 0.5
+    return values + np.rint(hashed * 2 * SCATTER_COUNTS).astype(values.dtype)
+
+
+stick = _channel(1, lambda _, values: np.full_like(values, 12345))
+stick_accel = _channel(5, lambda _, values: np.full_like(values, 12345))
+saturate = _channel(0, lambda _, values: np.clip(values, -CEILING_COUNTS, CEILING_COUNTS))
+turn_sign = _channel(0, lambda _, values: -values)
+scatter = _channel(2, _scatter)
+drift = _channel(0, lambda numbers, values: values + (numbers * DRIFT_COUNTS).astype(values.dtype))
 
 
 def zero(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return np.zeros_like(counts)
-
-
-def saturate(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    clipped = counts.copy()
-    clipped[:, 0] = np.clip(clipped[:, 0], -CEILING_COUNTS, CEILING_COUNTS)
-    return clipped
 
 
 def spike(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
@@ -113,27 +118,8 @@ def outliers(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return off
 
 
-def turn_sign(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    turned = counts.copy()
-    turned[:, 0] *= -1
-    return turned
-
-
 def swap_axes(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return counts[:, [1, 0, 2, 3, 4, 5]]
-
-
-def scatter(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    noisy = counts.copy()
-    hashed = (numbers.astype(np.int64) * 2_654_435_761) % 2**32 / 2**32 - 0.5
-    noisy[:, 2] += np.rint(hashed * 2 * SCATTER_COUNTS).astype(counts.dtype)
-    return noisy
-
-
-def drift(numbers: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    drifted = counts.copy()
-    drifted[:, 0] += (numbers * DRIFT_COUNTS).astype(counts.dtype)
-    return drifted
 
 
 def restart(numbers: np.ndarray, stamps: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
@@ -142,24 +128,23 @@ def restart(numbers: np.ndarray, stamps: np.ndarray, first: int) -> tuple[np.nda
     return since, np.rint(since * period).astype(np.uint64)
 
 
-def drift_clock(
-    numbers: np.ndarray, stamps: np.ndarray, first: int
-) -> tuple[np.ndarray, np.ndarray]:
-    period = stamps[0] / max(int(numbers[0]), 1)
-    return numbers, np.rint(stamps + 0.01 * period * (numbers - first)).astype(np.uint64)
+def _clock(change: Callable[[np.ndarray, np.ndarray, float, int], np.ndarray]) -> Stamps:
+    """A change of the stamps, by the numbers, the stamps, the time (us) between two, and first."""
+
+    def changed(
+        numbers: np.ndarray, stamps: np.ndarray, first: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        period = stamps[0] / max(int(numbers[0]), 1)
+        return numbers, change(numbers, stamps, period, first).astype(np.uint64)
+
+    return changed
 
 
-def jump_clock(
-    numbers: np.ndarray, stamps: np.ndarray, first: int
-) -> tuple[np.ndarray, np.ndarray]:
-    return numbers, stamps + np.uint64(1_000_000)
-
-
-def stop_clock(
-    numbers: np.ndarray, stamps: np.ndarray, first: int
-) -> tuple[np.ndarray, np.ndarray]:
-    period = stamps[0] / max(int(numbers[0]), 1)
-    return numbers, np.full(len(stamps), round(first * period), np.uint64)
+drift_clock = _clock(
+    lambda numbers, stamps, period, first: np.rint(stamps + 0.01 * period * (numbers - first))
+)
+jump_clock = _clock(lambda _, stamps, __, ___: stamps + np.uint64(1_000_000))
+stop_clock = _clock(lambda _, stamps, period, first: np.full(len(stamps), round(first * period)))
 
 
 HUNTING_RAD = np.radians(30.0 / 3600.0)

@@ -173,7 +173,7 @@ def _suffer(condition: Condition, clients: set[asyncio.StreamWriter], free_since
     return free_since_s
 
 
-class Doze:
+class IdleClock:
     """Longer slices of time for a station at which nothing moves and nobody listens.
 
     Whoever asks wakes it, and is answered once its time is the present one.
@@ -242,7 +242,7 @@ async def keep_time(
     speed: float,
     send: Callable[[bytes], None],
     watch: Callable[[], None] = lambda: None,
-    doze: Doze | None = None,
+    doze: IdleClock | None = None,
 ) -> None:
     """Lets station time pass at speed × wall time, slower where the machine cannot keep up: by how
     much it comes late to its own work, its clients come late to theirs, and what a frame waits for
@@ -305,7 +305,7 @@ async def serve(
     simulation.advance(1)  # so that the faults of second 0 hold for the first request
     # of the unit, then of its neighbours
     clients: list[set[asyncio.StreamWriter]] = [set() for _ in (0, *config.neighbours)]
-    doze = Doze(lambda: simulation.is_still and not simulation.faults and not any(clients))
+    doze = IdleClock(lambda: simulation.is_still and not simulation.faults and not any(clients))
     controller = Controller(simulation, doze.wake)
     modbus = ControllerServer(controller.devices(), address=(host, modbus_port))
     if not await modbus.listen():

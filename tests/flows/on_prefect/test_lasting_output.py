@@ -10,9 +10,9 @@ pytestmark = pytest.mark.real_time
 WRITES = """
 import logging, os, sys
 from rich.console import Console
-from flows.on_prefect.queue import lasting_output
+from flows.signals import resilient_output
 console = Console(stderr=True)
-with lasting_output():
+with resilient_output():
     print("before", file=sys.stderr, flush=True)
     sys.stdin.readline()
     for number in range(3):
@@ -44,8 +44,8 @@ def test_what_is_written_after_the_reader_died_ends_nothing(tmp_path) -> None:
 
 def test_a_reader_that_lives_gets_every_line_in_order() -> None:
     code = (
-        "import os\nfrom flows.on_prefect.queue import lasting_output\n"
-        "with lasting_output():\n"
+        "import os\nfrom flows.signals import resilient_output\n"
+        "with resilient_output():\n"
         "    for number in range(2000): os.write(1, b'%d\\n' % number)\n"
         "os.write(1, b'after\\n')\n"
     )
@@ -57,8 +57,8 @@ def test_a_reader_that_lives_gets_every_line_in_order() -> None:
 
 def test_a_child_that_lives_on_does_not_keep_the_run_waiting() -> None:
     code = (
-        "import subprocess, sys\nfrom flows.on_prefect.queue import lasting_output\n"
-        "with lasting_output():\n"
+        "import subprocess, sys\nfrom flows.signals import resilient_output\n"
+        "with resilient_output():\n"
         "    child = subprocess.Popen([sys.executable, '-c', 'input()'], stdin=subprocess.PIPE)\n"
         "child.stdin.write(b'\\n'); child.stdin.close(); child.wait()\n"
     )

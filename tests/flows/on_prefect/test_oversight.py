@@ -7,8 +7,9 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
-from flows.on_prefect import flows
-from flows.on_prefect.flows import CANCELLATION, FLOW_RUN, LOSS, overseen
+from flows import signals
+from flows.signals import FLOW_RUN, cancellation_watch
+from tasks.station.connected_station import CANCELLATION, LOSS
 
 pytestmark = pytest.mark.real_time
 
@@ -40,7 +41,7 @@ def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[type[Server]]:
         monkeypatch.setenv("PREFECT_API_URL", f"http://127.0.0.1:{serving.server_port}/api")
         monkeypatch.setenv("PREFECT_API_AUTH_STRING", "line:secret")
         monkeypatch.setenv(FLOW_RUN, "1234")
-        monkeypatch.setattr(flows, "LOOK_S", 0.02)
+        monkeypatch.setattr(signals, "LOOK_S", 0.02)
         yield Server
         serving.shutdown()
         thread.join()
@@ -53,7 +54,7 @@ def caused() -> tuple[list[str], threading.Event]:
 def test_a_run_that_prefect_cancels_is_stopped_once(server) -> None:
     causes, stopped = caused()
     server.state = "CANCELLING"
-    with overseen(lambda cause: (causes.append(cause), stopped.set())):
+    with cancellation_watch(lambda cause: (causes.append(cause), stopped.set())):
         assert stopped.wait(30)
     assert causes == [CANCELLATION]
     assert server.asked[0] == ("/api/flow_runs/1234", "Basic bGluZTpzZWNyZXQ=")
@@ -63,8 +64,8 @@ def test_a_run_whose_worker_is_gone_is_stopped_without_the_server(monkeypatch, s
     causes, stopped = caused()
     monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:9/api")
     parents = iter([77, 77, 1])
-    monkeypatch.setattr(flows.os, "getppid", lambda: next(parents, 1))
-    with overseen(lambda cause: (causes.append(cause), stopped.set())):
+    monkeypatch.setattr(signals.os, "getppid", lambda: next(parents, 1))
+    with cancellation_watch(lambda cause: (causes.append(cause), stopped.set())):
         assert stopped.wait(30)
     assert causes == [LOSS]
 
@@ -72,7 +73,7 @@ def test_a_run_whose_worker_is_gone_is_stopped_without_the_server(monkeypatch, s
 def test_a_server_that_is_away_stops_nothing(monkeypatch, server) -> None:
     causes, _ = caused()
     monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:9/api")
-    with overseen(causes.append):
+    with cancellation_watch(causes.append):
         assert not threading.Event().wait(0.5)
     assert causes == []
 
@@ -81,6 +82,6 @@ def test_nothing_is_looked_for_outside_of_a_workers_process(monkeypatch, server)
     causes, _ = caused()
     monkeypatch.delenv(FLOW_RUN)
     server.state = "CANCELLED"
-    with overseen(causes.append):
+    with cancellation_watch(causes.append):
         assert not threading.Event().wait(0.3)
     assert (causes, server.asked) == ([], [])

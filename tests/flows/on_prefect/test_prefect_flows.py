@@ -72,7 +72,8 @@ ORDERS = """
 import asyncio, json, os, sqlite3, sys
 from collections import Counter
 from flows import execute as run_orders
-from flows.execute import as_flow_run, carry_out
+from flows.carry_out import as_flow_run, carry_out
+from flows.orders.production import produce
 from schemas.orders import CheckOrder, IssueOrder, ProduceOrder
 from schemas.orders import ApplyOrder, CalibrateOrder
 from storage.catalogue import database
@@ -80,7 +81,7 @@ from storage.catalogue.database import Busy
 from storage.home import home
 
 station, procedure, out, key = sys.argv[1:]
-(drafted,) = as_flow_run(run_orders.produce, ProduceOrder(station=station, procedure=procedure))
+(drafted,) = as_flow_run(produce, ProduceOrder(station=station, procedure=procedure))
 run = drafted.certificate.calibration.run
 as_flow_run(run_orders.apply, ApplyOrder(calibration=run, run=run, out=out))
 states = [

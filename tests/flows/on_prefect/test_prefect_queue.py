@@ -13,6 +13,7 @@ from prefect.settings import PREFECT_API_URL, temporary_settings
 from flows.on_prefect import queue
 from flows.on_prefect.queue import work_at_station, work_for_line
 from flows.on_prefect.server import QUIET
+from flows.orders.production import submit
 from storage.catalogue import orders
 from storage.home import Home
 from tests.flows.order_homes import add_station
@@ -119,7 +120,7 @@ def test_a_worker_of_a_station_frees_the_place_of_what_the_one_before_it_did_not
     became: list[Any] = []
     monkeypatch.setattr(os, "execve", lambda *command: became.append(command))
     with temporary_settings({PREFECT_API_URL: prefect_server}):
-        work_at_station("LINE-3", Home(home))
+        work_at_station("LINE-3", Home(home), submit)
     ((_, command, variables),) = became
     assert command[1:] == [
         "-m", "prefect", "worker", "start", "--pool", "station-LINE-3", "--type", "process",

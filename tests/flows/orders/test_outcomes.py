@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from flows.orders import outcomes
+from flows.orders import production
 from flows.orders.production import give, submit
-from flows.pages.line.data import AlarmPressed, LineQuestion, acknowledge, line_now
+from flows.pages.line_data import AlarmPressed, LineQuestion, acknowledge, line_now
 from schemas.access import Visitor
 from schemas.base import NotThere, Unusable
 from schemas.orders import OrderRequest
@@ -37,7 +37,7 @@ def sent(home: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         sentences.append(sentence)
         return [Sent(channel, None) for channel in only]
 
-    monkeypatch.setattr(outcomes, "alert", alert)
+    monkeypatch.setattr(production, "alert", alert)
     for number in "12":
         fields = {"number": number, "station": "LINE-1", "units": [{"serial": f"S{number}"}]}
         give(OrderRequest.model_validate(fields), "Li", Home(home))
@@ -80,7 +80,7 @@ def test_an_alert_that_could_not_be_sent_is_sent_once_more_by_that_channel(
         tried.append(only)
         return [Sent(each, "refused" if each == "desk" else None) for each in only]
 
-    monkeypatch.setattr(outcomes, "alert", alert)
+    monkeypatch.setattr(production, "alert", alert)
     two = OPERATORS.replace("desk =", 'wall = "json://localhost/wall", desk =')
     (home / "recall.toml").write_text(two, encoding="utf-8")
     failed(home)
@@ -95,7 +95,7 @@ def test_an_order_that_nothing_takes_is_said_and_one_that_waits_its_turn_is_not(
 ) -> None:
     submit(Home(home))
     assert sent == []
-    monkeypatch.setattr(outcomes, "LATE", timedelta())
+    monkeypatch.setattr(production, "LATE", timedelta())
     orders.claim("1", Home(home))
     submit(Home(home))
     assert sent == []  # order 2 waits for order 1

@@ -12,16 +12,15 @@ from typing import Any
 
 import pytest
 
-from flows import execute
 from flows.orders import production
 from flows.orders.production import (
     Production,
     cancel,
     carry_out,
     give,
+    requeue_orphans,
     retry,
     submit,
-    take_up_left,
     work_at,
 )
 from schemas.base import BrokenOff, Unusable
@@ -83,7 +82,7 @@ class Work:
 @pytest.fixture
 def worked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Work], Work]:
     def use(work: Work) -> Work:
-        monkeypatch.setattr(execute, "produce", lambda order: carry_out(order, work))
+        monkeypatch.setattr(production, "produce", lambda order: carry_out(order, work))
         return work
 
     return use
@@ -268,7 +267,7 @@ def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed
 @pytest.mark.parametrize("seen_by", ["submit", "retry", "another"])
 def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, seen_by) -> None:
     with one_order_at("LINE-1", killed):
-        assert take_up_left(killed) == []  # somebody has the orders of the station
+        assert requeue_orphans(killed) == []  # somebody has the orders of the station
     if seen_by == "submit":
         submit(killed)
     elif seen_by == "retry":
@@ -281,7 +280,7 @@ def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, se
 
 def test_an_order_whose_process_lives_is_left_to_it(line) -> None:
     orders.claim("1", line)
-    assert take_up_left(line) == []
+    assert requeue_orphans(line) == []
     assert states(line)[0] == "running"
 
 

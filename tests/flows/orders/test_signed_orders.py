@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from flows import execute
-from flows.execute import carry_out
+from flows.carry_out import carry_out
 from flows.orders import signed_orders
 from flows.orders.signed_orders import accepted, carry_out_signed, sign
 from schemas.base import Unusable

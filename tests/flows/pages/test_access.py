@@ -162,7 +162,7 @@ def test_many_addresses_do_not_try_one_account_forever_nor_one_address_all_accou
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(login, "DUMMY_HASH", "none")  # takes no time, on purpose
-    gate = login.Gate()
+    gate = login.LoginLimiter()
     user = User(name="W", role="viewer", password="none", added_at="2026-11-27T00:00:00Z")
     for number in range(20):
         gate.check(user, "wrong", "W", f"10.0.0.{number}")

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from schemas.review import KeptReview
+from schemas.discrepancy import KeptReview
 from storage import dataframes, run_statistics
 from storage.catalogue import discrepancies, runs
 from storage.home import Home

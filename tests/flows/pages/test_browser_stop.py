@@ -54,7 +54,7 @@ def page(home: Home, pressed_at: list[Any], faults: list[str]) -> Iterator[Any]:
         raise OSError("the table's cable is out")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("flows.pages.line.data.stop_station", stop)
+        patch.setattr("flows.pages.line_data.stop_station", stop)
         operator = Visitor(name="Wang", role="operator")
         patch.setattr(login, "_identified", lambda *_: operator)
         with served(home) as address, watched_page(address, faults, "en-GB") as page:

@@ -9,24 +9,21 @@ from pathlib import Path
 import pytest
 
 from flows.pages.app import make_app
-from flows.pages.discrepancy import PAGE
-from flows.pages.discrepancy.data import DiscrepancyQuestion, data
-from flows.pages.parts import View
+from flows.pages.discrepancy import PAGE, DiscrepancyQuestion, data
+from flows.pages.parts import View, seen_by
 from schemas.discrepancy import (
+    Carrier,
     Consequence,
     Detection,
     Discrepancy,
     EvidenceFor,
     FoundParameter,
     HeldOut,
-    ReportedFinding,
-)
-from schemas.review import (
-    Carrier,
     KeptReview,
     Moment,
     PooledEvidence,
     PooledValue,
+    ReportedFinding,
     Review,
     ReviewFinding,
     Touched,
@@ -164,7 +161,7 @@ def test_certificates_of_the_time_in_which_it_may_have_begun_are_counted_beside(
     days = there["recorded_on"]
     inside = (days > date(2024, 3, 10)) & (days < date(2025, 1, 5))
     assert between.papers.issued == inside.sum() > 0
-    text = str(PAGE.layout(data(EVERYTHING, home), View(), EVERYTHING).to_plotly_json())
+    text = str(seen_by(View(), PAGE.layout, data(EVERYTHING, home), EVERYTHING).to_plotly_json())
     assert "between 2024-03-10 and 2025-01-05" in text
 
 
@@ -181,13 +178,13 @@ def test_a_touched_certificate_says_by_how_much_and_leads_to_its_run(home: Home)
     (paper,) = shown.review.findings[0].moved
     assert (paper.number, paper.run) == (own["number"], own["run"])
     assert {moved.item: moved.in_U for moved in paper.moved} == by
-    text = str(PAGE.layout(shown, View(), EVERYTHING).to_plotly_json())
+    text = str(seen_by(View(), PAGE.layout, shown, EVERYTHING).to_plotly_json())
     assert f"/run?id={own['run']}" in text
     assert "B_ax\\xa0−3.5\\xa0U" in text
 
 
 def test_an_effect_of_single_runs_leads_to_these_runs(home: Home) -> None:
-    text = str(PAGE.layout(data(EVERYTHING, home), View(), EVERYTHING).to_plotly_json())
+    text = str(seen_by(View(), PAGE.layout, data(EVERYTHING, home), EVERYTHING).to_plotly_json())
     assert "'/mismatch?effect=axis_tilt'" in text
     assert "'/mismatch?effect=axis_tilt&station=ST-01'" in text
 
@@ -198,7 +195,7 @@ def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: 
     for place in (home, Home(tmp_path / "none")):
         found = data(EVERYTHING, place)
         json.loads(found.model_dump_json(), parse_constant=pytest.fail)
-        assert PAGE.layout(found, View(language), EVERYTHING).to_plotly_json()
+        assert seen_by(View(language), PAGE.layout, found, EVERYTHING).to_plotly_json()
 
 
 def test_an_invalid_run_is_marked_and_its_findings_count_for_no_effect(tmp_path: Path) -> None:
@@ -214,7 +211,7 @@ def test_an_invalid_run_is_marked_and_its_findings_count_for_no_effect(tmp_path:
         ("1", "U", 1, 1)
     ]
     assert {run.serial: run.validity for run in shown.newest} == {"1": "valid", "2": "invalid"}
-    text = str(PAGE.layout(shown, View(), EVERYTHING).to_plotly_json())
+    text = str(seen_by(View(), PAGE.layout, shown, EVERYTHING).to_plotly_json())
     assert "One of these is invalid" in text
     assert "state state-bad" in text
 
@@ -232,7 +229,7 @@ def test_a_carrier_stands_once_with_all_its_effects_and_what_to_do(
     run_statistics.keep_review(kept.model_copy(update={"review": both}), home)
     monkeypatch.setenv("TZ", "Asia/Shanghai")
     time.tzset()
-    text = str(PAGE.layout(data(EVERYTHING, home), View(), EVERYTHING).to_plotly_json())
+    text = str(seen_by(View(), PAGE.layout, data(EVERYTHING, home), EVERYTHING).to_plotly_json())
     monkeypatch.undo()
     time.tzset()
     assert text.count("Unit MX-110 SN0001") == 1

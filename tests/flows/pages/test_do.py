@@ -9,9 +9,8 @@ from typing import Any
 
 import pytest
 
-from flows.pages.do.actions import FIELDS, DoQuestion, Orders
-from flows.pages.do.page import answer, chosen, data, layout, step_answer
-from flows.pages.parts import View
+from flows.pages.do import FIELDS, DoQuestion, Orders, answer, chosen, data, layout, step_answer
+from flows.pages.parts import View, said, seen_by
 from schemas.access import MAY, ROLES, Action, Role, Visitor
 from schemas.base import Unusable
 from storage.catalogue import audit_trail, orders
@@ -158,7 +157,7 @@ def test_a_form_for_each_order_that_the_role_allows(tmp_path: Path) -> None:
     draft(home, "1")
     shown = data(DoQuestion(), home)
     assert [each.state for each in shown.certificates] == ["draft"]
-    refused = answer("issue", {}, View(visitor=Visitor(name="Li", role="operator")), home)
+    refused = seen_by(View(visitor=Visitor(name="Li", role="operator")), answer, "issue", {}, home)
     assert "“Issue a certificate”; these do: issuer, administrator" in str(refused)
 
 
@@ -171,21 +170,21 @@ def test_a_run_is_ordered_with_its_unit_and_waits_in_the_queue_of_its_station(
     (tmp_path / "client-orders" / "acme.toml").write_text(CLIENT, encoding="utf-8")
     operator = View(visitor=Visitor(name="Li", role="operator"))
     form = {"station": "LINE-1", "serial": " S1 ", "model": "M3", "client_order": "acme.toml"}
-    assert "S1" in str(answer("acquire", form, operator, home))
+    assert "S1" in str(seen_by(operator, answer, "acquire", form, home))
     shown = data(DoQuestion(), home)
     assert (shown.stations, shown.client_orders) == (("LINE-1",), ("acme.toml",))
     (order,) = shown.production
     assert (order.person, order.serials, order.units[0].model) == ("Li", "S1", "M3")
     assert order.client_order is not None
     assert begun.commands[0][-3:] == ["station", "work", "LINE-1"]
-    assert "Cancel" in str(layout(shown, operator, DoQuestion()))
+    assert "Cancel" in str(seen_by(operator, layout, shown, DoQuestion()))
     viewer = View(visitor=Visitor(name="Wu", role="viewer"))
-    assert "Cancel" not in str(layout(shown, viewer, DoQuestion()))
+    assert "Cancel" not in str(seen_by(viewer, layout, shown, DoQuestion()))
     button = {"step": "cancel", "number": order.number}
-    assert "Your role does not allow" in str(step_answer(button, viewer, home))
-    step_answer(button, operator, home)
+    assert "Your role does not allow" in str(seen_by(viewer, step_answer, button, home))
+    seen_by(operator, step_answer, button, home)
     assert [each.state for each in data(DoQuestion(), home).production] == ["cancelled"]
-    step_answer({"step": "retry", "number": order.number}, operator, home)
+    seen_by(operator, step_answer, {"step": "retry", "number": order.number}, home)
     assert [each.state for each in data(DoQuestion(), home).production] == ["waiting"]
 
 
@@ -195,17 +194,17 @@ def test_a_card_has_a_title_and_what_the_chosen_certificate_says_beside_its_butt
     home = Home(tmp_path)
     number = draft(home, "1", decision=UNDECIDED).certificate.number
     view = View(visitor=Visitor(name="Chen", role="administrator"))
-    shown = layout(data(DoQuestion(), home), view, DoQuestion())
+    shown = seen_by(view, layout, data(DoQuestion(), home), DoQuestion())
     titles = [part.children for part in parts(shown, "Title") if part.order == 4]
-    assert titles == [view.text(f"pages-action.{action}") for action in FIELDS]
-    (waits,) = parts(chosen("check", None, view, home), "Button")
+    assert titles == [seen_by(view, said, f"pages-action.{action}") for action in FIELDS]
+    (waits,) = parts(seen_by(view, chosen, "check", None, home), "Button")
     assert waits.disabled
-    shown = chosen("check", number, view, home)
+    shown = seen_by(view, chosen, "check", number, home)
     for part in ("Maker U 1", "Client", "Wang, 2026-11-21", "1 pass, 0 fail",
                  "no limits are defined", f"/certificate/{number}.pdf"):  # fmt: skip
         assert part.lower() in str(shown).lower()
     assert "data-ask" not in str(shown)
-    (withdraws,) = parts(chosen("withdraw", number, view, home), "Button")
+    (withdraws,) = parts(seen_by(view, chosen, "withdraw", number, home), "Button")
     assert f"Withdraw certificate {number}?" in getattr(withdraws, "data-ask")
 
 
@@ -221,7 +220,7 @@ def test_the_queue_says_how_far_an_order_is_and_local_time(
     try:
         with one_run_on("T1", home):
             found = data(DoQuestion(), home)
-        shown = layout(found, operator, DoQuestion())
+        shown = seen_by(operator, layout, found, DoQuestion())
     finally:
         monkeypatch.undo()
         time.tzset()

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from flows.pages.due import PAGE, DueQuestion, DueShown, data, due_state
-from flows.pages.parts import View
+from flows.pages.parts import View, seen_by
 from schemas.base import Unusable
 from storage.catalogue import certificates, equipment
 from storage.home import Home
@@ -97,7 +97,7 @@ def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: 
     ):  # fmt: skip
         found = data(question, place)
         json.loads(found.model_dump_json(), parse_constant=pytest.fail)
-        assert PAGE.layout(found, View(language), question).to_plotly_json()
+        assert seen_by(View(language), PAGE.layout, found, question).to_plotly_json()
 
 
 def test_a_certificate_that_was_damaged_is_named(home: Home, tmp_path: Path) -> None:

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from flows.pages.do.page import answer, chosen
-from flows.pages.parts import View
+from flows.pages.do import answer, chosen
+from flows.pages.parts import View, seen_by
 from flows.pages.shell import page_at
 from schemas.access import Visitor
 from schemas.station import StopRequest
@@ -90,7 +90,9 @@ def test_a_page_has_neither_another_language_nor_a_command(
              "quality": ["", "?model=none"]}.get(name, [""])  # fmt: skip
     view = View(language, visitor=ADMINISTRATOR)
     for search in asked:
-        page, _, _ = page_at(f"/{name}", search, Home(tmp_path) if is_empty else home, view)
+        page, _, _ = seen_by(
+            view, page_at, f"/{name}", search, Home(tmp_path) if is_empty else home
+        )
         shown = list(texts(page))
         assert shown
         assert [text for text in shown if OF_SHELL.search(text)] == []
@@ -102,10 +104,11 @@ def test_what_is_refused_on_the_page_do_is_said_in_the_readers_language(home: Ho
     operator = View("zh", visitor=Visitor(name="Li", role="operator"))
     drafter = View("zh", visitor=ADMINISTRATOR)
     refusals = [
-        answer("issue", {}, operator, home), answer("check", {}, drafter, home),
-        answer("check", {"certificate": number}, drafter, home),
-        answer("issue", {"certificate": number}, drafter, home),
-        answer("certify", {"run": "none"}, drafter, home), chosen("check", "none", drafter, home),
+        seen_by(operator, answer, "issue", {}, home), seen_by(drafter, answer, "check", {}, home),
+        seen_by(drafter, answer, "check", {"certificate": number}, home),
+        seen_by(drafter, answer, "issue", {"certificate": number}, home),
+        seen_by(drafter, answer, "certify", {"run": "none"}, home),
+        seen_by(drafter, chosen, "check", "none", home),
     ]  # fmt: skip
     for each in refusals:
         words = " ".join(texts(each))

@@ -77,7 +77,7 @@ def test_a_part_that_does_not_answer_in_time_is_a_fault(
     forever = Event()
     monkeypatch.setattr(health, "ANSWER_S", 0.05)
     monkeypatch.setitem(health.LOOKS, "store", lambda home: str(forever.wait(60)))
-    assert health.looked(known)["store"] == "does not answer"
+    assert health.health_checks(known)["store"] == "does not answer"
     forever.set()
 
 

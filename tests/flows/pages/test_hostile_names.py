@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from flows.pages.parts import Page, View
-from flows.pages.register import PAGES
+from flows.pages.answers import PAGES
+from flows.pages.parts import Page, View, seen_by
 from flows.pages.shell import page_at
 from storage.catalogue import results, runs
 from storage.home import Home
@@ -45,7 +45,7 @@ def test_a_name_is_text_and_no_part_of_the_page(store: tuple[Home, str], page: P
     asked = {"run": f"?id={run}", "signals": f"?run={run}", "unit": "?id=1",
              "budget": f"?run={run}&item=gyro_bias&element=x"}  # fmt: skip
     for search in {asked.get(page.name, ""), f"?id={NAME}", f"?serial={NAME}"}:
-        shown, _, _ = page_at(f"/{page.name}", search, home, View())
+        shown, _, _ = seen_by(View(), page_at, f"/{page.name}", search, home)
         found = list(parts(shown))
         assert found
         assert not AS_CODE & {part["type"] for part in found}
@@ -57,5 +57,5 @@ def test_a_name_is_text_and_no_part_of_the_page(store: tuple[Home, str], page: P
 def test_the_name_stands_whole_where_the_unit_is_named(store: tuple[Home, str]) -> None:
     home, run = store
     for address in (("/run", f"?id={run}"), ("/unit", "?id=1"), ("/unit", "")):
-        shown, _, _ = page_at(*address, home, View())
+        shown, _, _ = seen_by(View(), page_at, *address, home)
         assert NAME[:60] in str(shown.to_plotly_json()).replace("\\'", "'")

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from flows.pages import login, parts
+from flows.pages import line_data, login, parts
 from flows.pages.app import make_app
-from flows.pages.line import PAGE, data
-from flows.pages.line.data import (
+from flows.pages.line import KINDS, PAGE, card
+from flows.pages.line_data import (
     SILENT,
     AlarmPressed,
     LineNow,
@@ -23,8 +23,7 @@ from flows.pages.line.data import (
     acknowledge,
     output,
 )
-from flows.pages.line.page import KINDS, card
-from flows.pages.parts import View
+from flows.pages.parts import View, seen_by
 from schemas.access import ROLES, Visitor
 from schemas.base import Unusable
 from schemas.orders import ProductionOrder
@@ -65,7 +64,7 @@ VIEW = View("en", visitor=OPERATOR)
 
 
 def shown(home: Home, view: View = VIEW) -> str:
-    laid_out = PAGE.layout(line_of(home), view, LineQuestion())
+    laid_out = seen_by(view, PAGE.layout, line_of(home), LineQuestion())
     return json.dumps(
         laid_out.to_plotly_json(), default=lambda part: part.to_plotly_json(), ensure_ascii=False
     )
@@ -279,7 +278,7 @@ def test_operators_and_administrators_stop_a_station_and_nobody_else(
         asked.append((station, by))
         raise Unusable("the table does not answer")
 
-    monkeypatch.setattr("flows.pages.line.data.stop_station", stop)
+    monkeypatch.setattr("flows.pages.line_data.stop_station", stop)
     answer = press(home, "T1", visitor)
     may = role in ("operator", "administrator")
     assert asked == ([("T1", "Li")] if may else [])
@@ -311,7 +310,7 @@ def test_release_stands_far_from_stop_and_is_asked_first(tmp_path: Path) -> None
     write_status(status(state="stopped", cause="the table tripped"), home)
     request = StopRequest(key="k", station="T1", by="Li", at=datetime.now(UTC))
     lock_out(request, home)
-    _, released, _, foot = card(only(home), VIEW).children
+    _, released, _, foot = seen_by(VIEW, card, only(home)).children
     assert "data-release" in str(released)
     assert "Is nobody within reach of the table of T1?" in str(released)
     assert "data-release" not in str(foot)
@@ -373,7 +372,7 @@ def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[tuple[str, str | No
         Thread(target=made.serve_forever, daemon=True).start()
         monkeypatch.setenv("PREFECT_API_URL", f"http://127.0.0.1:{made.server_port}/api")
         monkeypatch.setenv("PREFECT_API_AUTH_STRING", "line:secret")
-        data._asked.cache_clear()
+        line_data._asked.cache_clear()
         yield asked
         made.shutdown()
 
@@ -396,14 +395,14 @@ def test_prefects_runs_are_named_by_deployment_and_subject(
 
 def test_without_a_server_there_are_no_other_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("PREFECT_API_URL", raising=False)
-    assert not data.flow_runs().server
+    assert not line_data.flow_runs().server
 
 
 def test_a_server_that_does_not_answer_is_said_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:9/api")
-    data._asked.cache_clear()
+    line_data._asked.cache_clear()
     line = line_of(Home(tmp_path))
     assert line.flows.fault
     assert "did not answer" in line.flows.fault

@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 import pytest
 
 from flows.pages import due, quality, signals, unit
-from flows.pages.parts import Page, Theme, View
+from flows.pages.parts import Page, Theme, View, seen_by
 from storage.home import Home
 from tests.proof.line import Line, recorded_runs
 
@@ -23,7 +23,7 @@ def drawn(page: Page, home: Home, theme: Theme = "light", **asked: object) -> tu
     """What a page shows, and its pictures; plotly refuses a property that it does not know."""
     question = page.question.model_validate(asked)
     shown = page.data(question, home)
-    laid_out = list(_parts(page.layout(shown, View(theme=theme), question)))
+    laid_out = list(_parts(seen_by(View(theme=theme), page.layout, shown, question)))
     ids = [part.id for part in laid_out if hasattr(part, "id")]
     kept = [part for part in laid_out if _kind(part) == "picture-kept"]
     assert all({"type": "picture", "name": part.id["name"]} in ids for part in kept)
@@ -93,6 +93,6 @@ def test_signals_are_a_band_of_bins_or_the_line_of_every_row(
         {"run": next(iter(recorded_runs(home))), "bins": bins}
     )
     shown = signals.data(question, home)
-    figure = go.Figure(signals._figure(shown, View()))
+    figure = go.Figure(seen_by(View(), signals._figure, shown))
     assert len(figure.data) == lines
     assert _points(figure) == lines * len(shown.t) > 0

@@ -15,9 +15,9 @@ import pytest
 
 from flows.pages.app import make_app
 from flows.pages.login import hashed
-from flows.pages.parts import View, csv_of
+from flows.pages.parts import View, csv_of, seen_by
 from flows.pages.quality import PAGE
-from flows.pages.quality.data import QualityQuestion, QualityShown, data
+from flows.pages.quality_data import QualityQuestion, QualityShown, data
 from schemas.base import Unusable
 from storage import dataframes
 from storage.catalogue import certificates, results, runs, users
@@ -139,15 +139,15 @@ def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: 
     for asked in (OF, question, OF.model_copy(update={"plot": "change", "station": "ST-01"})):
         found = data(asked, home)
         json.loads(found.model_dump_json(), parse_constant=pytest.fail)
-        assert PAGE.layout(found, view, asked).to_plotly_json()
+        assert seen_by(view, PAGE.layout, found, asked).to_plotly_json()
     empty = data(QualityQuestion(), Home(tmp_path / "none"))
     assert empty.model is None
-    assert PAGE.layout(empty, view, QualityQuestion()).to_plotly_json()
+    assert seen_by(view, PAGE.layout, empty, QualityQuestion()).to_plotly_json()
     draft(Home(tmp_path / "one"), "V1")
     single = data(QualityQuestion(), Home(tmp_path / "one"))
     assert single.total is not None
     assert (single.total.passed, single.total.of) == (1, 1)
-    assert PAGE.layout(single, view, QualityQuestion()).to_plotly_json()
+    assert seen_by(view, PAGE.layout, single, QualityQuestion()).to_plotly_json()
 
 
 def test_what_fails_is_counted_by_limit_and_adds_up(home: Home, shown: QualityShown) -> None:
@@ -219,7 +219,7 @@ def test_a_golden_unit_is_charted_for_each_station(home: Home, golden: Home) -> 
         assert of.serial == "SN0000"
         assert [values[p.run] for p in of.points] == [(of.station, p.value) for p in of.points]
         assert (of.centre is None) == (len(of.points) < FEWEST)
-    assert PAGE.layout(data(asked, golden), View("zh"), asked).to_plotly_json()
+    assert seen_by(View("zh"), PAGE.layout, data(asked, golden), asked).to_plotly_json()
 
 
 def test_each_table_and_chart_gives_its_numbers_as_csv(home: Home, shown: QualityShown) -> None:
@@ -245,7 +245,7 @@ def test_each_table_and_chart_gives_its_numbers_as_csv(home: Home, shown: Qualit
 
 
 def laid_out(shown: QualityShown) -> str:
-    return str(PAGE.layout(shown, View(), OF).to_plotly_json())
+    return str(seen_by(View(), PAGE.layout, shown, OF).to_plotly_json())
 
 
 def test_numbers_are_for_those_alone_who_may_see_the_page(tmp_path: Path) -> None:

@@ -9,9 +9,9 @@ from flask.testing import FlaskClient
 from plotly.utils import PlotlyJSONEncoder
 
 from flows.pages.app import make_app
-from flows.pages.parts import View
-from flows.pages.run.data import RunQuestion, RunShown, SignalsQuestion, data
-from flows.pages.run.page import lineage
+from flows.pages.parts import View, seen_by
+from flows.pages.run import lineage
+from flows.pages.run_data import RunQuestion, RunShown, SignalsQuestion, data
 from flows.pages.shell import page_at
 from flows.pages.signals import data as signals
 from schemas.base import Unusable
@@ -57,7 +57,9 @@ def test_settings_have_the_names_that_a_certificate_prints(
     shown: RunShown, language: str, name: str
 ) -> None:
     made = shown.model_copy(update={"settings": {"gravity_m_s2": 9.8015, "latitude_deg": None}})
-    written = json.dumps(lineage(made, View(language)).to_plotly_json(), cls=PlotlyJSONEncoder)
+    written = json.dumps(
+        seen_by(View(language), lineage, made).to_plotly_json(), cls=PlotlyJSONEncoder
+    )
     assert json.dumps(name)[1:-1] in written
     assert "9.8015 m/s" in written
     assert "gravity_m_s2" not in written
@@ -93,7 +95,7 @@ def test_what_others_wrote_is_text_in_every_answer(client: FlaskClient, store: H
     assert answer.mimetype == "application/json"
     assert answer.headers["X-Content-Type-Options"] == "nosniff"
     assert answer.json["run"]["serial"] == HOSTILE
-    page, _, _ = page_at("/run", f"?id={run.id}", store, View())
+    page, _, _ = seen_by(View(), page_at, "/run", f"?id={run.id}", store)
     assert "dangerously" not in str(page)
 
 
@@ -112,12 +114,12 @@ def test_a_run_says_why_its_certificate_is_inconclusive_though_every_limit_passe
     draft(Home(tmp_path), "1", decision=UNDECIDED)
     shown = data(RunQuestion(id="run of 1"), Home(tmp_path))
     assert [limit.decision.verdict for e in shown.elements for limit in e.limits] == ["pass"]
-    page, _, _ = page_at("/run", "?id=run of 1", Home(tmp_path), View("zh"))
+    page, _, _ = seen_by(View("zh"), page_at, "/run", "?id=run of 1", Home(tmp_path))
     assert "证书无法判定的原因" in str(page)
     assert "未提供该型号的允许限" in str(page)
 
 
 def test_a_run_that_is_not_there_is_a_sentence_on_the_page(store: Home) -> None:
-    page, _, stays = page_at("/run", "?id=nothing", store, View("zh"))
+    page, _, stays = seen_by(View("zh"), page_at, "/run", "?id=nothing", store)
     assert "没有测量记录 nothing" in str(page)
     assert stays

@@ -7,7 +7,7 @@ from typing import get_args
 
 import pytest
 
-from flows.pages.parts import View, result_state, validity_state, verdict_state
+from flows.pages.parts import View, result_state, seen_by, validity_state, verdict_state
 from flows.pages.runs import (
     RunsQuestion,
     columns,
@@ -50,7 +50,7 @@ def serials(home: Home, *conditions: Condition) -> list[str]:
 
 def test_what_an_operator_looks_for_stands_within_the_width_of_a_tablet() -> None:
     shown, width = [], 0
-    for column in columns(View()):
+    for column in seen_by(View(), columns):
         width += column["width"]
         if width <= 780:
             shown.append(column["field"])
@@ -109,7 +109,9 @@ def test_runs_are_found_by_how_far_their_result_is(store: Home, tmp_path: Path) 
     whole = Condition(column="result_state", value="whole")
     assert serials(store, whole) == ["Ab%1", "Ab_2"]
     words = {"result_state": {"filterType": "text", "type": "equals", "filter": "no result"}}
-    assert serials(store, *conditions_from(words, View("en"))) == ["<script>alert(1)</script>"]
+    assert serials(store, *seen_by(View("en"), conditions_from, words)) == [
+        "<script>alert(1)</script>"
+    ]
     other = Home(tmp_path / "home")
     run, _ = add(recording_of("partly"), other)
     results.save(calibration_of(run, bias=None), other)
@@ -129,7 +131,7 @@ def test_blocks_and_order_are_those_of_the_whole_list(store: Home) -> None:
 def test_a_question_and_the_grids_own_filters_ask_the_same(language: str) -> None:
     view = View(language)
     question = RunsQuestion(station="T3", verdict="fail", since=date(2026, 1, 1))
-    asked = conditions_from(filter_model(question, view), view)
+    asked = seen_by(view, conditions_from, seen_by(view, filter_model, question))
     assert [each.column for each in asked] == ["station", "verdict", "recorded_on"]
     assert asked[1] == Condition(column="verdict", kind="among", values=("fail",))
     assert asked[2] == conditions_of(question)[2]

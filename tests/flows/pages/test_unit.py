@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flows.pages.parts import View
-from flows.pages.unit import PAGE
-from flows.pages.unit.data import UnitQuestion, UnitShown, data
+from flows.pages.parts import View, seen_by
+from flows.pages.unit import PAGE, UnitQuestion, UnitShown, data
 from schemas.base import Unusable
 from storage import dataframes
 from storage.catalogue import certificates, runs
@@ -97,7 +96,7 @@ def test_the_advice_is_that_of_the_command(home: Home, shown: UnitShown) -> None
 def test_a_page_has_one_unit_for_lengths_one_for_rates_and_one_for_accelerations(
     shown: UnitShown,
 ) -> None:
-    page = str(PAGE.layout(shown, View(), UnitQuestion(id=1)).to_plotly_json())
+    page = str(seen_by(View(), PAGE.layout, shown, UnitQuestion(id=1)).to_plotly_json())
     cells = re.findall(r"TableTd\(children='[^']* ([^' ]+)'", page)
     used = {cell for cell in cells if re.fullmatch(r"[mµn]?m|°/[hs]|[mµ]?m/s²", cell)}
     assert used == {"mm", "°/s", "mm/s²"}
@@ -107,13 +106,13 @@ def test_a_page_has_one_unit_for_lengths_one_for_rates_and_one_for_accelerations
 def test_it_is_laid_out_whatever_there_is(shown: UnitShown, tmp_path: Path, language: str) -> None:
     view, home = View(language), Home(tmp_path)
     json.loads(shown.model_dump_json(), parse_constant=pytest.fail)
-    assert PAGE.layout(shown, view, UnitQuestion(id=1)).to_plotly_json()
+    assert seen_by(view, PAGE.layout, shown, UnitQuestion(id=1)).to_plotly_json()
     draft(home, "V1")
     runs.add(recording_of("bare"), home)
     for question in (UnitQuestion(), UnitQuestion(id=1), UnitQuestion(id=2)):
         found = data(question, home)
         assert found.advice is None
-        assert PAGE.layout(found, view, question).to_plotly_json()
+        assert seen_by(view, PAGE.layout, found, question).to_plotly_json()
 
 
 def test_what_there_is_not_is_said(home: Home) -> None:

@@ -2,8 +2,7 @@
 
 from functools import cache
 
-from schemas.discrepancy import Detection
-from schemas.review import Carrier, PooledEvidence, Review, ReviewFinding
+from schemas.discrepancy import Carrier, Detection, PooledEvidence, Review, ReviewFinding
 from schemas.text import Statement
 from tests.proof.fleets import Fleet, carrier_name, draw, judged, manifest_of_run
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flows.pages.register import PAGES
+from flows.pages.answers import PAGES
 from storage import dataframes
 from storage.home import Home
 from tests.proof import line_pages

@@ -11,8 +11,8 @@ from schemas.calibration import AdoptedTerm
 from schemas.orders import Selection
 from storage import dataframes, verify
 from storage.catalogue import certificates, database, equipment, results, runs, tables
+from storage.catalogue.database import version
 from storage.catalogue.selection import impact_of, select
-from storage.catalogue.unchanged import version
 from storage.home import Home
 from tests import postgres
 from tests.keep import keep, take_number

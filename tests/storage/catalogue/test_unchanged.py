@@ -2,9 +2,8 @@
 
 import sqlalchemy as sql
 
-from storage.catalogue import database, unchanged
-from storage.catalogue.database import engine_of, url_of
-from storage.catalogue.unchanged import version, while_unchanged
+from storage.catalogue import database
+from storage.catalogue.database import cached_until_commit, engine_of, url_of, version
 from storage.catalogue.users import add, users
 from storage.home import Home
 
@@ -12,7 +11,7 @@ from storage.home import Home
 def test_an_answer_is_asked_for_again_after_a_write_and_only_then(tmp_path) -> None:
     asked = []
 
-    @while_unchanged(4)
+    @cached_until_commit(4)
     def names(prefix: str, home: Home) -> list[str]:
         asked.append(prefix)
         return [name for name in users(home) if name.startswith(prefix)]
@@ -29,7 +28,7 @@ def test_an_answer_is_asked_for_again_after_a_write_and_only_then(tmp_path) -> N
 def test_a_write_within_one_tick_of_the_file_system_is_another_version(
     tmp_path, monkeypatch
 ) -> None:
-    monkeypatch.setattr(unchanged, "_stamp", lambda file: "the same")
+    monkeypatch.setattr(database, "_stamp", lambda file: "the same")
     home = Home(tmp_path / "home")
     with database.changing(home):
         pass

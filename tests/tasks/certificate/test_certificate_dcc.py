@@ -19,7 +19,7 @@ from lxml import etree
 from schemas.certificate import Certificate, Contact, Replaced
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
-from tasks.certificate.pdf import Faces, faces_of, render
+from tasks.certificate.pdf import CertificateFiles, faces_of, render
 from tasks.conformity import decide
 from tasks.curves import curves_of_run
 from tasks.specifications.jjf1536 import JJF1536
@@ -73,12 +73,12 @@ def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> C
 
 
 @pytest.fixture(scope="module")
-def faces(made: Certificate) -> Faces:
+def faces(made: Certificate) -> CertificateFiles:
     return faces_of(made, None)
 
 
 @needs_schemas
-def test_the_dcc_is_valid_by_the_published_schema(faces: Faces) -> None:
+def test_the_dcc_is_valid_by_the_published_schema(faces: CertificateFiles) -> None:
     schema = etree.XMLSchema(etree.parse(SCHEMAS / "v3.3.0" / "dcc.xsd"))
     schema.assertValid(etree.fromstring(faces.dcc))
 
@@ -89,20 +89,20 @@ def test_the_dcc_is_valid_by_the_published_schema(faces: Faces) -> None:
     ids=["compiled", "source"],
 )
 def test_the_dcc_follows_the_rules_of_the_schematron(
-    faces: Faces, validator: Callable[[], SchematronValidator]
+    faces: CertificateFiles, validator: Callable[[], SchematronValidator]
 ) -> None:
     found = validator().validate_str(faces.dcc.decode())
     assert [each.text for each in found.failed_assertions] == []
     assert [each.text for each in found.successful_reports if each.role != "information"] == []
 
 
-def test_the_record_lies_in_the_dcc_whole(faces: Faces, made: Certificate) -> None:
+def test_the_record_lies_in_the_dcc_whole(faces: CertificateFiles, made: Certificate) -> None:
     (data,) = etree.fromstring(faces.dcc).iter(f"{DCC}dataBase64")
     assert base64.b64decode(data.text) == faces.record
     assert Certificate.model_validate_json(faces.record) == made
 
 
-def test_every_number_of_the_printed_pages_stands_in_the_dcc(faces: Faces) -> None:
+def test_every_number_of_the_printed_pages_stands_in_the_dcc(faces: CertificateFiles) -> None:
     printed = numbers(PAGE_OR_SECTION.sub(" ", pages(faces.pdf)))
     assert printed
     assert printed - numbers_of_dcc(faces.dcc) == set()
@@ -112,21 +112,23 @@ def test_every_number_of_the_printed_pages_stands_in_the_dcc(faces: Faces) -> No
 @pytest.mark.parametrize("made", ["2003", "1536"], indirect=True)
 @pytest.mark.parametrize("language", ["zh", "en"])
 def test_every_number_stands_in_the_dcc_whatever_the_language(
-    made: Certificate, faces: Faces, language: str
+    made: Certificate, faces: CertificateFiles, language: str
 ) -> None:
     printed = numbers(PAGE_OR_SECTION.sub(" ", pages(render(made, [language], faces.dcc))))
     assert len(printed) > 50
     assert printed - numbers_of_dcc(faces.dcc) == set()
 
 
-def test_every_result_of_the_dcc_is_printed_with_its_uncertainty(faces: Faces) -> None:
+def test_every_result_of_the_dcc_is_printed_with_its_uncertainty(faces: CertificateFiles) -> None:
     printed = numbers(pages(faces.pdf))
     for label, value, U, _ in results(faces.dcc):
         ways = [(written(value, e), written(U, e)) for e in EXPONENTS]
         assert any({v, u} - {""} <= printed for v, u in ways), (label, value, U)
 
 
-def test_every_result_of_the_dcc_is_that_of_the_record_to_its_last_place(faces: Faces) -> None:
+def test_every_result_of_the_dcc_is_that_of_the_record_to_its_last_place(
+    faces: CertificateFiles,
+) -> None:
     record = Certificate.model_validate_json(faces.record)
     sources = [record.calibration, *([record.as_found.calibration] if record.as_found else [])]
     observed = set()
@@ -154,7 +156,7 @@ def test_every_result_of_the_dcc_is_that_of_the_record_to_its_last_place(faces: 
 
 @pytest.mark.parametrize("made", ["2003", "1536"], indirect=True)
 def test_every_point_of_a_curve_stands_in_the_dcc_as_in_the_record(
-    made: Certificate, faces: Faces
+    made: Certificate, faces: CertificateFiles
 ) -> None:
     record = Certificate.model_validate_json(faces.record)
     figures = [
@@ -181,7 +183,7 @@ def test_every_point_of_a_curve_stands_in_the_dcc_as_in_the_record(
 
 @pytest.mark.parametrize("made", ["2003", "1536"], indirect=True)
 def test_the_covariance_of_all_elements_stands_in_the_dcc_in_si_units(
-    made: Certificate, faces: Faces
+    made: Certificate, faces: CertificateFiles
 ) -> None:
     covariance = made.calibration.covariance
     assert covariance is not None

@@ -21,7 +21,7 @@ from pyhanko.sign.timestamps import DummyTimeStamper
 
 from schemas.base import Unusable
 from schemas.certificate import SigningSettings, Token
-from tasks.certificate.pdf import Faces, faces_of
+from tasks.certificate.pdf import CertificateFiles, faces_of
 from tasks.certificate.sign import Signing, signing_of
 from tasks.certificate.verify import VerifiedFile, verify_file
 from tests.tasks.certificate.sample_certificate import certificate
@@ -70,7 +70,7 @@ def opened(seal: Keys, folder: Path) -> Signing:
     return signing_of(SigningSettings(pkcs12="seal.p12"), folder, PASSPHRASE, NOW)
 
 
-def write(faces: Faces, folder: Path) -> None:
+def write(faces: CertificateFiles, folder: Path) -> None:
     for name in ("pdf", "dcc", "record"):
         path = folder / ("c." + {"pdf": "pdf", "dcc": "xml", "record": "json"}[name])
         path.write_bytes(getattr(faces, name))

@@ -26,9 +26,8 @@ from tasks.calibrate.information.entry import WITHOUT_EARTH, separated
 from tasks.certificate.budgets import budgets
 from tasks.certificate.equipment import axes_of_results, flatness, limits_of, settings, whose_limits
 from tasks.certificate.fields import literal, slug
-from tasks.certificate.information import contained, information_rows
 from tasks.certificate.pdf import render
-from tasks.certificate.results import Group
+from tasks.certificate.results import Group, contained, information_rows
 from tasks.conformity import decide
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT

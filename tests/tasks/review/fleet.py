@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.review import Layout, PooledParameter, PooledTerm, RunStatistics
+from schemas.discrepancy import Layout, PooledParameter, PooledTerm, RunStatistics
 from tasks.review.pool import STEP, Pool, ReviewedRun, pooled
 
 NAMES = ("axis_tilt", "lever_arm", "size_effect", "gyro_g2_sensitivity", "table_scale")

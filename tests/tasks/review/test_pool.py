@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
+from schemas.discrepancy import Review, RunStatistics
 from schemas.recording import Recording
-from schemas.review import Review, RunStatistics
 from storage import run_statistics as kept
 from storage.home import Home
 from tasks.review.pool import VERSION, Pool, ReviewedRun, pooled, statistics_of

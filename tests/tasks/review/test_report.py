@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from schemas.discrepancy import Consequence
+from schemas.discrepancy import Consequence, Review
 from schemas.recording import Manifest
-from schemas.review import Review
 from tasks.calibrate.calibrate import calibrate
 from tasks.motion.table import EARTH_RATE
 from tasks.review.hypotheses import Effect

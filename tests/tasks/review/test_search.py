@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from schemas.review import PooledTerm
+from schemas.discrepancy import PooledTerm
 from tasks.review.carriers import Carried, price_of_more
 from tasks.review.hypotheses import Effect, Evidence, at_unit_information
 from tasks.review.random_effects import spreads

@@ -6,8 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from schemas.discrepancy import Detection, Discrepancy, EvidenceFor, HeldOut, ReportedFinding
-from schemas.review import RunStatistics
+from schemas.discrepancy import (
+    Detection,
+    Discrepancy,
+    EvidenceFor,
+    HeldOut,
+    ReportedFinding,
+    RunStatistics,
+)
 from schemas.text import Statement
 from tasks.review.pool import Pool, ReviewedRun, pooled, statistics_of
 from tasks.review.several_recordings import (

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from schemas.review import EstimatedSite, RunStatistics
+from schemas.discrepancy import EstimatedSite, RunStatistics
 from tasks.review.pool import ReviewedRun, pooled, statistics_of
 from tasks.review.report import K, sites_of
 from tests.proof.plant.case import Case, EffectCall

@@ -14,7 +14,7 @@ from schemas.recording import Manifest, Recording
 from schemas.text import Remark
 from storage.catalogue import equipment, results, runs
 from storage.home import Home
-from tasks.stages.estimate import estimate, limits_in_use, standards_in_use, validity_of
+from tasks.stages.estimate import estimate, in_use, standards_in_use, validity_of
 
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
 
@@ -34,6 +34,10 @@ def manifest(recording: Recording, *standards: object) -> Manifest:
     return recording.manifest.model_validate(recording.manifest.model_dump() | more)
 
 
+def named(recording: Recording, *standards: object) -> Recording:
+    return replace(recording, manifest=manifest(recording, *standards))
+
+
 def test_the_register_goes_before_what_a_recording_names(home: Home, ideal_run: Callable) -> None:
     equipment.add([table("C-1", 3e-5, date(2025, 1, 1))], home, "Li")
     equipment.renew([table("C-2", 4e-5, date(2026, 6, 1))], home, "Li")
@@ -45,7 +49,7 @@ def test_the_register_goes_before_what_a_recording_names(home: Home, ideal_run: 
 def test_limits_come_from_the_certificate_of_the_day(home: Home, ideal_run: Callable) -> None:
     equipment.add([table("C-1", 3e-5, date(2025, 1, 1))], home, "Li")
     equipment.renew([table("C-2", 4e-5, date(2026, 6, 1))], home, "Li")
-    limits = limits_in_use(manifest(ideal_run(), table("C-0", 1e-5)), home, None)
+    limits = in_use(named(ideal_run(), table("C-0", 1e-5)), home, None).limits
     assert {name: (limit.half_width, limit.source) for name, limit in limits.items()} == {
         "rate": (3e-5, "C-1 (T-1)")
     }
@@ -56,7 +60,7 @@ def test_what_the_laboratory_states_itself_goes_before_its_standards(
 ) -> None:
     own = EquipmentLimit(half_width=7e-5, distribution="normal", source="S")
     laboratory = Laboratory(party=PARTY, equipment=(table("C-5", 2e-5),), limits={"rate": own})
-    limits = limits_in_use(manifest(ideal_run(), "no record"), home, laboratory)
+    limits = in_use(named(ideal_run(), "no record"), home, laboratory).limits
     assert limits == {"rate": own}
 
 

@@ -18,7 +18,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.coefficients.correct import model_values
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.stages.correct import simulate_run, simulated_recording
-from tasks.stages.simulate import simulated_readings
+from tasks.stages.explain import simulated_readings
 
 CHANNELS = GYRO + ACCEL
 RNG = np.random.default_rng(3)

@@ -20,7 +20,7 @@ from schemas.recording import (
     Recording,
     Stream,
 )
-from storage.formats.content import as_raw, digest
+from storage.formats.content import canonical, digest
 from storage.formats.folder import read_folder
 from storage.formats.mcap.messages import ENVIRONMENT
 from storage.formats.mcap.reader import read_mcap
@@ -55,7 +55,7 @@ def test_folder_and_its_mcap_are_the_same_recording(name: str, tmp_path: Path) -
 def test_every_stream_and_column_comes_back_and_a_second_time_the_same_file(tmp_path: Path) -> None:
     write_mcap(recording(), tmp_path / "one.mcap")
     back = read_mcap(tmp_path / "one.mcap")
-    assert_same(as_raw(recording()), back)
+    assert_same(canonical(recording()), back)
     assert back.digest == digest(recording())
     write_mcap(back, tmp_path / "two.mcap")
     assert (tmp_path / "one.mcap").read_bytes() == (tmp_path / "two.mcap").read_bytes()
@@ -79,13 +79,13 @@ def test_decimal_number_comes_back_from_ros_units_as_it_was(value: float) -> Non
 @given(st.integers(0, 2**51))
 def test_whole_nanoseconds_survive_as_seconds(stamp: int) -> None:
     stream = Stream(np.array([stamp / 1e9]), dict.fromkeys(GYRO + ACCEL, np.zeros(1)))
-    assert as_raw(Recording(manifest(), stream)).imu.t[0] == stamp / 1e9
+    assert canonical(Recording(manifest(), stream)).imu.t[0] == stamp / 1e9
 
 
 def test_time_before_zero_comes_back(tmp_path: Path) -> None:
     early = replace(recording(), imu=imu_stream(start=-0.02))
     write_mcap(early, tmp_path / "raw.mcap")
-    assert_same(as_raw(early), read_mcap(tmp_path / "raw.mcap"))
+    assert_same(canonical(early), read_mcap(tmp_path / "raw.mcap"))
 
 
 def test_what_is_absent_stays_absent(tmp_path: Path) -> None:
@@ -136,6 +136,6 @@ def test_nothing_is_left_beside_a_file_that_could_not_be_written(tmp_path: Path)
 def test_each_row_of_a_long_recording_is_written_once_wherever_it_starts(tmp_path: Path) -> None:
     t = np.round(0.39 + np.arange(30_000) / 10, 9)  # 2040.39 + 60 is not 0.39 + 35 × 60 in floats
     values = {name: np.sin(t + k) for k, name in enumerate(GYRO + ACCEL)}
-    long = as_raw(Recording(manifest(), Stream(t, values)))
+    long = canonical(Recording(manifest(), Stream(t, values)))
     write_mcap(long, tmp_path / "raw.mcap")
     assert read_mcap(tmp_path / "raw.mcap").digest == digest(long)

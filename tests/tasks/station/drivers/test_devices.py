@@ -13,8 +13,8 @@ from schemas.described import Register
 from schemas.station import ModbusTable, PythonDevice, StationFile, TableDevice
 from tasks.station.drivers import devices as module
 from tasks.station.drivers.devices import Devices
-from tasks.station.drivers.encoders import Unwrapped
 from tasks.station.drivers.modbus import ModbusBackend
+from tasks.station.drivers.table import AngleUnwrapper
 from tests.tasks.station.sample_stations import sample
 
 TABLE: TypeAdapter[Any] = TypeAdapter(TableDevice)
@@ -158,14 +158,14 @@ def test_a_counter_of_a_stated_width_turns_over_where_it_is_full():
     table = sample("three_letter_table")["table"]
     made = TABLE.validate_python(table)
     assert made.turnover == pytest.approx(2**26 * 1e-4)
-    unwrapped = Unwrapped(made.turnover)
+    unwrapped = AngleUnwrapper(made.turnover)
     read = [3355.0, -3355.0, -3350.0, 3356.0]
     on = [unwrapped.at([angle], float(t))[0] for t, angle in enumerate(read)]
     assert on == pytest.approx([3355.0, 3355.8864, 3360.8864, 3356.0])
 
 
 def test_an_angle_within_a_turn_runs_on_by_the_rate_over_a_gap():
-    unwrapped, rate = Unwrapped(360.0), 300.0
+    unwrapped, rate = AngleUnwrapper(360.0), 300.0
     for t in (0.0, 0.05, 0.1, 1.3, 1.35, 3.0):  # 1.3 s is more than a turn
         angle = unwrapped.at([rate * t % 360.0], t, np.array([rate]))[0]
         assert angle == pytest.approx(rate * t)

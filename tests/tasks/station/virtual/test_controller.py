@@ -10,7 +10,7 @@ from pymodbus.constants import ExcCodes
 
 from tasks.station.virtual import registers as under_test
 from tasks.station.virtual.config import COMMANDS, TABLE_STATUS, VirtualStation
-from tasks.station.virtual.servers import Doze, Pace, keep_time
+from tasks.station.virtual.servers import IdleClock, Pace, keep_time
 from tasks.station.virtual.simulation import Simulation
 from tests.simulated_time import run_simulated
 
@@ -214,7 +214,7 @@ def test_an_idle_station_wakes_seldom_and_its_time_is_the_present_one_for_whoeve
     slices = []
 
     async def run() -> float:
-        doze = Doze(lambda: simulation.is_still)
+        doze = IdleClock(lambda: simulation.is_still)
         time_passes = asyncio.ensure_future(
             keep_time(simulation, 10.0, lambda data: None, lambda: slices.append(1), doze)
         )

@@ -13,13 +13,13 @@ from dash import ClientsideFunction, Dash, Input, Output
 from dash.development.base_component import Component
 from pydantic import Field
 
-from flows.pages.parts import Numbers, Row, View, asks, choice, place, rows_of
+from flows.pages.parts import Numbers, Row, choice, control_id, place, rows_of, said, say, view
 from schemas.base import Finite, Frozen, Unusable
 from schemas.text import Statement
 from storage import settings
 from storage.catalogue import production_history
 from storage.catalogue.certificates import AS_LEFT
-from storage.catalogue.unchanged import while_unchanged
+from storage.catalogue.database import cached_until_commit
 from storage.home import Home
 from tasks.conformity.limits import is_of_a_limit
 from tasks.quality.capability import CapabilityIndex, capability, consumed
@@ -415,7 +415,7 @@ def data(question: QualityQuestion, home: Home) -> QualityShown:
     return _data(question, settings.quality(home).golden, home)
 
 
-@while_unchanged(16)
+@cached_until_commit(16)
 def _data(question: QualityQuestion, golden: tuple[str, ...], home: Home) -> QualityShown:
     every = runs_of(home)
     runs = every.assign(golden=every["serial"].isin(golden))
@@ -432,11 +432,20 @@ def _data(question: QualityQuestion, golden: tuple[str, ...], home: Home) -> Qua
     shown = {}
     if model and item and element:
         shown = of_element(runs, of_model, question, (model, item, element), choices, home)
+    made = of_model[~of_model["golden"]]
+    first = made[made["first"]]
+    valid = first[first["validity"] != "invalid"]
+    passed, failed = int(first["passed"].sum()), int((valid["verdict"] == "fail").sum())
+    undecided = int(valid["verdict"].isna().sum())
     return QualityShown(
         choices=choices, model=model, item=item, element=element,
         title=statement(item_title(item)) if item else None,
         symbol=symbol(item, element) if item and element else "",
-        unit=chosen[0].unit if chosen else "", retest_days=RETEST_DAYS, counted=_counted(of_model),
+        unit=chosen[0].unit if chosen else "", retest_days=RETEST_DAYS, counted=Counted(
+        runs=len(of_model), golden=len(of_model) - len(made), retests=len(made) - len(first),
+        first=len(first), undecided=undecided, invalid=len(first) - len(valid), passed=passed,
+        failed=failed, inconclusive=len(valid) - undecided - passed - failed,
+    ),
         total=next(iter(_yields(counted.assign(all="all"), "all")), None),
         by_item=_by_item(of_model, model, home),
         by_model=_yields(_decided(asked), "model"),
@@ -446,7 +455,7 @@ def _data(question: QualityQuestion, golden: tuple[str, ...], home: Home) -> Qua
     )  # fmt: skip
 
 
-@while_unchanged(2)
+@cached_until_commit(2)
 def runs_of(home: Home) -> Runs:
     """Every run in the order of time: who, where, on which day, how it ended, and whether it was
     the first of its unit's visit.
@@ -484,19 +493,6 @@ def _decided(runs: Runs) -> Runs:
     """
     has_ended = runs["verdict"].notna() | (runs["validity"] == "invalid")
     return runs[runs["first"] & has_ended & ~runs["golden"]]
-
-
-def _counted(runs: Runs) -> Counted:
-    made = runs[~runs["golden"]]
-    first = made[made["first"]]
-    valid = first[first["validity"] != "invalid"]
-    passed, failed = int(first["passed"].sum()), int((valid["verdict"] == "fail").sum())
-    undecided = int(valid["verdict"].isna().sum())
-    return Counted(
-        runs=len(runs), golden=len(runs) - len(made), retests=len(made) - len(first),
-        first=len(first), undecided=undecided, invalid=len(first) - len(valid), passed=passed,
-        failed=failed, inconclusive=len(valid) - undecided - passed - failed,
-    )  # fmt: skip
 
 
 def _yields(runs: Runs, by: str) -> tuple[Yield, ...]:
@@ -633,28 +629,27 @@ def _known(asked: str | None, known: Sequence[str], what: str) -> str | None:
 EVERY = "pages-quality-all"
 
 
-def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
+def choices(shown: QualityShown, question: QualityQuestion) -> Component:
     """The question as it was answered, in controls that ask another one."""
     asked = question.model_dump(mode="json") | {
         "model": shown.model, "item": shown.item, "element": shown.element
     }  # fmt: skip
     known = shown.choices
     item = next((each for each in known.items if each.item == shown.item), None)
-    of_items = [{"value": i.item, "label": view.say(i.title)} for i in known.items]
+    of_items = [{"value": i.item, "label": say(i.title)} for i in known.items]
     of_elements = (
         [{"value": e, "label": symbol(item.item, e)} for e in item.elements] if item else []
     )
     plots = [
-        {"value": each, "label": view.text(f"pages-quality-plot.{each}")}
-        for each in ("value", "change")
+        {"value": each, "label": said(f"pages-quality-plot.{each}")} for each in ("value", "change")
     ]
 
     def select(name: str, values: Sequence[Any], every: str = "") -> Component:
-        return choice(name, f"pages-quality-asked.{name}", values, asked[name], view, every)
+        return choice(name, f"pages-quality-asked.{name}", values, asked[name], every)
 
     def day(name: str) -> Component:
         return dmc.DateInput(
-            id=asks(name, asked[name]), label=view.text(f"pages-quality-asked.{name}"),
+            id=control_id(name, asked[name]), label=said(f"pages-quality-asked.{name}"),
             value=asked[name], valueFormat="YYYY-MM-DD", clearable=True, placeholder="YYYY-MM-DD",
         )  # fmt: skip
 
@@ -664,7 +659,7 @@ def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Compo
         day("since"), day("until"), select("plot", plots),
     ]  # fmt: skip
     shown_all = dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
-    return dmc.DatesProvider(shown_all, settings={"locale": view.language, "firstDayOfWeek": 1})
+    return dmc.DatesProvider(shown_all, settings={"locale": view().language, "firstDayOfWeek": 1})
 
 
 def callbacks(app: Dash, _: Home) -> None:

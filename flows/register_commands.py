@@ -1,5 +1,6 @@
-"""The register of the laboratory's measurement standards: `mimucal equipment`."""
+"""Registers: `mimucal equipment`, the measurement standards; `mimucal user`, who may log in."""
 
+import sys
 from collections.abc import Callable
 from datetime import date
 from pathlib import Path
@@ -15,7 +16,6 @@ from storage.whole_files import written_out
 
 if TYPE_CHECKING:
     from schemas.laboratory import MeasurementStandard
-
 
 app = typer.Typer(help="The laboratory's measurement standards, their certificates and due dates.")
 
@@ -136,3 +136,71 @@ def _kept(keep: Callable[..., None], file: Path, by: str | None) -> int:
     given = settings.read(file, EquipmentFile).equipment
     keep(given, home(), options.person(by))
     return len(given)
+
+
+# The users of the operations pages.
+
+
+users = typer.Typer(help="Who may log in to the operations pages, and in which role.")
+SHORTEST = 10  # characters of a password
+LONGEST = 100  # characters of a name
+
+
+@users.command(
+    name="add", epilog='Example: mimucal user add "Wang Li" --role operator --by "Chen Jie"'
+)
+def add_user(name: options.UserName, role: options.UserRole, by: options.By = None) -> None:
+    """Add a user, or change the role and password of one.
+
+    The password is prompted for at a terminal, or read from the first line of standard input.
+    """
+    from flows.pages.login import hashed
+    from schemas.access import ROLES
+    from storage.catalogue import users
+
+    chosen = next((each for each in ROLES if each == role), None)
+    if chosen is None:
+        raise Unusable(f"--role {role}: choose one of {', '.join(ROLES)}")
+    if not 0 < len(name) <= LONGEST or name != name.strip():
+        raise Unusable(
+            f"{name[:LONGEST]!r} is not a valid user name; give 1 to {LONGEST} characters that "
+            "neither begin nor end with a space."
+        )
+    users.add(name, chosen, hashed(_password(name)), home(), options.person(by))
+    print(f"{name}: {chosen}")
+
+
+@users.command(name="list", epilog="Example: mimucal user list")
+def list_users(as_json: options.Json = False) -> None:
+    """List the users and their roles."""
+    from flows.terminal import print_json, print_rows
+    from storage.catalogue import users
+
+    every = users.users(home()).values()
+    if as_json:
+        shown = [each.model_dump(mode="json", exclude={"password"}) for each in every]
+        print_json({"format": "mimu-users/1", "users": shown})
+        return
+    rows = [(each.name, each.role, f"{each.added_at:%F %R}") for each in every]
+    print_rows("Users", ("name", "role", "since (UTC)"), rows)
+
+
+@users.command(name="remove", epilog='Example: mimucal user remove "Wang Li"')
+def remove_user(name: options.UserName, by: options.By = None) -> None:
+    """Remove a user and end that user's sessions."""
+    from storage.catalogue import users
+
+    users.remove(name, home(), options.person(by))
+    print(f"{name} removed")
+
+
+def _password(name: str) -> str:
+    if sys.stdin.isatty():
+        given: str = typer.prompt(
+            f"Password of {name}", hide_input=True, confirmation_prompt=True, err=True
+        )
+    else:
+        given = sys.stdin.readline().rstrip("\n")
+    if len(given) < SHORTEST:
+        raise Unusable(f"The password has {len(given)} characters; give at least {SHORTEST}.")
+    return given

@@ -1,4 +1,4 @@
-"""The Line page: a card for each station, its Stop button, and what is to be seen to."""
+"""The Line page: what each station is doing, what is to be seen to, what waits, and the day."""
 
 from collections.abc import Sequence
 from datetime import timedelta
@@ -8,32 +8,35 @@ import dash_mantine_components as dmc
 from dash import html
 from dash.development.base_component import Component
 
-from flows.pages.do.actions import roles_of
-from flows.pages.line.data import (
+from flows.pages.do import roles_of
+from flows.pages.line_data import (
     NO_SERVER,
     AlarmShown,
     Flows,
     LineNow,
     LineQuestion,
-    Output,
     Queued,
     StationNow,
     Waits,
+    line_now,
 )
 from flows.pages.parts import (
     Cell,
     Kind,
+    Page,
     StepState,
-    View,
     asking,
     badge,
     facts,
     heading,
     hour_of,
     notice,
+    said,
+    say,
     second_of,
     stated,
     table,
+    view,
 )
 from schemas.recording import RunStatus
 from tasks.words import Sayable, message
@@ -41,58 +44,58 @@ from tasks.words import Sayable, message
 # The Stop button of a station: one press, no question asked.
 
 
-def stop_button(station: str, view: View) -> Component:
+def stop_button(station: str) -> Component:
     """Stops whatever the station does; for whoever may not, what stops it at the station.
 
     `stop.js` sees the press.
     """
-    if not view.visitor.may("stop"):
-        hint = view.text("pages-line-stop.elsewhere", roles=roles_of("stop"), station=station)
+    if not view().visitor.may("stop"):
+        hint = said("pages-line-stop.elsewhere", roles=roles_of("stop"), station=station)
         return html.Div(hint, className="station-details")
     asked: dict[str, Any] = {
         "data-stop": station,
-        "data-failed": view.text("pages-line-stop.failed"),
+        "data-failed": said("pages-line-stop.failed"),
     }
-    word = view.text("pages-line-stop")
+    word = said("pages-line-stop")
     return html.Button([html.Span(className="stop-sign"), word], className="stop", **asked)
 
 
-def lockout(now: StationNow, view: View) -> list[Component]:
+def lockout(now: StationNow) -> list[Component]:
     """Who stopped the station so that its orders wait, and whether its table is at rest; for
     whoever may, the button that lets it turn again, after a question. It stands far from Stop.
     """
-    shown = _outcome_of_stop(now, view)
+    shown = _outcome_of_stop(now)
     if now.lockout is None:
         return [html.Div(shown, className="lockout")] if shown else []
     stopped = {"by": now.lockout.by, "at": second_of(now.lockout.at)}
-    shown.append(html.Div(view.text("pages-line-lockout", **stopped)))
-    if view.visitor.may("stop"):
+    shown.append(html.Div(said("pages-line-lockout", **stopped)))
+    if view().visitor.may("stop"):
         asked: dict[str, Any] = {
             "data-release": now.station,
-            "data-failed": view.text("pages-line-lockout.failed"),
-            **asking(view.text("pages-line-lockout.ask", station=now.station), view),
+            "data-failed": said("pages-line-lockout.failed"),
+            **asking(said("pages-line-lockout.ask", station=now.station)),
         }
-        word = view.text("pages-line-lockout.release")
+        word = said("pages-line-lockout.release")
         shown.append(html.Button(word, className="release", **asked))
     return [html.Div(shown, className="lockout station-now")]
 
 
-def acknowledgement(alarm: AlarmShown, view: View) -> Component | None:
+def acknowledgement(alarm: AlarmShown) -> Component | None:
     """Who saw to an alarm, else the button that says so, for whoever may."""
     if alarm.acknowledged is not None:
         by = {"by": alarm.acknowledged.by, "at": hour_of(alarm.acknowledged.at)}
-        return html.Span(view.text("pages-line-acknowledged", **by))
-    if not view.visitor.may("stop"):
+        return html.Span(said("pages-line-acknowledged", **by))
+    if not view().visitor.may("stop"):
         return None
     asked: dict[str, Any] = {
         "data-acknowledge": alarm.key,
-        "data-failed": view.text("pages-line-acknowledge.failed"),
+        "data-failed": said("pages-line-acknowledge.failed"),
     }
-    word = view.text("pages-line-acknowledge")
+    word = said("pages-line-acknowledge")
     return html.Button(word, className="acknowledge", **asked)
 
 
-def _outcome_of_stop(now: StationNow, view: View) -> list[Component]:
+def _outcome_of_stop(now: StationNow) -> list[Component]:
     """The last stop, for as long as no later run began: a table that may still turn is said so in
     red, and what to do at once.
     """
@@ -100,8 +103,8 @@ def _outcome_of_stop(now: StationNow, view: View) -> list[Component]:
     if stop is None or (now.run is not None and now.run.began_at > stop.at):
         return []
     rest = "at-rest" if stop.is_at_rest else "not-at-rest"
-    words = view.text(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))
-    fault = [html.Div(view.say(stop.cause))] if stop.cause else []
+    words = said(f"pages-line-stop.{rest}", by=stop.by, at=second_of(stop.at))
+    fault = [html.Div(say(stop.cause))] if stop.cause else []
     color = "good" if stop.is_at_rest else "bad"
     return [html.Div(words, className=f"at-rest alarm-{color}"), *fault]
 
@@ -119,68 +122,82 @@ KINDS: dict[str, Kind] = {
 RUNS = ("begun", "warming_up", "measuring", "repeating", "paused", "turning_over", "finishing")
 
 
-def card(now: StationNow, view: View) -> Component:
+def card(now: StationNow) -> Component:
     """State and station, units, segment and remaining time, alarm, queue, and Stop."""
-    word = view.text(f"pages-line-state.{now.state.replace('_', '-')}")
+    word = said(f"pages-line-state.{now.state.replace('_', '-')}")
     head = [
         html.Div(word, className="station-state"),
         html.Div(now.station, className="station-id"),
     ]
     body: list[Component] = []
     if now.run is not None and now.state != "free":
-        body += _run(now, now.run, view)
+        body += _run(now, now.run)
     else:
-        body += _free(now, view)
+        body += _free(now)
     if now.alarm is not None:
-        body.append(_alarm(now.alarm, now, view))
-    body += _queue(now.waiting, view)
+        # Red where the station stands for it; else it is one that a run goes on or ended with
+        kind = "bad" if KINDS[now.state] == "bad" else "open"
+        at = f"{hour_of(now.alarm.at)}  " if now.alarm.at else ""
+        body.append(
+            html.Div(
+                [
+                    html.Div(f"{at}{say(now.alarm.cause)}", className="station-cause"),
+                    html.Div(f"→ {say(now.alarm.todo)}"),
+                ],
+                className=f"station-alarm alarm-{kind}",
+            )
+        )
+    body += _queue(now.waiting)
     return html.Section(
         [
             html.Div(head, className=f"station-head station-{KINDS[now.state]}"),
-            *lockout(now, view),
+            *lockout(now),
             html.Div(body, className="station-body"),
-            html.Div(stop_button(now.station, view), className="station-foot"),
+            html.Div(stop_button(now.station), className="station-foot"),
         ],
         className="station",
     )
 
 
-def _run(now: StationNow, run: RunStatus, view: View) -> list[Component]:
+def _run(now: StationNow, run: RunStatus) -> list[Component]:
     share = 100 * run.station_s_done / run.station_s_total if run.station_s_total else 0
     parts: list[Component] = [
         html.Div(", ".join(run.units), className="station-units"),
         html.Div(f"{run.procedure} · {run.now}", className="station-now"),
     ]
-    large = [_figure(message("pages-line-segment"), f"{run.segment} / {run.segments}", view)]
+    large = [_figure(message("pages-line-segment"), f"{run.segment} / {run.segments}")]
     if now.state in RUNS:
         end = hour_of(run.at + timedelta(seconds=run.wall_s_left))
-        left = view.say(_duration(run.wall_s_left))
-        large.append(_figure(message("pages-line-left", end=end), left, view))
+        left = say(_duration(run.wall_s_left))
+        large.append(_figure(message("pages-line-left", end=end), left))
+    rates = [f"{name} {rate:.1f} Hz" for name, rate in run.rates_hz.items()]
+    noise = [f"{name} {value:.2g} {UNITS.get(name, '')}" for name, value in run.noise.items()]
+    at = said("pages-line-at", at=second_of(run.at))
     parts += [
         html.Div(large, className="station-figures"),
         dmc.Progress(value=min(share, 100), size="lg"),
-        html.Div(_details(run, view), className="station-details one-line"),
+        html.Div(" · ".join([at, *rates, *noise]), className="station-details one-line"),
     ]
     return parts
 
 
-def _free(now: StationNow, view: View) -> list[Component]:
+def _free(now: StationNow) -> list[Component]:
     """What is to be mounted next, and what was measured last."""
     ahead = [each for each in now.waiting if each.state == "waiting"]
     parts: list[Component] = []
     if ahead:
         parts.append(html.Div(", ".join(ahead[0].serials), className="station-units"))
-        parts.append(_small(message("pages-line-next", procedure=ahead[0].procedure), view))
+        parts.append(_small(message("pages-line-next", procedure=ahead[0].procedure)))
     if now.run is None:
-        return [*parts, _small(message("pages-line-never"), view)]
+        return [*parts, _small(message("pages-line-never"))]
     units, at = ", ".join(now.run.units), hour_of(now.run.at)
-    return [*parts, _small(message("pages-line-last-done", unit=units, at=at), view)]
+    return [*parts, _small(message("pages-line-last-done", unit=units, at=at))]
 
 
-def _figure(name: Sayable, value: str, view: View) -> Component:
+def _figure(name: Sayable, value: str) -> Component:
     return html.Div([
         html.Div(value, className="station-figure"),
-        html.Div(view.say(name), className="station-details"),
+        html.Div(say(name), className="station-details"),
     ])  # fmt: skip
 
 
@@ -193,27 +210,7 @@ def _duration(seconds: float) -> Sayable:
     return message("pages-line-duration.minutes", minutes=rest)
 
 
-def _details(run: RunStatus, view: View) -> str:
-    rates = [f"{name} {rate:.1f} Hz" for name, rate in run.rates_hz.items()]
-    noise = [f"{name} {value:.2g} {UNITS.get(name, '')}" for name, value in run.noise.items()]
-    at = view.text("pages-line-at", at=second_of(run.at))
-    return " · ".join([at, *rates, *noise])
-
-
-def _alarm(alarm: AlarmShown, now: StationNow, view: View) -> Component:
-    """Red where the station stands for it; else it is one that a run goes on or ended with."""
-    kind = "bad" if KINDS[now.state] == "bad" else "open"
-    at = f"{hour_of(alarm.at)}  " if alarm.at else ""
-    return html.Div(
-        [
-            html.Div(f"{at}{view.say(alarm.cause)}", className="station-cause"),
-            html.Div(f"→ {view.say(alarm.todo)}"),
-        ],
-        className=f"station-alarm alarm-{kind}",
-    )
-
-
-def _queue(waiting: Sequence[Queued], view: View) -> list[Component]:
+def _queue(waiting: Sequence[Queued]) -> list[Component]:
     """How many orders wait, and the next ones, and what keeps one from beginning; a running one is
     on the card already.
     """
@@ -221,13 +218,13 @@ def _queue(waiting: Sequence[Queued], view: View) -> list[Component]:
     if not ahead:
         return []
     named = [f"{', '.join(each.serials)} ({each.procedure})" for each in ahead[:WAITING_SHOWN]]
-    parts = [_small(message("pages-line-waiting", count=len(ahead), named=tuple(named)), view)]
-    hindrances = [view.say(each.hindrance) for each in ahead if each.hindrance]
+    parts = [_small(message("pages-line-waiting", count=len(ahead), named=tuple(named)))]
+    hindrances = [say(each.hindrance) for each in ahead if each.hindrance]
     return [*parts, *(html.Div(each, className="station-alarm alarm-open") for each in hindrances)]
 
 
-def _small(text: Sayable, view: View) -> Component:
-    return html.Div(view.say(text), className="station-now")
+def _small(text: Sayable) -> Component:
+    return html.Div(say(text), className="station-now")
 
 
 # The layout of the Line page.
@@ -236,57 +233,66 @@ WAITS: dict[Waits, Kind] = {"running": "good", "waiting": "open"}
 COLUMNS = 3  # of cards on a wide screen; more would be too small to be read from three metres
 
 
-def layout(line: LineNow, view: View, _: LineQuestion) -> Component:
+def layout(line: LineNow, _: LineQuestion) -> Component:
     """A card for each station, then alarms, orders, flow runs and the day."""
     parts = [
-        _stations(line, view),
-        heading("pages-line-heading.alarms", view),
-        _alarms(line.alarms, view),
+        _stations(line),
+        heading("pages-line-heading.alarms"),
+        _alarms(line.alarms),
     ]
     if line.catalogue is not None:
-        parts.insert(0, notice(view, "pages-no-database", "red"))
+        parts.insert(0, notice("pages-no-database", "red"))
     if line.today is not None:
-        parts += [heading("pages-line-heading.orders", view), _orders(line.orders, view)]
-    parts += [heading("pages-line-heading.flows", view), _flows(line.flows, view)]
+        parts += [heading("pages-line-heading.orders"), _orders(line.orders)]
+    parts += [heading("pages-line-heading.flows"), _flows(line.flows)]
     if line.today is not None:
-        title = view.text("pages-line-today", day=str(line.today.day))
-        parts += [dmc.Title(title, order=3, mt="sm"), _today(line.today, view)]
+        title = said("pages-line-today", day=str(line.today.day))
+        stations = ", ".join(f"{name} {count}" for name, count in line.today.by_station.items())
+        counts = line.today.model_dump(exclude={"day", "by_station"})
+        shown: dict[str, Cell] = {
+            f"pages-line-output.{name.replace('_', '-')}": str(count)
+            for name, count in counts.items()
+        }
+        parts += [
+            dmc.Title(title, order=3, mt="sm"),
+            facts(shown | {"pages-line-output.by-station": stations}),
+        ]
     return dmc.Stack(parts, gap="sm")
 
 
-def _stations(line: LineNow, view: View) -> Component:
+def _stations(line: LineNow) -> Component:
     if not line.stations:
-        return dmc.Text(view.text("pages-line-no-station"))
+        return dmc.Text(said("pages-line-no-station"))
     widest = min(COLUMNS, len(line.stations))
     columns = {"base": 1, "sm": min(2, widest), "lg": widest}
-    cards = [card(each, view) for each in line.stations]
+    cards = [card(each) for each in line.stations]
     return dmc.SimpleGrid(cards, cols=columns, spacing="md")
 
 
-def _alarms(alarms: Sequence[AlarmShown], view: View) -> Component:
+def _alarms(alarms: Sequence[AlarmShown]) -> Component:
     rows = [
         (
             hour_of(each.at) if each.at else None,
             each.station or None,
             each.about or None,
-            view.say(each.cause),
-            view.say(each.todo),
-            acknowledgement(each, view),
+            say(each.cause),
+            say(each.todo),
+            acknowledgement(each),
         )
         for each in alarms
     ]
     names = "at station about cause todo acknowledged"
-    return table("pages-line-alarm", names, rows, view, 760, none="pages-line-none.alarms")
+    return table("pages-line-alarm", names, rows, 760, none="pages-line-none.alarms")
 
 
-def _orders(orders: Sequence[Queued], view: View) -> Component:
+def _orders(orders: Sequence[Queued]) -> Component:
     """The queue of each station, what runs first."""
     rows = [
         (
             each.station,
             ", ".join(each.serials),
             each.procedure,
-            badge(stated(f"pages-line-waits.{each.state}", WAITS[each.state]), view),
+            badge(stated(f"pages-line-waits.{each.state}", WAITS[each.state])),
             hour_of(each.since),
             each.client or None,
             each.number,
@@ -294,19 +300,19 @@ def _orders(orders: Sequence[Queued], view: View) -> Component:
         for each in sorted(orders, key=lambda each: (each.station, each.state))
     ]
     names = "station serial procedure state since client number"
-    return table("pages-line-order", names, rows, view, 760, none="pages-line-none.orders")
+    return table("pages-line-order", names, rows, 760, none="pages-line-none.orders")
 
 
-def _flows(flows: Flows, view: View) -> Component:
+def _flows(flows: Flows) -> Component:
     if not flows.server:
-        return dmc.Text(view.text("pages-line-no-server"), size="sm")
+        return dmc.Text(said("pages-line-no-server"), size="sm")
     if flows.fault is not None:
-        return dmc.Alert(view.say(NO_SERVER), color="red")
+        return dmc.Alert(say(NO_SERVER), color="red")
     rows = [
         (
             each.deployment,
             each.subject or None,
-            badge(StepState(each.state, "bad" if each.is_late else "none"), view),
+            badge(StepState(each.state, "bad" if each.is_late else "none")),
             hour_of(each.expected_at) if each.expected_at else None,
         )
         for each in flows.runs
@@ -315,15 +321,10 @@ def _flows(flows: Flows, view: View) -> Component:
         "pages-line-flow",
         "deployment subject state expected",
         rows,
-        view,
         none="pages-line-none.flows",
     )
 
 
-def _today(today: Output, view: View) -> Component:
-    stations = ", ".join(f"{name} {count}" for name, count in today.by_station.items())
-    counts = today.model_dump(exclude={"day", "by_station"})
-    shown: dict[str, Cell] = {
-        f"pages-line-output.{name.replace('_', '-')}": str(count) for name, count in counts.items()
-    }
-    return facts(shown | {"pages-line-output.by-station": stations}, view)
+REFRESH_S = 2.0
+
+PAGE = Page("line", LineQuestion, LineNow, line_now, layout, refresh_s=REFRESH_S)

@@ -1,17 +1,36 @@
-"""Reads which effects appear on which station, unit and model, since when, and what they touch."""
+"""The Mismatch page: which physics is missing, on which station, unit and model, and since when."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from datetime import date, timedelta
 from typing import Any
 
+import dash_mantine_components as dmc
 import sqlalchemy as sql
+from dash import dcc, html
+from dash.development.base_component import Component
 from pydantic import AwareDatetime, Field
 
+from flows.pages.parts import (
+    Cell,
+    Page,
+    StepState,
+    badge,
+    choice,
+    day_in,
+    facts,
+    heading,
+    link,
+    note,
+    said,
+    say,
+    second_of,
+    table,
+    validity_state,
+)
 from schemas.base import Finite, Frozen
 from schemas.certificate import LIVE
-from schemas.discrepancy import FoundParameter, Moved, Verdict
-from schemas.review import ReviewFinding, Touched
+from schemas.discrepancy import FoundParameter, Moment, Moved, ReviewFinding, Touched, Verdict
 from schemas.text import RunVerdict, Statement
 from storage import run_statistics
 from storage.catalogue import database, tables
@@ -19,8 +38,12 @@ from storage.catalogue.discrepancies import explained_runs
 from storage.catalogue.run_states import complete_runs
 from storage.catalogue.runs import stated_day
 from storage.home import Home
-from tasks.model.term import effect_name
-from tasks.words import statement
+from tasks.explain.report.statements import parameter_text
+from tasks.model.term import effect_name, next_step, separating_recording
+from tasks.review.report import deciding_run
+from tasks.specifications.estimate import symbol
+from tasks.words import Sayable, message, statement
+from tasks.words.numbers import multiple, plain
 
 # Which effects many runs show, by the last review and by each run's own findings.
 
@@ -177,7 +200,15 @@ def data(question: DiscrepancyQuestion, home: Home) -> DiscrepancyShown:
     return DiscrepancyShown(
         review=_review(home), runs=counted[0][0] if counted else 0, explained=len(chosen),
         invalid=len(chosen) - len(valid), effects=tuple(_effects(valid, question, home)),
-        newest=tuple(_run(run) for run in reversed(chosen[-NEWEST:])),
+        newest=tuple(ExplainedRun(
+        run=run["run"], day=run["recorded_on"], station=run["station"] or "", model=run["model"],
+        serial=run["serial"], validity=run["validity"], verdict=run["verdict"],
+        findings=tuple(
+            FoundShown(effect=f["effect"], title=f["brief"].title, share=f["share"],
+                       parameters=f["brief"].parameters, others=f["brief"].others)
+            for f in run["findings"]
+        ),
+    ) for run in reversed(chosen[-NEWEST:])),
         stations=_names(every, "station"), models=_names(every, "model"),
         serials=_names(every, "serial"),
         known=tuple(sorted({found["effect"] for run in every for found in run["findings"]})),
@@ -335,13 +366,243 @@ def _by(own: Sequence[Explained], runs: Sequence[Explained], *fields: str) -> tu
     return tuple(sorted(found, key=lambda each: (-each.shown / each.of, -each.shown, each.name)))
 
 
-def _run(run: Explained) -> ExplainedRun:
-    return ExplainedRun(
-        run=run["run"], day=run["recorded_on"], station=run["station"] or "", model=run["model"],
-        serial=run["serial"], validity=run["validity"], verdict=run["verdict"],
-        findings=tuple(
-            FoundShown(effect=f["effect"], title=f["brief"].title, share=f["share"],
-                       parameters=f["brief"].parameters, others=f["brief"].others)
-            for f in run["findings"]
-        ),
+# Lays the Mismatch page out.
+
+
+EVERY = "pages-mismatch-all"
+FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
+
+
+def layout(shown: DiscrepancyShown, question: DiscrepancyQuestion) -> Component:
+    """The last review, then what the explained runs show one by one."""
+    none = said("pages-mismatch-no-review")
+    review = _review_parts(shown.review) if shown.review else [dmc.Text(none)]
+    counted = said(
+        "pages-mismatch-explained", explained=shown.explained, runs=shown.runs,
+        invalid=shown.invalid,
     )  # fmt: skip
+    values = {"effect": shown.known, "station": shown.stations, "model": shown.models,
+              "serial": shown.serials}  # fmt: skip
+    controls = [
+        choice(name, f"pages-mismatch-asked.{name}", of, getattr(question, name), EVERY)
+        for name, of in values.items()
+    ]
+    names = "run day station unit validity verdict findings report"
+    return dmc.Stack(
+        [
+            heading("pages-mismatch-review"),
+            *review,
+            heading("pages-mismatch-own"),
+            dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs"),
+            note(counted),
+            *(_effect_card(each) for each in shown.effects),
+            heading("pages-mismatch-runs"),
+            table("pages-mismatch-column", names, [_run_row(run) for run in shown.newest]),
+        ],
+        gap="sm",
+    )
+
+
+def _review_parts(review: ReviewShown) -> list[Component]:
+    asked = ", ".join(_asked(name, value) for name, value in review.asked.items())
+    days = f"{review.days[0]} … {review.days[1]}" if review.days else None
+    about = facts(
+        {
+            "pages-mismatch-fact.at": second_of(review.at),
+            "pages-mismatch-fact.asked": asked or said(EVERY),
+            "pages-mismatch-fact.runs": f"{review.runs} (+ {review.skipped})",
+            "pages-mismatch-fact.days": days,
+        },
+    )
+    state = _state(review.verdict)
+    summary = dmc.Group([badge(state), dmc.Text(say(review.statement))])
+    carriers: dict[tuple[str, str], list[Carried]] = {}
+    for each in review.findings:
+        carriers.setdefault((each.finding.level, each.finding.carrier), []).append(each)
+    return [about, summary, *(_carrier(of) for of in carriers.values())]
+
+
+def _asked(name: str, value: str) -> str:
+    """A part of what a review was asked of, in words."""
+    if name == "paths":
+        return said("pages-mismatch-recordings", count=int(value))
+    kind = "fact" if name in ("since", "until") else "asked"
+    return f"{said(f'pages-mismatch-{kind}.{name}')} {value}"
+
+
+def _state(verdict: Verdict) -> StepState:
+    """A mismatch is never good, explained or not: a named cause is a reason to act."""
+    words = message(f"pages-mismatch-verdict.{verdict.replace('_', '-')}")
+    return StepState(words, "good" if verdict == "no_mismatch" else "bad")
+
+
+def _carrier(of: Sequence[Carried]) -> Component:
+    """A station, unit, model, lot or site once, with everything that was found of it."""
+    finding = of[0].finding
+    name = said(f"pages-mismatch-level.{finding.level}") + f" {finding.carrier}"
+    parts = [part for each in of for part in _carried_parts(each)]
+    head = dmc.Title(name, order=4)
+    return dmc.Card(dmc.Stack([head, *parts], gap="xs"), withBorder=True, className="carried")
+
+
+def _carried_parts(carried: Carried) -> list[Component]:
+    """An effect: since when, in how many runs, how large and how clear; what to do about it, and
+    what it touches.
+    """
+    finding = carried.finding
+    evidence = finding.evidence
+    sizes = dmc.Stack([dmc.Text(_parameter(p)) for p in finding.parameters], gap=0)
+    shown = facts(
+        {
+            "pages-mismatch-fact.since": _moment(finding.since),
+            "pages-mismatch-fact.until": _moment(finding.until),
+            "pages-mismatch-fact.shown": f"{evidence.runs_that_show_it} / {evidence.runs}",
+            "pages-mismatch-fact.sizes": sizes,
+            "pages-mismatch-fact.clear": said(
+                "pages-mismatch-clear", z=plain(evidence.per_run_z_median, 2)
+            ),
+        },
+    )
+    parts = [dmc.Text(say(carried.title), fw="bold"), shown, _to_do(finding)]
+    parts += _touched(carried.papers, carried.query)
+    parts += [_uncertain_line(each) for each in carried.uncertain]
+    return parts + _moved_parts(carried.moved)
+
+
+def _to_do(finding: ReviewFinding) -> Component:
+    """What separates it from other carriers and effects, else what removes it; and where."""
+    steps: list[Sayable] = [
+        deciding_run(finding.level, finding.carrier, each) for each in finding.alternatives
+    ]
+    if finding.indistinguishable_from:
+        names = tuple(map(effect_name, finding.indistinguishable_from))
+        separated = separating_recording(finding.effect)
+        steps.append(message("review-other-names", names=names))
+        steps += [message("review-separated-by", recording=separated)] if separated else []
+    step = next_step(finding.effect)
+    steps += [step] if step and not steps else []
+    texts = [dmc.Text(f"→ {say(each)}") for each in steps]
+    order = dcc.Link(said("pages-action.acquire"), href="/do", className="button")
+    return dmc.Stack([*texts, dmc.Group(order)], gap=4)
+
+
+def _moment(moment: Moment | None) -> str | None:
+    """The day, and the days between which the change lies with 95 %."""
+    if moment is None:
+        return None
+    at, earliest, latest, without = map(
+        day_in, (moment.at, moment.earliest, moment.latest, moment.without)
+    )
+    if not without:
+        return f"{at} (95 %: {earliest} … {latest})"
+    low, high = (without, latest) if without < earliest else (earliest, without)
+    return said("pages-mismatch-between", at=at, low=low, high=high)
+
+
+def _uncertain_line(time: UncertainTime) -> Component:
+    counted = said(
+        "pages-mismatch-uncertain", issued=time.papers.issued, since=time.query["since"],
+        until=time.query["until"],
+    )  # fmt: skip
+    return dmc.Group([dmc.Text(counted, size="sm"), _runs_link(time.query)])
+
+
+def _moved_parts(papers: Sequence[PaperMoved]) -> list[Component]:
+    """What it changes in the certificates of reviewed runs, element by element."""
+    if not papers:
+        return []
+    rows = [
+        (
+            link(paper.number, "/runs", certificate=paper.number),
+            link(paper.run, "/run", id=paper.run),
+            ", ".join(_in_U(each) for each in paper.moved),
+        )
+        for paper in papers[:MOST_PAPERS]
+    ]
+    about = said("pages-mismatch-moved", count=len(papers), listed=len(rows))
+    return [
+        dmc.Text(about, size="sm", fw="bold"),
+        table("pages-mismatch-moved", "paper run elements", rows),
+    ]
+
+
+def _in_U(moved: Moved) -> str:
+    """“B_ax −1.5 U”; a no-break space keeps them together."""
+    return f"{symbol(moved.item, moved.element)} {multiple(moved.in_U)} U".replace(" ", "\u00a0")
+
+
+def _parameter(parameter: FoundParameter) -> str:
+    return say(parameter_text(parameter))
+
+
+def _touched(papers: Papers | None, query: dict[str, str] | None) -> list[Component]:
+    """The certificates that may be wrong, with the way to their runs."""
+    if papers is None:
+        return []
+    counted = said("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
+    parts: list[Component] = [dmc.Text(counted, size="sm", fw="bold")]
+    parts += [_runs_link(query)] if query else []
+    listed = [link(number, "/runs", certificate=number) for number in papers.numbers]
+    listed += [dmc.Text("…")] if papers.issued > len(papers.numbers) else []
+    return [dmc.Group(parts), dmc.Group(listed, gap="xs", className="small")]
+
+
+def _runs_link(query: dict[str, str]) -> Component:
+    return link(said("pages-mismatch-their-runs"), "/runs", **query)
+
+
+def _effect_card(seen: EffectSeen) -> Component:
+    carriers = {
+        f"pages-mismatch-level.{level}": _shares(getattr(seen, f"by_{level}"), seen, field)
+        for level, field in (("station", "station"), ("model", "model"), ("unit", "serial"))
+    }
+    days = f"{seen.since} … {seen.until}" if seen.since else None
+    moved = ", ".join(map(_in_U, seen.moved))
+    counted = said("pages-mismatch-in-runs", count=seen.runs)
+    head = dmc.Group([
+        dmc.Title(say(seen.title), order=4), dmc.Code(seen.effect),
+        link(counted, "/mismatch", effect=seen.effect),
+    ])  # fmt: skip
+    shown = facts(
+        {"pages-mismatch-fact.days": days, **carriers,
+         "pages-mismatch-fact.moved": dmc.Text(moved, size="sm") if moved else None},
+    )  # fmt: skip
+    touched = _touched(seen.papers, None)
+    return dmc.Card(dmc.Stack([head, shown, *touched], gap="xs"), withBorder=True)
+
+
+def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
+    """Each carrier leads to its runs with the effect."""
+    lines = [
+        link(f"{each.name}: {each.shown} / {each.of}", "/mismatch", effect=seen.effect,
+             **{field: each.name}, **({"model": each.model} if each.model else {}))
+        for each in shares[:FEW]
+    ]  # fmt: skip
+    lines += [dmc.Text("…")] if len(shares) > FEW else []
+    return dmc.Stack(lines, gap=0, className="small")
+
+
+def _run_row(run: ExplainedRun) -> tuple[Cell, ...]:
+    found = [
+        dmc.Text(f"{say(f.title)} ({100 * f.share:.0f} %): " + ", ".join(
+            _parameter(p) for p in f.parameters[:3]), size="sm")
+        for f in run.findings
+    ]  # fmt: skip
+    report = html.A(
+        said("pages-mismatch-report"), href=f"/explained/{run.run}.html",
+        className="whole",
+        target="_blank",
+    )  # fmt: skip
+    return (
+        link(run.run, "/run", id=run.run),
+        str(run.day) if run.day else None,
+        run.station,
+        f"{run.model} {run.serial}",
+        badge(validity_state(run.validity)),
+        badge(_state(run.verdict)),
+        dmc.Stack(found, gap=2) if found else None,
+        report,
+    )
+
+
+PAGE = Page("mismatch", DiscrepancyQuestion, DiscrepancyShown, data, layout)

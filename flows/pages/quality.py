@@ -1,4 +1,4 @@
-"""The Quality page and its charts, as plotly figures."""
+"""The Quality page: yield, failures, capability, control charts and stations of selected runs."""
 
 from collections.abc import Callable, Sequence
 from datetime import timedelta
@@ -7,9 +7,28 @@ from typing import Any
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.parts import StepState, View, badge, csv_link, facts, heading, note, stated, table
-from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure, picture
-from flows.pages.quality.data import (
+from flows.pages.parts import (
+    BLUE,
+    GREY,
+    ORANGE,
+    RED,
+    Figure,
+    Page,
+    StepState,
+    badge,
+    csv_link,
+    facts,
+    figure,
+    heading,
+    note,
+    picture,
+    said,
+    say,
+    stated,
+    table,
+)
+from flows.pages.quality_data import (
+    NUMBERS,
     CapabilityShown,
     ChartShown,
     Failing,
@@ -20,7 +39,9 @@ from flows.pages.quality.data import (
     QualityShown,
     StationShown,
     Yield,
+    callbacks,
     choices,
+    data,
 )
 from tasks.quality.capability import FEWEST as FEWEST_IN_INDEX
 from tasks.quality.capability import CapabilityIndex
@@ -37,7 +58,7 @@ LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 MANY = 300  # points, above which a connecting line no longer shows their order
 
 
-def periods_figure(shown: QualityShown, view: View) -> Figure:
+def periods_figure(shown: QualityShown) -> Figure:
     """The yield of each period with its interval; a bar across it shows how long it is."""
     periods = shown.by_period
     middle = [each.since + (each.until - each.since) / 2 for each in periods]
@@ -61,30 +82,30 @@ def periods_figure(shown: QualityShown, view: View) -> Figure:
         "hoverinfo": "skip",
     }  # fmt: skip
     total = [_level(100 * shown.total.share, BLUE)] if shown.total else []
-    return figure([trace, spans], view, 280, shapes=total,
+    return figure([trace, spans], 280, shapes=total,
                   xaxis={"type": "date", "tickformat": "%Y-%m-%d", "nticks": 8},
                   yaxis={"ticksuffix": " %", "range": [0, 103]})  # fmt: skip
 
 
-def failing_figure(shown: QualityShown, view: View) -> Figure:
+def failing_figure(shown: QualityShown) -> Figure:
     """The most frequent failures as bars, and their cumulative share as a line."""
     first = shown.failing[:BARS]
-    names = [failing_name(each, view) for each in first]
+    names = [failing_name(each) for each in first]
     bars = [
         {
             "type": "bar", "x": names, "y": [getattr(each, kind) for each in first],
-            "marker": {"color": color}, "name": view.text(f"pages-quality-failing.{kind}"),
+            "marker": {"color": color}, "name": said(f"pages-quality-failing.{kind}"),
         }
         for kind, color in (("failed", RED), ("inconclusive", ORANGE))
     ]  # fmt: skip
     line = {
         "type": "scatter", "mode": "lines+markers", "x": names, "yaxis": "y2",
         "y": [100 * each.cumulative for each in first], "line": {"color": GREY},
-        "name": view.text("pages-quality-failing.cumulative"),
+        "name": said("pages-quality-failing.cumulative"),
         "hovertemplate": "%{x}: %{y:.1f} %<extra></extra>",
     }  # fmt: skip
     return figure(
-        [*bars, line], view, 360, barmode="stack", showlegend=True, legend=LEGEND,
+        [*bars, line], 360, barmode="stack", showlegend=True, legend=LEGEND,
         margin={"t": 20, "r": 60, "l": 60, "b": 90},
         xaxis={"type": "category", "tickangle": -40},
         yaxis={"rangemode": "tozero", "tickformat": "d"},
@@ -93,12 +114,12 @@ def failing_figure(shown: QualityShown, view: View) -> Figure:
     )  # fmt: skip
 
 
-def failing_name(failing: Failing, view: View) -> str:
+def failing_name(failing: Failing) -> str:
     """An element by its symbol, which is short; else by what it is."""
-    return failing.symbol or view.say(failing.title)
+    return failing.symbol or say(failing.title)
 
 
-def golden_figure(of: GoldenShown, shown: QualityShown, view: View) -> Figure:
+def golden_figure(of: GoldenShown, shown: QualityShown) -> Figure:
     """The values of a golden unit on a station, between the limits of their own history; in the
     same ranges as on the other stations.
     """
@@ -111,7 +132,7 @@ def golden_figure(of: GoldenShown, shown: QualityShown, view: View) -> Figure:
     room = 0.1 * (max(values) - min(values))
     days = sorted(p.day for each in every for p in each.points)
     return figure(
-        [_golden_points(of.points, BLUE, 5), wrong], view, 240,
+        [_golden_points(of.points, BLUE, 5), wrong], 240,
         shapes=[_level(y, color) for y, color in levels if y is not None],
         xaxis={"tickformat": "%Y-%m-%d", "nticks": 5,
                "range": [str(days[0] - MARGIN), str(days[-1] + MARGIN)]},
@@ -133,40 +154,40 @@ def _unit(shown: QualityShown) -> str:
     return "" if shown.unit == "1" else f" ({unit_text(shown.unit)})"
 
 
-def chart_figure(chart: ChartShown, shown: QualityShown, view: View) -> Figure:
+def chart_figure(chart: ChartShown, shown: QualityShown) -> Figure:
     """Individual values above, moving ranges below; what breaks a rule is red."""
     points = chart.points
     broken = [point for point in points if point.broken]
     values = _points(points, [p.value for p in points], BLUE, 4) | {
         "mode": "lines+markers" if len(points) < MANY else "markers",
         "line": {"width": 0.5, "color": GREY},
-        "name": view.text(f"pages-quality-plot.{chart.plotted}"),
+        "name": said(f"pages-quality-plot.{chart.plotted}"),
     }  # fmt: skip
     wrong = _points(broken, [p.value for p in broken], RED, 7) | {
         "text": [", ".join(map(str, p.broken)) for p in broken],
-        "name": view.text("pages-quality-broken"),
+        "name": said("pages-quality-broken"),
         "hovertemplate": "%{x}: %{y:.6g}<br>%{meta}: %{text}<extra></extra>",
-        "meta": view.text("pages-quality-nelson.rule"),
+        "meta": said("pages-quality-nelson.rule"),
     }  # fmt: skip
     moving = [point for point in points if point.range is not None]
     ranges = _points(moving, [p.range for p in moving], BLUE, 3) | {
-        "yaxis": "y2", "name": view.text("pages-quality-range"), "showlegend": False,
+        "yaxis": "y2", "name": said("pages-quality-range"), "showlegend": False,
     }  # fmt: skip
     levels = [_level(chart.centre, GREY), _level(chart.lower, RED), _level(chart.upper, RED)]
     levels += [_level(chart.mean_range, GREY, "y2"), _level(chart.range_limit, RED, "y2")]
     return figure(
-        [values, wrong, ranges, *_causes(chart, view)], view, 520, shapes=levels,
+        [values, wrong, ranges, *_causes(chart)], 520, shapes=levels,
         xaxis={"anchor": "y2", "tickformat": "%Y-%m-%d", "nticks": 8},
         yaxis={"domain": [0.36, 1], "exponentformat": "power",
             "title": {"text": f"{shown.symbol}{_unit(shown)}"}},
-        yaxis2={"domain": [0, 0.28], "title": {"text": view.text("pages-quality-range")},
+        yaxis2={"domain": [0, 0.28], "title": {"text": said("pages-quality-range")},
                 "rangemode": "tozero", "exponentformat": "power"},
         showlegend=True,
         legend=LEGEND,
     )  # fmt: skip
 
 
-def stations_figure(stations: Sequence[StationShown], shown: QualityShown, view: View) -> Figure:
+def stations_figure(stations: Sequence[StationShown], shown: QualityShown) -> Figure:
     """The difference of each station with U; one beyond its U is red."""
     known = [each for each in stations if each.difference is not None]
     colors = [RED if each.U is not None and abs(each.difference or 0.0) > each.U else BLUE
@@ -177,7 +198,7 @@ def stations_figure(stations: Sequence[StationShown], shown: QualityShown, view:
         "error_y": {"type": "data", "array": [each.U or 0.0 for each in known], "color": GREY},
         "hovertemplate": "%{x}: %{y:.4g}<extra></extra>",
     }  # fmt: skip
-    return figure([trace], view, 320, shapes=[_level(0.0, GREY)], xaxis={"type": "category"},
+    return figure([trace], 320, shapes=[_level(0.0, GREY)], xaxis={"type": "category"},
                    yaxis={"exponentformat": "power",
             "title": {"text": f"{shown.symbol}{_unit(shown)}"}})  # fmt: skip
 
@@ -191,14 +212,14 @@ def _points(points: Sequence[Plot], y: Sequence[float | None], color: str, size:
     }  # fmt: skip
 
 
-def _causes(chart: ChartShown, view: View) -> list[Figure]:
+def _causes(chart: ChartShown) -> list[Figure]:
     """A mark above the values for each thing that may have caused a change."""
     return [
         {
             "type": "scatter", "mode": "markers", "x": [str(each.day) for each in of],
             "y": [chart.upper] * len(of), "text": [each.name for each in of],
             "marker": {"symbol": "triangle-down", "size": 10, "color": color},
-            "name": view.text(f"pages-quality-cause.{cause}"),
+            "name": said(f"pages-quality-cause.{cause}"),
             "hovertemplate": "%{x}: %{text}",
         }
         for cause, color in CAUSES.items()
@@ -219,60 +240,60 @@ def _level(y: float, color: str, axis: str = "y") -> Figure:
 WithCsv = Callable[[str, Component], Component]  # a part by its name, with the link to its CSV
 
 
-def layout(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
+def layout(shown: QualityShown, question: QualityQuestion) -> Component:
     """What is asked for, then yield, capability, chart and stations of it."""
     if shown.model is None:
-        return dmc.Text(view.text("pages-quality-no-run"))
+        return dmc.Text(said("pages-quality-no-run"))
     chosen = {name: getattr(shown, name) for name in ("model", "item", "element")}
     same = question.model_copy(update=chosen)  # the choices that were made for who asked
 
     def with_csv(part: str, place: Component) -> Component:
         return dmc.Box([csv_link("quality", part, same), place], className="with-csv")
 
-    of = f": {view.say(shown.title)} {shown.symbol}" if shown.title else ""
+    of = f": {say(shown.title)} {shown.symbol}" if shown.title else ""
     parts = [
-        choices(shown, view, question),
-        heading("pages-quality-yield", view),
-        _counts(shown, view),
-        _yields(shown, view, with_csv),
+        choices(shown, question),
+        heading("pages-quality-yield"),
+        _counts(shown),
+        _yields(shown, with_csv),
     ]
     if shown.failing:
-        parts += [heading("pages-quality-failing", view), _failing(shown, view, with_csv)]
+        parts += [heading("pages-quality-failing"), _failing(shown, with_csv)]
     if shown.capability is not None:
-        found = _capability(shown.capability, shown, view)
-        parts += [heading("pages-quality-capability", view, of), with_csv("capability", found)]
+        found = _capability(shown.capability, shown)
+        parts += [heading("pages-quality-capability", of), with_csv("capability", found)]
     if shown.chart is not None:
         parts += [
-            heading("pages-quality-chart", view, of),
-            *_chart(shown.chart, shown, view, with_csv),
+            heading("pages-quality-chart", of),
+            *_chart(shown.chart, shown, with_csv),
         ]
     if shown.golden:
-        parts += [heading("pages-quality-golden", view, of), _golden(shown, view, with_csv)]
+        parts += [heading("pages-quality-golden", of), _golden(shown, with_csv)]
     if shown.stations:
-        compared = _stations(shown.stations, shown, view)
-        parts += [heading("pages-quality-stations", view, of), with_csv("stations", compared)]
+        compared = _stations(shown.stations, shown)
+        parts += [heading("pages-quality-stations", of), with_csv("stations", compared)]
     return dmc.Stack(parts, gap="sm")
 
 
-def _counts(shown: QualityShown, view: View) -> Component:
-    counted = view.text("pages-quality-counted", **shown.counted.model_dump())
-    rule = view.text("pages-quality-rule", days=shown.retest_days, fewest=FEWEST_IN_POINT)
+def _counts(shown: QualityShown) -> Component:
+    counted = said("pages-quality-counted", **shown.counted.model_dump())
+    rule = said("pages-quality-rule", days=shown.retest_days, fewest=FEWEST_IN_POINT)
     return dmc.Box([dmc.Text(counted, size="sm"), note(rule)])
 
 
-def _yields(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
-    titles = {each.item: view.say(each.title) for each in shown.choices.items}
-    in_all = view.text("pages-quality-total")
+def _yields(shown: QualityShown, with_csv: WithCsv) -> Component:
+    titles = {each.item: say(each.title) for each in shown.choices.items}
+    in_all = said("pages-quality-total")
     total = [_yield(shown.total, in_all)] if shown.total else []
     by_item = [_yield(each, titles.get(each.name, each.name)) for each in shown.by_item]
     others = [
-        with_csv(f"by_{name}", _yield_table(f"by-{name}", [_yield(each) for each in of], view))
+        with_csv(f"by_{name}", _yield_table(f"by-{name}", [_yield(each) for each in of]))
         for name, of in (("station", shown.by_station), ("model", shown.by_model))
     ]
-    first = with_csv("by_item", _yield_table("by-item", [*total, *by_item], view))
+    first = with_csv("by_item", _yield_table("by-item", [*total, *by_item]))
     tables = [first, dmc.Stack(others)]
     return dmc.Stack([
-        with_csv("by_period", picture("quality-periods", periods_figure(shown, view))),
+        with_csv("by_period", picture("quality-periods", periods_figure(shown))),
         dmc.SimpleGrid(tables, cols={"base": 1, "md": 2}, spacing="md"),
     ])  # fmt: skip
 
@@ -282,22 +303,22 @@ def _yield(of: Yield, name: str | None = None) -> tuple[str, ...]:
     return name or of.name, f"{of.passed} / {of.of}", f"{100 * of.share:.1f} %", interval
 
 
-def _yield_table(by: str, rows: Sequence[tuple[str, ...]], view: View) -> Component:
+def _yield_table(by: str, rows: Sequence[tuple[str, ...]]) -> Component:
     names = f"pages-quality-{by} passed share interval"
-    return table("pages-quality-column", names, rows, view, 320)
+    return table("pages-quality-column", names, rows, 320)
 
 
-def _failing(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
+def _failing(shown: QualityShown, with_csv: WithCsv) -> Component:
     rows = [
-        (f"{view.say(each.title)} {each.symbol}".strip(), str(each.failed), str(each.inconclusive),
+        (f"{say(each.title)} {each.symbol}".strip(), str(each.failed), str(each.inconclusive),
          f"{100 * each.cumulative:.1f} %")
         for each in shown.failing[:BARS]
     ]  # fmt: skip
     names = "limit failed inconclusive cumulative"
-    about = view.text("pages-quality-about.failing", count=len(shown.failing), shown=len(rows))
+    about = said("pages-quality-about.failing", count=len(shown.failing), shown=len(rows))
     parts = [
-        picture("quality-failing", failing_figure(shown, view)),
-        table("pages-quality-failing", names, rows, view, 320),
+        picture("quality-failing", failing_figure(shown)),
+        table("pages-quality-failing", names, rows, 320),
     ]
     return dmc.Stack([
         note(about),
@@ -305,14 +326,14 @@ def _failing(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
     ])  # fmt: skip
 
 
-def _golden(shown: QualityShown, view: View, with_csv: WithCsv) -> Component:
+def _golden(shown: QualityShown, with_csv: WithCsv) -> Component:
     """A chart for each golden unit on each station, and how its last value stands."""
-    about = view.text("pages-quality-about.golden", most=HISTORY, fewest=FEWEST)
+    about = said("pages-quality-about.golden", most=HISTORY, fewest=FEWEST)
     charts = [
         dmc.Box([
             dmc.Group([dmc.Text(f"{of.station} · {of.serial}", fw="bold"),
-                       badge(_golden_state(of), view)]),
-            picture(f"quality-golden-{number}", golden_figure(of, shown, view)),
+                       badge(_golden_state(of))]),
+            picture(f"quality-golden-{number}", golden_figure(of, shown)),
         ])
         for number, of in enumerate(shown.golden)
     ]  # fmt: skip
@@ -332,7 +353,7 @@ def _golden_state(of: GoldenShown) -> StepState:
     return stated("pages-quality-golden-state.within", "good")
 
 
-def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Component:
+def _capability(found: CapabilityShown, shown: QualityShown) -> Component:
     unit = "" if shown.unit == "1" else f" {unit_text(shown.unit)}"
     limits = [None if each is None else plain(each, 5) for each in (found.lower, found.upper)]
     span = " … ".join(each or "–" for each in limits) + unit if any(limits) else None
@@ -348,20 +369,18 @@ def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Comp
            for name, share in shares.items()},
         "over": str(found.over),
     }  # fmt: skip
-    stated = facts({f"pages-quality-fact.{name}": each for name, each in numbers.items()}, view)
+    stated = facts({f"pages-quality-fact.{name}": each for name, each in numbers.items()})
     remarks = ["pages-quality-about.capability", "pages-quality-about.margin"]
     if found.lower is None and found.upper is None:
         remarks.append("pages-quality-about.no-limits")
     elif found.lower is None or found.upper is None:
         remarks.append("pages-quality-about.one-sided")
     remarks += ["pages-quality-about.limits-vary"] if found.limits_vary else []
-    first = facts(indices, view)
+    first = facts(indices)
     if found.n < FEWEST_IN_INDEX:
-        few = view.text("pages-quality-about.few", count=found.n, fewest=FEWEST_IN_INDEX)
+        few = said("pages-quality-about.few", count=found.n, fewest=FEWEST_IN_INDEX)
         first = dmc.Text(few)
-    return dmc.Stack(
-        [first, stated, dmc.Box([note(view.text(each)) for each in remarks])], gap="sm"
-    )
+    return dmc.Stack([first, stated, dmc.Box([note(said(each)) for each in remarks])], gap="sm")
 
 
 def _index(index: CapabilityIndex) -> str | None:
@@ -374,46 +393,49 @@ def _index(index: CapabilityIndex) -> str | None:
     return f"{value} ({low} … {high})"
 
 
-def _chart(
-    chart: ChartShown, shown: QualityShown, view: View, with_csv: WithCsv
-) -> list[Component]:
+def _chart(chart: ChartShown, shown: QualityShown, with_csv: WithCsv) -> list[Component]:
     counts = [sum(rule in point.broken for point in chart.points) for rule in range(1, RULES + 1)]
     rules = [
-        (str(rule), view.text(f"pages-quality-nelson.rule-{rule}"), str(count))
+        (str(rule), said(f"pages-quality-nelson.rule-{rule}"), str(count))
         for rule, count in enumerate(counts, start=1)
     ]
-    about = view.text(f"pages-quality-about.chart-{chart.plotted}", count=len(chart.points))
+    about = said(f"pages-quality-about.chart-{chart.plotted}", count=len(chart.points))
     return [
         note(about),
-        with_csv("chart", picture("quality-chart", chart_figure(chart, shown, view))),
-        with_csv("rules", table("pages-quality-nelson", "rule pattern count", rules, view, 320)),
+        with_csv("chart", picture("quality-chart", chart_figure(chart, shown))),
+        with_csv("rules", table("pages-quality-nelson", "rule pattern count", rules, 320)),
     ]
 
 
-def _stations(stations: Sequence[StationShown], shown: QualityShown, view: View) -> Component:
+def _stations(stations: Sequence[StationShown], shown: QualityShown) -> Component:
     if all(each.difference is None for each in stations):
-        return dmc.Text(view.text("pages-quality-about.one-station"))
+        return dmc.Text(said("pages-quality-about.one-station"))
     names = "station difference u runs state"
-    rows = [_station(each, shown, view) for each in stations]
-    figure = stations_figure(stations, shown, view)
+    rows = [_station(each, shown) for each in stations]
+    figure = stations_figure(stations, shown)
     return dmc.Stack([
-        note(view.text("pages-quality-about.stations")),
+        note(said("pages-quality-about.stations")),
         dmc.SimpleGrid(
             [picture("quality-stations", figure),
-             table("pages-quality-station", names, rows, view, 320)],
+             table("pages-quality-station", names, rows, 320)],
             cols={"base": 1, "lg": 2},
         ),
     ])  # fmt: skip
 
 
-def _station(one: StationShown, shown: QualityShown, view: View) -> tuple[Any, ...]:
+def _station(one: StationShown, shown: QualityShown) -> tuple[Any, ...]:
     if one.difference is None or one.U is None:
         state = stated("pages-quality-state.open", "open")
-        return one.station, None, None, str(one.runs), badge(state, view)
+        return one.station, None, None, str(one.runs), badge(state)
     made = quantities([one.difference], one.U, shown.unit, Scale(1.0, 0, shown.unit))
     unit = "" if made.unit == "1" else f" {unit_text(made.unit)}"
     is_off = abs(one.difference) > one.U
     words = f"pages-quality-state.{'off' if is_off else 'within'}"
     state = stated(words, "bad" if is_off else "good")
     cells = (f"{made.values[0]}{unit}", f"{made.uncertainties[0]}{unit} (k = {USUAL_K:g})")
-    return one.station, *cells, str(one.runs), badge(state, view)
+    return one.station, *cells, str(one.runs), badge(state)
+
+
+PAGE = Page(
+    "quality", QualityQuestion, QualityShown, data, layout, callbacks=callbacks, numbers=NUMBERS
+)

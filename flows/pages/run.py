@@ -1,4 +1,4 @@
-"""The Run page: values and signals, certificates, log and lineage of a run."""
+"""The page of one run: signals, segments, items, certificates, log and lineage."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,7 +9,7 @@ from dash.development.base_component import Component
 
 from flows.pages import budget, signals
 from flows.pages.parts import (
-    View,
+    Page,
     badge,
     certificate_state,
     day_of,
@@ -22,13 +22,14 @@ from flows.pages.parts import (
     note,
     parameters,
     result_state,
+    said,
+    say,
     second_of,
     table,
     validity_state,
     verdict_state,
-    view_of_request,
 )
-from flows.pages.run.data import (
+from flows.pages.run_data import (
     BudgetQuestion,
     CertificateShown,
     ElementShown,
@@ -36,6 +37,7 @@ from flows.pages.run.data import (
     RunQuestion,
     RunShown,
     SegmentShown,
+    data,
 )
 from schemas.text import Remark, Statement
 from storage.catalogue.runs import STANDARD_DOCUMENT
@@ -47,7 +49,7 @@ from tasks.words.numbers import power_of_ten, unit_text
 # Certificates, log and lineage of a run.
 
 
-def certificate_table(shown: Sequence[CertificateShown], view: View) -> Component:
+def certificate_table(shown: Sequence[CertificateShown]) -> Component:
     """Certificates, each with its PDF and the run that it stands on."""
     names = "number state verdict result calibrated issued due why"
     rows = [
@@ -55,8 +57,8 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
             dmc.Anchor(
                 each.number, href=f"/certificate/{each.number}.pdf", refresh=True, inherit=True
             ),
-            badge(certificate_state(each.state), view),
-            badge(decision_state(each.verdict), view),
+            badge(certificate_state(each.state)),
+            badge(decision_state(each.verdict)),
             link(each.result, "/run", id=each.run),
             str(each.calibrated_on or "–"),
             str(each.issued_on),
@@ -65,24 +67,24 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
         )
         for each in shown
     ]
-    return table("pages-certificate-column", names, rows, view, none="pages-certificates-none")
+    return table("pages-certificate-column", names, rows, none="pages-certificates-none")
 
 
-def log(shown: RunShown, view: View) -> Component:
+def log(shown: RunShown) -> Component:
     """Every change of the run's state, when and why."""
     rows = [
         (
             second_of(entry.at),
             f"{entry.t:.2f}",
-            view.text(f"pages-run-state.{entry.state.replace('_', '-')}"),
-            view.say(entry),
+            said(f"pages-run-state.{entry.state.replace('_', '-')}"),
+            say(entry),
         )
         for entry in shown.log
     ]
-    return table("pages-log-column", "at t state cause", rows, view, none="pages-run-no-log")
+    return table("pages-log-column", "at t state cause", rows, none="pages-run-no-log")
 
 
-def lineage(shown: RunShown, view: View) -> Component:
+def lineage(shown: RunShown) -> Component:
     """What the run and its results come from, and what stands on them."""
     results = [
         (
@@ -97,12 +99,20 @@ def lineage(shown: RunShown, view: View) -> Component:
         for each in shown.results
     ]
     names = "id method code made supersedes why certificates"
+    # The number of a certificate, or that the recording's manifest does
     standards = [
-        (each.name, each.serial, each.certificate, _named_by(each.document, view))
+        (
+            each.name,
+            each.serial,
+            each.certificate,
+            said("pages-standards-manifest")
+            if each.document == STANDARD_DOCUMENT
+            else each.document,
+        )
         for each in shown.standards
     ]
     made_with = [setting(*each) for each in shown.settings.items()]
-    settings = [(view.say(each.name), view.say(each.value)) for each in made_with]
+    settings = [(say(each.name), say(each.value)) for each in made_with]
     return dmc.Stack(
         [
             facts(
@@ -112,21 +122,15 @@ def lineage(shown: RunShown, view: View) -> Component:
                     "pages-column-recording-id": shown.run.recording_id,
                     "pages-column-procedure": shown.run.procedure,
                 },
-                view,
             ),
-            heading("pages-lineage-heading.results", view),
-            table("pages-results-column", names, results, view),
-            heading("pages-lineage-heading.standards", view),
-            table("pages-standards-column", "name serial certificate document", standards, view),
-            heading("pages-lineage-heading.settings", view),
-            table("pages-settings-column", "name value", settings, view),
+            heading("pages-lineage-heading.results"),
+            table("pages-results-column", names, results),
+            heading("pages-lineage-heading.standards"),
+            table("pages-standards-column", "name serial certificate document", standards),
+            heading("pages-lineage-heading.settings"),
+            table("pages-settings-column", "name value", settings),
         ]
     )
-
-
-def _named_by(document: str, view: View) -> str:
-    """The number of a certificate, or that the recording's manifest does."""
-    return view.text("pages-standards-manifest") if document == STANDARD_DOCUMENT else document
 
 
 # Lays the page of one run out, and draws its signals.
@@ -135,22 +139,22 @@ MAX_INLINE_SEGMENTS = 3  # segments; a remark that names more of them stands onc
 TABS = ("items", "segments", "signals", "certificate", "log", "lineage")
 
 
-def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
+def layout(shown: RunShown, _: RunQuestion) -> Component:
     """Who, where, when and how it stands; the rest in tabs."""
     panels: dict[str, Component] = {
-        "items": _items(shown, view),
-        "segments": _segments(shown, view),
-        "signals": signals.section(shown.run.id, view),
-        "certificate": certificate_table(shown.certificates, view),
-        "log": log(shown, view),
-        "lineage": lineage(shown, view),
+        "items": _items(shown),
+        "segments": _segments(shown),
+        "signals": signals.section(shown.run.id),
+        "certificate": certificate_table(shown.certificates),
+        "log": log(shown),
+        "lineage": lineage(shown),
     }
-    names = [dmc.TabsTab(view.text(f"pages-run-tab.{tab}"), value=tab) for tab in TABS]
+    names = [dmc.TabsTab(said(f"pages-run-tab.{tab}"), value=tab) for tab in TABS]
     return dmc.Stack(
         [
-            _facts(shown, view),
-            *_reasons(shown.reasons, view),
-            *_reasons(shown.undecided, view, message("pages-run-undecided")),
+            _facts(shown),
+            *_reasons(shown.reasons),
+            *_reasons(shown.undecided, message("pages-run-undecided")),
             dmc.Tabs(
                 [
                     dmc.TabsList(names),
@@ -163,20 +167,18 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
     )
 
 
-def _reasons(
-    reasons: Sequence[Statement | Remark], view: View, title: Sayable = ""
-) -> list[Component]:
+def _reasons(reasons: Sequence[Statement | Remark], title: Sayable = "") -> list[Component]:
     """Sentences in one box; nothing where there are none."""
-    texts = [dmc.Text(view.say(reason), size="sm") for reason in reasons]
-    box = dmc.Alert(dmc.Stack(texts, gap=6), title=view.say(title), color="yellow", p="sm")
+    texts = [dmc.Text(say(reason), size="sm") for reason in reasons]
+    box = dmc.Alert(dmc.Stack(texts, gap=6), title=say(title), color="yellow", p="sm")
     return [box] if texts else []
 
 
-def _facts(shown: RunShown, view: View) -> Component:
+def _facts(shown: RunShown) -> Component:
     run = shown.run
     unit = f"{run.manufacturer} {run.model} {run.serial}"
     number, count = shown.order or (None, 1)
-    again = view.text("pages-run-again", number=number or "", count=count)
+    again = said("pages-run-again", number=number or "", count=count)
     return facts(
         {
             "pages-column-id": run.id,
@@ -184,86 +186,83 @@ def _facts(shown: RunShown, view: View) -> Component:
             "pages-column-station": run.station,
             **({"pages-run-order": again if count > 1 else number} if number else {}),
             "pages-column-recorded-on": str(run.recorded_on or day_of(run.imported_at)),
-            "pages-column-validity": badge(validity_state(run.validity), view),
-            "pages-column-result-state": badge(result_state(run), view),
-            "pages-column-verdict": badge(verdict_state(run), view),
-            "pages-column-state": badge(certificate_state(run.state), view),
+            "pages-column-validity": badge(validity_state(run.validity)),
+            "pages-column-result-state": badge(result_state(run)),
+            "pages-column-verdict": badge(verdict_state(run)),
+            "pages-column-state": badge(certificate_state(run.state)),
         },
-        view,
     )
 
 
-def _items(shown: RunShown, view: View) -> Component:
+def _items(shown: RunShown) -> Component:
     names = "item symbol value u limits margin verdict"
-    rows = [row for element in shown.elements for row in _element(element, view)]
+    rows = [row for element in shown.elements for row in _element(element)]
     budgets = [
-        {"value": f"{each.item} {each.element}", "label": f"{view.say(each.title)} {each.symbol}"}
+        {"value": f"{each.item} {each.element}", "label": f"{say(each.title)} {each.symbol}"}
         for each in shown.elements
         if each.has_budget
     ]
-    absent = [dmc.Text(view.say(why), size="sm") for why in shown.unavailable.values()]
+    absent = [dmc.Text(say(why), size="sm") for why in shown.unavailable.values()]
     limits = message("pages-items-limits", certificate=shown.limits_of or "")
     without = message("pages-items-no-limits")
     return dmc.Stack(
         [
-            note(view.say(limits if shown.limits_of else without)),
+            note(say(limits if shown.limits_of else without)),
             dmc.Select(
                 id="budget-of",
                 data=budgets,
-                label=view.text("pages-budget-of"),
+                label=said("pages-budget-of"),
                 searchable=True,
                 clearable=True,
                 maw=480,
             ),
             dmc.Box(id="budget"),
-            table("pages-items-column", names, rows, view),
+            table("pages-items-column", names, rows),
             *absent,
         ]
     )
 
 
-def _element(shown: ElementShown, view: View) -> list[tuple[Any, ...]]:
+def _element(shown: ElementShown) -> list[tuple[Any, ...]]:
     """A row for each limit of an element, and one for an element without."""
     power = f"{power_of_ten(shown.exponent)} ".lstrip()
     unit = f" {power}{'' if shown.unit == '1' else unit_text(shown.unit)}".rstrip()
     first = (
-        view.say(shown.title),
+        say(shown.title),
         shown.symbol,
         shown.value_text and shown.value_text + unit,
         shown.U_text and f"{shown.U_text}{unit} (k = {shown.k:g})",
     )
-    return [(*first, *_limit(limit, unit, view)) for limit in shown.limits or (None,)]
+    return [(*first, *_limit(limit, unit)) for limit in shown.limits or (None,)]
 
 
-def _limit(limit: LimitShown | None, unit: str, view: View) -> tuple[Any, ...]:
+def _limit(limit: LimitShown | None, unit: str) -> tuple[Any, ...]:
     if limit is None:
         return None, None, None
     margin = None if limit.margin is None else f"{limit.margin:.1f} U"
-    return limit.text + unit, margin, badge(limit_state(limit.decision), view)
+    return limit.text + unit, margin, badge(limit_state(limit.decision))
 
 
-def _segments(shown: RunShown, view: View) -> Component:
+def _segments(shown: RunShown) -> Component:
     names = "name kind since until rate rows checks"
     every = {remark.code: remark for each in shown.segments for remark in each.remarks}
     of_many = [each for each in every.values() if len(each.segments) > MAX_INLINE_SEGMENTS]
-    rows = [_segment(each, view) for each in shown.segments]
-    return dmc.Stack([*_reasons(of_many, view), table("pages-segments-column", names, rows, view)])
+    rows = [_segment(each) for each in shown.segments]
+    return dmc.Stack([*_reasons(of_many), table("pages-segments-column", names, rows)])
 
 
-def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
+def _segment(segment: SegmentShown) -> tuple[Any, ...]:
     rows = None if segment.rows is None else f"{segment.rows}"
     if segment.rows_left_out:
-        rows = view.text(
-            "pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out
-        )
+        rows = said("pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out)
     checks = [
-        dmc.Text(view.say(remark), size="sm")
+        dmc.Text(say(remark), size="sm")
         for remark in segment.remarks
         if len(remark.segments) <= MAX_INLINE_SEGMENTS
     ]
     return (
         segment.name,
-        view.text(f"pages-segment-kind.{segment.kind}"),
+        said(f"pages-segment-kind.{segment.kind}"),
         f"{segment.t_start:.2f}",
         f"{segment.t_end:.2f}",
         None if segment.rate_deg_s is None else f"{segment.rate_deg_s:+g} °/s",
@@ -284,7 +283,10 @@ def callbacks(app: Dash, home: Home) -> None:
     def choose(chosen: str | None, search: str) -> Any:
         if not chosen:
             return None
-        view, run = view_of_request(), parameters(search).get("id", "")
+        run = parameters(search).get("id", "")
         item, _, element = chosen.partition(" ")
         question = BudgetQuestion(run=run, item=item, element=element)
-        return budget.layout(budget.data(question, home), view, question)
+        return budget.layout(budget.data(question, home), question)
+
+
+PAGE = Page("run", RunQuestion, RunShown, data, layout, in_navigation=False, callbacks=callbacks)
