@@ -69,15 +69,6 @@ def prefect_database(pytestconfig: pytest.Config) -> Path:
     return folder / "prefect.db"
 
 
-@pytest.fixture
-def own_home(tmp_path: Path, prefect_database: Path) -> Path:
-    """A home for commands in processes of their own, whose Prefect server starts at once."""
-    folder = tmp_path / "home"
-    (folder / "prefect").mkdir(parents=True)
-    shutil.copy(prefect_database, folder / "prefect")
-    return folder
-
-
 @pytest.fixture(scope="module")
 def prefect_server(
     prefect_database: Path, tmp_path_factory: pytest.TempPathFactory
@@ -160,18 +151,6 @@ def run_on_earth(calibrated_once: Path, home: Path) -> str:
     shutil.copytree(calibrated_once, home)
     (run,) = runs.all_runs(Home(home))
     return run.id
-
-
-@pytest.fixture(scope="session")
-def plant_arm(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Every second row of a unit off the axes, with what is true of it.
-
-    Of every fifth, what is left of P is three standard uncertainties off the truth.
-    """
-    source = shared / "plant/plant_lever_arm"
-    folder = every_nth_row(source, tmp_path_factory, 2)
-    shutil.copy(source / "truth.json", folder)
-    return folder
 
 
 def every_nth_row(source: Path, folders: pytest.TempPathFactory, n: int) -> Path:

@@ -45,44 +45,6 @@ def test_a_corrected_recording_calibrates_to_an_ideal_unit(
         assert abs(value) <= sensitivity["U_without_earth_rotation"][element]
 
 
-@pytest.mark.rehearsal
-def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_result(
-    mimucal, plant_on_earth, tmp_path, home
-) -> None:
-    """By the other method's result from a file; the clauses then find an ideal unit, too."""
-    joint = mimucal("calibrate", plant_on_earth, "--method", "joint", "--json")
-    (tmp_path / "joint.json").write_text(joint.out, encoding="utf-8")
-    done = mimucal("apply", tmp_path / "joint.json", plant_on_earth, "--out", tmp_path / "by_joint")
-    assert done.code == 0, done.err
-    again = mimucal("calibrate", tmp_path / "by_joint", "--json").json["items"]
-    for name in ("gyro_scale_factor", "accel_scale_factor"):
-        for axis, value in again[name]["value"].items():
-            assert abs(value - 1.0) <= again[name]["U"][axis]
-
-
-@pytest.mark.rehearsal
-def test_before_and_after_an_adjustment_stand_on_one_certificate(
-    mimucal, home, plant_on_earth, run, tmp_path, unprinted
-) -> None:
-    """The corrected recording is what the adjusted unit would have read."""
-    laboratory_file(home)
-    assert mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected").code == 0
-    tolerance = tmp_path / "limits.toml"
-    tolerance.write_text(
-        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
-        'document = "test"\n[[limits]]\nitem = "gyro_scale_factor"\nunit = "1"\n'
-        "lower = 0.999\nupper = 1.001\n",
-        encoding="utf-8",
-    )
-    order = ("--order", "flows/demo_papers/order.toml")  # waives the largest rate
-    arguments = ("--as-found", run, "--tolerance", tolerance, *order, "--json")
-    done = mimucal("certify", tmp_path / "corrected", *arguments)
-    assert (done.code, done.json["verdict"]) == (0, "pass"), done.err
-    assert done.json["as_found"] == {"run": run, "verdict": "fail"}
-    (listed,) = mimucal("show", run, "--json").json["certificates"]
-    assert listed["number"] == done.json["number"]
-
-
 def test_export_prints_a_form_and_nothing_else(mimucal, run) -> None:
     document = mimucal("export", run, "--as", "json", "--json")
     assert document.json["format"] == "mimu-correction/1"
@@ -94,6 +56,8 @@ def test_export_prints_a_form_and_nothing_else(mimucal, run) -> None:
     assert (header["format"], header["as"]) == ("mimu-export/1", "c")
     assert header["text"] == mimucal("export", run, "--as", "c").out
     assert "update_rate" in mimucal("export", run, "--as", "kalibr").out
+    evidence = EvidenceFile.model_validate_json(mimucal("export", run, "--as", "evidence").out)
+    assert (evidence.run, evidence.decision) == (run, None)
 
 
 def test_a_result_in_a_file_needs_no_store_but_for_kalibr(
@@ -174,19 +138,6 @@ def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
     assert "has no covariance of its elements" in done.err
     assert not (tmp_path / "new").exists()
     assert mimucal("apply", *arguments, "--json").json["u_rms"] == {}
-
-
-@pytest.mark.rehearsal
-def test_the_evidence_of_a_result_is_exported(mimucal, run, tmp_path, home) -> None:
-    done = mimucal("export", run, "--as", "evidence")
-    assert done.code == 0, done.err
-    evidence = EvidenceFile.model_validate_json(done.out)
-    assert evidence.run == run
-    assert evidence.decision is None
-    example = mimucal("calibrate", run, "--uncertainty", "example", "--json")
-    (tmp_path / "example.json").write_text(example.out, encoding="utf-8")
-    refused = mimucal("export", tmp_path / "example.json", "--as", "evidence")
-    assert (refused.code, refused.out, refused.err.count("\n")) == (2, "", 1)
 
 
 @pytest.fixture
@@ -280,13 +231,3 @@ def test_the_evidence_lies_beside_the_certificate_and_its_hash_in_the_record(
     alone = tmp_path / "alone.evidence.json"
     alone.write_bytes(path.read_bytes())
     assert "beside it" in mimucal("verify", alone).out
-
-
-@pytest.mark.rehearsal
-def test_a_result_by_draws_is_certified_without_an_evidence_file(
-    mimucal, run_on_earth: str, home: Path, unprinted
-) -> None:
-    laboratory_file(home)
-    arguments = ("--uncertainty", "montecarlo", "--by", "Wang", "--json")
-    drafted = mimucal("certify", run_on_earth, *arguments)
-    assert (drafted.code, drafted.json["evidence"]) == (0, None), drafted.err

@@ -27,11 +27,9 @@ from storage.formats.folder import read_folder
 from storage.home import Home
 from tasks.experiment import blocks, separation
 from tasks.experiment.choose import Choice, Experiment, OpenQuestion
-from tasks.explain.explain import explain as as_it_is
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
 from tasks.stages import next_recording
 from tasks.words import LANGUAGES, say
-from tests.own_limits import laboratory_file
 
 SMALL = "real/ferraris_session"
 BLANK = {name: dict.fromkeys(LANGUAGES, "<svg/>") for name in ("where", "before_after", "shares")}
@@ -193,14 +191,6 @@ def test_what_cannot_be_used_is_one_sentence(
     assert says in done.err
 
 
-@pytest.mark.rehearsal
-def test_simulation_of_another_run_is_refused(mimucal, shared, plant_clean, engine) -> None:
-    engine(1)
-    done = mimucal("explain", plant_clean, "--simulated", shared / SMALL)
-    assert done.code == 2
-    assert "% of the rows of plant_clean" in done.err
-
-
 def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
     mimucal, shared, engine
 ) -> None:
@@ -233,30 +223,6 @@ def test_what_explain_did_not_find_is_fitted_alone(mimucal, shared, engine) -> N
     assert asked["only"] == ("lever_arm",)
 
 
-@pytest.mark.rehearsal
-def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
-    mimucal, home, run_on_earth, engine, tmp_path, unprinted
-) -> None:
-    engine(1)
-    run = run_on_earth
-    laboratory_file(home)
-    tolerance = tmp_path / "limits.toml"
-    tolerance.write_text(
-        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
-        'document = "d"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 90\n',
-        encoding="utf-8",
-    )
-    assert mimucal("calibrate", run, "--terms", "bias_step").code == 0
-    order = ("--order", "flows/demo_papers/order.toml")  # waives the largest rate
-    limits = ("--tolerance", tolerance, *order, "--json")
-    without = mimucal("certify", run, *limits)
-    assert without.json["verdict"] == "pass"
-    ordered = mimucal("certify", run, "--terms", "bias_step", "--budget", *limits)
-    assert ordered.code == 0, ordered.err
-    assert (ordered.json["verdict"], ordered.json["state"]) == ("inconclusive", "draft")
-    assert any("bias_step" in reason for reason in ordered.json["reasons"])
-
-
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -273,29 +239,6 @@ def test_what_cannot_be_adopted_is_one_sentence(mimucal, shared, engine, argumen
     assert (done.code, done.out) == (2, "")
     assert done.err.strip().count("\n") == 0
     assert says in done.err
-
-
-@pytest.fixture(scope="module")
-def answers() -> dict[str, Explanation]:
-    """What the engine as it is has answered, by the recording's hash."""
-    return {}
-
-
-@pytest.fixture
-def asked_once(answers: dict[str, Explanation], monkeypatch) -> None:
-    """The engine as it is, which takes seconds: of one recording it is asked once."""
-
-    def explain(recording: Recording, **more: Any) -> Explanation:
-        if recording.digest not in answers:
-            answers[recording.digest] = as_it_is(recording, **more)
-        return answers[recording.digest]
-
-    monkeypatch.setattr("tasks.explain.explain.explain", explain)
-
-
-def true_rate_sensitivity(folder: Path) -> dict[str, float]:
-    truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))["parameters"]["P"]
-    return {a + b: truth[i][j] for i, a in enumerate("xyz") for j, b in enumerate("xyz") if i != j}
 
 
 @pytest.fixture
@@ -326,23 +269,6 @@ def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
     change = moved["gyro_g_sensitivity", "zz"]
     assert change["before"] - change["after"] == pytest.approx(vertical, rel=0.05)
     assert (tmp_path / "report" / "report.html").exists()
-
-
-@pytest.mark.rehearsal
-def test_engine_as_it_is_gives_the_unit_its_true_rate_sensitivity_back(
-    mimucal, plant_arm, asked_once
-) -> None:
-    """Off the axes by centimetres, it reads an arm as p_ij: hundreds of U beside the truth."""
-    explained = mimucal("explain", plant_arm, "--json")
-    moved = {(c["item"], c["element"]): c for c in explained.json["findings"][0]["consequences"]}
-    for element, true in true_rate_sensitivity(plant_arm).items():  # eq. (12) turns its sign
-        change = moved["accel_rate_sensitivity", element]
-        assert abs(change["before"] + true) > 20.0 * abs(change["after"] + true)
-    done = mimucal("calibrate", plant_arm, "--terms", "lever_arm", "--json")
-    assert done.code == 0, done.err
-    item = done.json["items"]["accel_rate_sensitivity"]
-    for element, true in true_rate_sensitivity(plant_arm).items():
-        assert abs(item["value_model"][element] - true) < 1.5 * item["U"][element]
 
 
 # `mimucal next`: the procedure that it writes is one that `acquire` takes; refusals are said.
@@ -541,21 +467,6 @@ def test_simulation_of_a_clean_plant_reads_what_the_plant_read(
     means = np.array([miss[rows].mean(axis=0) for rows in held])
     assert np.abs(means[:, :3]).max() < 2e-4
     assert np.abs(means[:, 3:]).max() < 5e-3
-
-
-@pytest.mark.rehearsal
-def test_calibration_may_come_from_a_file_or_by_its_id(mimucal, plant_clean, tmp_path) -> None:
-    calibration = mimucal("calibrate", plant_clean, "--json")
-    file = tmp_path / "result.json"
-    document = json.loads(calibration.out)
-    document["items"]["gyro_bias"]["value"]["x"] += 1.0
-    file.write_text(json.dumps(document), encoding="utf-8")
-    (kept,) = mimucal("show", calibration.json["run"], "--json").json["results"]
-    for folder, named in (("a", file), ("b", kept["id"])):
-        done = mimucal("simulate", plant_clean, "--calibration", named, "--out", tmp_path / folder)
-        assert done.code == 0, done.err
-    a, b = (read_folder(tmp_path / folder).imu.columns["gyro_x"] for folder in "ab")
-    np.testing.assert_allclose(a - b, np.radians(1.0), atol=1e-12)
 
 
 def test_bad_calibration_is_one_sentence(mimucal, plant_clean, tmp_path) -> None:

@@ -39,23 +39,6 @@ def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, plant_clean)
     assert {line["kind"] for line in budget["inputs"]} == {"A", "B"}
 
 
-@pytest.mark.rehearsal
-def test_calibrate_as_the_example_is_another_result_of_the_same_run(mimucal, plant_clean) -> None:
-    gum = mimucal("calibrate", plant_clean, "--json").json
-    example = mimucal("calibrate", plant_clean, "--uncertainty", "example", "--json").json
-    kinds = {item["uncertainty_kind"] for item in example["items"].values()}
-    assert kinds == {"as the specification's example"}
-    assert example["settings"]["effective bits"] == "12 (the example's)"
-    for name, item in example["items"].items():
-        assert item["value"] == pytest.approx(gum["items"][name]["value"])
-    kept = mimucal("show", gum["run"], "--json").json["results"]
-    assert [each["calibration"]["settings"]["uncertainty"] for each in kept][:2] == [
-        "GUM",
-        "as the specification's example",
-    ]
-    assert kept[1]["why"] == "made with another settings"
-
-
 def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_intervals(
     mimucal, ahrs_clean
 ) -> None:
@@ -68,11 +51,10 @@ def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_interva
         for element, budget in item["budgets"].items():
             low, high = budget["coverage_interval"]
             assert low < item["value"][element] < high
-    printed = words_of(
-        mimucal("certify", done["run"], "--budget", "--uncertainty", "montecarlo", "--json").json[
-            "pdf"
-        ]
-    )
+    by_draws = ("--budget", "--uncertainty", "montecarlo", "--json")
+    drafted = mimucal("certify", done["run"], *by_draws).json
+    assert drafted["evidence"] is None
+    printed = words_of(drafted["pdf"])
     assert "propagation of distributions by Monte Carlo" in printed
     assert "drawn from their distributions" in printed
 
