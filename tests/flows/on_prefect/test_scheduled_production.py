@@ -20,7 +20,6 @@ from schemas.orders import ProductionOrder
 from storage.catalogue import certificates, orders, runs
 from storage.home import Home
 from storage.stations import statuses
-from tasks.stages.prefect_api import post
 from tasks.station.virtual.config import VirtualStation, draw_unit
 from tasks.station.virtual.servers import running
 from tests.flows.on_prefect.test_prefect_flows import SHORT
@@ -154,19 +153,6 @@ def test_a_server_that_is_killed_and_comes_back_costs_neither_recording_nor_draf
     assert not list((line.home / "acquiring").rglob("*.mcap"))
 
 
-def test_a_worker_that_is_killed_stops_the_table_and_the_recording_is_kept(line, client) -> None:
-    run = begin(line, client, "S-2")
-    worker = line.workers[1]
-    os.kill(worker.pid, signal.SIGKILL)
-    ((status, is_dead),) = wait_for(lambda: stopped(line, "S-2"), LONG_S)
-    assert not is_dead
-    assert "stopped by the loss of its Prefect worker; recorded so far" in status.cause
-    assert "could not be written" not in status.cause
-    assert settled(client, run)
-    assert state_of(client, run) in ("Failed", "Crashed")
-    line.work("station-S-2")
-
-
 def stopped(line: PrefectLine, station: str) -> list:
     found = statuses(Home(line.home))
     return [each for each in found if each[0].station == station and each[0].state == "stopped"]
@@ -226,10 +212,3 @@ def test_a_cancellation_stops_the_table_though_the_worker_no_longer_looks(line, 
         assert "stopped by a cancellation in Prefect; recorded so far" in status.cause
     finally:
         os.kill(worker.pid, signal.SIGCONT)
-
-
-def test_runs_and_artifacts_are_named_by_unit_and_procedure(line, client) -> None:
-    names = {run["name"] for run in flow_runs("produce/S-1", "COMPLETED")}
-    assert names <= {"V00007 short", "V00007 longer"}
-    keys = {each["key"] for each in post("/artifacts/filter", {})}
-    assert {"certificate-v00007", "calibration-v00007"} <= keys

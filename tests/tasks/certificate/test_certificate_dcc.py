@@ -19,7 +19,7 @@ from lxml import etree
 from schemas.certificate import Certificate, Contact, Replaced
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
-from tasks.certificate.pdf import Faces, faces_of, render
+from tasks.certificate.pdf import Faces, faces_of
 from tasks.conformity import decide
 from tasks.curves import curves_of_run
 from tasks.specifications.jjf1536 import JJF1536
@@ -105,17 +105,6 @@ def test_the_record_lies_in_the_dcc_whole(faces: Faces, made: Certificate) -> No
 def test_every_number_of_the_printed_pages_stands_in_the_dcc(faces: Faces) -> None:
     printed = numbers(PAGE_OR_SECTION.sub(" ", pages(faces.pdf)))
     assert printed
-    assert printed - numbers_of_dcc(faces.dcc) == set()
-
-
-@pytest.mark.rehearsal
-@pytest.mark.parametrize("made", ["2003", "1536"], indirect=True)
-@pytest.mark.parametrize("language", ["zh", "en"])
-def test_every_number_stands_in_the_dcc_whatever_the_language(
-    made: Certificate, faces: Faces, language: str
-) -> None:
-    printed = numbers(PAGE_OR_SECTION.sub(" ", pages(render(made, [language], faces.dcc))))
-    assert len(printed) > 50
     assert printed - numbers_of_dcc(faces.dcc) == set()
 
 

@@ -1,10 +1,8 @@
 """What the certificate says, before it is laid out."""
 
-from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, get_args
 
-import pypdfium2
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,7 +17,6 @@ from schemas.calibration import (
 )
 from schemas.certificate import State
 from schemas.laboratory import EquipmentLimit, LimitName, ResultAxes
-from schemas.recording import Recording
 from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
 from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.calibrate.information.entry import WITHOUT_EARTH, separated
@@ -27,7 +24,6 @@ from tasks.certificate.budgets import budgets
 from tasks.certificate.equipment import axes_of_results, flatness, limits_of, settings, whose_limits
 from tasks.certificate.fields import literal, slug
 from tasks.certificate.information import contained, information_rows
-from tasks.certificate.pdf import render
 from tasks.certificate.results import Group
 from tasks.conformity import decide
 from tasks.specifications.jjf2003 import JJF2003
@@ -354,42 +350,6 @@ def test_information_never_enters_the_decision() -> None:
     bare, shown = certificate(), certificate(calibration(information={"walk": far}))
     assert content(shown).verdict == content(bare).verdict
     assert content(shown).reasons == content(bare).reasons
-
-
-@pytest.mark.rehearsal
-def test_the_pdf_has_the_section_only_where_there_is_something_to_show() -> None:
-    shown = certificate(calibration(information={"walk": noise()}))
-    assert "For information, not decided on" in text_of(render(shown))
-    assert "For information, not decided on" not in text_of(render(certificate()))
-
-
-@pytest.mark.rehearsal
-def test_on_plant_earth_rotation_the_certificate_says_what_the_clause_contains(
-    plant: Callable[[str], Recording],
-) -> None:
-    made = calibrate(JJF2003, plant("plant_earth_rotation"), run="r", code_version="v")
-    text = text_of(render(certificate(made)))
-    assert "The value by eq. (7) includes Earth's rotation" in text
-    assert "式(7)的值含地球自转" in text
-    assert "附加信息（不作判定）" in text
-
-
-@pytest.mark.rehearsal
-def test_on_plant_lever_arm_the_certificate_says_that_p_contains_it_and_shows_it_without(
-    plant: Callable[[str], Recording],
-) -> None:
-    made = calibrate(JJF2003, plant("plant_lever_arm"), run="r", code_version="v")
-    text = text_of(render(certificate(made)))
-    assert "The value by eq. (12), (13) contains the lever arm" in text
-    assert "式(12)、式(13)的值含杆臂" in text
-    assert made.information["lever_arm"].title in text
-
-
-def text_of(pdf: bytes) -> str:
-    """The words of a PDF, line ends and spaces made one space."""
-    pages = pypdfium2.PdfDocument(pdf)
-    text = " ".join(page.get_textpage().get_text_range() for page in pages)
-    return " ".join(text.split())
 
 
 # Whose limits stand in the budgets, and what stands in none.

@@ -1,11 +1,9 @@
 """How the certificate tells limits, rules, risks and conditional verdicts."""
 
-import io
 import re
 from datetime import UTC, datetime
 from typing import Any
 
-import pypdf
 import pytest
 
 from schemas.certificate import Certificate, Step, StepName
@@ -13,7 +11,6 @@ from schemas.recording import Segment
 from schemas.text import Remark
 from schemas.tolerance import Limit, ProductionPrior, Tolerance
 from tasks.certificate.content import Content
-from tasks.certificate.pdf import render
 from tasks.certificate.remarks import alike
 from tasks.certificate.results import Group, sections
 from tasks.conformity import decide
@@ -132,16 +129,6 @@ def test_a_prior_gives_the_risks_over_the_production() -> None:
 )  # fmt: skip
 def test_a_probability_is_never_printed_as_certainty(probability: float, text: str) -> None:
     assert probability_text(probability) == text
-
-
-@pytest.mark.rehearsal
-def test_rule_width_and_risk_are_on_the_paper() -> None:
-    limits = limited(Limit(**BIAS, magnitude=0.05), rule="guard_band")
-    reader = pypdf.PdfReader(io.BytesIO(render(made([0.0499, 0.01, 0.02], limits))))
-    paper = re.sub(r"\s+", "", "".join(page.extract_text() for page in reader.pages))
-    for words in ("保护带判定", "guardband(JCGM106,8.3)", "接受限±0.04966", "有条件不合格",
-                  "conditionalfail", "falserejection72.1%", "ILAC-G8:09/2019"):  # fmt: skip
-        assert words in paper
 
 
 # Remarks told once with their segments, and who signs: whoever took the steps.

@@ -68,44 +68,6 @@ def joint(plant: Callable[[str], Recording]) -> Calibration:
     return items_only(JOINT, plant("plant_lever_arm"))
 
 
-@pytest.mark.rehearsal
-def test_u_is_the_scatter_of_readings_corrected_by_drawn_parameters(joint: Calibration) -> None:
-    """Draws from the covariance of the result, item by item, through the whole correction."""
-    known, uncertainty = uncertainty_of(joint)
-    covariance = joint.covariance
-    assert covariance is not None
-    count = len(covariance.elements)
-    matrix = np.zeros((count, count))
-    matrix[np.tril_indices(count)] = [each for row in covariance.rows for each in row]
-    matrix += np.tril(matrix, -1).T
-    scale = np.sqrt(np.diag(matrix))
-    root = np.linalg.cholesky(matrix / np.outer(scale, scale))
-    random = np.random.default_rng(3)
-    corrected = []
-    for _ in range(DRAWS):
-        errors = scale * (root @ random.standard_normal(count))
-        drawn = perturbed(joint, dict(zip(covariance.elements, errors, strict=True)))
-        corrected.append(np.hstack(correct(coefficients(drawn)[0], RATE, FORCE)))
-    rate, force = correct(known, RATE, FORCE)
-    by_draws = np.std(corrected, axis=0)
-    np.testing.assert_allclose(uncertainty.of_rows(rate, force), by_draws, rtol=0.05)
-
-
-def perturbed(calibration: Calibration, errors: dict[str, float]) -> Calibration:
-    items = {}
-    for name, item in calibration.items.items():
-        moved = {e: v if v is None else v + errors.get(f"{name}.{e}", 0.0)
-                 for e, v in item.value.items()}  # fmt: skip
-        update = {"value": moved}
-        for second in ("value_without_earth_rotation", "value_model"):
-            if (values := getattr(item, second)) is not None:
-                sign = -1.0 if second == "value_model" else 1.0
-                update[second] = {e: v if v is None else v + sign * errors.get(f"{name}.{e}", 0.0)
-                                  for e, v in values.items()}  # fmt: skip
-        items[name] = item.model_copy(update=update)
-    return calibration.model_copy(update={"items": items})
-
-
 def test_the_rms_is_that_of_the_rows_whatever_their_number(joint: Calibration) -> None:
     known, uncertainty = uncertainty_of(joint)
     rate, force = RNG.standard_normal((2, 10_001, 3))

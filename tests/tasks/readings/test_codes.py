@@ -41,48 +41,35 @@ def off(one: Made) -> tuple[np.ndarray, set[str], np.ndarray]:
 
 @pytest.mark.parametrize("number", range(len(UNITS)))
 def test_right_codes_are_left_alone(number: int) -> None:
-    one = made(UNITS[number], 100 + number, None, known=known(number))
+    one = made(UNITS[number], number, None, known=known(number))
     assert codes_put_right(one.recording) is one.recording
 
 
-@pytest.mark.parametrize("number", EACH)
-@pytest.mark.parametrize("alone", [False, True])
-def test_a_signed_low_byte_is_put_right_exactly(number: int, alone: bool) -> None:
-    unit = UNITS[number]
-    channels = (number % 6,) if alone and number != 11 else EVERY
-    fault = partial(firmware.low_byte_signed, bits=unit.bits)
-    wrong, bugs, undecided = off(made(unit, number, fault, channels, known(number)))
-    assert wrong.max() == 0.0
-    assert bugs == {"signed-low"}
-    assert not undecided.any()
+WRONG = {  # what of a unit's words goes wrong, which bug that is called, and of which units
+    "signed low byte": (firmware.low_byte_signed, "signed-low", UNITS),
+    "bytes exchanged": (firmware.bytes_exchanged, "bytes", UNITS),
+    "read as unsigned": (firmware.read_as_unsigned, "unsigned", UNITS),
+    "wrapped": (firmware.wrapped, "wrap", FULL),
+}
 
 
 @pytest.mark.parametrize("number", EACH)
-def test_bytes_that_were_exchanged_are_put_right_exactly(number: int) -> None:
-    unit = UNITS[number]
-    fault = partial(firmware.bytes_exchanged, bits=unit.bits)
-    wrong, bugs, _ = off(made(unit, number, fault, EVERY, known(number)))
+@pytest.mark.parametrize("fault", WRONG)
+def test_what_no_bit_is_lost_of_is_put_right_exactly(fault: str, number: int) -> None:
+    made_wrong, bug, units = WRONG[fault]
+    unit = units[number % len(units)]
+    one = made(unit, number, partial(made_wrong, bits=unit.bits), EVERY, known(number))
+    wrong, bugs, undecided = off(one)
     assert wrong.max() == 0.0
-    assert bugs - {"wrap"} == {"bytes"}
+    assert bugs - ({"wrap"} if bug == "bytes" else set()) == {bug}
+    assert bug == "bytes" or not undecided.any()
 
 
-@pytest.mark.parametrize("number", EACH)
-def test_numbers_read_as_unsigned_are_put_right_exactly(number: int) -> None:
-    unit = UNITS[number]
-    fault = partial(firmware.read_as_unsigned, bits=unit.bits)
-    wrong, bugs, _ = off(made(unit, number, fault, EVERY, known(number)))
-    assert wrong.max() == 0.0
-    assert bugs == {"unsigned"}
-
-
-@pytest.mark.parametrize("number", range(len(FULL)))
-def test_numbers_that_wrap_at_full_scale_are_put_right_exactly(number: int) -> None:
-    unit = FULL[number]
-    fault = partial(firmware.wrapped, bits=unit.bits)
-    wrong, bugs, undecided = off(made(unit, number, fault, EVERY, known(number)))
-    assert wrong.max() == 0.0
-    assert bugs == {"wrap"}
-    assert not undecided.any()
+@pytest.mark.parametrize("number", [0, 4])
+def test_one_channel_of_six_is_put_right(number: int) -> None:
+    one = made(UNITS[number], number, firmware.low_byte_signed, (number % 6,), known(number))
+    wrong, bugs, _ = off(one)
+    assert (wrong.max(), bugs) == (0.0, {"signed-low"})
 
 
 @pytest.mark.parametrize("number", EACH)
@@ -176,15 +163,6 @@ def test_a_bias_that_jumps_to_and_fro_by_a_byte_is_no_fault_of_the_codes() -> No
     imu = type(one.recording.imu)(one.recording.imu.t, columns)
     jumping = type(one.recording)(one.recording.manifest, imu, one.recording.table)
     assert codes_put_right(jumping) is jumping
-
-
-@pytest.mark.parametrize("folder", ["real", "rough", "plant"])
-def test_recordings_of_others_have_the_faults_that_are_known_of_them(folder: str) -> None:
-    for path in sorted(shared_path(f"data/{folder}").iterdir()):
-        recording = read_folder(path)
-        bugs = {(one.channel, one.bug, one.codes) for one in codes_put_right(recording).wrong_codes}
-        joined = path.name == "bmi160_board1"
-        assert bugs == ({(c, "signed-low", 256.0) for c in CHANNELS} if joined else set())
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from schemas.recording import Recording, Stream
 from storage.formats.folder import read_folder
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.explain import explain
-from tasks.readings.codes import codes_put_right
 from tasks.readings.rows import (
     empty_remarks,
     empty_rows,
@@ -116,13 +115,6 @@ def test_a_knock_that_rings_on_is_read() -> None:
     assert not rows_without_readings(replace(clean, imu=Stream(clean.imu.t, columns))).any()
 
 
-@pytest.mark.parametrize("folder", ["real", "rough", "plant"])
-def test_recordings_of_others_lose_no_rows(folder: str) -> None:
-    for path in sorted(shared_path(f"data/{folder}").iterdir()):
-        count = int(rows_without_readings(codes_put_right(read_folder(path))).sum())
-        assert count == (1 if path.name == "vn200_imu1_rate_table" else 0)  # it has a torn frame
-
-
 @pytest.mark.parametrize(("name", "count"), [("one_bad_row", 1), ("ten_bad_rows", 10)])
 def test_calibrate_and_explain_leave_out_the_same_rows(name: str, count: int) -> None:
     recording = read_folder(shared_path(f"data/field/{name}"))
@@ -136,6 +128,7 @@ def test_calibrate_and_explain_leave_out_the_same_rows(name: str, count: int) ->
         assert segment.rows_left_out == inside
 
 
+@pytest.mark.rehearsal
 def test_a_low_pass_is_named_beside_a_dropout_and_an_empty_first_row() -> None:
     torn = with_dropout(swinging(1e-5, low_pass=5.0))
     columns = {name: np.append(0.0, signal[1:]) for name, signal in torn.imu.columns.items()}
