@@ -18,7 +18,7 @@ def pinned(name: str) -> dict[str, str]:
     return {each.name: each.version for each in packages(Path(name).read_text())}
 
 
-def test_every_pinned_package_is_in_both_and_no_other() -> None:
+def test_every_pinned_package_is_in_both_and_no_other():
     product = pinned("requirements.txt")
     listed = json.loads((DEPLOY / "bom.json").read_text())["components"]
     assert {each["name"]: each["version"] for each in listed} == product
@@ -29,12 +29,12 @@ def test_every_pinned_package_is_in_both_and_no_other() -> None:
     assert not any("not stated" in row for row in rows)
 
 
-def test_the_bill_of_materials_is_valid() -> None:
+def test_the_bill_of_materials_is_valid():
     text = (DEPLOY / "bom.json").read_text()
     assert JsonStrictValidator(SchemaVersion.V1_6).validate_str(text) is None
 
 
-def test_the_program_installs_nothing_that_only_tests_need_and_pins_what_they_pin() -> None:
+def test_the_program_installs_nothing_that_only_tests_need_and_pins_what_they_pin():
     product, everything = pinned("requirements.txt"), pinned("requirements-dev.txt")
     assert product.items() <= everything.items()
     project = tomllib.loads(Path("pyproject.toml").read_text())
@@ -52,7 +52,7 @@ def test_the_program_installs_nothing_that_only_tests_need_and_pins_what_they_pi
         assert "://" not in Path(name).read_text()
 
 
-def test_a_package_without_a_licence_would_be_seen() -> None:
+def test_a_package_without_a_licence_would_be_seen():
     (numpy,) = packages("numpy==1 \\\n    --hash=sha256:00\n")
     assert "| numpy | 1 |" in as_markdown([numpy])
     assert packages("other==2 ; sys_platform == 'win32' \\\n")[0].when == "sys_platform == 'win32'"

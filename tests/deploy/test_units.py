@@ -32,7 +32,7 @@ def mimucal_commands() -> set[str]:
 
 
 @pytest.mark.parametrize("unit", UNITS, ids=lambda unit: unit.name)
-def test_a_unit_runs_a_command_that_is_there_as_a_user_of_its_own(unit: Path) -> None:
+def test_a_unit_runs_a_command_that_is_there_as_a_user_of_its_own(unit):
     parser = read(unit)
     assert parser["Unit"]["Description"].startswith("mimucal: ")
     if unit.suffix != ".service":
@@ -44,7 +44,7 @@ def test_a_unit_runs_a_command_that_is_there_as_a_user_of_its_own(unit: Path) ->
     assert parser["Service"]["User"] == "mimucal"
 
 
-def test_each_unit_that_another_names_is_there() -> None:
+def test_each_unit_that_another_names_is_there():
     names = {unit.name for unit in UNITS}
     named = {read(unit)["Unit"].get("OnFailure") for unit in UNITS} - {None}
     assert named <= names
@@ -52,7 +52,7 @@ def test_each_unit_that_another_names_is_there() -> None:
 
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is missing")
-def test_systemd_reads_the_units_without_a_word(tmp_path: Path) -> None:
+def test_systemd_reads_the_units_without_a_word(tmp_path):
     for unit in UNITS:  # /opt/mimucal is not there
         own = re.sub(r"/opt/mimucal/\.venv/bin/\w+", "/bin/true", unit.read_text())
         (tmp_path / unit.name).write_text(own.replace("User=mimucal\n", ""))
@@ -71,9 +71,7 @@ def station_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path
     return one, other
 
 
-def test_two_lines_with_one_station_id_have_units_and_variables_of_their_own(
-    station_units: tuple[Path, Path],
-) -> None:
+def test_two_lines_with_one_station_id_have_units_and_variables_of_their_own(station_units):
     one, other = station_units
     assert one.name == "mimucal-station-S-1.service"
     assert other.name == "mimucal-b-station-S-1.service"
@@ -88,9 +86,7 @@ def test_two_lines_with_one_station_id_have_units_and_variables_of_their_own(
 
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is missing")
-def test_systemd_reads_the_unit_of_a_station_without_a_word(
-    station_units: tuple[Path, Path],
-) -> None:
+def test_systemd_reads_the_unit_of_a_station_without_a_word(station_units):
     command = ["systemd-analyze", "verify", "--man=no", *map(str, station_units)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert [line for line in done.stderr.splitlines() if "mimucal" in line] == []
@@ -102,7 +98,7 @@ def lines() -> list[list[str]]:
     return [line.split() for line in whole.splitlines() if line and not line.startswith("#")]
 
 
-def test_the_recipe_ends_as_a_user_that_is_not_root_in_a_stage_without_build_tools() -> None:
+def test_the_recipe_ends_as_a_user_that_is_not_root_in_a_stage_without_build_tools():
     found = lines()
     stages = [n for n, line in enumerate(found) if line[0] == "FROM"]
     assert len(stages) == 2
@@ -114,7 +110,7 @@ def test_the_recipe_ends_as_a_user_that_is_not_root_in_a_stage_without_build_too
     assert all(":" in found[n][1] for n in stages)  # a version of the base image is named
 
 
-def test_the_recipe_copies_what_is_there_and_the_context_has_it() -> None:
+def test_the_recipe_copies_what_is_there_and_the_context_has_it():
     kept = Path(".containerignore").read_text().split()
     for line in lines():
         if line[0] == "COPY" and not line[1].startswith("--from"):
@@ -123,7 +119,7 @@ def test_the_recipe_copies_what_is_there_and_the_context_has_it() -> None:
                 assert f"!{name}" in kept
 
 
-def test_the_recipe_names_no_host_and_no_secret() -> None:
+def test_the_recipe_names_no_host_and_no_secret():
     text = RECIPE.read_text(encoding="utf-8")
     hosts = set(re.findall(r"https?://([\w.-]+)", text))
     assert hosts <= {"127.0.0.1"}

@@ -26,7 +26,7 @@ def fault(name: str, **function: Any) -> str:
     return first_fault(refused.value)
 
 
-def test_a_table_is_taken_for_rate_and_position_and_one_row_for_gravity_and_time() -> None:
+def test_a_table_is_taken_for_rate_and_position_and_one_row_for_gravity_and_time():
     one = {"deviation": "budgeted", "rows": [{"deviation": 0.0, "U": 1e-5}]}
     table = {"deviation": "corrected", "rows": ROWS, "drift": DRIFT}
     made = MeasurementStandard.model_validate(
@@ -58,13 +58,11 @@ def test_a_table_is_taken_for_rate_and_position_and_one_row_for_gravity_and_time
           "distribution": "normal"}}}}, "rate stands in limits and in functions"),
     ],
 )  # fmt: skip
-def test_what_is_no_function_of_the_rate_is_refused(
-    function: dict[str, Any], sentence: str
-) -> None:
+def test_what_is_no_function_of_the_rate_is_refused(function, sentence):
     assert sentence in fault("rate", **function)
 
 
-def test_what_has_no_function_is_refused() -> None:
+def test_what_has_no_function_is_refused():
     assert "state fixture in limits" in fault("fixture", rows=ROWS)
     assert "functions.gravity has one value" in fault("gravity", rows=ROWS)
     assert "functions.time_base has one value" in fault("time_base", polynomials=[POLYNOMIAL])
@@ -91,9 +89,7 @@ def tolerance(limit: dict[str, Any], **file: Any) -> Tolerance:
         ({"nominal": 200.0, "lower": -0.05}, (190.0, None)),
     ],
 )
-def test_relative_limits_count_from_their_nominal(
-    written: dict[str, Any], absolute: tuple[float | None, float | None]
-) -> None:
+def test_relative_limits_count_from_their_nominal(written, absolute):
     assert Limit(**LIMIT, relative=True, **written).bounds == absolute
 
 
@@ -114,22 +110,20 @@ def test_relative_limits_count_from_their_nominal(
         ({"magnitude": 1, "rule": "guess"}, {}, "guess"),
     ],
 )
-def test_a_rule_that_is_not_complete_is_refused(
-    limit: dict[str, Any], file: dict[str, Any], names: str
-) -> None:
+def test_a_rule_that_is_not_complete_is_refused(limit, file, names):
     with pytest.raises(ValidationError, match=names):
         tolerance(limit, **file)
 
 
 @pytest.mark.parametrize("written", [True, "1"])
 @pytest.mark.parametrize("field", ["magnitude", "lower", "U_max"])
-def test_a_limit_is_a_number_and_nothing_that_looks_like_one(field: str, written: Any) -> None:
+def test_a_limit_is_a_number_and_nothing_that_looks_like_one(field, written):
     with pytest.raises(ValidationError, match=field):
         tolerance({"upper": 3.0, field: written} if field != "magnitude" else {field: written})
 
 
 @pytest.mark.parametrize("half_width", [True, "0.001", 1.5, 0.0, float("inf")])
-def test_a_laboratory_limit_is_a_number_that_equipment_can_have(half_width: Any) -> None:
+def test_a_laboratory_limit_is_a_number_that_equipment_can_have(half_width):
     limit = {"half_width": half_width, "distribution": "normal", "source": "paper"}
     with pytest.raises(ValidationError, match="half_width"):
         EquipmentLimit.model_validate(limit)

@@ -86,7 +86,7 @@ def rows(home: Home) -> dict[str, list[dict[str, Any]]]:
         }
 
 
-def test_a_home_of_every_revision_is_kept() -> None:
+def test_a_home_of_every_revision_is_kept():
     """Before a release with new tables: `python -m tests.storage.full_home`."""
     settings = Config()
     settings.set_main_option("script_location", str(Path(database.__file__).parent / "migrations"))
@@ -95,18 +95,18 @@ def test_a_home_of_every_revision_is_kept() -> None:
     assert KEPT[0] == database.FIRST
 
 
-def test_every_table_of_a_kept_home_has_content(earlier: Home) -> None:
+def test_every_table_of_a_kept_home_has_content(earlier):
     assert [name for name, found in rows(earlier).items() if not found] == []
 
 
-def test_the_tables_become_those_of_this_version(upgraded: tuple[Home, Any]) -> None:
+def test_the_tables_become_those_of_this_version(upgraded):
     home, _ = upgraded
     with database.changing(home) as connection:
         context = MigrationContext.configure(connection, opts={"compare_server_default": True})
         assert compare_metadata(context, tables.metadata) == []
 
 
-def test_no_row_and_no_value_is_lost(revision: str, upgraded: tuple[Home, Any]) -> None:
+def test_no_row_and_no_value_is_lost(revision, upgraded):
     home, before = upgraded
     for step, renamed in RENAMED.items():
         for name, names in renamed.items() if step > revision else ():
@@ -120,9 +120,7 @@ def test_no_row_and_no_value_is_lost(revision: str, upgraded: tuple[Home, Any]) 
         }
 
 
-def test_recordings_results_and_certificates_are_read_and_nothing_is_at_fault(
-    upgraded: tuple[Home, Any],
-) -> None:
+def test_recordings_results_and_certificates_are_read_and_nothing_is_at_fault(upgraded):
     home, _ = upgraded
     assert verify(home)[1] == []
     run = next(each for each in runs.all_runs(home) if each.recording_id == "ideal")
@@ -143,7 +141,7 @@ def test_recordings_results_and_certificates_are_read_and_nothing_is_at_fault(
         assert certificates.find(entry.number, home).number == entry.number
 
 
-def test_a_home_of_a_development_version_is_refused_with_the_way_out(earlier: Home) -> None:
+def test_a_home_of_a_development_version_is_refused_with_the_way_out(earlier):
     if is_needed(earlier):
         upgrade(earlier, "1")
     with dump.alone(earlier) as connection:

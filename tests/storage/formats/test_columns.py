@@ -1,7 +1,5 @@
 """Columns keep a recording exactly, and appear whole or not at all."""
 
-from pathlib import Path
-
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -16,7 +14,7 @@ from tests.shared import shared_path
 @pytest.mark.parametrize(
     "name", ["real/vn200_imu0_rate_table", "plant/plant_clean", "plant/ahrs_clean"]
 )
-def test_columns_keep_every_number_and_the_digest(name: str, tmp_path: Path) -> None:
+def test_columns_keep_every_number_and_the_digest(name, tmp_path):
     recording = read_folder(shared_path(f"data/{name}"))
     write_columns(recording, tmp_path / "columns")
     back = read_columns(tmp_path / "columns")
@@ -28,13 +26,13 @@ def test_columns_keep_every_number_and_the_digest(name: str, tmp_path: Path) -> 
             assert values.tobytes() == back.streams()[key].columns[column].tobytes()
 
 
-def test_columns_are_a_recording_that_can_be_imported(tmp_path: Path) -> None:
+def test_columns_are_a_recording_that_can_be_imported(tmp_path):
     recording = read_folder(shared_path("data/real/vn200_imu0_rate_table"))
     write_columns(recording, tmp_path / "columns")
     assert read_folder(tmp_path / "columns").digest == recording.digest
 
 
-def test_columns_that_are_there_are_not_overwritten(tmp_path: Path) -> None:
+def test_columns_that_are_there_are_not_overwritten(tmp_path):
     recording = read_folder(shared_path("data/real/ferraris_session"))
     write_columns(recording, tmp_path / "columns")
     with pytest.raises(FileExistsError):
@@ -43,7 +41,7 @@ def test_columns_that_are_there_are_not_overwritten(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("missing", ["manifest.json", "imu.parquet"])
-def test_columns_with_a_file_missing_are_refused(missing: str, tmp_path: Path) -> None:
+def test_columns_with_a_file_missing_are_refused(missing, tmp_path):
     write_columns(read_folder(shared_path("data/real/ferraris_session")), tmp_path / "columns")
     (tmp_path / "columns" / missing).unlink()
     with pytest.raises(Unusable, match="not whole"):
@@ -61,7 +59,7 @@ def pages_swapped(column: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("damage", [flipped, pages_swapped])
-def test_columns_that_were_changed_since_are_refused(damage, tmp_path: Path) -> None:
+def test_columns_that_were_changed_since_are_refused(damage, tmp_path):
     write_columns(read_folder(shared_path("data/plant/plant_clean")), tmp_path / "columns")
     path = tmp_path / "columns" / "imu.parquet"
     table = pq.read_table(path)
@@ -72,7 +70,7 @@ def test_columns_that_were_changed_since_are_refused(damage, tmp_path: Path) -> 
         read_columns(tmp_path / "columns")
 
 
-def test_columns_of_two_recordings_are_refused(tmp_path: Path) -> None:
+def test_columns_of_two_recordings_are_refused(tmp_path):
     write_columns(read_folder(shared_path("data/plant/plant_clean")), tmp_path / "one")
     write_columns(read_folder(shared_path("data/plant/plant_unlisted")), tmp_path / "two")
     (tmp_path / "one" / "table.parquet").replace(tmp_path / "two" / "table.parquet")

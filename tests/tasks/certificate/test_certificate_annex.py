@@ -54,9 +54,7 @@ def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> C
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
-def test_what_concerns_the_laboratory_alone_stands_in_the_annex(
-    made: Certificate, language: str
-) -> None:
+def test_what_concerns_the_laboratory_alone_stands_in_the_annex(made, language):
     main, annex = parts(made, language)
     assert len(main) <= MOST_PAGES
     before = re.sub(r"An annex follows:.*|后附附录：.*", "", " ".join(main))
@@ -65,7 +63,7 @@ def test_what_concerns_the_laboratory_alone_stands_in_the_annex(
     assert last in annex[-1]
 
 
-def test_page_numbers_go_through_both_parts(made: Certificate) -> None:
+def test_page_numbers_go_through_both_parts(made):
     main, annex = parts(made, "en")
     pages = [*main, *annex]
     assert [f"Page {n} of {len(pages)}" in text for n, text in enumerate(pages, 1)] == [True] * len(

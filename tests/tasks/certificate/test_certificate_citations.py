@@ -50,7 +50,7 @@ def made(
     return standard, written, {name: item.clause for name, item in result.items.items()}
 
 
-def test_each_item_cites_the_equations_of_its_own_specification(made) -> None:
+def test_each_item_cites_the_equations_of_its_own_specification(made):
     standard, _, clauses = made
     for name, clause in clauses.items():
         assert clause.startswith(standard) or re.match(r"\d", clause), (name, clause)
@@ -60,21 +60,21 @@ def test_each_item_cites_the_equations_of_its_own_specification(made) -> None:
         assert set(CITED.findall(clause)) <= CLAUSES[standard], (name, clause)
 
 
-def test_nothing_on_the_certificate_names_the_other_specification(made) -> None:
+def test_nothing_on_the_certificate_names_the_other_specification(made):
     standard, written, _ = made
     text = str(asdict(written))
     others = {"JJF 2003", "JJF 1536"} - {standard[:8]}
     assert not [other for other in others if other in text]
 
 
-def test_every_reading_cites_clauses_that_its_specification_has(made) -> None:
+def test_every_reading_cites_clauses_that_its_specification_has(made):
     standard, written, _ = made
     for row in written.readings:
         found = set(CITED.findall(row.clause[1].removeprefix(standard)))
         assert found <= CLAUSES[standard], row.clause
 
 
-def test_sentences_under_the_results_speak_of_equations_of_their_own_item(made) -> None:
+def test_sentences_under_the_results_speak_of_equations_of_their_own_item(made):
     """Groups stand in the order of the items of their section."""
     standard, written, _ = made
     largest = 13 if standard.startswith("JJF 2003") else 17

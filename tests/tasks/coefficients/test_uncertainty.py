@@ -41,9 +41,7 @@ def uncertainty_of(calibration: Calibration) -> tuple[Coefficients, ReadingUncer
 @pytest.mark.parametrize(
     "specification", [JJF2003, pytest.param(JOINT, marks=pytest.mark.rehearsal)]
 )
-def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_says(
-    specification,
-) -> None:
+def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_says(specification):
     """What each unit reads of another motion is plain algebra of its true parameters."""
     z = []
     for seed in range(700, 700 + UNITS):
@@ -68,7 +66,7 @@ def joint(plant: Callable[[str], Recording]) -> Calibration:
     return items_only(JOINT, plant("plant_lever_arm"))
 
 
-def test_the_rms_is_that_of_the_rows_whatever_their_number(joint: Calibration) -> None:
+def test_the_rms_is_that_of_the_rows_whatever_their_number(joint):
     known, uncertainty = uncertainty_of(joint)
     rate, force = RNG.standard_normal((2, 10_001, 3))
     rate[7] = np.nan
@@ -79,9 +77,7 @@ def test_the_rms_is_that_of_the_rows_whatever_their_number(joint: Calibration) -
     assert all(np.isfinite(getattr(known, each.name)).all() for each in fields(known))
 
 
-def test_a_channel_of_which_an_element_is_taken_as_ideal_has_no_uncertainty(
-    real: Callable[[str], Recording],
-) -> None:
+def test_a_channel_of_which_an_element_is_taken_as_ideal_has_no_uncertainty(real):
     found = items_only(JJF2003, real("vn200_57630_six_position"))
     _, uncertainty = uncertainty_of(found)
     assert set(uncertainty.unknown) >= {"gyro_x", "gyro_y", "gyro_z"}
@@ -90,7 +86,7 @@ def test_a_channel_of_which_an_element_is_taken_as_ideal_has_no_uncertainty(
     assert uncertainty.rms(RATE, FORCE).keys().isdisjoint(uncertainty.unknown)
 
 
-def test_a_result_without_a_covariance_gives_no_uncertainty(joint: Calibration) -> None:
+def test_a_result_without_a_covariance_gives_no_uncertainty(joint):
     known, _ = uncertainty_of(joint)
     without = joint.model_copy(update={"covariance": None})
     assert reading_uncertainty(without, known) is None

@@ -18,18 +18,18 @@ def able(*axes: TableAxis, mount: Mount = LEVEL, endless: bool = True) -> Abilit
     return Abilities(station, mount, (300.0,) * len(axes), 500.0, (endless,) * len(axes))
 
 
-def test_three_axes_bring_every_axis_of_the_unit_up_and_down() -> None:
+def test_three_axes_bring_every_axis_of_the_unit_up_and_down():
     found = attitudes(able(VERTICAL, EAST, INNER))
     assert [one.up for one in found] == ["+x", "-x", "+y", "-y", "+z", "-z"]
 
 
-def test_one_vertical_axis_leaves_up_what_is_up() -> None:
+def test_one_vertical_axis_leaves_up_what_is_up():
     assert [one.up for one in attitudes(able(VERTICAL))] == ["+z"]
     lying = Mount(quaternion_wxyz=(0.5**0.5, 0.5**0.5, 0.0, 0.0))
     assert [one.up for one in attitudes(able(VERTICAL, mount=lying))] == ["+y"]
 
 
-def test_each_axis_is_swung_by_the_vertical_axis_no_faster_than_it_turns() -> None:
+def test_each_axis_is_swung_by_the_vertical_axis_no_faster_than_it_turns():
     swings = [one for one in blocks_of(able(VERTICAL, EAST, INNER)) if "swing" in one.name]
     assert {step.axis for block in swings for step in block.steps} == {"x", "y", "z"}
     rates = [rate for block in swings for step in block.steps for rate in step.rates_deg_s]
@@ -48,7 +48,7 @@ def of_magnitude(rates: tuple[float, ...]) -> float:
     return float(left @ left)
 
 
-def test_halves_tell_an_asymmetry_from_a_square_better_than_rates_as_long() -> None:
+def test_halves_tell_an_asymmetry_from_a_square_better_than_rates_as_long():
     blocks = {one.name: one for one in blocks_of(able(VERTICAL, EAST, INNER))}
     for axis in ("px", "py", "pz"):
         (rates,), (halves,) = (blocks[f"{name}_{axis}"].steps for name in ("rates", "halves"))
@@ -56,7 +56,7 @@ def test_halves_tell_an_asymmetry_from_a_square_better_than_rates_as_long() -> N
         assert of_magnitude(halves.rates_deg_s) > 2.0 * of_magnitude(rates.rates_deg_s)
 
 
-def test_both_bisectors_of_each_two_axes_are_turned_about() -> None:
+def test_both_bisectors_of_each_two_axes_are_turned_about():
     station = able(VERTICAL, EAST, INNER)
     (block,) = (one for one in blocks_of(station) if one.name == "aslant")
     ways = [upward(station, step.angles_deg) for step in block.steps]
@@ -66,7 +66,7 @@ def test_both_bisectors_of_each_two_axes_are_turned_about() -> None:
     assert "aslant" not in [one.name for one in blocks_of(able(VERTICAL))]
 
 
-def test_an_axis_that_does_not_turn_on_and_on_is_not_spun() -> None:
+def test_an_axis_that_does_not_turn_on_and_on_is_not_spun():
     names = [block.name for block in blocks_of(able(VERTICAL, EAST, INNER, endless=False))]
     assert not [
         name for name in names if name.startswith(("swing", "rates", "halves", "turns", "aslant"))
@@ -74,7 +74,7 @@ def test_an_axis_that_does_not_turn_on_and_on_is_not_spun() -> None:
     assert "tumble" in names
 
 
-def test_a_chamber_is_heated_and_cooled_within_its_limits_while_the_table_rests() -> None:
+def test_a_chamber_is_heated_and_cooled_within_its_limits_while_the_table_rests():
     warm = ChamberLimits(temperature_degc=(22.0, 35.0), rate_k_min=3.0)
     station = replace(able(VERTICAL, EAST, INNER), chamber=warm)
     assert not [one for one in blocks_of(able(VERTICAL, EAST, INNER)) if "heated" in one.name]

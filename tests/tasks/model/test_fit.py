@@ -34,7 +34,7 @@ def drawn(terms: tuple[Term, ...], seed: int) -> np.ndarray:
 
 @settings(deadline=None, max_examples=20)
 @given(st.integers(0, 10_000))
-def test_what_was_put_in_comes_out_without_noise(seed: int) -> None:
+def test_what_was_put_in_comes_out_without_noise(seed):
     motion, values = tumbling(seed=seed), drawn(WITH_SITE, seed)
     found = fit(WITH_SITE, motion, predict(WITH_SITE, motion, values), quiet(motion))
     assert found.estimable.all()
@@ -42,7 +42,7 @@ def test_what_was_put_in_comes_out_without_noise(seed: int) -> None:
     assert found.chi2 < 1e-6
 
 
-def test_the_truth_lies_within_the_stated_uncertainty_in_white_and_flicker_noise() -> None:
+def test_the_truth_lies_within_the_stated_uncertainty_in_white_and_flicker_noise():
     rng = np.random.default_rng(8)
     motion = tumbling(400, seed=8)
     h, deviation, values = 4e-7, 1e-3, drawn(STANDARD_TERMS, 8)
@@ -61,7 +61,7 @@ def test_the_truth_lies_within_the_stated_uncertainty_in_white_and_flicker_noise
     assert np.median(found.u / white.u) > 1.1  # the flicker counts
 
 
-def test_chi_square_is_the_number_of_degrees_of_freedom() -> None:
+def test_chi_square_is_the_number_of_degrees_of_freedom():
     motion, values = tumbling(2000, seed=3), drawn(STANDARD_TERMS, 3)
     readings = predict(STANDARD_TERMS, motion, values)
     readings += 1e-3 * np.random.default_rng(3).standard_normal(readings.shape)
@@ -71,7 +71,7 @@ def test_chi_square_is_the_number_of_degrees_of_freedom() -> None:
     assert np.nanstd(found.residuals) == pytest.approx(1e-3, rel=0.02)
 
 
-def test_what_the_rows_do_not_determine_is_not_given() -> None:
+def test_what_the_rows_do_not_determine_is_not_given():
     motion = tumbling(seed=2)
     level = replace(motion, up=np.tile([0.0, 0.0, 1.0], (len(motion.t), 1)))
     readings = predict(STANDARD_TERMS, level, nominal_values(STANDARD_TERMS))
@@ -81,7 +81,7 @@ def test_what_the_rows_do_not_determine_is_not_given() -> None:
     assert not {"B_gx", "g_xz", "g_xx", "K_axx", "K_azz", "B_az"} & given_
 
 
-def test_rows_that_are_missing_or_unknown_are_left_out() -> None:
+def test_rows_that_are_missing_or_unknown_are_left_out():
     motion, values = tumbling(seed=6), drawn(STANDARD_TERMS, 6)
     readings = predict(STANDARD_TERMS, motion, values)
     readings[:50, :3] = np.nan
@@ -109,7 +109,7 @@ CREEP = BiasByTime(
 )  # fmt: skip
 
 
-def test_a_new_term_is_fitted_without_touching_anything_else() -> None:
+def test_a_new_term_is_fitted_without_touching_anything_else():
     motion = tumbling(seed=7)
     terms = (*GYRO_TERMS, CREEP)
     values = np.append(drawn(GYRO_TERMS, 7), 2e-4)
@@ -125,7 +125,7 @@ class Runaway(Term):
         return Inputs(inputs.rate + np.cbrt(values[0]), inputs.force)
 
 
-def test_a_fit_that_does_not_settle_is_refused_with_its_terms() -> None:
+def test_a_fit_that_does_not_settle_is_refused_with_its_terms():
     motion = tumbling(seed=9)
     runaway = Runaway(
         "runaway",
@@ -147,20 +147,20 @@ VALUES = nominal_values(STANDARD_TERMS) + 1e-3 * np.random.default_rng(4).standa
 READINGS = predict(STANDARD_TERMS, RUN, VALUES)
 
 
-def test_an_accelerometer_reads_no_square_of_its_own_rate() -> None:
+def test_an_accelerometer_reads_no_square_of_its_own_rate():
     squares = RUN.rate[:, [0, 2]] ** 2
     expected = np.column_stack([RUN.up, np.ones(len(RUN.t)), squares])
     np.testing.assert_allclose(regressors(RUN, 4), expected, rtol=1e-14)
 
 
-def test_masked_readings_do_not_take_part_but_are_predicted() -> None:
+def test_masked_readings_do_not_take_part_but_are_predicted():
     masked = np.zeros(READINGS.shape, bool)
     masked[:40, 2] = True
     spoilt = np.where(masked, READINGS + 5.0, READINGS)
     np.testing.assert_allclose(plain_prediction(spoilt, RUN, masked), READINGS, atol=1e-10)
 
 
-def test_nothing_is_predicted_where_the_motion_is_not_known_or_nothing_was_read() -> None:
+def test_nothing_is_predicted_where_the_motion_is_not_known_or_nothing_was_read():
     up = RUN.up.copy()
     up[:10] = np.nan
     silent = READINGS.copy()
@@ -171,7 +171,7 @@ def test_nothing_is_predicted_where_the_motion_is_not_known_or_nothing_was_read(
     assert np.isfinite(predicted[10:, :5]).all()
 
 
-def test_a_long_run_is_fitted_to_evenly_spread_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_long_run_is_fitted_to_evenly_spread_rows(monkeypatch):
     assert MAX_FIT_ROWS > 1e5
     monkeypatch.setattr("tasks.model.fit.MAX_FIT_ROWS", 100)
     spoilt = READINGS.copy()

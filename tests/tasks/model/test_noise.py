@@ -29,7 +29,7 @@ def rows_as_segments() -> tuple[SegmentMean, ...]:
 
 
 @pytest.mark.parametrize("which", range(3))
-def test_the_sums_have_the_covariance_of_the_closed_formulas(which: int) -> None:
+def test_the_sums_have_the_covariance_of_the_closed_formulas(which):
     strength = [0.0, 0.0, 0.0]
     strength[which] = 2.0
     columns = np.random.default_rng(1).standard_normal((COUNT, 3)) + np.array([0.0, 1.0, 5.0])
@@ -39,14 +39,14 @@ def test_the_sums_have_the_covariance_of_the_closed_formulas(which: int) -> None
     assert found / scale == pytest.approx(dense / scale, abs=0.02)
 
 
-def test_white_noise_is_each_rows_own() -> None:
+def test_white_noise_is_each_rows_own():
     white = np.random.default_rng(2).uniform(1.0, 4.0, (COUNT, 6))
     columns = np.random.default_rng(3).standard_normal((COUNT, 2))
     own = RowNoise(T, white, np.zeros((DRIFTS, 6)))
     assert own.gram(4, columns) == pytest.approx(columns.T @ np.diag(white[:, 4]) @ columns)
 
 
-def test_drawn_flicker_scatters_as_stated() -> None:
+def test_drawn_flicker_scatters_as_stated():
     rng = np.random.default_rng(4)
     column = np.where(np.arange(COUNT) % 60 < 30, 1.0, -1.0)[:, None]
     sums = [float(flicker(COUNT, 0.5, 3.0, rng) @ column[:, 0]) for _ in range(400)]

@@ -40,7 +40,7 @@ def off(one: Made) -> tuple[np.ndarray, set[str], np.ndarray]:
 
 
 @pytest.mark.parametrize("number", range(len(UNITS)))
-def test_right_codes_are_left_alone(number: int) -> None:
+def test_right_codes_are_left_alone(number):
     one = made(UNITS[number], number, None, known=known(number))
     assert codes_put_right(one.recording) is one.recording
 
@@ -55,7 +55,7 @@ WRONG = {  # what of a unit's words goes wrong, which bug that is called, and of
 
 @pytest.mark.parametrize("number", EACH)
 @pytest.mark.parametrize("fault", WRONG)
-def test_what_no_bit_is_lost_of_is_put_right_exactly(fault: str, number: int) -> None:
+def test_what_no_bit_is_lost_of_is_put_right_exactly(fault, number):
     made_wrong, bug, units = WRONG[fault]
     unit = units[number % len(units)]
     one = made(unit, number, partial(made_wrong, bits=unit.bits), EVERY, known(number))
@@ -66,7 +66,7 @@ def test_what_no_bit_is_lost_of_is_put_right_exactly(fault: str, number: int) ->
 
 
 @pytest.mark.parametrize("number", [0, 4])
-def test_one_channel_of_six_is_put_right(number: int) -> None:
+def test_one_channel_of_six_is_put_right(number):
     one = made(UNITS[number], number, firmware.low_byte_signed, (number % 6,), known(number))
     wrong, bugs, _ = off(one)
     assert (wrong.max(), bugs) == (0.0, {"signed-low"})
@@ -74,7 +74,7 @@ def test_one_channel_of_six_is_put_right(number: int) -> None:
 
 @pytest.mark.parametrize("number", EACH)
 @pytest.mark.parametrize("tells", ["table", "labels"])
-def test_what_or_wiped_out_is_put_right_or_said_to_be_undecided(number: int, tells: str) -> None:
+def test_what_or_wiped_out_is_put_right_or_said_to_be_undecided(number, tells):
     unit = UNITS[number]
     fault = partial(firmware.low_byte_or, bits=unit.bits)
     wrong, bugs, undecided = off(made(unit, number, fault, EVERY, tells))
@@ -86,7 +86,7 @@ def test_what_or_wiped_out_is_put_right_or_said_to_be_undecided(number: int, tel
 
 @pytest.mark.parametrize("bit", [5, 6, 7])
 @pytest.mark.parametrize("level", [0, 1])
-def test_a_stuck_bit_is_told_and_the_means_are_put_nearer(bit: int, level: int) -> None:
+def test_a_stuck_bit_is_told_and_the_means_are_put_nearer(bit, level):
     noisy = Unit(counts=(131.0, 8192.0), noise=(0.15, 0.004))
     channel = (bit + level) % 6
     one = made(noisy, bit, partial(firmware.stuck, bit=bit, level=level), (channel,), "labels")
@@ -100,7 +100,7 @@ def test_a_stuck_bit_is_told_and_the_means_are_put_nearer(bit: int, level: int) 
     assert after < 0.6 * before
 
 
-def test_bits_lost_above_are_put_back_by_following_the_numbers() -> None:
+def test_bits_lost_above_are_put_back_by_following_the_numbers():
     unit = FULL[1]
     wrong, bugs, _ = off(made(unit, 1, partial(firmware.wrapped, bits=13), EVERY, "neither"))
     assert wrong.max() == 0.0
@@ -114,9 +114,7 @@ def test_bits_lost_above_are_put_back_by_following_the_numbers() -> None:
         (10.0, 40.0, 140.0, 125.0, "labels", 4), (100.0, 200.0, 600.0, 500.0, "labels", 3),
     ],
 )  # fmt: skip
-def test_readings_on_no_lattice_wrap_at_any_full_scale(
-    rate: float, quick: float, top: float, limit: float, tells: str, decimals: int | None
-) -> None:
+def test_readings_on_no_lattice_wrap_at_any_full_scale(rate, quick, top, limit, tells, decimals):
     unit = Unit(rate=rate, quick=quick, top=top, counts=(20.0, 8192.0))
     one = made(unit, 3, None, known=tells)
     full, columns = np.radians(limit), dict(one.recording.imu.columns)
@@ -131,7 +129,7 @@ def test_readings_on_no_lattice_wrap_at_any_full_scale(
     assert off[one.held].max() < 2e-3 * full
 
 
-def test_a_tap_that_jumps_by_the_whole_range_is_no_wrap_and_may_be_told() -> None:
+def test_a_tap_that_jumps_by_the_whole_range_is_no_wrap_and_may_be_told():
     one = made(FULL[1], 4, None, known="neither")
     columns = dict(one.recording.imu.columns)
     for row, size in ((700, (121.0, -155.0, -18.0, 92.0)), (2300, (140.0, -139.0, 97.0))):
@@ -142,7 +140,7 @@ def test_a_tap_that_jumps_by_the_whole_range_is_no_wrap_and_may_be_told() -> Non
     assert right.imu is tapped.imu
 
 
-def test_what_a_stuck_bit_leaves_is_whole_or_undecided() -> None:
+def test_what_a_stuck_bit_leaves_is_whole_or_undecided():
     unit = Unit(noise=(0.05, 0.001))
     one = made(unit, 5, partial(firmware.stuck, bit=5, level=1), (2,), "table")
     right = codes_put_right(one.recording)
@@ -155,7 +153,7 @@ def test_what_a_stuck_bit_leaves_is_whole_or_undecided() -> None:
     assert found.undecided[one.held].mean() < 0.05
 
 
-def test_a_bias_that_jumps_to_and_fro_by_a_byte_is_no_fault_of_the_codes() -> None:
+def test_a_bias_that_jumps_to_and_fro_by_a_byte_is_no_fault_of_the_codes():
     one = made(Unit(), 3, None)
     columns = dict(one.recording.imu.columns)
     flips = np.cumsum(np.random.default_rng(5).random(len(one.recording.imu)) < 0.1) % 2
@@ -172,7 +170,7 @@ def test_a_bias_that_jumps_to_and_fro_by_a_byte_is_no_fault_of_the_codes() -> No
         ("low_byte_signed_no_table", "signed-low"), ("low_byte_signed_or", "signed-low-or"),
     ],
 )  # fmt: skip
-def test_cases_from_the_field_are_put_right_in_all_six_channels(name: str, bug: str) -> None:
+def test_cases_from_the_field_are_put_right_in_all_six_channels(name, bug):
     right = codes_put_right(read_folder(shared_path(f"data/field/{name}")))
     assert [(one.channel, one.bug) for one in right.wrong_codes] == [(c, bug) for c in CHANNELS]
     assert {one.codes for one in right.wrong_codes} == {256.0}

@@ -23,10 +23,10 @@ def moved(seed: int) -> str:
     return "" if same and not wrong else f"{seed}: {wrong} {happens}"
 
 
-def test_nothing_is_moved_where_no_logger_erred() -> None:
+def test_nothing_is_moved_where_no_logger_erred():
     assert [each for each in map(moved, FEW) if each] == []
 
 
 @pytest.mark.rehearsal
-def test_nothing_is_moved_in_many_more() -> None:
+def test_nothing_is_moved_in_many_more():
     assert [each for each in map(moved, MANY) if each] == []

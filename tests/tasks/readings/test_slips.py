@@ -38,7 +38,7 @@ def _losses(rate: float, swings: bool, gaps: tuple[tuple[float, int], ...], seed
         for case in range(len(CASES))
     ],
 )
-def test_closed_gaps_are_counted_and_placed(case: int) -> None:
+def test_closed_gaps_are_counted_and_placed(case):
     rate, swings, gaps = CASES[case]
     found = _losses(rate, swings, gaps, case)
     assert found is not None
@@ -58,5 +58,5 @@ def test_closed_gaps_are_counted_and_placed(case: int) -> None:
         *(pytest.param(one, marks=pytest.mark.rehearsal) for one in (50.0, 200.0, 400.0)),
     ],
 )
-def test_whole_recordings_lost_nothing(rate: float, *, swings: bool) -> None:
+def test_whole_recordings_lost_nothing(rate, *, swings):
     assert _losses(rate, swings, (), round(rate)) is None

@@ -32,7 +32,7 @@ CASES = [
     ],
 )
 @pytest.mark.filterwarnings("default::RuntimeWarning")
-def test_a_clean_unit_that_is_read_slowly_has_no_mismatch(case: int) -> None:
+def test_a_clean_unit_that_is_read_slowly_has_no_mismatch(case):
     rate, of_table, how, has_table = CASES[case]
     course, rng = procedure(**how), np.random.default_rng(100 + case)
     at = np.arange(0.0, course.until, 1.0 / rate)

@@ -45,15 +45,13 @@ def recorded(ideal_run: Any) -> Any:
 
 
 @pytest.mark.parametrize("from_s", [35.0, 50.0, 95.0])
-def test_clocks_agree_however_long_the_table_turns(from_s: float, recorded: Any) -> None:
+def test_clocks_agree_however_long_the_table_turns(from_s, recorded):
     assert list(clock_remarks(recorded(from_s, 0.0))) == []
 
 
 @pytest.mark.parametrize("from_s", [35.0, 95.0])
 @pytest.mark.parametrize("late_s", [-1.4, 0.3, 1.0])
-def test_clocks_that_are_apart_make_the_run_invalid(
-    late_s: float, from_s: float, recorded: Any
-) -> None:
+def test_clocks_that_are_apart_make_the_run_invalid(late_s, from_s, recorded):
     (remark,) = clock_remarks(recorded(from_s, late_s))
     assert (remark.code, remark.run) == ("clocks_apart", "invalid")
     assert f"{late_s:+.2f} s" in remark.en

@@ -37,7 +37,7 @@ def low_byte_signed(numbers: np.ndarray) -> np.ndarray:
     return numbers - low + np.where(low >= SIZE // 2, low - SIZE, low)
 
 
-def test_a_result_with_codes_put_right_is_that_of_the_right_codes_and_says_so() -> None:
+def test_a_result_with_codes_put_right_is_that_of_the_right_codes_and_says_so():
     clean = calibrated(with_numbers(lambda numbers: numbers, STEP))
     mended = calibrated(with_numbers(low_byte_signed, STEP))
     for name, item in clean.items.items():
@@ -49,7 +49,7 @@ def test_a_result_with_codes_put_right_is_that_of_the_right_codes_and_says_so() 
     assert not [each for each in clean.remarks if each.code.startswith("codes_")]
 
 
-def test_a_bit_that_sticks_makes_the_run_invalid() -> None:
+def test_a_bit_that_sticks_makes_the_run_invalid():
     stuck = calibrated(with_numbers(lambda numbers: numbers & ~64, STEP))
     (remark,) = [each for each in stuck.remarks if each.code == "codes_undecided"]
     assert remark.run == "invalid"

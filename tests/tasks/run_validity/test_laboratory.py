@@ -1,7 +1,6 @@
 """The latitude of a recording against that of the laboratory."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -26,8 +25,8 @@ def at_39_9(ideal_run: Callable[..., Recording]) -> Recording:
 
 @pytest.mark.parametrize(("own", "contradicted"), [(39.9, 0), (39.95, 0), (-39.9, 1)])
 def test_a_latitude_that_is_not_the_laboratorys_makes_the_run_invalid(
-    own: float, contradicted: int, at_39_9: Recording, tmp_path: Path
-) -> None:
+    own, contradicted, at_39_9, tmp_path
+):
     (tmp_path / "laboratory.toml").write_text(LABORATORY.format(latitude=own), encoding="utf-8")
     run, _ = runs.add(at_39_9, Home(tmp_path))
     about_latitude = [
@@ -36,7 +35,7 @@ def test_a_latitude_that_is_not_the_laboratorys_makes_the_run_invalid(
     assert [remark.run for remark in about_latitude] == ["invalid"] * contradicted
 
 
-def test_it_is_said_as_soon_as_the_run_is_there(at_39_9: Recording, tmp_path: Path) -> None:
+def test_it_is_said_as_soon_as_the_run_is_there(at_39_9, tmp_path):
     (tmp_path / "laboratory.toml").write_text(LABORATORY.format(latitude=-39.9), encoding="utf-8")
     run, _ = runs.add(at_39_9, Home(tmp_path))
     assert SENTENCE in validity_of(run, Home(tmp_path)).reasons

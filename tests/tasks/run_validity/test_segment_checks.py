@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -42,12 +41,12 @@ def edited(recording: Recording, name: str, edit: Callable[[dict, slice], None])
     return replace(recording, imu=Stream(recording.imu.t, columns))
 
 
-def test_of_a_clean_run_without_encoders_the_turns_alone_are_not_known(ideal_run) -> None:
+def test_of_a_clean_run_without_encoders_the_turns_alone_are_not_known(ideal_run):
     calibration = items_only(JJF2003, ideal_run())
     assert [r.code for r in calibration.remarks if r.blocks_pass] == ["no_reference"]
 
 
-def test_a_position_that_gravity_contradicts_is_named_with_what_gravity_shows(ideal_run) -> None:
+def test_a_position_that_gravity_contradicts_is_named_with_what_gravity_shows(ideal_run):
     recording = relabelled(ideal_run(), "position_+x_000", up="-x")
     (remark,) = remarks(recording, "position_contradicted")
     assert remark.segments == ("position_+x_000",)
@@ -56,7 +55,7 @@ def test_a_position_that_gravity_contradicts_is_named_with_what_gravity_shows(id
     assert remark.blocks_pass
 
 
-def test_a_rate_the_gyro_contradicts_is_left_out_where_no_table_tells(ideal_run) -> None:
+def test_a_rate_the_gyro_contradicts_is_left_out_where_no_table_tells(ideal_run):
     recording = relabelled(ideal_run(), "rate_y_+100", rate_deg_s=150.0)
     (remark,) = remarks(recording, "rate_contradicted")
     assert "gyro_y shows +100.0000 deg/s" in remark.en
@@ -73,13 +72,13 @@ def g_sensitive(recording: Recording) -> Recording:
 
 
 @pytest.mark.parametrize("has_table", [True, False])
-def test_a_large_g_sensitivity_does_not_make_rests_turn(plant, has_table: bool) -> None:
+def test_a_large_g_sensitivity_does_not_make_rests_turn(plant, has_table):
     recording = g_sensitive(plant("plant_clean"))
     recording = recording if has_table else replace(recording, table=None)
     assert remarks(recording, "rest_turns") == []
 
 
-def test_a_rest_that_turns_is_found_without_encoders_whatever_the_g_sensitivity(plant) -> None:
+def test_a_rest_that_turns_is_found_without_encoders_whatever_the_g_sensitivity(plant):
     def turn(columns: dict, rows: slice) -> None:
         columns["gyro_z"][rows] += np.radians(3.0)
 
@@ -106,13 +105,13 @@ def laid_by_hand(recording: Recording, degrees: float) -> Recording:
     return found
 
 
-def test_rests_laid_by_hand_are_tilted_and_their_zero_did_not_drift(plant) -> None:
+def test_rests_laid_by_hand_are_tilted_and_their_zero_did_not_drift(plant):
     recording = laid_by_hand(plant("plant_clean"), 0.5)
     found = items_only(JJF2003, recording).remarks
     assert not {"drift", "unsteady_zero"} & {remark.code for remark in found}
 
 
-def test_a_zero_that_jumped_is_found_in_rests_laid_by_hand(plant) -> None:
+def test_a_zero_that_jumped_is_found_in_rests_laid_by_hand(plant):
     def jump(columns: dict, rows: slice) -> None:
         columns["accel_z"][rows] += 0.2
 
@@ -121,7 +120,7 @@ def test_a_zero_that_jumped_is_found_in_rests_laid_by_hand(plant) -> None:
     assert remark.segments[0].startswith("position_+z")
 
 
-def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant) -> None:
+def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant):
     recording = relabelled(plant("plant_clean"), "rate_y_+100", rate_deg_s=101.0)
     (remark,) = remarks(recording, "rate_contradicted")
     assert "the table shows +100.0000 deg/s" in remark.en
@@ -133,7 +132,7 @@ def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant) -> None:
     assert list(found.u.values()) == pytest.approx(list(known.u.values()), rel=0.1)
 
 
-def test_a_stuck_channel_is_named_with_its_value_and_length(plant) -> None:
+def test_a_stuck_channel_is_named_with_its_value_and_length(plant):
     def stick(columns: dict, rows: slice) -> None:
         columns["gyro_z"][rows.start + 100 : rows.start + 700] = 0.25
 
@@ -144,7 +143,7 @@ def test_a_stuck_channel_is_named_with_its_value_and_length(plant) -> None:
 
 
 @pytest.mark.parametrize("codes", [0.6, 0.75, 1.0, 1.5, 2.1, 2.2, 3.7])
-def test_noise_of_so_many_codes_is_no_outlier(plant, codes: float) -> None:
+def test_noise_of_so_many_codes_is_no_outlier(plant, codes):
     recording = plant("plant_clean")
     still = recording.imu.rows(*moment(recording, "position_+x_000"))
     columns = dict(recording.imu.columns)
@@ -155,7 +154,7 @@ def test_noise_of_so_many_codes_is_no_outlier(plant, codes: float) -> None:
     assert remarks(rounded, "samples_off") == []
 
 
-def test_lost_samples_are_counted_with_the_longest_gap(plant) -> None:
+def test_lost_samples_are_counted_with_the_longest_gap(plant):
     recording = plant("plant_clean")
     segment = next(s for s in recording.manifest.segments if s.name == "rest_x")
     rows = recording.imu.rows(segment.t_start, segment.t_end)
@@ -168,13 +167,13 @@ def test_lost_samples_are_counted_with_the_longest_gap(plant) -> None:
     assert "20 samples lost in 1 gap," in remark.en
 
 
-def test_too_short_points_are_listed_with_their_length(ideal_run) -> None:
+def test_too_short_points_are_listed_with_their_length(ideal_run):
     (remark,) = remarks(ideal_run(dwell=20.0), "short_dwell")
     assert remark.blocks_pass
     assert "position_+x_000 20.0 s" in remark.en
 
 
-def test_air_outside_clause_6_is_named_with_its_segment(ideal_run) -> None:
+def test_air_outside_clause_6_is_named_with_its_segment(ideal_run):
     recording = ideal_run()
     air = recording.environment
     hot = Stream(air.t, {**air.columns, "temperature": np.where(air.t < 45, 26.0, 20.0)})
@@ -183,13 +182,13 @@ def test_air_outside_clause_6_is_named_with_its_segment(ideal_run) -> None:
     assert "26.0 °C is outside 15 to 25 °C" in found[0].en
 
 
-def test_air_that_was_not_recorded_blocks_a_pass(ideal_run) -> None:
+def test_air_that_was_not_recorded_blocks_a_pass(ideal_run):
     (remark,) = remarks(replace(ideal_run(), environment=None), "environment_not_recorded")
     assert remark.blocks_pass
 
 
 @pytest.mark.parametrize("factor", [np.pi / 180, 180 / np.pi])
-def test_rates_in_the_wrong_unit_are_refused_with_the_factor(ideal_run, factor: float) -> None:
+def test_rates_in_the_wrong_unit_are_refused_with_the_factor(ideal_run, factor):
     recording = ideal_run()
     segments = tuple(
         s.model_copy(update={"rate_deg_s": s.rate_deg_s * factor}) if s.kind == "rate" else s
@@ -200,7 +199,7 @@ def test_rates_in_the_wrong_unit_are_refused_with_the_factor(ideal_run, factor: 
     assert "57.3" in remark.en
 
 
-def test_overlapping_segments_are_named(ideal_run) -> None:
+def test_overlapping_segments_are_named(ideal_run):
     first = next(s for s in ideal_run().manifest.segments if s.name == "position_+x_000")
     changes = {"t_start": first.t_start, "t_end": first.t_end}
     recording = relabelled(ideal_run(), "position_+x_180", **changes)
@@ -210,9 +209,7 @@ def test_overlapping_segments_are_named(ideal_run) -> None:
 
 
 @pytest.mark.parametrize(("beyond", "named"), [(0.4, 0), (500.0, 1)])
-def test_a_segment_that_reaches_beyond_the_recording_is_named(
-    beyond: float, named: int, ideal_run
-) -> None:
+def test_a_segment_that_reaches_beyond_the_recording_is_named(beyond, named, ideal_run):
     recording = ideal_run()
     last = recording.manifest.segments[-1]
     later = relabelled(recording, last.name, t_end=float(recording.imu.t[-1]) + beyond)
@@ -223,7 +220,7 @@ def test_a_segment_that_reaches_beyond_the_recording_is_named(
         assert last.name in remark.zh
 
 
-def test_a_misspelt_field_is_named_with_what_may_be_meant(ideal_run) -> None:
+def test_a_misspelt_field_is_named_with_what_may_be_meant(ideal_run):
     recording = ideal_run()
     fields = recording.manifest.model_dump(exclude_unset=True)
     assert remarks(recording, "misspelt_field") == []
@@ -236,7 +233,7 @@ def test_a_misspelt_field_is_named_with_what_may_be_meant(ideal_run) -> None:
     assert "segments.rate_deg_s is absent" in found[1]
 
 
-def test_a_misspelt_field_is_named_of_a_run_in_store_as_well(ideal_run, tmp_path: Path) -> None:
+def test_a_misspelt_field_is_named_of_a_run_in_store_as_well(ideal_run, tmp_path):
     recording = ideal_run(dwell=1.0)
     station = {"id": "ST-1", "latitud_deg": 39.9, "heading_deg2": 1.0, "standards": "ours"}
     fields = recording.manifest.model_dump(exclude_unset=True) | {"station": station}
@@ -247,7 +244,7 @@ def test_a_misspelt_field_is_named_of_a_run_in_store_as_well(ideal_run, tmp_path
     assert not found.blocks_pass
 
 
-def test_a_share_of_lost_samples_is_told_apart_from_what_is_allowed(ideal_run) -> None:
+def test_a_share_of_lost_samples_is_told_apart_from_what_is_allowed(ideal_run):
     recording = ideal_run()
     rows = np.ones(len(recording.imu), bool)
     rows[:: round(1 / 0.014)] = False

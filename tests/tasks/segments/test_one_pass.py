@@ -13,7 +13,7 @@ def channels(rows: int) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("rows", LENGTHS)
-def test_extremes_and_means_are_those_of_the_whole(rows: int) -> None:
+def test_extremes_and_means_are_those_of_the_whole(rows):
     values = channels(rows)
     read = one_pass(values)
     assert read.low.tolist() == [channel.min() for channel in values]
@@ -22,7 +22,7 @@ def test_extremes_and_means_are_those_of_the_whole(rows: int) -> None:
 
 
 @pytest.mark.parametrize("rows", LENGTHS)
-def test_blocks_are_of_one_length_and_leave_the_last_rows_to_the_mean(rows: int) -> None:
+def test_blocks_are_of_one_length_and_leave_the_last_rows_to_the_mean(rows):
     values = channels(rows)
     blocks = one_pass(values).blocks
     count = blocks.shape[1]
@@ -33,7 +33,7 @@ def test_blocks_are_of_one_length_and_leave_the_last_rows_to_the_mean(rows: int)
 
 
 @pytest.mark.parametrize("rows", [3000, BLOCKS * ROWS + 40])
-def test_what_comes_back_once_a_turn_is_told_from_the_noise(rows: int) -> None:
+def test_what_comes_back_once_a_turn_is_told_from_the_noise(rows):
     turned = np.linspace(0.0, 17.0, rows)
     values = [2.0 + 0.5 * np.cos(turned) - 0.2 * np.sin(turned), np.full(rows, 7.0)]
     read = one_pass(values, lambda part: turned[part])
@@ -42,11 +42,11 @@ def test_what_comes_back_once_a_turn_is_told_from_the_noise(rows: int) -> None:
     )
 
 
-def test_without_a_turn_nothing_is_periodic() -> None:
+def test_without_a_turn_nothing_is_periodic():
     assert not one_pass(channels(3000)).periodic.any()
 
 
-def test_a_channel_that_was_not_recorded_has_no_extremes_and_spoils_no_other() -> None:
+def test_a_channel_that_was_not_recorded_has_no_extremes_and_spoils_no_other():
     values = [np.full(3000, np.nan), np.ones(3000)]
     read = one_pass(values, lambda part: np.linspace(0.0, 20.0, 3000)[part])
     assert np.isnan([read.low[0], read.high[0], read.mean[0]]).all()

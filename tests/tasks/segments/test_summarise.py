@@ -25,13 +25,13 @@ def noise(rows: int = 3000) -> np.ndarray:
     return np.random.default_rng(5).normal(0.0, 0.01, (rows, 6))
 
 
-def test_a_clean_segment_loses_no_row() -> None:
+def test_a_clean_segment_loses_no_row():
     summary = summarise(stream(noise()), HELD, "label")
     assert (summary.rows, summary.left_out) == (3000, 0)
     assert np.allclose(summary.mean, noise().mean(axis=0))
 
 
-def test_spikes_of_any_size_are_left_out_and_counted() -> None:
+def test_spikes_of_any_size_are_left_out_and_counted():
     spoiled = noise()
     spoiled[[10, 500, 2000], 4] = (1.06e5, -9.68, 0.3)
     summary = summarise(stream(spoiled), HELD, "label")
@@ -48,23 +48,21 @@ def test_spikes_of_any_size_are_left_out_and_counted() -> None:
 @example([0, 165, 195, 285, 2085], 2.0)  # every one a row of the first glance
 @example(list(range(0, 3000, 60)), 1.0)
 @example(list(range(1000, 1050)), 1.0)
-def test_even_a_fiftieth_of_corrupted_rows_does_not_move_the_mean(
-    rows: list[int], size: float
-) -> None:
+def test_even_a_fiftieth_of_corrupted_rows_does_not_move_the_mean(rows, size):
     spoiled = noise()
     spoiled[rows, 1] += size
     summary = summarise(stream(spoiled), HELD, "label")
     assert np.abs(summary.mean).max() < 0.002
 
 
-def test_rare_codes_are_kept_where_a_correction_hides_the_step() -> None:
+def test_rare_codes_are_kept_where_a_correction_hides_the_step():
     """A twentieth of the rows reads the next code; what was taken off follows the time."""
     values = np.where(np.random.default_rng(8).random((3000, 6)) < 0.05, 0.02, 0.0)
     values += 1e-7 * np.linspace(0.0, 1.0, 3000)[:, None]
     assert summarise(stream(values), HELD, "label").left_out == 0
 
 
-def test_what_lies_beside_many_spikes_is_kept() -> None:
+def test_what_lies_beside_many_spikes_is_kept():
     """One burst of 36 rows, and 22 spikes: with as much on both sides of each, more than half."""
     spoiled = noise()
     spoiled[1050:1086, 0] += 5.0
@@ -74,7 +72,7 @@ def test_what_lies_beside_many_spikes_is_kept() -> None:
     assert np.abs(summary.mean).max() < 0.002
 
 
-def test_a_long_disturbance_is_told_from_a_corrupted_row() -> None:
+def test_a_long_disturbance_is_told_from_a_corrupted_row():
     spoiled = noise()
     spoiled[2900:2940, 3] += np.linspace(0.5, 2.0, 40)
     summary = summarise(stream(spoiled), HELD, "label")
@@ -82,7 +80,7 @@ def test_a_long_disturbance_is_told_from_a_corrupted_row() -> None:
     assert summary.left_out >= 40
 
 
-def test_a_triad_that_was_not_recorded_is_not_a_number_and_spoils_nothing() -> None:
+def test_a_triad_that_was_not_recorded_is_not_a_number_and_spoils_nothing():
     values = noise()
     values[:, :3] = np.nan
     summary = summarise(stream(values), HELD, "label")
@@ -91,12 +89,12 @@ def test_a_triad_that_was_not_recorded_is_not_a_number_and_spoils_nothing() -> N
     assert summary.left_out == 0
 
 
-def test_a_segment_without_rows_has_no_summary() -> None:
+def test_a_segment_without_rows_has_no_summary():
     late = HELD.model_copy(update={"t_start": 100.0, "t_end": 130.0})
     assert summarise(stream(noise()), late, "label") is None
 
 
-def test_allan_variance_of_white_noise_falls_with_the_block_length() -> None:
+def test_allan_variance_of_white_noise_falls_with_the_block_length():
     values = np.random.default_rng(1).normal(0.0, 1.0, (320_000, 6))
     variances, tau = allan_variances(one_pass(list(values.T)).blocks, 3200.0)
     expected = 0.01 / tau  # unit variance at 100 Hz
@@ -109,7 +107,7 @@ def rounded(sigma: float, level: float = 0.0) -> np.ndarray:
     return np.round(noise) * 0.01
 
 
-def test_rare_neighbouring_codes_are_no_corrupted_rows() -> None:
+def test_rare_neighbouring_codes_are_no_corrupted_rows():
     values = rounded(0.2)
     summary = summarise(stream(values), HELD, "label")
     assert 0 < np.count_nonzero(values[:, 0]) < 0.02 * len(values)
@@ -117,7 +115,7 @@ def test_rare_neighbouring_codes_are_no_corrupted_rows() -> None:
     assert np.allclose(summary.step, 0.01)
 
 
-def test_a_spike_on_a_rounded_channel_is_left_out() -> None:
+def test_a_spike_on_a_rounded_channel_is_left_out():
     values = rounded(0.2)
     values[1000, 2] = 0.07
     assert summarise(stream(values), HELD, "label").far_rows.tolist() == [0, 0, 1, 0, 0, 0]
@@ -125,13 +123,13 @@ def test_a_spike_on_a_rounded_channel_is_left_out() -> None:
 
 @settings(max_examples=30)
 @given(st.floats(0.0, 1.0), st.floats(0.05, 1.5))
-def test_a_step_of_more_than_two_standard_deviations_is_coarse(level: float, sigma: float) -> None:
+def test_a_step_of_more_than_two_standard_deviations_is_coarse(level, sigma):
     summary = summarise(stream(rounded(sigma, level)), HELD, "label", np.full(6, 0.01))
     if not 0.45 < sigma < 0.55:
         assert (coarsely_quantised(summary) == (sigma < 0.5)).all()
 
 
-def test_a_channel_without_steps_is_not_coarse() -> None:
+def test_a_channel_without_steps_is_not_coarse():
     values = noise()
     values[:, :3] = np.nan
     values[:, 3] = 1.0

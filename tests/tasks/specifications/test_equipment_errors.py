@@ -68,7 +68,7 @@ def right(request) -> Calibration:
 
 
 @pytest.mark.parametrize("symbol", SIZES)
-def test_each_value_moves_by_the_error_times_its_sensitivity(right, symbol: str) -> None:
+def test_each_value_moves_by_the_error_times_its_sensitivity(right, symbol):
     """To a hundredth of it, or of what all standard uncertainties together do.
 
     A fixture wrong about each axis: the lines hold the root of the sum of three squares.
@@ -90,7 +90,7 @@ def test_each_value_moves_by_the_error_times_its_sensitivity(right, symbol: str)
     assert compared >= {"ε1": 3, "g": 3, "φ": 0, "α4": 12, "α3": 6, "α5": 3}[symbol], compared
 
 
-def test_what_is_left_of_earth_s_rotation_follows_the_latitude(right) -> None:
+def test_what_is_left_of_earth_s_rotation_follows_the_latitude(right):
     """The clause's own value holds Earth's rotation, whatever the latitude is said to be."""
     item = right.items["gyro_g_sensitivity"]
     without = item.u_without_earth_rotation
@@ -105,7 +105,7 @@ def test_what_is_left_of_earth_s_rotation_follows_the_latitude(right) -> None:
 
 
 @pytest.mark.parametrize(("limit", "rel"), [("position", 0.01), ("axes", 0.01), ("fixture", 0.01)])
-def test_without_encoders_faces_and_settings_tilt_as_the_closed_formulas_say(limit, rel) -> None:
+def test_without_encoders_faces_and_settings_tilt_as_the_closed_formulas_say(limit, rel):
     """Twelve positions by labels alone: each setting, each face or the mounting is off anyhow."""
     simulated = draw_simulated_unit(4, run2003.RATE_HZ, ideal=True)
     recording, _ = run2003.record(simulated)
@@ -141,7 +141,7 @@ def u_of(lines, symbol: str) -> float:
     return combine("y", "1", 0.0, [each for each in lines if each.quantity.symbol == symbol]).u_c
 
 
-def test_the_covariance_has_the_budgets_on_its_diagonal_and_one_rate_in_every_scale(right) -> None:
+def test_the_covariance_has_the_budgets_on_its_diagonal_and_one_rate_in_every_scale(right):
     assert right.covariance is not None
     elements, rows = right.covariance.elements, right.covariance.rows
     u = {f"{key}.{e}": each for key, item in right.items.items() for e, each in item.u.items()}
@@ -178,7 +178,7 @@ def by_another_clock(recording: Recording) -> Recording:
 
 
 @pytest.mark.parametrize("method", [JJF2003_CLAUSES, JOINT, JJF1536], ids=lambda m: m.method)
-def test_a_clock_that_runs_fast_is_inside_of_a_time_base_that_is_stated(method) -> None:
+def test_a_clock_that_runs_fast_is_inside_of_a_time_base_that_is_stated(method):
     """And blocks every pass, where encoders show rates that the table was not set to."""
     recording, _ = simulate(method.method, 4, ideal=True)
     stated = EquipmentLimit(half_width=FAST, distribution="rectangular", source="c")
@@ -201,7 +201,7 @@ def without_encoders(recording: Recording) -> Recording:
     return replace(recording, table=None)
 
 
-def test_labels_of_a_table_that_is_described_stand_for_its_encoders() -> None:
+def test_labels_of_a_table_that_is_described_stand_for_its_encoders():
     """The same angles, and the same u of what tilts change."""
     recording, _ = simulate("jjf2003", 4, ideal=True)
     seen, labelled = (
@@ -217,7 +217,7 @@ def test_labels_of_a_table_that_is_described_stand_for_its_encoders() -> None:
             assert made[1].items[name].u[element] == pytest.approx(u, rel=0.05), f"{name}.{element}"
 
 
-def test_a_rate_about_an_axis_that_nobody_calls_vertical_has_its_errors_too() -> None:
+def test_a_rate_about_an_axis_that_nobody_calls_vertical_has_its_errors_too():
     """Gyros alone, and labels that name no axis up."""
     recording, _ = simulate("jjf2003", 4, ideal=True)
     gyros = {n: v for n, v in recording.imu.columns.items() if n.startswith("gyro")}

@@ -97,7 +97,7 @@ def test_labels_cover_the_run_without_holes(run):
         assert t[-1] >= segments[-1].t_end - 0.02
 
 
-def test_a_rest_sets_the_chamber_and_the_unit_warms(short: Procedure, new_sink: Any) -> None:
+def test_a_rest_sets_the_chamber_and_the_unit_warms(short, new_sink):
     sink = new_sink()
     first = short.steps[0].model_copy(update={"dwell_s": 30.0, "chamber_degc": 28.0})
     InMemoryStation(VirtualStation()).acquire(short.model_copy(update={"steps": (first,)}), sink)

@@ -81,9 +81,7 @@ def test_no_more_is_fetched_than_may_wait(monkeypatch):
     assert asyncio.run(run()) == (10, 1)
 
 
-def test_a_fault_on_the_bus_is_raised_where_it_was_asked_and_is_an_event(
-    caplog: pytest.LogCaptureFixture,
-):
+def test_a_fault_on_the_bus_is_raised_where_it_was_asked_and_is_an_event(caplog):
     async def run() -> None:
         with bus() as devices:
             await table_on(devices).state()

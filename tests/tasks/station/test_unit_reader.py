@@ -61,19 +61,17 @@ def shift_s(line_s: list[float], answer_s: list[float], behind_s: float = 0.0) -
         ([0.01, 0.3, 0.01], [0.4, 0.0, 0.4]),
     ],
 )
-def test_what_a_busy_computer_delays_moves_no_stamp(
-    line_s: list[float], answer_s: list[float]
-) -> None:
+def test_what_a_busy_computer_delays_moves_no_stamp(line_s, answer_s):
     assert shift_s(line_s, answer_s) == 0.0
 
 
 @pytest.mark.parametrize("behind_s", [-12.0, 12.0])
-def test_a_clock_of_its_own_is_put_on_the_tables_time(behind_s: float) -> None:
+def test_a_clock_of_its_own_is_put_on_the_tables_time(behind_s):
     found = shift_s([0.01, 0.05, 0.02], [0.0, 0.0, 0.01], behind_s)
     assert found == pytest.approx(behind_s, abs=1.6)
 
 
-def test_the_clocks_difference_is_within_u_where_the_tables_answers_take_long() -> None:
+def test_the_clocks_difference_is_within_u_where_the_tables_answers_take_long():
     """A reading lies anywhere in its exchange; the unit's clock is the table's."""
     clock, driver, took_s = StationClock(), Driver(LINK, 0.0), 0.01
     clock.update(98.0 * SPEED, 98.0)
@@ -102,7 +100,7 @@ def arrived(seed: int, least_s: float = 0.0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_offset_and_skew_are_found_under_delays_that_are_never_negative(seed: int) -> None:
+def test_offset_and_skew_are_found_under_delays_that_are_never_negative(seed):
     found = compared(STAMPS_S, arrived(seed), NO_DOUBT_S)
     assert found is not None
     at_start_s = found.offset_s - found.skew * found.at_s
@@ -112,7 +110,7 @@ def test_offset_and_skew_are_found_under_delays_that_are_never_negative(seed: in
 
 
 @pytest.mark.parametrize("least_s", [0.0, 0.2, 0.5])
-def test_the_offset_is_within_u_whatever_the_least_delay_up_to_the_doubt(least_s: float) -> None:
+def test_the_offset_is_within_u_whatever_the_least_delay_up_to_the_doubt(least_s):
     """Thirty times the clock: a frame that comes 16 ms after its stamp comes half a second late."""
     found = compared(STAMPS_S, arrived(3, least_s), NO_DOUBT_S + 0.5)
     assert found is not None
@@ -122,7 +120,7 @@ def test_the_offset_is_within_u_whatever_the_least_delay_up_to_the_doubt(least_s
     assert abs(found.skew - SKEW) < 5.0 * found.u_skew
 
 
-def test_answers_of_the_table_that_take_long_are_not_taken_for_an_offset() -> None:
+def test_answers_of_the_table_that_take_long_are_not_taken_for_an_offset():
     """A reading that is believed to be of the answer's time is early by up to the whole exchange:
     the latest that it can have been is not."""
     took_s = np.random.default_rng(5).uniform(0.01, 0.4, len(STAMPS_S))
@@ -133,7 +131,7 @@ def test_answers_of_the_table_that_take_long_are_not_taken_for_an_offset() -> No
     assert abs(at_start_s - OFFSET_S) < 2.0 * found.u_offset_s < 0.1
 
 
-def test_a_clock_without_delays_is_compared_exactly() -> None:
+def test_a_clock_without_delays_is_compared_exactly():
     found = compared(STAMPS_S, OFFSET_S + STAMPS_S * (1.0 + SKEW), NO_DOUBT_S)
     assert found is not None
     assert found.skew == pytest.approx(SKEW, rel=1e-6)
@@ -141,5 +139,5 @@ def test_a_clock_without_delays_is_compared_exactly() -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1, 3])
-def test_too_few_stamps_say_nothing(count: int) -> None:
+def test_too_few_stamps_say_nothing(count):
     assert compared(STAMPS_S[:count], STAMPS_S[:count], NO_DOUBT_S[:count]) is None

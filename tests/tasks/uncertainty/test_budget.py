@@ -53,9 +53,7 @@ def electrical() -> tuple[list[InputQuantity], np.ndarray]:
 @pytest.mark.parametrize(
     ("name", "value", "u"), [("R", 127.732, 0.071), ("X", 219.847, 0.295), ("Z", 254.260, 0.236)]
 )
-def test_gum_h2_gives_the_published_resistance_reactance_and_impedance(
-    name: str, value: float, u: float
-) -> None:
+def test_gum_h2_gives_the_published_resistance_reactance_and_impedance(name, value, u):
     inputs, correlation = electrical()
     assert correlation[np.triu_indices(3, 1)].round(2) == pytest.approx([-0.36, 0.86, -0.65])
     budget = combine_function(name, "Ω", IMPEDANCE[name], inputs, correlation)
@@ -72,15 +70,13 @@ def test_gum_h2_gives_the_published_resistance_reactance_and_impedance(
 
 
 @pytest.mark.parametrize(("name", "u"), [("R", 0.071), ("X", 0.295), ("Z", 0.236)])
-def test_gum_h2_second_way_gives_the_published_scatter_of_the_single_results(
-    name: str, u: float
-) -> None:
+def test_gum_h2_second_way_gives_the_published_scatter_of_the_single_results(name, u):
     singles = IMPEDANCE[name](*READINGS)
     line = repeatability(np.full(5, 0.2), singles.var(ddof=1) * np.eye(5), "Ω", dof=4)
     assert round(combine(name, "Ω", singles.mean(), [line]).u_c, 3) == u
 
 
-def test_gum_h2_gives_the_published_correlations_of_the_results() -> None:
+def test_gum_h2_gives_the_published_correlations_of_the_results():
     inputs, correlation = electrical()
     x = np.array([q.estimate for q in inputs])
     u = np.array([q.u for q in inputs])
@@ -91,7 +87,7 @@ def test_gum_h2_gives_the_published_correlations_of_the_results() -> None:
     assert found.round(3) == pytest.approx([-0.588, -0.485, 0.993])
 
 
-def test_gum_h3_thermometer_line_gives_the_published_correction_at_30_degrees() -> None:
+def test_gum_h3_thermometer_line_gives_the_published_correction_at_30_degrees():
     design = np.column_stack([np.ones(11), READ - 20.0])
     line = solve(design)
     parameters = line.of(OBSERVED)
@@ -112,7 +108,7 @@ def test_gum_h3_thermometer_line_gives_the_published_correction_at_30_degrees() 
     assert budget.dof == pytest.approx(9)
 
 
-def test_the_line_collapsed_to_its_repeatability_has_the_same_uncertainty() -> None:
+def test_the_line_collapsed_to_its_repeatability_has_the_same_uncertainty():
     design = np.column_stack([np.ones(11), READ - 20.0])
     predict = np.array([1.0, 10.0]) @ solve(design).operator
     line = repeatability(predict, 0.0035**2 * np.eye(11), "°C", dof=9)
@@ -122,7 +118,7 @@ def test_the_line_collapsed_to_its_repeatability_has_the_same_uncertainty() -> N
     assert budget.dof == pytest.approx(9)
 
 
-def test_gum_h1_end_gauge_gives_the_published_degrees_of_freedom_and_interval() -> None:
+def test_gum_h1_end_gauge_gives_the_published_degrees_of_freedom_and_interval():
     nanometres = {"ls": (25.0, 18), "d": (9.7, 25.6), "δα": (2.9, 50), "δθ": (16.6, 2)}
     lines = [Contribution(quantity(s, u, dof=dof), 1.0) for s, (u, dof) in nanometres.items()]
     budget = combine("l", "nm", 50_000_838.0, lines, probability=0.99)
@@ -136,25 +132,25 @@ def test_gum_h1_end_gauge_gives_the_published_degrees_of_freedom_and_interval() 
     ("dof", "k"),  # GUM table G.2, column 95.45 %
     [(1, 13.97), (2, 4.53), (3, 3.31), (4, 2.87), (8, 2.37), (16, 2.17), (50, 2.05), (100, 2.025)],
 )
-def test_coverage_factors_are_those_of_gum_table_g2(dof: int, k: float) -> None:
+def test_coverage_factors_are_those_of_gum_table_g2(dof, k):
     assert coverage_factor(dof) == pytest.approx(k, abs=0.0051)
 
 
-def test_infinite_degrees_of_freedom_give_exactly_two() -> None:
+def test_infinite_degrees_of_freedom_give_exactly_two():
     assert coverage_factor(math.inf) == 2.0
 
 
-def test_degrees_of_freedom_are_truncated_but_not_by_rounding_noise() -> None:
+def test_degrees_of_freedom_are_truncated_but_not_by_rounding_noise():
     assert coverage_factor(16.9) == coverage_factor(16)
     assert coverage_factor(17 * (1 - 1e-15)) == coverage_factor(17)
 
 
-def test_linear_sum_of_fully_correlated_inputs() -> None:
+def test_linear_sum_of_fully_correlated_inputs():
     lines = [Contribution(quantity(s, 0.1), 1.0) for s in ("a", "b", "c")]
     assert combine("sum", "1", 0.0, lines, np.ones((3, 3))).u_c == pytest.approx(0.3)
 
 
-def test_a_compensating_input_has_a_negative_share() -> None:
+def test_a_compensating_input_has_a_negative_share():
     lines = [Contribution(quantity("a", 1.0), 1.0), Contribution(quantity("b", 0.3), -1.0)]
     budget = combine("difference", "1", 0.0, lines, np.array([[1, 0.9], [0.9, 1]]))
     assert [round(line.share, 2) for line in budget.inputs] == [1.33, -0.33]
@@ -164,7 +160,7 @@ def test_a_compensating_input_has_a_negative_share() -> None:
     st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(1e-6, 1e3)), min_size=1, max_size=6),
     st.integers(0, 2**32 - 1),
 )
-def test_shares_of_the_variance_add_up_to_one(pairs: list[tuple[float, float]], seed: int) -> None:
+def test_shares_of_the_variance_add_up_to_one(pairs, seed):
     lines = [Contribution(quantity(f"x{i}", u), c) for i, (c, u) in enumerate(pairs)]
     vectors = np.random.default_rng(seed).standard_normal((len(pairs), len(pairs) + 2))
     vectors /= np.linalg.norm(vectors, axis=1)[:, None]
@@ -174,7 +170,7 @@ def test_shares_of_the_variance_add_up_to_one(pairs: list[tuple[float, float]], 
     assert pytest.approx(budget.U) == budget.k * budget.u_c
 
 
-def test_numerical_sensitivities_agree_with_the_analytic_ones() -> None:
+def test_numerical_sensitivities_agree_with_the_analytic_ones():
     inputs = [quantity("a", 1e-6, 3.0), quantity("b", 0.2, -2.0), quantity("c", 0.1)]
 
     def model(a: float, b: float, c: float) -> float:
@@ -189,21 +185,21 @@ def test_numerical_sensitivities_agree_with_the_analytic_ones() -> None:
         assert found.sensitivity == pytest.approx(right.sensitivity, rel=1e-9)
 
 
-def test_correlated_inputs_of_finite_dof_from_different_samples_are_refused() -> None:
+def test_correlated_inputs_of_finite_dof_from_different_samples_are_refused():
     r = np.array([[1.0, 0.5], [0.5, 1.0]])
     lines = [Contribution(quantity(s, 1.0, dof=5), 1.0) for s in ("a", "b")]
     with pytest.raises(Unusable, match="no effective degrees of freedom"):
         combine("y", "1", 0.0, lines, r)
 
 
-def test_rounding_noise_in_a_correlation_matrix_is_no_correlation() -> None:
+def test_rounding_noise_in_a_correlation_matrix_is_no_correlation():
     lines = [Contribution(quantity(s, 1.0, dof=5), 1.0) for s in ("a", "b")]
     budget = combine("y", "1", 0.0, lines, np.array([[1.0, 1e-17], [1e-17, 1.0]]))
     assert budget.correlations == ()
     assert budget.dof == pytest.approx(10)
 
 
-def test_one_sample_has_one_number_of_degrees_of_freedom() -> None:
+def test_one_sample_has_one_number_of_degrees_of_freedom():
     pair = (quantity("a", 1.0, dof=4, sample="s"), quantity("b", 1.0, dof=5, sample="s"))
     lines = [Contribution(q, 1.0) for q in pair]
     with pytest.raises(Unusable, match=r"“s” have \[4.0, 5.0\]"):
@@ -218,24 +214,24 @@ def test_one_sample_has_one_number_of_degrees_of_freedom() -> None:
         ([[1.0, 1.5], [1.5, 1.0]], "negative variance"),
     ],
 )
-def test_a_matrix_that_is_no_correlation_is_refused(matrix: list[list[float]], why: str) -> None:
+def test_a_matrix_that_is_no_correlation_is_refused(matrix, why):
     lines = [Contribution(quantity(s, 1.0), 1.0) for s in ("a", "b")]
     with pytest.raises(Unusable, match=why):
         combine("y", "1", 0.0, lines, np.array(matrix))
 
 
-def test_two_inputs_with_one_symbol_are_refused() -> None:
+def test_two_inputs_with_one_symbol_are_refused():
     with pytest.raises(Unusable, match="symbol a"):
         combine("y", "1", 0.0, [Contribution(quantity("a", 1.0), 1.0)] * 2)
 
 
-def test_a_result_without_uncertainty_has_shares_of_zero() -> None:
+def test_a_result_without_uncertainty_has_shares_of_zero():
     budget = combine("y", "1", 1.0, [Contribution(quantity("a", 0.0, dof=3), 1.0)])
     assert (budget.u_c, budget.U, budget.inputs[0].share) == (0.0, 0.0, 0.0)
     assert math.isinf(budget.dof)
 
 
-def test_a_budget_survives_being_written_and_read_with_infinite_dof_as_null() -> None:
+def test_a_budget_survives_being_written_and_read_with_infinite_dof_as_null():
     inputs, correlation = electrical()
     budget = combine("y", "1", 0.0, [Contribution(quantity("a", 1.0), 2.0)])
     assert '"dof":null' in budget.model_dump_json()

@@ -79,9 +79,7 @@ def scatter(field: np.ndarray, each: float, face: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("sort", "each", "face"), [("position", 1e-4, 0), ("fixture", 0, 1e-4)])
-def test_accelerometer_sensitivities_to_attitude_are_those_of_simulated_positions(
-    sort: str, each: float, face: float
-) -> None:
+def test_accelerometer_sensitivities_to_attitude_are_those_of_simulated_positions(sort, each, face):
     found = scatter(np.array([0.0, 0.0, G]), each, face)
     equipment = alone(sort, 1e-4)
     bias = u_of(closed_formulas.attitude_errors(equipment, G, LYING))
@@ -92,9 +90,7 @@ def test_accelerometer_sensitivities_to_attitude_are_those_of_simulated_position
 
 
 @pytest.mark.parametrize(("sort", "each", "face"), [("position", 1e-4, 0), ("fixture", 0, 1e-4)])
-def test_gyro_uncertainty_is_never_below_that_of_simulated_positions(
-    sort: str, each: float, face: float
-) -> None:
+def test_gyro_uncertainty_is_never_below_that_of_simulated_positions(sort, each, face):
     earth = EARTH_RATE * np.array([0.0, math.cos(0.7), math.sin(0.7)])
     found = scatter(earth, each, face)
     equipment = alone(sort, 1e-4)
@@ -106,7 +102,7 @@ def test_gyro_uncertainty_is_never_below_that_of_simulated_positions(
     assert np.max(found[:, :3]) > 0.4 * sensitivity
 
 
-def test_standard_uncertainties_of_table_1() -> None:
+def test_standard_uncertainties_of_table_1():
     root3 = math.sqrt(3.0)
     assert RATE.u == pytest.approx(1e-5 / root3)
     assert JJF2003.ripple is not None
@@ -120,7 +116,7 @@ def test_standard_uncertainties_of_table_1() -> None:
 
 
 @pytest.mark.parametrize(("deg_s", "u"), [(0.5, 1e-2), (1.0, 1e-3), (10.0, 1e-4), (-300.0, 1e-4)])
-def test_jjf1536_rate_uncertainty_depends_on_the_rate(deg_s: float, u: float) -> None:
+def test_jjf1536_rate_uncertainty_depends_on_the_rate(deg_s, u):
     (limit,) = JJF1536.rate_at(math.radians(deg_s))
     assert limit.u == pytest.approx(u)
     assert JJF1536.position is not None
@@ -131,12 +127,12 @@ def test_jjf1536_rate_uncertainty_depends_on_the_rate(deg_s: float, u: float) ->
     ("distribution", "divisor"),
     [("normal", 2.0), ("rectangular", 3**0.5), ("triangular", 6**0.5), ("arcsine", 2**0.5)],
 )
-def test_half_widths_are_divided_as_the_distribution_asks(distribution, divisor) -> None:
+def test_half_widths_are_divided_as_the_distribution_asks(distribution, divisor):
     limit = ErrorLimit("a", "a", "1", 6.0, distribution, "clause")
     assert limit.quantity.u == pytest.approx(6.0 / divisor)
 
 
-def test_a_table_that_turns_too_fast_moves_the_scale_factor_and_not_the_offset() -> None:
+def test_a_table_that_turns_too_fast_moves_the_scale_factor_and_not_the_offset():
     rates = np.radians([-300.0, -100.0, -10.0, 10.0, 100.0, 300.0])
     operator = solve(np.column_stack([rates, np.ones(6)])).operator
     fast, slow = 1.0 + 1e-5, 1.0
@@ -149,7 +145,7 @@ def test_a_table_that_turns_too_fast_moves_the_scale_factor_and_not_the_offset()
         assert u_of(lines) == pytest.approx(abs(error[row]), abs=1e-15)
 
 
-def test_ripple_counts_by_its_rms_in_less_than_a_turn_and_fades_over_many() -> None:
+def test_ripple_counts_by_its_rms_in_less_than_a_turn_and_fades_over_many():
     rates, operator = np.array([0.01, 10.0]), np.array([1.0, 0.0])
     ripple = alone("ripple")
     slow = u_of(closed_formulas.turning_rate(ripple, 1.0, operator, rates, np.array([10.0, 10.0])))
@@ -160,12 +156,12 @@ def test_ripple_counts_by_its_rms_in_less_than_a_turn_and_fades_over_many() -> N
     assert fast == pytest.approx(10.0 / 100.0)
 
 
-def test_gravity_moves_the_accelerometer_scale_factor() -> None:
+def test_gravity_moves_the_accelerometer_scale_factor():
     lines = closed_formulas.gravity_error(alone("gravity", 1e-3), 1.01, G)
     assert u_of(lines) == pytest.approx(1.01 * 1e-3 / G)
 
 
-def test_latitude_counts_only_where_earth_rotation_was_removed() -> None:
+def test_latitude_counts_only_where_earth_rotation_was_removed():
     equipment, latitude = alone("latitude", TENTH), math.radians(39.9)
     assert u_of(closed_formulas.attitude_errors(equipment, EARTH_RATE, UP_DOWN)) == 0.0
     removed = u_of(closed_formulas.earth_removed(equipment, 1.0, latitude))
@@ -173,7 +169,7 @@ def test_latitude_counts_only_where_earth_rotation_was_removed() -> None:
     assert removed == pytest.approx(change, rel=1e-6)
 
 
-def test_rate_sensitivity_follows_rate_and_tilt() -> None:
+def test_rate_sensitivity_follows_rate_and_tilt():
     p, rate = 0.02, math.radians(300.0)
     assert u_of(
         closed_formulas.accel_rate_sensitivity(alone("rate", 1e-3), p, rate, G)
@@ -182,13 +178,13 @@ def test_rate_sensitivity_follows_rate_and_tilt() -> None:
     assert tilt == pytest.approx(1e-4 * G / rate**2)
 
 
-def test_rotation_axis_reaches_a_cross_coupling_whole() -> None:
+def test_rotation_axis_reaches_a_cross_coupling_whole():
     assert u_of(closed_formulas.turning_axis(alone("fixture", 1e-4), 1.0, 0.0)) == pytest.approx(
         1e-4
     )
 
 
-def test_jjf1536_items() -> None:
+def test_jjf1536_items():
     equipment = JJF1536
     assert equipment.fixture is not None
     rates = np.radians([-100.0, 100.0])
@@ -208,7 +204,7 @@ def test_jjf1536_items() -> None:
     assert u_of(misalignment) == pytest.approx(math.hypot(table, 5 * ARCSECOND / math.sqrt(3.0)))
 
 
-def test_rates_that_a_table_holds_differently_well_have_a_line_each() -> None:
+def test_rates_that_a_table_holds_differently_well_have_a_line_each():
     rates = np.radians([-100.0, -5.0, 5.0, 100.0])
     operator = rates / (rates @ rates)
     fast, slow = closed_formulas.turning_rate(JJF1536, 1.0, operator, rates, np.full(4, 30.0))
@@ -217,13 +213,13 @@ def test_rates_that_a_table_holds_differently_well_have_a_line_each() -> None:
     assert slow.sensitivity == pytest.approx(-2 * 5.0**2 / (2 * 5.0**2 + 2 * 100.0**2))
 
 
-def test_a_turned_angle_is_as_wrong_as_the_table() -> None:
+def test_a_turned_angle_is_as_wrong_as_the_table():
     angles = math.pi * np.array([2.0, -2.0])
     lines = closed_formulas.turned_angle(alone("position", 1e-4), 1.0, angles)
     assert u_of(lines) == pytest.approx(1e-4 / (2 * math.pi) / math.sqrt(2.0))
 
 
-def test_a_laboratory_s_own_limits_go_before_table_1() -> None:
+def test_a_laboratory_s_own_limits_go_before_table_1():
     certified = EquipmentLimit(half_width=2e-6, distribution="normal", source="certificate 7")
     own = with_limits(JJF1536, {"rate": certified, "axes": certified})
     (rate,) = own.rate_at(0.001)
@@ -233,7 +229,7 @@ def test_a_laboratory_s_own_limits_go_before_table_1() -> None:
     assert own.position == JJF1536.position
 
 
-def test_a_table_that_nobody_knows_has_no_line() -> None:
+def test_a_table_that_nobody_knows_has_no_line():
     rates = np.radians([-100.0, 100.0])
     seconds = np.full(2, 30.0)
     assert closed_formulas.turning_rate(NONE, 1.0, rates / (rates @ rates), rates, seconds) == ()
@@ -243,13 +239,13 @@ def test_a_table_that_nobody_knows_has_no_line() -> None:
     assert gravity.quantity.symbol == "g"
 
 
-def test_readings_are_each_rounded_by_an_error_of_their_own() -> None:
+def test_readings_are_each_rounded_by_an_error_of_their_own():
     step = 0.2
     line = resolution(step / 2.0, "deg/s", math.hypot(0.5, -0.5))
     assert u_of((line,)) == pytest.approx(step / math.sqrt(12.0) * math.sqrt(0.5))
 
 
-def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_once() -> None:
+def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_once():
     rates = np.radians([-100.0, 100.0])
     all_lines = (
         closed_formulas.turning_rate(
@@ -271,7 +267,7 @@ def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_on
     assert u_of(degrees) == pytest.approx(math.degrees(u_of(all_lines[2])))
 
 
-def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias() -> None:
+def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias():
     ups = ("+x", "-x", "+y", "-y", "+z", "-z")
     design = input_matrix(np.eye(6), np.array([unit_vector(up) for up in ups]))
     operator, fixture = solve(design).operator, np.array([1e-4, -2e-4, 3e-4])
@@ -288,7 +284,7 @@ def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias() -> None:
 
 
 @pytest.mark.parametrize("deg_s", [10.0 - 1e-9, 9.95, 10.0])
-def test_a_rate_just_below_the_edge_of_a_class_belongs_to_it(deg_s: float) -> None:
+def test_a_rate_just_below_the_edge_of_a_class_belongs_to_it(deg_s):
     (limit,) = JJF1536.rate_at(math.radians(deg_s))
     assert limit.symbol == "ε1"
 

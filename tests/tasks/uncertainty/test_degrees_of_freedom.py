@@ -33,7 +33,7 @@ def only(evidence: ClauseEvidence, count: int) -> np.ndarray:
     return weights
 
 
-def test_one_segment_knows_its_white_noise_as_well_as_simulated_ones_do(ideal_run) -> None:
+def test_one_segment_knows_its_white_noise_as_well_as_simulated_ones_do(ideal_run):
     rng = np.random.default_rng(2)
     recording = ideal_run()
     columns = {n: v + rng.normal(0.0, 1e-3, len(v)) for n, v in recording.imu.columns.items()}
@@ -46,13 +46,13 @@ def test_one_segment_knows_its_white_noise_as_well_as_simulated_ones_do(ideal_ru
     assert dof_of(evidence, only(evidence, 1)) == pytest.approx(observed, rel=0.3)
 
 
-def test_equal_segments_add_their_degrees_of_freedom(evidence) -> None:
+def test_equal_segments_add_their_degrees_of_freedom(evidence):
     one, four = dof_of(evidence, only(evidence, 1)), dof_of(evidence, only(evidence, 4))
     assert four == pytest.approx(4.0 * one, rel=0.3)
     assert four < 4.0 * one + 1e-9
 
 
-def test_drift_is_known_by_the_contrasts_that_told_it(evidence) -> None:
+def test_drift_is_known_by_the_contrasts_that_told_it(evidence):
     drift = np.zeros((DRIFTS, 6))
     drift[0] = 1.0  # nothing else counts beside it
     contrasts = np.full(6, 17.0)
@@ -60,7 +60,7 @@ def test_drift_is_known_by_the_contrasts_that_told_it(evidence) -> None:
     assert dof_of(drifting, only(drifting, 3)) == pytest.approx(17.0, rel=0.01)
 
 
-def test_drift_that_no_contrast_told_is_known_by_the_longest_blocks(evidence) -> None:
+def test_drift_that_no_contrast_told_is_known_by_the_longest_blocks(evidence):
     drift = np.zeros((DRIFTS, 6))
     drift[0] = 1.0
     noise = replace(evidence.noise, drift=drift, contrasts=np.zeros(6))
@@ -69,5 +69,5 @@ def test_drift_that_no_contrast_told_is_known_by_the_longest_blocks(evidence) ->
     assert dof_of(alone, only(alone, 3)) == pytest.approx(expected, rel=0.01)
 
 
-def test_what_does_not_scatter_is_known(evidence) -> None:
+def test_what_does_not_scatter_is_known(evidence):
     assert type_a_dof(only(evidence, 2), evidence.noise, 0, 0.0) == math.inf

@@ -26,7 +26,7 @@ def to_digits_of(printed: str, value: float) -> Decimal:
 
 
 @pytest.mark.parametrize("clause", PRINTED)
-def test_every_printed_digit_of_the_worked_examples(clause: str) -> None:
+def test_every_printed_digit_of_the_worked_examples(clause):
     components, u3, u_c, U = PRINTED[clause]
     budget = combine_as_example("result", "1", 0.0, components)
     table, bits, repeatability = budget.inputs
@@ -38,13 +38,13 @@ def test_every_printed_digit_of_the_worked_examples(clause: str) -> None:
     assert (Decimal(repr(budget.U)) if three_digits else round_up(budget.U)) == Decimal(U)
 
 
-def test_without_three_digits_of_u_c_jjf1536_a2_would_not_come_out() -> None:
+def test_without_three_digits_of_u_c_jjf1536_a2_would_not_come_out():
     exact = (1e-8 + acquisition(12) ** 2 + (4 * 3.41e-5) ** 2) ** 0.5
     assert Decimal(repr(2 * exact)).quantize(Decimal("1e-5"), ROUND_CEILING) == Decimal("4.5e-4")
     assert round_up(2 * exact) == Decimal("4.4e-4")
 
 
-def test_the_examples_budget_says_what_it_is() -> None:
+def test_the_examples_budget_says_what_it_is():
     budget = combine_as_example("gyro_bias", "deg/s", 0.1, (1e-3, 2e-3), table=5e-5, bits=16)
     assert budget.evaluation == "as the specification's example"
     assert budget.k == 2.0

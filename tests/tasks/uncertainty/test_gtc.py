@@ -82,7 +82,7 @@ def agrees(found_u: float, found_dof: float, judge: object) -> None:
 
 
 @given(budgets)
-def test_linear_budgets_agree(parts: list[Sample]) -> None:
+def test_linear_budgets_agree(parts):
     quantities, correlation = for_us(parts)
     c = np.concatenate([part.c for part in parts])
     lines = [Contribution(q, float(ci)) for q, ci in zip(quantities, c, strict=True)]
@@ -102,7 +102,7 @@ def product_and_sines(sin: Callable[[object], object], numbers: list[object]) ->
 
 @settings(max_examples=50)
 @given(budgets)
-def test_budgets_of_a_function_agree(parts: list[Sample]) -> None:
+def test_budgets_of_a_function_agree(parts):
     quantities, correlation = for_us(parts)
     budget = combine_function(
         "y", "1", lambda *x: product_and_sines(math.sin, list(x)), quantities, correlation
@@ -113,7 +113,7 @@ def test_budgets_of_a_function_agree(parts: list[Sample]) -> None:
 
 
 @pytest.mark.parametrize("dof", [3.0, 10.0, 60.0])
-def test_coverage_factor_at_whole_degrees_of_freedom_agrees(dof: float) -> None:
+def test_coverage_factor_at_whole_degrees_of_freedom_agrees(dof):
     x = InputQuantity("x", "x", "1", 1.0, "A", "t", dof=dof)
     budget = combine("y", "1", 0.0, [Contribution(x, 1.0)])
     assert budget.k == pytest.approx(
@@ -121,7 +121,7 @@ def test_coverage_factor_at_whole_degrees_of_freedom_agrees(dof: float) -> None:
     )
 
 
-def test_both_refuse_correlation_between_inputs_of_finite_dof_that_are_not_one_sample() -> None:
+def test_both_refuse_correlation_between_inputs_of_finite_dof_that_are_not_one_sample():
     with pytest.raises(RuntimeError, match="not in the same ensemble"):
         GTC.set_correlation(0.5, GTC.ureal(1, 1, 5), GTC.ureal(1, 1, 5))
     x = [InputQuantity(s, s, "1", 1.0, "A", "t", dof=5) for s in ("a", "b")]

@@ -63,7 +63,7 @@ def neighbours(count: int) -> np.ndarray:
 
 @pytest.mark.parametrize("weights", [first_against_second_half, neighbours])
 @pytest.mark.parametrize("drift", [0.0, 1e-4])
-def test_differences_of_means_scatter_as_stated(weights, drift: float) -> None:
+def test_differences_of_means_scatter_as_stated(weights, drift):
     squares = []
     for means, covariance in means_and_covariances(drift):
         of = weights(len(means))
@@ -72,7 +72,7 @@ def test_differences_of_means_scatter_as_stated(weights, drift: float) -> None:
     assert (0.75 if drift else 0.45) < np.sqrt(np.mean(squares)) < 1.25
 
 
-def test_correlated_samples_are_not_counted_as_independent() -> None:
+def test_correlated_samples_are_not_counted_as_independent():
     rng = np.random.default_rng(0)
     rows = round(24 * DWELL * RATE)
     correlated = np.zeros((rows, 6))
@@ -87,7 +87,7 @@ def test_correlated_samples_are_not_counted_as_independent() -> None:
     assert 0.8 * observed < stated < 5 * observed
 
 
-def test_white_noise_alone_gives_sigma_over_root_n() -> None:
+def test_white_noise_alone_gives_sigma_over_root_n():
     rows = round(24 * DWELL * RATE)
     segments = segments_of(np.random.default_rng(1).normal(0.0, 0.05, (rows, 6)))
     noise, weights = fit_noise(segments), neighbours(len(segments))
@@ -96,7 +96,7 @@ def test_white_noise_alone_gives_sigma_over_root_n() -> None:
     assert stated == pytest.approx(0.05 / np.sqrt(rows), rel=0.25)
 
 
-def test_a_common_drift_cancels_in_a_difference_of_neighbours() -> None:
+def test_a_common_drift_cancels_in_a_difference_of_neighbours():
     rng = np.random.default_rng(2)
     rows = round(24 * DWELL * RATE)
     segments = segments_of(flicker(rng, rows, 1e-4) + rng.normal(0, 1e-3, (rows, 6)))
@@ -107,7 +107,7 @@ def test_a_common_drift_cancels_in_a_difference_of_neighbours() -> None:
     assert np.linalg.eigvalsh(covariance).min() > -1e-12
 
 
-def test_a_channel_rounded_to_one_code_has_an_uncertainty() -> None:
+def test_a_channel_rounded_to_one_code_has_an_uncertainty():
     rng = np.random.default_rng(3)
     rows = round(24 * DWELL * RATE)
     values = np.repeat(rng.normal(0.0, 1.0, (24, 6)), rows // 24, axis=0)

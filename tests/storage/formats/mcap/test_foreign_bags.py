@@ -53,7 +53,7 @@ def bag(tmp_path: Path) -> Bag:
 
 @pytest.mark.parametrize("compression", list(CompressionType))
 @pytest.mark.parametrize("chunked", [True, False])
-def test_bag_of_others_is_read(compression: CompressionType, chunked: bool, tmp_path: Path) -> None:
+def test_bag_of_others_is_read(compression, chunked, tmp_path):
     bag = Bag(tmp_path / "drive.mcap", compression, chunked)
     for k in range(200):
         stamp = EPOCH + 10_000_001 * k
@@ -69,7 +69,7 @@ def test_bag_of_others_is_read(compression: CompressionType, chunked: bool, tmp_
     assert made.station == Station(id="unknown")
 
 
-def test_given_manifest_names_the_joints_that_are_table_axes(bag: Bag) -> None:
+def test_given_manifest_names_the_joints_that_are_table_axes(bag):
     for k in range(9):
         bag.imu(EPOCH + 1000 * k, 1.0)
         bag.add("/joints", JOINTS, EPOCH + 1000 * k + 7, name=["z", "outer"], position=[9.0, k])
@@ -79,7 +79,7 @@ def test_given_manifest_names_the_joints_that_are_table_axes(bag: Bag) -> None:
     assert table.t[0] == 7e-9
 
 
-def test_temperature_at_the_stamps_of_the_imu_is_the_units_own(bag: Bag) -> None:
+def test_temperature_at_the_stamps_of_the_imu_is_the_units_own(bag):
     for k in range(9):
         bag.imu(EPOCH + 1000 * k, 1.0)
         bag.add("/warm", TEMPERATURE, EPOCH + 1000 * k, temperature=[20.0 + k])
@@ -89,39 +89,39 @@ def test_temperature_at_the_stamps_of_the_imu_is_the_units_own(bag: Bag) -> None
     assert back.extra["left_out"] == ("/room",)
 
 
-def test_messages_are_put_in_the_order_of_their_stamps(bag: Bag) -> None:
+def test_messages_are_put_in_the_order_of_their_stamps(bag):
     for k in (3, 1, 2, 0):
         bag.imu(EPOCH + k * 10**9, float(k))
     assert read_mcap(bag.close()).imu.columns["gyro_x"].tolist() == [0, 1, 2, 3]
 
 
-def test_bag_that_counts_from_zero_keeps_its_time(bag: Bag) -> None:
+def test_bag_that_counts_from_zero_keeps_its_time(bag):
     bag.imu(20_000_000, 1.0)
     bag.imu(30_000_000, 1.0)
     assert read_mcap(bag.close()).imu.t.tolist() == [0.02, 0.03]
 
 
-def test_messages_with_one_stamp_are_refused(bag: Bag) -> None:
+def test_messages_with_one_stamp_are_refused(bag):
     for _ in range(2):
         bag.imu(EPOCH, 1.0)
     with pytest.raises(Unusable, match=r"/imu.*1700000000\.123456789"):
         read_mcap(bag.close())
 
 
-def test_two_imu_topics_are_refused_by_name(bag: Bag) -> None:
+def test_two_imu_topics_are_refused_by_name(bag):
     bag.imu(EPOCH, 1.0, "/left")
     bag.imu(EPOCH, 1.0, "/right")
     with pytest.raises(Unusable, match="/left, /right"):
         read_mcap(bag.close())
 
 
-def test_bag_without_imu_is_refused_with_what_it_has(bag: Bag) -> None:
+def test_bag_without_imu_is_refused_with_what_it_has(bag):
     bag.add("/warm", TEMPERATURE, EPOCH, temperature=[20.0])
     with pytest.raises(Unusable, match=r"/warm \(sensor_msgs/msg/Temperature\)"):
         read_mcap(bag.close())
 
 
-def test_value_that_is_no_number_is_refused_with_its_row(bag: Bag) -> None:
+def test_value_that_is_no_number_is_refused_with_its_row(bag):
     for k in range(3):
         bag.imu(EPOCH + k, np.inf if k == 1 else 1.0)
     with pytest.raises(Unusable, match=r"column gyro_x, row 2: the value is inf"):

@@ -39,14 +39,14 @@ def database(path: Path, rows: int, *, packed: bool = False) -> None:
 
 
 @pytest.mark.parametrize("packed", [False, True])
-def test_a_database_is_read_with_messages_packed_or_not(tmp_path: Path, packed: bool) -> None:
+def test_a_database_is_read_with_messages_packed_or_not(tmp_path, packed):
     database(tmp_path / "bag_0.db3", 300, packed=packed)
     imu = recordings.read(tmp_path / "bag_0.db3").imu
     np.testing.assert_allclose(imu.t, np.arange(300) / 100)
     np.testing.assert_allclose(imu.columns["gyro_y"], 3.0 * np.arange(300) + 1.0)
 
 
-def test_a_database_without_a_bags_tables_is_one_sentence(tmp_path: Path) -> None:
+def test_a_database_without_a_bags_tables_is_one_sentence(tmp_path):
     with sqlite3.connect(tmp_path / "other.db3") as store:
         store.execute("CREATE TABLE notes(id INTEGER)")
     store.close()
@@ -54,7 +54,7 @@ def test_a_database_without_a_bags_tables_is_one_sentence(tmp_path: Path) -> Non
         recordings.read(tmp_path / "other.db3")
 
 
-def test_a_bag_that_lacks_a_part_names_it(tmp_path: Path) -> None:
+def test_a_bag_that_lacks_a_part_names_it(tmp_path):
     database(tmp_path / "bag_0.db3", 10)
     (tmp_path / "metadata.yaml").write_text(
         "rosbag2_bagfile_information:\n  relative_file_paths: [bag_0.db3, bag_1.db3]\n"
@@ -66,13 +66,13 @@ def test_a_bag_that_lacks_a_part_names_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "rows"), [("split", 6000), ("sqlite3", 2000), ("file_zstd", 2000)]
 )
-def test_bags_from_the_field_are_one_run(name: str, rows: int) -> None:
+def test_bags_from_the_field_are_one_run(name, rows):
     imu = recordings.read(shared_path(f"data/field/bags/{name}")).imu
     assert len(imu) == rows
     np.testing.assert_allclose(np.diff(imu.t), 0.01, atol=1e-6)
 
 
-def test_stamps_that_were_never_set_are_named_and_the_times_of_recording_offered() -> None:
+def test_stamps_that_were_never_set_are_named_and_the_times_of_recording_offered():
     bag = shared_path("data/field/bags/stamps_never_set.mcap")
     with pytest.raises(Unusable, match=r"never set.*--stamps log"):
         recordings.read(bag)

@@ -20,7 +20,7 @@ from storage.formats.mcap.writer import RawWriter, write_mcap
 from tests.storage.formats.mcap.small_recording import imu_stream, manifest, recording
 
 
-def test_rows_given_piece_by_piece_are_one_recording(tmp_path: Path) -> None:
+def test_rows_given_piece_by_piece_are_one_recording(tmp_path):
     whole = recording()
     with RawWriter(tmp_path / "raw.mcap") as writer:
         writer.manifest(manifest().model_copy(update={"recording_id": "not yet known"}))
@@ -32,13 +32,13 @@ def test_rows_given_piece_by_piece_are_one_recording(tmp_path: Path) -> None:
     assert read_mcap(tmp_path / "raw.mcap").digest == digest(whole)
 
 
-def test_raw_recording_is_written_only_once(tmp_path: Path) -> None:
+def test_raw_recording_is_written_only_once(tmp_path):
     RawWriter(tmp_path / "raw.mcap").close()
     with pytest.raises(FileExistsError):
         RawWriter(tmp_path / "raw.mcap")
 
 
-def test_time_before_zero_is_refused_when_given_and_the_rest_is_kept(tmp_path: Path) -> None:
+def test_time_before_zero_is_refused_when_given_and_the_rest_is_kept(tmp_path):
     with RawWriter(tmp_path / "raw.mcap") as writer:
         writer.append("imu", imu_stream())
         with pytest.raises(Unusable, match="time before zero"):
@@ -46,7 +46,7 @@ def test_time_before_zero_is_refused_when_given_and_the_rest_is_kept(tmp_path: P
     assert len(read_mcap(tmp_path / "raw.mcap").imu) == 300
 
 
-def test_fault_of_the_disk_is_raised_by_a_later_call(tmp_path: Path) -> None:
+def test_fault_of_the_disk_is_raised_by_a_later_call(tmp_path):
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     writer = RawWriter(tmp_path / "raw.mcap")
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
@@ -58,9 +58,7 @@ def test_fault_of_the_disk_is_raised_by_a_later_call(tmp_path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_disk_that_keeps_rows_waiting_is_said_and_nothing_given_is_lost(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_disk_that_keeps_rows_waiting_is_said_and_nothing_given_is_lost(tmp_path, monkeypatch):
     now, is_stuck, goes_on = [0.0], threading.Event(), threading.Event()
 
     def stuck(descriptor: int) -> None:
@@ -85,7 +83,7 @@ ACQUIRED = datetime(2026, 3, 1, 8, 30, tzinfo=UTC)
 
 
 @pytest.mark.parametrize("acquired_at", ["2026-03-01T08:30:00+00:00", "2026-03-01T16:30:00+08:00"])
-def test_stamps_are_of_the_day_that_the_manifest_tells(tmp_path: Path, acquired_at: str) -> None:
+def test_stamps_are_of_the_day_that_the_manifest_tells(tmp_path, acquired_at):
     whole = replace(
         recording(), manifest=manifest().model_copy(update={"acquired_at": acquired_at})
     )
@@ -106,9 +104,7 @@ def test_stamps_are_of_the_day_that_the_manifest_tells(tmp_path: Path, acquired_
 @pytest.mark.parametrize(
     "acquired_at", ["2026-03-01T08:30:00", "yesterday", 5, "9999-12-31T00:00:00Z"]
 )
-def test_a_day_that_is_none_leaves_the_stamps_as_they_were(
-    tmp_path: Path, acquired_at: object
-) -> None:
+def test_a_day_that_is_none_leaves_the_stamps_as_they_were(tmp_path, acquired_at):
     whole = replace(
         recording(), manifest=manifest().model_copy(update={"acquired_at": acquired_at})
     )
@@ -135,7 +131,7 @@ time.sleep(60)
 """
 
 
-def test_rows_are_on_the_disk_when_the_process_is_killed(tmp_path: Path) -> None:
+def test_rows_are_on_the_disk_when_the_process_is_killed(tmp_path):
     path = tmp_path / "raw.mcap"
     command = [sys.executable, "-c", KILLED, str(path)]
     here = os.environ | {"PYTHONPATH": str(Path.cwd())}

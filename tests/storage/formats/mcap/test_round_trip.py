@@ -1,7 +1,6 @@
 """Raw recordings go to MCAP and back unchanged, and survive what happens to files."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,7 +43,7 @@ def assert_same(one: Recording, other: Recording) -> None:
 @pytest.mark.parametrize(
     "name", ["real/vn200_imu0_rate_table", "plant/plant_clean", "plant/ahrs_clean"]
 )
-def test_folder_and_its_mcap_are_the_same_recording(name: str, tmp_path: Path) -> None:
+def test_folder_and_its_mcap_are_the_same_recording(name, tmp_path):
     folder = read_folder(shared_path(f"data/{name}"))
     write_mcap(folder, tmp_path / "raw.mcap")
     back = read_mcap(tmp_path / "raw.mcap")
@@ -52,7 +51,7 @@ def test_folder_and_its_mcap_are_the_same_recording(name: str, tmp_path: Path) -
     assert_same(folder, back)
 
 
-def test_every_stream_and_column_comes_back_and_a_second_time_the_same_file(tmp_path: Path) -> None:
+def test_every_stream_and_column_comes_back_and_a_second_time_the_same_file(tmp_path):
     write_mcap(recording(), tmp_path / "one.mcap")
     back = read_mcap(tmp_path / "one.mcap")
     assert_same(as_raw(recording()), back)
@@ -62,7 +61,7 @@ def test_every_stream_and_column_comes_back_and_a_second_time_the_same_file(tmp_
 
 
 @given(arrays(np.float64, 8, elements=st.floats(-1e300, 1e300, allow_subnormal=False)))
-def test_conversion_to_ros_units_changes_a_number_at_most_once(values: np.ndarray) -> None:
+def test_conversion_to_ros_units_changes_a_number_at_most_once(values):
     for scalar in ENVIRONMENT:
         once = scalar.from_ros(scalar.to_ros(values))
         twice = scalar.from_ros(scalar.to_ros(once))
@@ -71,24 +70,24 @@ def test_conversion_to_ros_units_changes_a_number_at_most_once(values: np.ndarra
 
 
 @given(st.decimals(0, 2000, places=4, allow_nan=False))
-def test_decimal_number_comes_back_from_ros_units_as_it_was(value: float) -> None:
+def test_decimal_number_comes_back_from_ros_units_as_it_was(value):
     for scalar in ENVIRONMENT:
         assert scalar.from_ros(scalar.to_ros(np.array([float(value)])))[0] == float(value)
 
 
 @given(st.integers(0, 2**51))
-def test_whole_nanoseconds_survive_as_seconds(stamp: int) -> None:
+def test_whole_nanoseconds_survive_as_seconds(stamp):
     stream = Stream(np.array([stamp / 1e9]), dict.fromkeys(GYRO + ACCEL, np.zeros(1)))
     assert as_raw(Recording(manifest(), stream)).imu.t[0] == stamp / 1e9
 
 
-def test_time_before_zero_comes_back(tmp_path: Path) -> None:
+def test_time_before_zero_comes_back(tmp_path):
     early = replace(recording(), imu=imu_stream(start=-0.02))
     write_mcap(early, tmp_path / "raw.mcap")
     assert_same(as_raw(early), read_mcap(tmp_path / "raw.mcap"))
 
 
-def test_what_is_absent_stays_absent(tmp_path: Path) -> None:
+def test_what_is_absent_stays_absent(tmp_path):
     t = np.arange(5) / 10
     angles = Stream(t, {name: t + k for k, name in enumerate(ANGLE)})
     pose = Stream(t, dict.fromkeys(("qw", "qx", "qy", "qz"), t))
@@ -103,7 +102,7 @@ def test_what_is_absent_stays_absent(tmp_path: Path) -> None:
     assert back.environment is None
 
 
-def test_file_is_a_ros_2_bag_with_summary_indexes_and_checksums(tmp_path: Path) -> None:
+def test_file_is_a_ros_2_bag_with_summary_indexes_and_checksums(tmp_path):
     write_mcap(recording(), tmp_path / "raw.mcap")
     with (tmp_path / "raw.mcap").open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
@@ -126,14 +125,14 @@ def test_file_is_a_ros_2_bag_with_summary_indexes_and_checksums(tmp_path: Path) 
         assert len(list(StreamReader(file, validate_crcs=True).records)) > 1200
 
 
-def test_nothing_is_left_beside_a_file_that_could_not_be_written(tmp_path: Path) -> None:
+def test_nothing_is_left_beside_a_file_that_could_not_be_written(tmp_path):
     uneven = replace(recording(), table=Stream(np.arange(3.0), {"outer_angle": np.zeros(2)}))
     with pytest.raises(ValueError, match="rows"):
         write_mcap(uneven, tmp_path / "raw.mcap")
     assert not list(tmp_path.iterdir())
 
 
-def test_each_row_of_a_long_recording_is_written_once_wherever_it_starts(tmp_path: Path) -> None:
+def test_each_row_of_a_long_recording_is_written_once_wherever_it_starts(tmp_path):
     t = np.round(0.39 + np.arange(30_000) / 10, 9)  # 2040.39 + 60 is not 0.39 + 35 × 60 in floats
     values = {name: np.sin(t + k) for k, name in enumerate(GYRO + ACCEL)}
     long = as_raw(Recording(manifest(), Stream(t, values)))

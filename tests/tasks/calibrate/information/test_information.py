@@ -1,8 +1,6 @@
 """What stands beside the items: known noise recovered, the truth found, nulls with a reason."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -59,7 +57,7 @@ def resting(seconds: float, seed: int, step: float = 0.0, rests: int = 4) -> Rec
     return Recording(manifest, Stream(t, dict(zip(GYRO + ACCEL, rows, strict=True))))
 
 
-def test_white_noise_and_flicker_are_recovered_within_their_uncertainty() -> None:
+def test_white_noise_and_flicker_are_recovered_within_their_uncertainty():
     walks, floors = [], []
     for seed in range(8):
         found = result(resting(600.0, seed)).information
@@ -75,31 +73,31 @@ def test_white_noise_and_flicker_are_recovered_within_their_uncertainty() -> Non
     assert np.mean(np.abs(floors) < 2.0) > 0.85
 
 
-def test_the_floor_of_ieee_std_952_is_0_664() -> None:
+def test_the_floor_of_ieee_std_952_is_0_664():
     assert pytest.approx(0.664, abs=5e-4) == FLOOR
 
 
-def test_short_rests_give_no_bias_instability_and_say_so() -> None:
+def test_short_rests_give_no_bias_instability_and_say_so():
     found = result(resting(4.0, 1)).information
     assert found["gyro_bias_instability"].value == {"x": None, "y": None, "z": None}
     assert "longer rests" in found["gyro_bias_instability"].en
     assert found["gyro_angle_random_walk"].value["x"] is not None
 
 
-def test_a_step_that_hides_the_noise_leaves_it_null_and_says_so() -> None:
+def test_a_step_that_hides_the_noise_leaves_it_null_and_says_so():
     found = result(resting(60.0, 1, step=1e-3)).information["gyro_angle_random_walk"]
     assert found.value["x"] is None
     assert "x: the noise is masked by the output's resolution" in found.en
     assert found.value["y"] is not None
 
 
-def test_a_channel_that_stands_still_has_no_noise() -> None:
+def test_a_channel_that_stands_still_has_no_noise():
     found = result(resting(60.0, 1, step=1.0)).information["gyro_angle_random_walk"]
     assert found.value["x"] is None
     assert found.value["y"] is not None
 
 
-def test_rests_with_corrupted_rows_are_not_used_for_the_noise() -> None:
+def test_rests_with_corrupted_rows_are_not_used_for_the_noise():
     recording = resting(60.0, 1)
     recording.imu.columns["gyro_x"][100] = 1e5
     found = result(recording).information["gyro_angle_random_walk"]
@@ -108,7 +106,7 @@ def test_rests_with_corrupted_rows_are_not_used_for_the_noise() -> None:
     assert found.value["x"] == pytest.approx(truth, abs=3 * found.u["x"])
 
 
-def test_rests_with_lost_rows_are_not_used_for_the_noise() -> None:
+def test_rests_with_lost_rows_are_not_used_for_the_noise():
     recording = resting(60.0, 1)
     kept = np.delete(np.arange(len(recording.imu)), [500, 501])
     columns = {name: values[kept] for name, values in recording.imu.columns.items()}
@@ -117,8 +115,8 @@ def test_rests_with_lost_rows_are_not_used_for_the_noise() -> None:
 
 
 def test_on_plant_earth_rotation_the_separated_value_finds_the_truth_and_the_clause_does_not(
-    plant: Callable[[str], Recording], shared: Path
-) -> None:
+    plant, shared
+):
     truth = json.loads((shared / "plant/plant_earth_rotation/truth.json").read_text())
     recording = plant("plant_earth_rotation")
     g = recording.manifest.station.gravity_m_s2
@@ -133,7 +131,7 @@ def test_on_plant_earth_rotation_the_separated_value_finds_the_truth_and_the_cla
     assert found.about == "gyro_g_sensitivity"
 
 
-def test_without_a_latitude_nothing_is_separated(ideal_run) -> None:
+def test_without_a_latitude_nothing_is_separated(ideal_run):
     recording = ideal_run()
     station = recording.manifest.station.model_copy(update={"latitude_deg": None})
     manifest = recording.manifest.model_copy(update={"station": station})
@@ -141,7 +139,7 @@ def test_without_a_latitude_nothing_is_separated(ideal_run) -> None:
     assert "gyro_g_sensitivity_without_earth_rotation" not in found
 
 
-def test_a_curved_scale_factor_is_found_in_the_rate_points(ideal_run) -> None:
+def test_a_curved_scale_factor_is_found_in_the_rate_points(ideal_run):
     recording = ideal_run()
     columns = dict(recording.imu.columns)
     columns["gyro_x"] = columns["gyro_x"] + 1e-5 * columns["gyro_x"] ** 3
@@ -151,7 +149,7 @@ def test_a_curved_scale_factor_is_found_in_the_rate_points(ideal_run) -> None:
     assert "Exceeds the noise: x" in found.en
 
 
-def test_bias_repeatability_is_the_scatter_of_rests_with_the_same_axis_up(ideal_run) -> None:
+def test_bias_repeatability_is_the_scatter_of_rests_with_the_same_axis_up(ideal_run):
     recording = ideal_run()
     moved = next(s for s in recording.manifest.segments if s.name == "rest2_x")
     columns = {name: values.copy() for name, values in recording.imu.columns.items()}
@@ -170,7 +168,7 @@ def test_bias_repeatability_is_the_scatter_of_rests_with_the_same_axis_up(ideal_
     assert "x, y, z: no U stated, because Student's t" in found.en
 
 
-def test_what_the_rate_points_show_holds_the_type_b_of_the_scale_factor(ideal_run) -> None:
+def test_what_the_rate_points_show_holds_the_type_b_of_the_scale_factor(ideal_run):
     """An ideal run has hardly any noise: what U holds is the table."""
     made = result(ideal_run())
     item, found = made.items["gyro_scale_factor"], made.information["gyro_scale_asymmetry"]
@@ -182,7 +180,7 @@ def test_what_the_rate_points_show_holds_the_type_b_of_the_scale_factor(ideal_ru
     assert "type B contributions of the equipment" in found.en
 
 
-def test_without_a_budget_there_is_no_uncertainty_to_state(ideal_run) -> None:
+def test_without_a_budget_there_is_no_uncertainty_to_state(ideal_run):
     bare = result(ideal_run()).items["gyro_scale_factor"].model_copy(update={"budgets": {}})
     assert np.isnan(type_b(bare, "xyz")).all()
     assert np.isnan(type_b(None, "xyz")).all()
@@ -190,13 +188,13 @@ def test_without_a_budget_there_is_no_uncertainty_to_state(ideal_run) -> None:
     assert why.id == "information-type-b.not-evaluated"
 
 
-def test_elements_without_the_equipments_share_are_named_where_others_have_it() -> None:
+def test_elements_without_the_equipments_share_are_named_where_others_have_it():
     (why,) = without_type_b(np.array([1e-5, np.nan]), ("xy", "xz"))
     assert say(why, "en").startswith("xz: no U stated")
     assert without_type_b(np.array([np.nan, np.nan]), ("xy", "xz")) == []
 
 
-def test_deviations_are_pooled_over_groups_by_their_degrees_of_freedom() -> None:
+def test_deviations_are_pooled_over_groups_by_their_degrees_of_freedom():
     groups = [np.array([1.0, 3.0]), np.array([10.0, 10.0, 13.0]), np.array([5.0])]
     deviation, dof = pooled_deviation(groups)
     assert dof == 3

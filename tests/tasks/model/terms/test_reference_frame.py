@@ -13,7 +13,7 @@ from tests.moved_by_hand import poses, recording, tilted
 ANGLE = 0.01  # rad
 
 
-def test_a_leaning_room_is_put_upright() -> None:
+def test_a_leaning_room_is_put_upright():
     exact = poses(1, 0.0, 0.0)
     upright = whole_motion(recording(reference=exact))
     leaning = whole_motion(recording(reference=tilted(exact, ANGLE)))
@@ -26,7 +26,7 @@ def test_a_leaning_room_is_put_upright() -> None:
         assert moved.translation == pytest.approx(leaning.translation, nan_ok=True)
 
 
-def test_it_stands_in_for_a_tilted_table_where_a_body_is_tracked() -> None:
+def test_it_stands_in_for_a_tilted_table_where_a_body_is_tracked():
     run = recording()
     motion = whole_motion(run)
     motion = replace(motion, t=motion.t - motion.t[0])
@@ -37,7 +37,7 @@ def test_it_stands_in_for_a_tilted_table_where_a_body_is_tracked() -> None:
     assert "reference_frame" not in untracked
 
 
-def test_a_tracked_body_tells_one_place_of_the_unit_and_not_three() -> None:
+def test_a_tracked_body_tells_one_place_of_the_unit_and_not_three():
     run = recording()
     motion = whole_motion(run)
     motion = replace(motion, t=motion.t - motion.t[0])

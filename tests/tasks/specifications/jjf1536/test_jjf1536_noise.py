@@ -43,7 +43,7 @@ def rms(values) -> float:
     return float(np.sqrt(np.mean(np.square(list(values)))))
 
 
-def test_the_simulated_ahrs_is_within_three_of_its_own_uncertainties(plant, shared) -> None:
+def test_the_simulated_ahrs_is_within_three_of_its_own_uncertainties(plant, shared):
     truth = json.loads((shared / "plant" / "ahrs_clean" / "truth.json").read_text())
     calibration = result(plant("ahrs_clean"))
     off = deviations(calibration, truth["K"], truth["L"], truth["B_deg_s"])
@@ -56,7 +56,7 @@ def test_the_simulated_ahrs_is_within_three_of_its_own_uncertainties(plant, shar
     }  # fmt: skip
 
 
-def test_the_simulated_ahrs_gives_the_same_by_its_rates(plant, as_gyro) -> None:
+def test_the_simulated_ahrs_gives_the_same_by_its_rates(plant, as_gyro):
     recording = plant("ahrs_clean")
     table = recording.table
     by_angle = result(recording)
@@ -80,7 +80,7 @@ def test_the_simulated_ahrs_gives_the_same_by_its_rates(plant, as_gyro) -> None:
     ],
     ids=["random walk", "random walk and angle noise", "random walk and rounding to 0.01°"],
 )
-def test_values_scatter_as_their_uncertainty_says(ahrs_run, noise) -> None:
+def test_values_scatter_as_their_uncertainty_says(ahrs_run, noise):
     runs = (ahrs_run(K=K, L=L, B=B, noise={**noise, "seed": seed}) for seed in range(8))
     off = [deviations(result(run), K, L, B) for run in runs]
     for item in ("scale", "zero", "misalignment"):
@@ -88,7 +88,7 @@ def test_values_scatter_as_their_uncertainty_says(ahrs_run, noise) -> None:
         assert 0.5 < rms(values) < 1.4
 
 
-def test_an_angle_of_coarse_resolution_is_no_stuck_channel(ahrs_run) -> None:
+def test_an_angle_of_coarse_resolution_is_no_stuck_channel(ahrs_run):
     step = np.radians(0.01)
     run = ahrs_run(noise={"rate_noise": RATE_NOISE / 20, "angle_noise": 0.0, "step": step}, B=B)
     codes = {r.code for r in result(run).remarks}
@@ -96,7 +96,7 @@ def test_an_angle_of_coarse_resolution_is_no_stuck_channel(ahrs_run) -> None:
     assert "short_position" in codes
 
 
-def test_both_noises_are_told_apart() -> None:
+def test_both_noises_are_told_apart():
     random, interval, count = np.random.default_rng(7), 0.1, 6000
     walk, angle = np.array([1e-4, 5e-5, 0.0]), np.array([0.0, 1e-4, 1e-4])
     rests = []
@@ -111,7 +111,7 @@ def test_both_noises_are_told_apart() -> None:
     assert found.angle[0] < 0.02 * walk[0] ** 2 * interval
 
 
-def test_noise_of_the_angle_is_never_less_than_its_rounding() -> None:
+def test_noise_of_the_angle_is_never_less_than_its_rounding():
     nothing = [np.zeros((3, 100))]
     step = np.array([1e-4, 2e-4, 0.0])
     found = fit_angle_noise(nothing, 0.1, step)
@@ -120,7 +120,7 @@ def test_noise_of_the_angle_is_never_less_than_its_rounding() -> None:
     assert fit_angle_noise([], 0.1, step).angle == pytest.approx(step**2 / 12)
 
 
-def test_allan_variances_are_those_of_block_means() -> None:
+def test_allan_variances_are_those_of_block_means():
     gain = np.random.default_rng(3).normal(size=(3, 8))
     variance, count = pooled_allan([gain], 0.5)
     blocks = gain.reshape(3, 4, 2).mean(axis=2) / 0.5
