@@ -1,12 +1,16 @@
-"""Ordering an evaluation of uncertainty, a laboratory's own limits, and the budgets in print."""
+"""Ordering an evaluation of uncertainty, a laboratory's own limits, budgets, the joint method."""
 
 import json
 import re
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pypdfium2
 import pytest
+
+# Ordering an evaluation of uncertainty, a laboratory's own limits, and the budgets in print.
 
 LABORATORY = """
 party = {name = "L", name_zh = "实", address = "a", address_zh = "址"}
@@ -102,3 +106,27 @@ def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command: str)
     assert done.err.count("\n") == 1
     assert "--uncertainty guess" in done.err
     assert "gum, montecarlo, example" in done.err
+
+
+# The joint method as it is ordered: by --method, from any kind of recording.
+
+
+@pytest.mark.parametrize("name", ["real/xsens_multiposition", "real/ln100_two_position"])
+def test_a_joint_calibration_and_its_certificate_are_ordered_by_method(
+    mimucal: Callable[..., Any], shared: Path, name: str
+) -> None:
+    found = mimucal("calibrate", shared / name, "--method", "joint", "--json")
+    assert found.code == 0
+    assert found.json["method"] == "joint"
+    assert len(found.json["items"]) == 9
+    certificate = mimucal("certify", shared / name, "--method", "joint", "--budget", "--json")
+    assert certificate.code == 0
+    assert certificate.json["verdict"] == "inconclusive"
+    assert Path(certificate.json["pdf"]).read_bytes().startswith(b"%PDF")
+
+
+def test_accumulated_angles_are_sent_to_their_own_method(mimucal, ahrs_clean: Path) -> None:
+    refused = mimucal("calibrate", ahrs_clean, "--method", "joint")
+    assert refused.code == 2
+    assert "--method jjf1536" in refused.err
+    assert "Traceback" not in refused.err

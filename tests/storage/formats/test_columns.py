@@ -1,4 +1,4 @@
-"""Columns keep a recording exactly, and appear whole or not at all."""
+"""Columns keep a recording exactly; what cannot be a reading is refused."""
 
 import numpy as np
 import pyarrow as pa
@@ -6,9 +6,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from schemas.base import Unusable
+from schemas.recording import ANGLE, Stream
 from storage.formats.content import digest, read_columns, write_columns
 from storage.formats.folder import read_folder
+from storage.formats.manifest import check_columns, check_stream
+from tests.manifests import manifest_of
 from tests.shared import shared_path
+
+# Columns keep a recording exactly, and appear whole or not at all.
 
 
 @pytest.mark.parametrize(
@@ -76,3 +81,27 @@ def test_columns_of_two_recordings_are_refused(tmp_path):
     (tmp_path / "one" / "table.parquet").replace(tmp_path / "two" / "table.parquet")
     with pytest.raises(Unusable, match="different recordings"):
         read_columns(tmp_path / "two")
+
+
+# What no sensor can have read is refused, with the file, the column and the row.
+
+MANIFEST = manifest_of("r")
+
+
+@pytest.mark.parametrize("value", [1.1e9, -1e300])
+def test_a_reading_beyond_every_sensor_is_refused(value):
+    columns = {name: np.zeros(5) for name in ANGLE}
+    columns["angle_y"][3] = value
+    with pytest.raises(Unusable, match=r"here: column angle_y, row 4: .* no sensor reads"):
+        check_stream("here", "imu", Stream(np.arange(5.0), columns))
+
+
+def test_large_turns_and_pressures_are_readings():
+    columns = {name: np.full(5, 1e6) for name in ANGLE}
+    check_stream("here", "imu", Stream(np.arange(5.0), columns))
+    check_stream("here", "environment", Stream(np.arange(5.0), {"pressure": np.full(5, 1.1e5)}))
+
+
+def test_the_angle_that_is_missing_is_named():
+    with pytest.raises(Unusable, match="column angle_z is missing"):
+        check_columns("here", "imu", MANIFEST, {"angle_x", "angle_y"})

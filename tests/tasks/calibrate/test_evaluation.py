@@ -1,4 +1,4 @@
-"""Every element of both specifications has a budget; a laboratory may choose how it is made."""
+"""Every element of both specifications has a budget; one coverage factor stands for an item."""
 
 import math
 
@@ -10,12 +10,15 @@ from schemas.base import Unusable
 from schemas.calibration import Budget, Calibration, Item
 from schemas.laboratory import EquipmentLimit
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import evaluation_for
+from tasks.calibrate.calibrate import common_factor, evaluation_for, expanded
 from tasks.motion.table import EARTH_RATE
 from tasks.segments.rates import rate_by_command
 from tasks.specifications.register import specification_for
+from tasks.uncertainty.budget import combine, observed
 from tasks.uncertainty.monte_carlo import acquisition
 from tests.tasks.items_only import items_only
+
+# Every element of both specifications has a budget; a laboratory may choose how it is made.
 
 EXAMPLE = "as the specification's example"
 AGREES = 1e-6
@@ -293,3 +296,23 @@ def test_a_commanded_rate_that_the_angles_contradict_is_none(plant):
 def test_a_polled_encoders_time_that_is_none_is_refused(plant, stated):
     with pytest.raises(Unusable, match=r"table_time\.half_width_s is"):
         evaluation_for(restated(plant("plant_clean"), table_time=stated))
+
+
+# One coverage factor for the elements of an item.
+
+
+def of_dof(dof: float):
+    return combine("b.x", "1", 1.0, [observed(0.5, "1", dof)])
+
+
+def test_the_element_of_the_fewest_degrees_of_freedom_sets_the_factor_of_all():
+    budgets = {"x": of_dof(5.0), "y": of_dof(200.0), "z": of_dof(12.0)}
+    k = common_factor(budgets)
+    assert k == 2.65  # Student's t of 5 dof at 95.45 %, 2.6487, rounded up
+    stated = expanded(budgets["y"], k)
+    assert (stated.k, stated.U) == (k, pytest.approx(2.65 * 0.5))
+
+
+def test_fifty_degrees_of_freedom_are_enough_for_two():
+    assert common_factor({"x": of_dof(50.0), "y": of_dof(1e4)}) == 2.0
+    assert common_factor({"x": of_dof(49.0), "y": of_dof(1e4)}) > 2.0

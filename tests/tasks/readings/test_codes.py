@@ -1,4 +1,4 @@
-"""Codes that firmware joined wrongly are put right, and right ones are left alone."""
+"""Codes that firmware joined wrongly are put right; right ones are left alone, whatever happens."""
 
 from dataclasses import replace
 from functools import partial
@@ -6,11 +6,13 @@ from functools import partial
 import firmware
 import numpy as np
 import pytest
+from eventful import eventful
 from firmware import FULL, UNITS, Made, Unit, made
 
 from schemas.recording import ACCEL, GYRO
 from storage.formats.folder import read_folder
 from tasks.readings.codes import bug_in_words, codes_put_right
+from tasks.readings.stamps import with_instants
 from tasks.words import texts
 from tests.shared import shared_path
 
@@ -177,3 +179,30 @@ def test_cases_from_the_field_are_put_right_in_all_six_channels(name, bug):
     assert max(one.undecided.mean() for one in right.wrong_codes) < 1e-4
     assert all(texts(bug_in_words(one)) for one in right.wrong_codes)
     assert codes_put_right(right) is right
+
+
+# Where a lot happens and no logger erred, not one reading and not one stamp is moved.
+
+FEW, MANY = range(120), range(120, 1500)
+
+
+def moved(seed: int) -> str:
+    """What was moved in a recording; empty if nothing was."""
+    recording, happens = eventful(seed)
+    right = codes_put_right(with_instants(recording))
+    wrong = [f"{one.channel} {one.bug} {one.share:.2g}" for one in right.wrong_codes]
+    wrong += [] if np.array_equal(right.imu.t, recording.imu.t) else ["stamps"]
+    same = all(
+        np.array_equal(right.imu.columns[name], column, equal_nan=True)
+        for name, column in recording.imu.columns.items()
+    )
+    return "" if same and not wrong else f"{seed}: {wrong} {happens}"
+
+
+def test_nothing_is_moved_where_no_logger_erred():
+    assert [each for each in map(moved, FEW) if each] == []
+
+
+@pytest.mark.rehearsal
+def test_nothing_is_moved_in_many_more():
+    assert [each for each in map(moved, MANY) if each] == []

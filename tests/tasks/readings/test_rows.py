@@ -10,6 +10,7 @@ from schemas.recording import Recording, Stream
 from storage.formats.folder import read_folder
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.explain import explain
+from tasks.readings.robust import median
 from tasks.readings.rows import (
     empty_remarks,
     empty_rows,
@@ -134,3 +135,19 @@ def test_a_low_pass_is_named_beside_a_dropout_and_an_empty_first_row():
     columns = {name: np.append(0.0, signal[1:]) for name, signal in torn.imu.columns.items()}
     findings = explain(replace(torn, imu=Stream(torn.imu.t, columns))).findings
     assert findings[0].effect == "bandwidth"
+
+
+# The median by sorting is numpy's.
+
+
+@pytest.mark.parametrize("shape", [(1,), (2,), (5,), (2000,), (6, 416), (3, 7)])
+def test_medians_are_those_of_numpy(shape):
+    values = np.random.default_rng(1).normal(size=shape)
+    assert np.array_equal(median(values), np.median(values, axis=-1))
+
+
+def test_a_row_with_nan_has_no_median():
+    assert np.isnan(median(np.array([[1.0, np.nan, 2.0], [3.0, 1.0, 2.0]]))).tolist() == [
+        True,
+        False,
+    ]

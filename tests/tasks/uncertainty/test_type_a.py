@@ -1,5 +1,7 @@
-"""Type A uncertainty of means of correlated samples, against simulated noise."""
+"""Type A uncertainty of means of correlated samples, and its degrees of freedom."""
 
+import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,7 +10,11 @@ import pytest
 from schemas.recording import ACCEL, GYRO, Segment, Stream
 from tasks.readings.plausibility import steps
 from tasks.segments.summarise import SegmentMean, summarise
-from tasks.uncertainty.type_a import covariance_of_means, fit_noise
+from tasks.specifications.evidence import ClauseEvidence, gather
+from tasks.uncertainty.drift import DRIFTS
+from tasks.uncertainty.type_a import covariance_of_means, fit_noise, type_a_dof
+
+# Type A uncertainty of means of correlated samples, against simulated noise.
 
 RATE = 20.0
 DWELL = 30.0
@@ -117,3 +123,68 @@ def test_a_channel_rounded_to_one_code_has_an_uncertainty():
     for channel in range(6):
         stated = np.sqrt(np.diag(covariance_of_means(noise, channel)))
         assert (stated >= 0.99 * least).all()
+
+
+# Degrees of freedom of a type A uncertainty, against the scatter of repeated runs.
+
+
+@pytest.fixture(scope="module")
+def evidence(ideal_run) -> ClauseEvidence:
+    """A run with white noise, of which no drift is left to tell."""
+    recording = ideal_run()
+    rng = np.random.default_rng(1)
+    columns = {n: v + rng.normal(0.0, 1e-3, len(v)) for n, v in recording.imu.columns.items()}
+    stream = type(recording.imu)(recording.imu.t, columns)
+    found = gather(type(recording)(recording.manifest, stream, digest="0"))
+    return replace(found, noise=replace(found.noise, drift=np.zeros((DRIFTS, 6))))
+
+
+def dof_of(evidence: ClauseEvidence, weights: np.ndarray) -> float:
+    variance = float(weights @ evidence.noise_covariances[0] @ weights)
+    return type_a_dof(weights, evidence.noise, 0, variance)
+
+
+def only(evidence: ClauseEvidence, count: int) -> np.ndarray:
+    weights = np.zeros(len(evidence.segments))
+    weights[:count] = 1.0 / count
+    return weights
+
+
+def test_one_segment_knows_its_white_noise_as_well_as_simulated_ones_do(ideal_run):
+    rng = np.random.default_rng(2)
+    recording = ideal_run()
+    columns = {n: v + rng.normal(0.0, 1e-3, len(v)) for n, v in recording.imu.columns.items()}
+    stream = type(recording.imu)(recording.imu.t, columns)
+    found = gather(type(recording)(recording.manifest, stream, digest="0"))
+    # The rests of three channels, each its own estimate; rate points may be tilted besides.
+    white = found.noise.white[found.of_kind("static"), :3]
+    observed = 2.0 * white.mean() ** 2 / white.var()
+    evidence = replace(found, noise=replace(found.noise, drift=np.zeros((DRIFTS, 6))))
+    assert dof_of(evidence, only(evidence, 1)) == pytest.approx(observed, rel=0.3)
+
+
+def test_equal_segments_add_their_degrees_of_freedom(evidence):
+    one, four = dof_of(evidence, only(evidence, 1)), dof_of(evidence, only(evidence, 4))
+    assert four == pytest.approx(4.0 * one, rel=0.3)
+    assert four < 4.0 * one + 1e-9
+
+
+def test_drift_is_known_by_the_contrasts_that_told_it(evidence):
+    drift = np.zeros((DRIFTS, 6))
+    drift[0] = 1.0  # nothing else counts beside it
+    contrasts = np.full(6, 17.0)
+    drifting = replace(evidence, noise=replace(evidence.noise, drift=drift, contrasts=contrasts))
+    assert dof_of(drifting, only(drifting, 3)) == pytest.approx(17.0, rel=0.01)
+
+
+def test_drift_that_no_contrast_told_is_known_by_the_longest_blocks(evidence):
+    drift = np.zeros((DRIFTS, 6))
+    drift[0] = 1.0
+    noise = replace(evidence.noise, drift=drift, contrasts=np.zeros(6))
+    alone = replace(evidence, noise=noise)
+    expected = 4.0 * len(evidence.segments)
+    assert dof_of(alone, only(alone, 3)) == pytest.approx(expected, rel=0.01)
+
+
+def test_what_does_not_scatter_is_known(evidence):
+    assert type_a_dof(only(evidence, 2), evidence.noise, 0, 0.0) == math.inf

@@ -1,4 +1,4 @@
-"""A room that leans, against the same poses turned as a whole."""
+"""The frame that the reference is told in, and the site."""
 
 from dataclasses import replace
 
@@ -7,8 +7,12 @@ import pytest
 
 from tasks.model.catalogue import catalogue
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
+from tasks.model.terms.site import GRAVITY_VALUE, earth_rotation
 from tasks.motion.whole import whole_motion
 from tests.moved_by_hand import poses, recording, tilted
+from tests.tasks.model.table_run import LATITUDE, attitude, motion, read
+
+# A room that leans, against the same poses turned as a whole.
 
 ANGLE = 0.01  # rad
 
@@ -45,3 +49,21 @@ def test_a_tracked_body_tells_one_place_of_the_unit_and_not_three():
     untracked = [term.name for term in catalogue(run, replace(motion, tracking=None))]
     assert ("lever_arm" in names, "size_effect" in names) == (True, False)
     assert "size_effect" in untracked
+
+
+# What the place adds, against its definition.
+
+EARTH = 7.292115e-5  # rad/s, WGS 84
+
+
+def test_earths_rate_is_felt_along_the_pole():
+    pole = np.array([0.0, np.cos(LATITUDE), np.sin(LATITUDE)])
+    added = read((earth_rotation(LATITUDE),), []) - read((), [])
+    assert added[:, :3] == pytest.approx(EARTH * (attitude() * pole[:, None]).sum(axis=1))
+    assert not added[:, 3:].any()
+
+
+def test_more_gravity_is_felt_upwards():
+    added = read((GRAVITY_VALUE,), [0.01]) - read((), [])
+    assert added[:, 3:] == pytest.approx(0.01 * motion().up)
+    assert not added[:, :3].any()

@@ -1,4 +1,4 @@
-"""The stated uncertainty is the scatter: on the simulated AHRS and on noise of every kind."""
+"""The stated uncertainty is the scatter; the noise of the rates comes back from the angles."""
 
 import json
 
@@ -7,9 +7,12 @@ import pytest
 
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf1536.evidence import fit_angle_noise, pooled_allan
 from tests.tasks.items_only import items_only
+
+# The stated uncertainty is the scatter: on the simulated AHRS and on noise of every kind.
 
 AXES = "xyz"
 K, B = (1.001, 0.999, 1.0), (0.002, -0.001, 0.003)
@@ -126,3 +129,25 @@ def test_allan_variances_are_those_of_block_means():
     blocks = gain.reshape(3, 4, 2).mean(axis=2) / 0.5
     assert variance[1] == pytest.approx(0.5 * (np.diff(blocks) ** 2).mean(axis=1))
     assert list(count) == [7, 3, 1]
+
+
+# What stands beside the items of an AHRS: the noise and the line of its axes.
+
+WALK = 5e-5  # rad/√s
+
+
+def test_the_white_noise_of_the_rates_is_recovered_from_the_angles(ahrs_run):
+    recording = ahrs_run(hold=200.0, noise={"rate_noise": WALK, "angle_noise": 1e-5})
+    found = calibrate(JJF1536, recording, run="r", code_version="v").information
+    assert not [name for name in found if name.startswith(("gyro", "accel"))]
+    walk = found["ahrs_angle_random_walk"]
+    for axis in "xyz":
+        truth = 60.0 * float(np.degrees(WALK))
+        assert walk.value[axis] == pytest.approx(truth, abs=3 * walk.u[axis])
+
+
+def test_non_linearity_stands_beside_the_scale_factor(ahrs_run):
+    found = calibrate(JJF1536, ahrs_run(), run="r", code_version="v").information
+    assert found["ahrs_scale_nonlinearity"].about == "ahrs_scale_factor"
+    assert found["ahrs_scale_nonlinearity"].value["x"] == pytest.approx(0.0, abs=0.01)
+    assert found["ahrs_scale_asymmetry"].value["x"] == pytest.approx(0.0, abs=0.01)

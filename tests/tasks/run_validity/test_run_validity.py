@@ -1,19 +1,33 @@
-"""Each check names segment, channel and number."""
+"""What is found of a run: segments, clocks, codes, the laboratory's latitude."""
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from schemas.calibration import Calibration
 from schemas.recording import GYRO, Manifest, Recording, Stream
 from schemas.text import Remark
 from storage.catalogue import runs
+from storage.formats.folder import read_folder
 from storage.home import Home
+from tasks.calibrate.calibrate import calibrate
 from tasks.readings.plausibility import on_sight
+from tasks.run_validity.clocks import clock_remarks
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf2003 import JJF2003
+from tasks.specifications.register import specification_for
+from tasks.stages.estimate import estimate, validity_of
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.servers import station_file
+from tests.manifests import at_station
+from tests.shared import shared_path
 from tests.tasks.items_only import items_only
+
+# Each check names segment, channel and number.
 
 
 def remarks(recording: Recording, code: str) -> list[Remark]:
@@ -252,3 +266,130 @@ def test_a_share_of_lost_samples_is_told_apart_from_what_is_allowed(ideal_run):
     (found,) = remarks(thinned, "lost_share")
     assert "1.1 % of the samples" in found.en
     assert "1 % is allowed" in found.en
+
+
+# The rates that a unit reads against those of the encoders, over time.
+
+T = np.arange(0.0, 120.0, 0.01)
+BIAS = np.radians([1.0, -2.0, 3.0])
+RATE = np.radians(90.0)
+RAMP_S = 0.75
+
+
+def turned(t: np.ndarray, from_s: float) -> np.ndarray:
+    """Angle (rad) of an axis that turns for 6 s from 20 s on, and from `from_s` to the end."""
+    knots = np.array([20.0, 20.0 + RAMP_S, 26.0, 26.0 + RAMP_S, from_s, from_s + RAMP_S, 1e3])
+    rates = RATE * np.interp(T, knots, [0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
+    return np.interp(t, T, np.concatenate([[0.0], np.cumsum(rates[:-1] * 0.01)]))
+
+
+@pytest.fixture
+def recorded(ideal_run: Any) -> Any:
+    """A recording of that motion, whose unit is so many seconds late."""
+
+    def make(from_s: float, late_s: float) -> ClauseEvidence:
+        still = np.zeros(len(T))
+        z = np.gradient(turned(T - late_s, from_s), 0.01)
+        readings = np.array([still, still, z]).T + BIAS
+        imu = Stream(T, dict(zip(GYRO, readings.T, strict=True)))
+        angles = {"outer_angle": turned(T, from_s), "middle_angle": still, "inner_angle": still}
+        manifest = ideal_run(dwell=1.0).manifest
+        measured_by = station_file(VirtualStation(), 1.0, "host", 1, 2).station
+        manifest = manifest.model_copy(update={"station": measured_by})
+        recording = Recording(manifest, imu, Stream(T, angles), None, None)
+        return cast(ClauseEvidence, SimpleNamespace(recording=recording))
+
+    return make
+
+
+@pytest.mark.parametrize("from_s", [35.0, 50.0, 95.0])
+def test_clocks_agree_however_long_the_table_turns(from_s, recorded):
+    assert list(clock_remarks(recorded(from_s, 0.0))) == []
+
+
+@pytest.mark.parametrize("from_s", [35.0, 95.0])
+@pytest.mark.parametrize("late_s", [-1.4, 0.3, 1.0])
+def test_clocks_that_are_apart_make_the_run_invalid(late_s, from_s, recorded):
+    (remark,) = clock_remarks(recorded(from_s, late_s))
+    assert (remark.code, remark.run) == ("clocks_apart", "invalid")
+    assert f"{late_s:+.2f} s" in remark.en
+
+
+# What calibrate says of codes that were wrong, and what it does with them.
+
+SIZE = 256
+
+
+def calibrated(recording: Recording) -> Calibration:
+    specification = specification_for(recording.manifest.standard)
+    return calibrate(specification, recording, run="", code_version="")
+
+
+def with_numbers(change: "object", step: float) -> Recording:
+    """The plant's run with the numbers of gyro x changed, which it gives in steps."""
+    recording = read_folder(shared_path("data/plant/plant_clean"))
+    columns = dict(recording.imu.columns)
+    numbers = np.rint(columns["gyro_x"] / step).astype(int)
+    columns["gyro_x"] = change(numbers) * step  # type: ignore[operator]
+    return replace(recording, imu=Stream(recording.imu.t, columns))
+
+
+STEP = np.radians(1e-3)  # of the plant's gyros
+
+
+def low_byte_signed(numbers: np.ndarray) -> np.ndarray:
+    low = numbers & 0xFF
+    return numbers - low + np.where(low >= SIZE // 2, low - SIZE, low)
+
+
+def test_a_result_with_codes_put_right_is_that_of_the_right_codes_and_says_so():
+    clean = calibrated(with_numbers(lambda numbers: numbers, STEP))
+    mended = calibrated(with_numbers(low_byte_signed, STEP))
+    for name, item in clean.items.items():
+        assert mended.items[name].value == pytest.approx(item.value, rel=1e-9, abs=1e-12)
+    (remark,) = [each for each in mended.remarks if each.code == "codes_put_right"]
+    assert remark.run == "remarks"
+    assert "low byte was joined as a signed number" in remark.en
+    assert "低字节" in remark.zh
+    assert not [each for each in clean.remarks if each.code.startswith("codes_")]
+
+
+def test_a_bit_that_sticks_makes_the_run_invalid():
+    stuck = calibrated(with_numbers(lambda numbers: numbers & ~64, STEP))
+    (remark,) = [each for each in stuck.remarks if each.code == "codes_undecided"]
+    assert remark.run == "invalid"
+    assert stuck.validity.verdict == "invalid"
+    assert "always clear" in remark.en
+
+
+# The latitude of a recording against that of the laboratory.
+
+LABORATORY = """
+format = "mimu-laboratory/1"
+latitude_deg = {latitude}
+party = {{ name = "L", name_zh = "实", address = "a", address_zh = "址" }}
+"""
+SENTENCE = "The recording states a latitude of 39.9°, but that of the laboratory is -39.9°."
+
+
+@pytest.fixture
+def at_39_9(ideal_run: Callable[..., Recording]) -> Recording:
+    return at_station(ideal_run(dwell=1.0), latitude_deg=39.9)
+
+
+@pytest.mark.parametrize(("own", "contradicted"), [(39.9, 0), (39.95, 0), (-39.9, 1)])
+def test_a_latitude_that_is_not_the_laboratorys_makes_the_run_invalid(
+    own, contradicted, at_39_9, tmp_path
+):
+    (tmp_path / "laboratory.toml").write_text(LABORATORY.format(latitude=own), encoding="utf-8")
+    run, _ = runs.add(at_39_9, Home(tmp_path))
+    about_latitude = [
+        r for r in estimate(run, Home(tmp_path)).remarks if r.code == "laboratory_latitude"
+    ]
+    assert [remark.run for remark in about_latitude] == ["invalid"] * contradicted
+
+
+def test_it_is_said_as_soon_as_the_run_is_there(at_39_9, tmp_path):
+    (tmp_path / "laboratory.toml").write_text(LABORATORY.format(latitude=-39.9), encoding="utf-8")
+    run, _ = runs.add(at_39_9, Home(tmp_path))
+    assert SENTENCE in validity_of(run, Home(tmp_path)).reasons
