@@ -19,8 +19,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import ACCEL, AXES, GYRO
-from tests.tasks.station.makers.drive import Drive
-from tests.tasks.station.makers.modbus_maker import listening
+from tests.tasks.station.makers.modbus_maker import Drive, listening
 
 pytestmark = pytest.mark.rehearsal
 

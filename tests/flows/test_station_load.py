@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tasks.station import load_coefficients
-from tests.tasks.station.listening_unit import unit
+from tests.tasks.station.over_sockets import unit
 from tests.tasks.station.sample_stations import sample
 
 LINES = ["$WRITE,10,{B_g[0]:+.6e}", "$WRITE,11,{C_a[1][2]:+.6e}"]

@@ -14,7 +14,7 @@ from storage.home import Home
 from tasks.station.virtual.config import MOUNT_REQUEST, VirtualStation, draw_unit
 from tests.flows.on_prefect.test_prefect_flows import SHORT
 from tests.flows.order_homes import no_workers
-from tests.tasks.station.in_thread import serving
+from tests.tasks.station.over_sockets import serving
 
 pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]  # of test_production and test_identity
 

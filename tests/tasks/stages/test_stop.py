@@ -20,8 +20,7 @@ from tasks.stages.stop import stop_station
 from tasks.station import procedures
 from tasks.station.connected_station import StopSwitch, run_until_stopped
 from tasks.station.virtual.config import VirtualStation
-from tests.tasks.station.in_thread import serving
-from tests.tasks.station.over_sockets import table_and_watchdog
+from tests.tasks.station.over_sockets import serving, table_and_watchdog
 
 pytestmark = pytest.mark.real_time
 SPEED = 10.0

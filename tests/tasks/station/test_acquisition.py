@@ -28,13 +28,13 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import running
 from tests.tasks.station.in_memory import InMemoryStation, spoils_once
-from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import (
     MEASURED,
     SPEED,
     ignore,
     let_the_watchdog_bite,
     over_sockets,
+    serving,
     table_and_watchdog,
 )
 from tests.tasks.station.short_ahrs import bench, part, run_of, settled

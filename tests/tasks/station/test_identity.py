@@ -18,9 +18,8 @@ from tasks.station.virtual.config import (
     draw_unit,
     virtual_station,
 )
-from tests.tasks.station.in_thread import serving
-from tests.tasks.station.listening_unit import unit as listening
-from tests.tasks.station.over_sockets import over_sockets, table_and_watchdog
+from tests.tasks.station.over_sockets import over_sockets, serving, table_and_watchdog
+from tests.tasks.station.over_sockets import unit as listening
 from tests.tasks.station.sample_stations import rates_link
 
 QUERY = SerialQuery(request="$WHO", answer="$ME,")

@@ -11,8 +11,7 @@ from tasks.station.recorder import ROWS, LastRows
 from tasks.station.virtual.config import VirtualStation, draw_unit
 from tasks.station.virtual.faults import StationFault
 from tests.tasks.station.in_memory import InMemoryStation, spoils_once
-from tests.tasks.station.in_thread import serving
-from tests.tasks.station.over_sockets import MEASURED, SPEED, ignore
+from tests.tasks.station.over_sockets import MEASURED, SPEED, ignore, serving
 
 # Several units on one table: one run, a recording of each.
 

@@ -15,12 +15,12 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.words import cause_of
 from tests.tasks.station.in_memory import InMemoryStation
-from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import (
     MEASURED,
     SPEED,
     let_the_watchdog_bite,
     over_sockets,
+    serving,
     table_and_watchdog,
 )
 
