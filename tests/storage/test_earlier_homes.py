@@ -4,6 +4,7 @@
 `full_home`.
 """
 
+import json
 import tarfile
 from pathlib import Path
 from typing import Any
@@ -79,8 +80,8 @@ def rows(home: Home) -> dict[str, list[dict[str, Any]]]:
         assert connection is not None
         return {
             table.name: [
-                {name: dump._plain(value) for name, value in row._mapping.items()}
-                for row in connection.execute(sql.select(table).order_by(*table.primary_key))
+                dict(zip(dump.columns_of(table), json.loads(line), strict=True))
+                for line in dump.lines(connection, table)
             ]
             for table in dump.tables_of(connection)
         }
