@@ -74,7 +74,7 @@ def test_systemd_reads_the_units_without_a_word(tmp_path):
 
 
 @pytest.fixture
-def station_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
+def station_units(tmp_path, monkeypatch) -> tuple[Path, Path]:
     """The units of stations with one id, of two lines on one computer."""
     monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:4201/api")
     homes = (Home(tmp_path / "mimucal"), Home(tmp_path / "mimucal-b"))

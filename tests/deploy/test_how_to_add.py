@@ -225,7 +225,7 @@ def readings() -> tuple[np.ndarray, list[dict[str, object]]]:
 
 
 @pytest.fixture
-def clone(tmp_path: Path) -> Clone:
+def clone(tmp_path) -> Clone:
     made = Clone(tmp_path / "mimucal")
     values, segments = readings()
     folder = made.folder / "recording"

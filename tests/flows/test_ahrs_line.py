@@ -16,7 +16,7 @@ pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture
-def short(tmp_path: Path) -> Path:
+def short(tmp_path) -> Path:
     """JJF 1536 of the program in seconds."""
     whole = procedures.load("jjf1536").model_dump(mode="json")
     for step in whole["steps"]:
@@ -46,7 +46,7 @@ def mimucal(
 @pytest.mark.rehearsal
 def test_one_command_leads_from_the_station_to_the_certificate(
     home, short, validated, prefect_server
-) -> None:
+):
     home.mkdir()
     (home / "validation.json").write_text(validated.model_dump_json(), encoding="utf-8")
     done = mimucal(home, "demo", "--procedure", short, "--speed", 200, "--json",

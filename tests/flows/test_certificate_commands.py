@@ -23,13 +23,11 @@ K_AND_B = ("gyro_scale_factor", "gyro_cross_coupling", "gyro_bias", "accel_scale
 
 
 @pytest.fixture
-def run(run_on_earth: str) -> str:
+def run(run_on_earth) -> str:
     return run_on_earth
 
 
-def test_a_corrected_recording_calibrates_to_an_ideal_unit(
-    mimucal, plant_on_earth, run, tmp_path
-) -> None:
+def test_a_corrected_recording_calibrates_to_an_ideal_unit(mimucal, plant_on_earth, run, tmp_path):
     done = mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected", "--json")
     assert (done.code, done.json["format"], done.json["assumed_ideal"]) == (0, "mimu-apply/1", [])
     again = mimucal("calibrate", tmp_path / "corrected", "--json").json
@@ -45,7 +43,7 @@ def test_a_corrected_recording_calibrates_to_an_ideal_unit(
         assert abs(value) <= sensitivity["U_without_earth_rotation"][element]
 
 
-def test_export_prints_a_form_and_nothing_else(mimucal, run) -> None:
+def test_export_prints_a_form_and_nothing_else(mimucal, run):
     document = mimucal("export", run, "--as", "json", "--json")
     assert document.json["format"] == "mimu-correction/1"
     assert document.json["unit"] == {
@@ -60,9 +58,7 @@ def test_export_prints_a_form_and_nothing_else(mimucal, run) -> None:
     assert (evidence.run, evidence.decision) == (run, None)
 
 
-def test_a_result_in_a_file_needs_no_store_but_for_kalibr(
-    mimucal, run, tmp_path, monkeypatch
-) -> None:
+def test_a_result_in_a_file_needs_no_store_but_for_kalibr(mimucal, run, tmp_path, monkeypatch):
     file = tmp_path / "result.json"
     file.write_text(mimucal("calibrate", run, "--json").out, encoding="utf-8")
     monkeypatch.setenv("MIMUCAL_HOME", str(tmp_path / "another"))
@@ -74,7 +70,7 @@ def test_a_result_in_a_file_needs_no_store_but_for_kalibr(
 
 def test_what_cannot_be_corrected_is_one_sentence(
     mimucal, run, shared, plant_on_earth, ahrs_clean, tmp_path
-) -> None:
+):
     taken, other = tmp_path / "taken", shared / "real/ln100_two_position"
     taken.mkdir()
     (taken / "mine").write_text("kept", encoding="utf-8")
@@ -95,7 +91,7 @@ def test_what_cannot_be_corrected_is_one_sentence(
     assert (taken / "mine").read_text(encoding="utf-8") == "kept"
 
 
-def test_the_result_of_an_invalid_run_corrects_nothing(mimucal, run, tmp_path: Path) -> None:
+def test_the_result_of_an_invalid_run_corrects_nothing(mimucal, run, tmp_path):
     document = mimucal("calibrate", run, "--json").json
     worst = {"code": "spoiled", "en": "The supply fell.", "zh": "电压下降。", "run": "invalid"}
     document["remarks"].append(worst)
@@ -110,7 +106,7 @@ def test_the_result_of_an_invalid_run_corrects_nothing(mimucal, run, tmp_path: P
 @pytest.mark.rehearsal
 def test_a_corrected_recording_has_its_uncertainty_beside_the_readings_where_it_is_asked_for(
     mimucal, plant_on_earth, run, tmp_path
-) -> None:
+):
     out = tmp_path / "corrected"
     done = mimucal("apply", run, plant_on_earth, "--out", out, "--with-u", "--json")
     assert done.code == 0, done.err
@@ -129,7 +125,7 @@ def test_a_corrected_recording_has_its_uncertainty_beside_the_readings_where_it_
 @pytest.mark.rehearsal
 def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
     mimucal, plant_on_earth, tmp_path, home
-) -> None:
+):
     example = mimucal("calibrate", plant_on_earth, "--uncertainty", "example", "--json")
     (tmp_path / "example.json").write_text(example.out, encoding="utf-8")
     arguments = (tmp_path / "example.json", plant_on_earth, "--out", tmp_path / "new")
@@ -141,12 +137,12 @@ def test_uncertainties_that_a_result_does_not_give_are_refused_in_a_sentence(
 
 
 @pytest.fixture
-def key(home: Path) -> str:
+def key(home) -> str:
     """The key of a draft by Wang."""
     return draft(Home(home)).certificate.number
 
 
-def test_a_draft_is_checked_issued_and_withdrawn_and_the_trail_tells_it(mimucal, key: str) -> None:
+def test_a_draft_is_checked_issued_and_withdrawn_and_the_trail_tells_it(mimucal, key):
     checked = mimucal("check", key, "--by", "Li", "--reason", "read twice", "--json").json
     assert (checked["format"], checked["state"]) == ("mimu-certificate/1", "checked")
     issued = mimucal("issue", key, "--by", "Zhao", "--json").json
@@ -168,7 +164,7 @@ def test_a_draft_is_checked_issued_and_withdrawn_and_the_trail_tells_it(mimucal,
     assert mimucal("verify").code == 0
 
 
-def test_who_does_it_may_stand_in_the_environment(mimucal, key: str, monkeypatch) -> None:
+def test_who_does_it_may_stand_in_the_environment(mimucal, key, monkeypatch):
     monkeypatch.setenv("MIMUCAL_USER", "Li")
     assert mimucal("check", key).code == 0
     refused = mimucal("issue", key)
@@ -177,9 +173,7 @@ def test_who_does_it_may_stand_in_the_environment(mimucal, key: str, monkeypatch
 
 
 @pytest.mark.parametrize("command", ["check", "issue", "withdraw", "amend"])
-def test_a_step_of_nobody_is_refused_with_the_way_out(
-    mimucal, key: str, command: str, monkeypatch
-) -> None:
+def test_a_step_of_nobody_is_refused_with_the_way_out(mimucal, key, command, monkeypatch):
     monkeypatch.delenv("MIMUCAL_USER", raising=False)
     why = ("--why", "an error") if command in ("withdraw", "amend") else ()
     refused = mimucal(command, key, *why)
@@ -188,7 +182,7 @@ def test_a_step_of_nobody_is_refused_with_the_way_out(
     assert "MIMUCAL_USER" in refused.err
 
 
-def test_a_form_of_the_trail_that_is_none_is_refused(mimucal, key: str) -> None:
+def test_a_form_of_the_trail_that_is_none_is_refused(mimucal, key):
     refused = mimucal("trail", "--as", "pdf")
     assert refused.code == 2
     assert "choose one of table, csv, jsonl" in refused.err
@@ -196,8 +190,8 @@ def test_a_form_of_the_trail_that_is_none_is_refused(mimucal, key: str) -> None:
 
 @pytest.mark.rehearsal
 def test_the_evidence_lies_beside_the_certificate_and_its_hash_in_the_record(
-    mimucal, run_on_earth: str, home: Path, tmp_path: Path, unprinted
-) -> None:
+    mimucal, run_on_earth, home, tmp_path, unprinted
+):
     laboratory_file(home)
     limits = tmp_path / "limits.toml"
     limits.write_text(

@@ -21,7 +21,7 @@ from tests.own_limits import laboratory_file
 SMALL = "real/ferraris_session"
 
 
-def test_calibrate_of_a_path_prints_the_document_of_the_contract(mimucal, shared) -> None:
+def test_calibrate_of_a_path_prints_the_document_of_the_contract(mimucal, shared):
     done = mimucal("calibrate", shared / "real/ln100_two_position", "--json")
     assert done.code == 0
     assert done.json["format"] == "mimu-calibration/1"
@@ -38,7 +38,7 @@ def test_calibrate_of_a_path_prints_the_document_of_the_contract(mimucal, shared
     }  # fmt: skip
 
 
-def test_the_same_content_is_one_run_whichever_way_it_comes(mimucal, shared, tmp_path) -> None:
+def test_the_same_content_is_one_run_whichever_way_it_comes(mimucal, shared, tmp_path):
     folder = shared / SMALL
     first = mimucal("import", folder, "--json").json["runs"][0]
     again = mimucal("import", folder, "--json").json["runs"][0]
@@ -54,7 +54,7 @@ def test_the_same_content_is_one_run_whichever_way_it_comes(mimucal, shared, tmp
 
 def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
     mimucal, home, plant_on_earth, tmp_path, unprinted
-) -> None:
+):
     laboratory_file(home)
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
@@ -93,7 +93,7 @@ def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
     assert amended["replaces"]["number"] == issued["number"]
 
 
-def test_show_tells_a_run_its_results_and_its_certificates(mimucal, shared, unprinted) -> None:
+def test_show_tells_a_run_its_results_and_its_certificates(mimucal, shared, unprinted):
     run = mimucal("calibrate", shared / SMALL, "--json").json["run"]
     mimucal("certify", run, "--invalid-run")
     document = mimucal("show", run, "--json").json
@@ -103,7 +103,7 @@ def test_show_tells_a_run_its_results_and_its_certificates(mimucal, shared, unpr
     assert "Segments" in mimucal("show", run).out
 
 
-def test_verify_finds_a_flipped_byte_and_exits_with_1(mimucal, shared, home) -> None:
+def test_verify_finds_a_flipped_byte_and_exits_with_1(mimucal, shared, home):
     mimucal("import", shared / SMALL)
     (raw,) = (home / "raw").glob("*.mcap")
     spoiled = bytearray(raw.read_bytes())
@@ -164,9 +164,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("kind", sorted(BAD))
-def test_bad_input_is_one_sentence_exit_2_and_an_unchanged_store(
-    mimucal, copied, home, kind: str
-) -> None:
+def test_bad_input_is_one_sentence_exit_2_and_an_unchanged_store(mimucal, copied, home, kind):
     spoil, names = BAD[kind]
     folder = copied(SMALL)
     spoil(folder)
@@ -187,7 +185,7 @@ def refused(mimucal, path: Path, names: list[str]) -> None:
 
 def test_a_cut_off_mcap_is_refused_and_what_is_whole_is_offered(
     mimucal, plant_clean, tmp_path, home
-) -> None:
+):
     whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
     write_mcap(read_folder(plant_clean), whole)
     cut.write_bytes(whole.read_bytes()[: whole.stat().st_size * 2 // 3])
@@ -228,20 +226,20 @@ def test_a_cut_off_mcap_is_refused_and_what_is_whole_is_offered(
         (("runs", "--nonsense"), "--nonsense"),
     ],
 )
-def test_what_cannot_be_used_is_one_sentence_and_exit_2(mimucal, arguments, says) -> None:
+def test_what_cannot_be_used_is_one_sentence_and_exit_2(mimucal, arguments, says):
     done = mimucal(*arguments)
     assert (done.code, done.out) == (2, "")
     assert says in done.err
     assert done.err.strip().count("\n") == 0
 
 
-def test_missing_recording_is_a_fault_that_verify_finds(mimucal) -> None:
+def test_missing_recording_is_a_fault_that_verify_finds(mimucal):
     done = mimucal("verify", "missing-folder")
     assert done.code == 1
     assert "missing-folder" in done.out
 
 
-def test_demo_that_cannot_write_says_where(mimucal, home) -> None:
+def test_demo_that_cannot_write_says_where(mimucal, home):
     home.mkdir()
     (home / "demo").write_text("in the way")
     done = mimucal("demo")
@@ -250,7 +248,7 @@ def test_demo_that_cannot_write_says_where(mimucal, home) -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
-def test_an_output_without_room_is_one_sentence(tmp_path: Path) -> None:
+def test_an_output_without_room_is_one_sentence(tmp_path):
     command = [sys.executable, "-m", "flows.cli", "runs", "--json"]
     own = os.environ | {"MIMUCAL_HOME": str(tmp_path)}
     with Path("/dev/full").open("w", encoding="utf-8") as full:
@@ -261,7 +259,7 @@ def test_an_output_without_room_is_one_sentence(tmp_path: Path) -> None:
     assert done.stderr.startswith("the output cannot be written (No space left on device)")
 
 
-def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:
+def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch):
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
@@ -270,7 +268,7 @@ def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:
     assert (done.code, done.err) == (1, "stopped by the operator\n")
 
 
-def test_text_of_a_recording_is_printed_as_it_is(mimucal, copied, unprinted) -> None:
+def test_text_of_a_recording_is_printed_as_it_is(mimucal, copied, unprinted):
     folder, text = copied(SMALL), "[/bold]x[red]:smile:{x}"
     document = json.loads((folder / "manifest.json").read_text())
     document["unit"]["serial"] = text
@@ -288,7 +286,7 @@ def test_text_of_a_recording_is_printed_as_it_is(mimucal, copied, unprinted) -> 
         assert text in done.out or command[0] == "certify"
 
 
-def test_topics_of_a_bag_that_no_stream_takes_are_told(mimucal, tmp_path) -> None:
+def test_topics_of_a_bag_that_no_stream_takes_are_told(mimucal, tmp_path):
     bag = tmp_path / "bag.mcap"
     with bag.open("wb") as file:
         writer = Writer(file)
@@ -306,7 +304,7 @@ def test_topics_of_a_bag_that_no_stream_takes_are_told(mimucal, tmp_path) -> Non
     assert "/camera" in done.err
 
 
-def test_what_was_taken_in_before_a_bad_recording_is_told(mimucal, copied, shared) -> None:
+def test_what_was_taken_in_before_a_bad_recording_is_told(mimucal, copied, shared):
     bad = copied(SMALL)
     drop_column(bad)
     done = mimucal("import", shared / "real/ferraris_session", bad, "--json")
@@ -315,7 +313,7 @@ def test_what_was_taken_in_before_a_bad_recording_is_told(mimucal, copied, share
     assert str(bad) in done.err
 
 
-def test_help_shows_what_an_option_takes(mimucal) -> None:
+def test_help_shows_what_an_option_takes(mimucal):
     printed = mimucal("station", "serve", "--help").out
     assert "NAME[@SECONDS]" in printed
     assert "0<=x<=65534" in printed
@@ -343,14 +341,14 @@ def loaded(*command: str) -> tuple[str, set[str]]:
     return text, HEAVY & set(modules.split())
 
 
-def test_help_starts_without_the_heavy_libraries() -> None:
+def test_help_starts_without_the_heavy_libraries():
     text, heavy = loaded("--help")
     assert heavy == set()
     assert "calibrate" in text
 
 
 @pytest.mark.rehearsal
-def test_runs_are_listed_with_the_catalogue_alone(mimucal, plant_clean) -> None:
+def test_runs_are_listed_with_the_catalogue_alone(mimucal, plant_clean):
     run = mimucal("import", plant_clean).out.split()[0]
     text, heavy = loaded("runs")
     assert run in text
@@ -358,23 +356,21 @@ def test_runs_are_listed_with_the_catalogue_alone(mimucal, plant_clean) -> None:
 
 
 @pytest.mark.rehearsal
-def test_calibrating_by_the_standard_starts_without_what_other_recordings_need(
-    mimucal, shared
-) -> None:
+def test_calibrating_by_the_standard_starts_without_what_other_recordings_need(mimucal, shared):
     run = mimucal("import", shared / "real/vn200_imu0_rate_table").out.split()[0]
     _, heavy = loaded("calibrate", run, "--json")
     assert heavy == {"numpy", "pyarrow", "sqlalchemy", "fluent"}
 
 
 @pytest.mark.rehearsal
-def test_a_certificate_is_drafted_without_prefect_where_no_server_is_named(mimucal, shared) -> None:
+def test_a_certificate_is_drafted_without_prefect_where_no_server_is_named(mimucal, shared):
     run = mimucal("import", shared / SMALL).out.split()[0]
     text, heavy = loaded("certify", run, "--by", "Li", "--invalid-run")
     assert "mimucal check draft-" in text
     assert heavy & {"prefect", "pandas", "alembic", "pymodbus"} == set()
 
 
-def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, ahrs_clean) -> None:
+def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, ahrs_clean):
     done = mimucal("calibrate", ahrs_clean, "--json")
     assert (done.code, done.json["method"]) == (0, "jjf1536")
     truth = json.loads((ahrs_clean / "truth.json").read_text())

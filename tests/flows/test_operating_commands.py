@@ -3,7 +3,6 @@
 import json
 import socket
 import tarfile
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -11,7 +10,6 @@ import pytest
 from flows.validate import run_validate
 from schemas.base import Unusable
 from schemas.laboratory import variables
-from schemas.recording import Recording
 from storage import retention
 from storage.catalogue import audit_trail, runs
 from storage.home import Home
@@ -26,16 +24,14 @@ OLD = HOMES / "0013.tar.xz"
 
 
 @pytest.fixture
-def earlier(home: Path) -> Path:
+def earlier(home) -> Path:
     """A home that an earlier version left."""
     with tarfile.open(OLD) as archive:
         archive.extractall(home, filter="data")
     return home
 
 
-def test_upgrade_backup_and_restore_of_an_earlier_home(
-    earlier: Path, mimucal, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_upgrade_backup_and_restore_of_an_earlier_home(earlier, mimucal, tmp_path, monkeypatch):
     refused = mimucal("runs")
     assert refused.code == 2
     assert "run `mimucal upgrade`" in refused.err
@@ -60,9 +56,7 @@ def test_upgrade_backup_and_restore_of_an_earlier_home(
     assert mimucal("verify").code == 0
 
 
-def test_settings_show_every_variable_and_no_secret(
-    mimucal, home: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_settings_show_every_variable_and_no_secret(mimucal, home, monkeypatch):
     monkeypatch.setenv("MIMUCAL_SIGNING_PASSPHRASE", "hunter2")
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab:hunter2@host/mimucal")
     monkeypatch.setenv("MIMUCAL_USER", "")
@@ -78,15 +72,13 @@ def test_settings_show_every_variable_and_no_secret(
     assert (shown["MIMUCAL_USER"]["value"], shown["MIMUCAL_USER"]["source"]) == (None, "default")
 
 
-def test_a_variable_with_a_slip_of_the_pen_is_named(
-    mimucal, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_variable_with_a_slip_of_the_pen_is_named(mimucal, monkeypatch):
     monkeypatch.setenv("MIMUCAL_DATABSE", "postgresql://host/mimucal")
     done = mimucal("settings", "--json")
     assert (done.code, done.json["unknown"]) == (1, ["MIMUCAL_DATABSE"])
 
 
-def test_an_alert_that_no_channel_takes_exits_with_1(mimucal, home: Path) -> None:
+def test_an_alert_that_no_channel_takes_exits_with_1(mimucal, home):
     assert "names no operators" in mimucal("alert", "text").err
     with socket.create_server(("127.0.0.1", 0)) as listener:
         port = listener.getsockname()[1]
@@ -102,7 +94,7 @@ def test_an_alert_that_no_channel_takes_exits_with_1(mimucal, home: Path) -> Non
 # `mimucal validate`: a study too small to show anything does not replace the record.
 
 
-def test_a_small_study_leaves_the_record_of_the_home_alone(tmp_path, monkeypatch) -> None:
+def test_a_small_study_leaves_the_record_of_the_home_alone(tmp_path, monkeypatch):
     monkeypatch.setenv("MIMUCAL_HOME", str(tmp_path))
     kept = tmp_path / "validation.json"
     kept.write_text("{}", encoding="utf-8")
@@ -115,13 +107,13 @@ def test_a_small_study_leaves_the_record_of_the_home_alone(tmp_path, monkeypatch
 
 
 @pytest.fixture
-def store(home: Path, ideal_run: Callable[..., Recording]) -> Home:
+def store(home, ideal_run) -> Home:
     """A run that was never calibrated."""
     runs.add(ideal_run(dwell=1.0), Home(home))
     return Home(home)
 
 
-def test_nothing_is_deleted_unless_it_is_asked_for(store: Home, mimucal) -> None:
+def test_nothing_is_deleted_unless_it_is_asked_for(store, mimucal):
     (run,) = runs.all_runs(store)
     listed = mimucal("prune", "--before", "2999-01-01", "--json").json
     assert (listed["format"], listed["deleted"]) == ("mimu-prune/1", False)
@@ -131,7 +123,7 @@ def test_nothing_is_deleted_unless_it_is_asked_for(store: Home, mimucal) -> None
     assert mimucal("prune", "--before", "2000-01-01", "--json").json["found"] == []
 
 
-def test_a_deletion_names_who_did_it(store: Home, mimucal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_deletion_names_who_did_it(store, mimucal, monkeypatch):
     monkeypatch.delenv("MIMUCAL_USER", raising=False)
     refused = mimucal("prune", "--before", "2999-01-01", "--delete")
     assert refused.code == 2
@@ -143,8 +135,8 @@ def test_a_deletion_names_who_did_it(store: Home, mimucal, monkeypatch: pytest.M
 
 
 def test_a_home_in_which_nothing_can_be_deleted_is_one_refusal(
-    store: Home, mimucal, monkeypatch: pytest.MonkeyPatch, ideal_run: Callable[..., Recording]
-) -> None:
+    store, mimucal, monkeypatch, ideal_run
+):
     runs.add(ideal_run(dwell=1.5), store)
 
     def cannot(*_: object) -> None:
@@ -161,13 +153,13 @@ def test_a_home_in_which_nothing_can_be_deleted_is_one_refusal(
 
 
 @pytest.fixture
-def dcc(tmp_path: Path) -> Path:
+def dcc(tmp_path) -> Path:
     path = tmp_path / "MIMU-2026-0042.xml"
     path.write_bytes(faces_of(certificate(), None).dcc)
     return path
 
 
-def test_a_whole_file_says_what_it_is_and_what_it_cannot_know(mimucal, home, dcc) -> None:
+def test_a_whole_file_says_what_it_is_and_what_it_cannot_know(mimucal, home, dcc):
     done = mimucal("verify", dcc)
     assert done.code == 0
     assert "whole; certificate MIMU-2026-0042, issued" in done.out
@@ -175,7 +167,7 @@ def test_a_whole_file_says_what_it_is_and_what_it_cannot_know(mimucal, home, dcc
     assert not home.exists()
 
 
-def test_a_changed_file_is_a_fault_in_the_published_format(mimucal, dcc) -> None:
+def test_a_changed_file_is_a_fault_in_the_published_format(mimucal, dcc):
     dcc.write_bytes(dcc.read_bytes().replace(b"0.01187", b"0.01188"))
     done = mimucal("verify", dcc, "--json")
     assert done.code == 1
@@ -183,9 +175,7 @@ def test_a_changed_file_is_a_fault_in_the_published_format(mimucal, dcc) -> None
     assert [fault["what"] for fault in done.json["faults"]] == [str(dcc)]
 
 
-def test_a_file_that_is_not_there_or_certificates_that_are_none_are_one_sentence(
-    mimucal, dcc
-) -> None:
+def test_a_file_that_is_not_there_or_certificates_that_are_none_are_one_sentence(mimucal, dcc):
     for arguments, says in (
         ((dcc.with_name("none.pdf"),), "none.pdf cannot be read"),
         ((dcc, "--trust", dcc), "give a file with certificates as PEM"),

@@ -2,14 +2,11 @@
 
 import io
 import json
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 from flows import execute
 from schemas.orders import CalibrateOrder, CertifyOrder
-from schemas.recording import Recording
 from storage.catalogue import orders, results, runs
 from storage.home import Home
 from tasks.stages.estimate import how_made
@@ -20,7 +17,7 @@ from tests.own_limits import laboratory_file
 
 
 @pytest.fixture
-def begun(home: Path, monkeypatch: pytest.MonkeyPatch) -> Begun:
+def begun(home, monkeypatch) -> Begun:
     add_station(home)
     add_station(home, "LINE-2")
     (home / "client-orders").mkdir()
@@ -173,9 +170,7 @@ CODE = "mounting_unknown"
 
 
 @pytest.mark.usefixtures("unprinted")
-def test_an_order_decides_about_which_axes_its_certificate_is(
-    home: Path, ideal_run: Callable[..., Recording], tmp_path: Path
-) -> None:
+def test_an_order_decides_about_which_axes_its_certificate_is(home, ideal_run, tmp_path):
     laboratory_file(home)
     place = Home(home)
     run, _ = runs.add(ideal_run(dwell=1.0), place)

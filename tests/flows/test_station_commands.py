@@ -128,7 +128,7 @@ def test_every_device_that_does_not_work_is_said_and_the_command_fails(
 
 
 @pytest.fixture
-def given(tmp_path: Path) -> Path:
+def given(tmp_path) -> Path:
     return written(tmp_path / "given.json", "S-1")
 
 
@@ -139,9 +139,7 @@ def written(path: Path, station: str) -> Path:
     return path
 
 
-def test_a_station_is_kept_under_its_id_for_its_owner_alone_and_goes_again(
-    mimucal, home, given
-) -> None:
+def test_a_station_is_kept_under_its_id_for_its_owner_alone_and_goes_again(mimucal, home, given):
     for _ in range(2):
         added = mimucal("station", "add", given)
         assert added.code == 0, added.err
@@ -153,7 +151,7 @@ def test_a_station_is_kept_under_its_id_for_its_owner_alone_and_goes_again(
     assert mimucal("station", "remove", "S-1").code == 2
 
 
-def test_what_was_kept_under_another_name_is_replaced(mimucal, home, given) -> None:
+def test_what_was_kept_under_another_name_is_replaced(mimucal, home, given):
     (home / "stations").mkdir(parents=True)
     written(home / "stations/old.json", "S-1")
     assert mimucal("station", "add", given).code == 0
@@ -169,14 +167,14 @@ def test_what_was_kept_under_another_name_is_replaced(mimucal, home, given) -> N
 )
 def test_what_cannot_be_done_is_refused_and_nothing_is_kept(
     mimucal, home, given, options, sentence
-) -> None:
+):
     refused = mimucal("station", "add", given, *options)
     assert refused.code == 2
     assert sentence in refused.err
     assert not home.exists()
 
 
-def test_deploying_without_a_server_says_what_is_missing(mimucal, home) -> None:
+def test_deploying_without_a_server_says_what_is_missing(mimucal, home):
     refused = mimucal("deploy")
     assert refused.code == 2
     assert "PREFECT_API_URL" in refused.err
@@ -188,7 +186,7 @@ FORM = {"Content-Type": "application/x-www-form-urlencoded"}
 
 
 @pytest.fixture
-def served(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[StationPage, int]]:
+def served(tmp_path, monkeypatch) -> Iterator[tuple[StationPage, int]]:
     def stop_station(station: str, by: str, home: Home) -> Stopped:
         return Stopped(station=station, by=by, at_rest=True, way="run", seconds=0.4)
 

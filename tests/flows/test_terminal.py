@@ -96,7 +96,7 @@ SHOWN = (
 )  # fmt: skip
 
 
-def test_a_terminal_shows_state_segment_time_rates_noise_and_alarms() -> None:
+def test_a_terminal_shows_state_segment_time_rates_noise_and_alarms():
     console = Console(width=100)
     with console.capture() as captured:
         console.print(acquisition_view.view(TURNING))
@@ -104,9 +104,7 @@ def test_a_terminal_shows_state_segment_time_rates_noise_and_alarms() -> None:
     assert [text for text in SHOWN if text not in printed] == []
 
 
-def test_elsewhere_a_line_comes_now_and_then(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_elsewhere_a_line_comes_now_and_then(capsys, monkeypatch):
     clock = iter((0.0, 10.0, 30.0, 30.0, 59.0))
     monkeypatch.setattr(acquisition_view.time, "monotonic", lambda: next(clock))
     show = acquisition_view.plain_lines()
@@ -116,7 +114,7 @@ def test_elsewhere_a_line_comes_now_and_then(
     assert [text for text in SHOWN if text not in line] == []
 
 
-def test_station_status_says_how_each_run_stands(mimucal, home) -> None:
+def test_station_status_says_how_each_run_stands(mimucal, home):
     from storage.home import Home
     from tests.storage.test_stations import status, write_status
 
@@ -131,12 +129,12 @@ def test_station_status_says_how_each_run_stands(mimucal, home) -> None:
 # What is foretold of long work.
 
 
-def test_the_time_left_follows_from_what_is_behind() -> None:
+def test_the_time_left_follows_from_what_is_behind():
     assert remaining(10.0, 0.25) == ", about 30 s left"
     assert remaining(10.0, 0.01) == ""
 
 
-def test_each_step_of_explain_is_further_than_the_one_before() -> None:
+def test_each_step_of_explain_is_further_than_the_one_before():
     shares: list[float] = []
     for step in BEHIND:
         for share in (0.0, 0.5):
@@ -146,7 +144,7 @@ def test_each_step_of_explain_is_further_than_the_one_before() -> None:
     assert shares[-1] < 1.0
 
 
-def test_a_share_of_a_step_lies_within_it() -> None:
+def test_a_share_of_a_step_lies_within_it():
     shares: list[float] = []
     report_progress(lambda now, behind: shares.append(behind), "search", 1.0)
     following = list(BEHIND)[list(BEHIND).index("search") + 1]
@@ -156,7 +154,7 @@ def test_a_share_of_a_step_lies_within_it() -> None:
 # Tables on standard output.
 
 
-def test_a_table_of_thousands_of_rows_keeps_its_columns_without_lines(capsys) -> None:
+def test_a_table_of_thousands_of_rows_keeps_its_columns_without_lines(capsys):
     rows = [(f"r{number}", "转台" if number % 2 else "table") for number in range(FRAMED + 1)]
     print_rows("Runs", ("run", "unit"), rows)
     title, head, *lines = capsys.readouterr().out.splitlines()
@@ -168,14 +166,14 @@ def test_a_table_of_thousands_of_rows_keeps_its_columns_without_lines(capsys) ->
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_whatever_ends_a_command_ends_it_as_ctrl_c(ending: signal.Signals) -> None:
+def test_whatever_ends_a_command_ends_it_as_ctrl_c(ending):
     before = signal.getsignal(ending)
     with pytest.raises(KeyboardInterrupt), ending_as_ctrl_c():
         signal.raise_signal(ending)
     assert signal.getsignal(ending) is before
 
 
-def test_a_second_signal_does_not_break_off_what_the_first_began() -> None:
+def test_a_second_signal_does_not_break_off_what_the_first_began():
     with ending_as_ctrl_c():
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGTERM)
@@ -183,7 +181,7 @@ def test_a_second_signal_does_not_break_off_what_the_first_began() -> None:
         signal.raise_signal(signal.SIGHUP)
 
 
-def test_a_signal_that_was_ignored_stays_ignored() -> None:
+def test_a_signal_that_was_ignored_stays_ignored():
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         with ending_as_ctrl_c():
@@ -192,7 +190,7 @@ def test_a_signal_that_was_ignored_stays_ignored() -> None:
         signal.signal(signal.SIGHUP, before)
 
 
-def test_ctrl_z_pauses_and_the_next_one_goes_on() -> None:
+def test_ctrl_z_pauses_and_the_next_one_goes_on():
     before = signal.getsignal(signal.SIGTSTP)
     paused = []
     with pausing() as is_paused:
@@ -203,7 +201,7 @@ def test_ctrl_z_pauses_and_the_next_one_goes_on() -> None:
     assert signal.getsignal(signal.SIGTSTP) is before
 
 
-def test_signals_press_the_switch_of_what_runs_and_act_as_ctrl_c_otherwise() -> None:
+def test_signals_press_the_switch_of_what_runs_and_act_as_ctrl_c_otherwise():
     switch = StopSwitch()
     before = signal.getsignal(signal.SIGTERM)
     with stopping(switch):
@@ -217,7 +215,7 @@ def test_signals_press_the_switch_of_what_runs_and_act_as_ctrl_c_otherwise() -> 
     assert signal.getsignal(signal.SIGTERM) is before
 
 
-def test_a_signal_presses_it_while_the_main_thread_is_held_up() -> None:
+def test_a_signal_presses_it_while_the_main_thread_is_held_up():
     switch = StopSwitch()
     switch.is_live = True
     with stopping(switch):
@@ -273,9 +271,7 @@ def test_a_log_of_others_that_is_not_understood_is_refused(mimucal, with_log, lo
 # What `mimucal calibrate` prints for a person.
 
 
-def test_information_is_a_second_table_with_its_sentences(
-    ideal_run, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_information_is_a_second_table_with_its_sentences(ideal_run, capsys):
     shown = {
         "noise": Information(
             title="Angle random walk", title_zh="随机游走", unit="deg/sqrt(h)",

@@ -3,9 +3,7 @@
 import json
 import re
 import shutil
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pypdfium2
 import pytest
@@ -22,7 +20,7 @@ source = "certificate 7"
 
 
 @pytest.fixture
-def laboratory(tmp_path: Path) -> Path:
+def laboratory(tmp_path) -> Path:
     path = tmp_path / "laboratory.toml"
     path.write_text(LABORATORY, encoding="utf-8")
     return path
@@ -33,7 +31,7 @@ def words_of(pdf: str) -> str:
     return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in pages))
 
 
-def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, plant_clean) -> None:
+def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, plant_clean):
     done = mimucal("calibrate", plant_clean, "--json").json
     assert done["settings"]["uncertainty"] == "GUM"
     assert done["settings"]["limits"] == "JJF 2003-2022, Table 1"
@@ -45,7 +43,7 @@ def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, plant_clean)
 
 def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_intervals(
     mimucal, ahrs_clean
-) -> None:
+):
     ordered = ("calibrate", ahrs_clean, "--uncertainty", "montecarlo", "--json")
     done = mimucal(*ordered).json
     assert done == mimucal(*ordered).json
@@ -63,7 +61,7 @@ def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_interva
     assert "drawn from their distributions" in printed
 
 
-def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared, tmp_path) -> None:
+def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared, tmp_path):
     """Of a table whose encoders were not recorded, and that holds its rates as it states."""
     recorded = shared / "real/vn200_imu0_rate_table"
     manifest = json.loads((recorded / "manifest.json").read_text())
@@ -78,7 +76,7 @@ def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared, tm
 @pytest.mark.rehearsal
 def test_certify_prints_the_budgets_and_uses_the_laboratory_it_is_given(
     mimucal, shared, laboratory
-) -> None:
+):
     certify = ("certify", shared / "real/ferraris_session", "--invalid-run", "--json")
     done = mimucal(*certify, "--budget", "--laboratory", laboratory).json
     words = words_of(done["pdf"])
@@ -91,7 +89,7 @@ def test_certify_prints_the_budgets_and_uses_the_laboratory_it_is_given(
 
 def test_the_home_s_laboratory_tells_its_limits_to_calibrate(
     mimucal, plant_clean, home, laboratory
-) -> None:
+):
     home.mkdir(parents=True)
     (home / "laboratory.toml").write_bytes(laboratory.read_bytes())
     done = mimucal("calibrate", plant_clean, "--json").json
@@ -100,7 +98,7 @@ def test_the_home_s_laboratory_tells_its_limits_to_calibrate(
 
 
 @pytest.mark.parametrize("command", ["calibrate", "certify"])
-def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command: str) -> None:
+def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command):
     done = mimucal(command, "x", "--uncertainty", "guess")
     assert (done.code, done.out) == (2, "")
     assert done.err.count("\n") == 1
@@ -112,9 +110,7 @@ def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command: str)
 
 
 @pytest.mark.parametrize("name", ["real/xsens_multiposition", "real/ln100_two_position"])
-def test_a_joint_calibration_and_its_certificate_are_ordered_by_method(
-    mimucal: Callable[..., Any], shared: Path, name: str
-) -> None:
+def test_a_joint_calibration_and_its_certificate_are_ordered_by_method(mimucal, shared, name):
     found = mimucal("calibrate", shared / name, "--method", "joint", "--json")
     assert found.code == 0
     assert found.json["method"] == "joint"
@@ -125,7 +121,7 @@ def test_a_joint_calibration_and_its_certificate_are_ordered_by_method(
     assert Path(certificate.json["pdf"]).read_bytes().startswith(b"%PDF")
 
 
-def test_accumulated_angles_are_sent_to_their_own_method(mimucal, ahrs_clean: Path) -> None:
+def test_accumulated_angles_are_sent_to_their_own_method(mimucal, ahrs_clean):
     refused = mimucal("calibrate", ahrs_clean, "--method", "joint")
     assert refused.code == 2
     assert "--method jjf1536" in refused.err

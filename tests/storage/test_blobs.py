@@ -19,14 +19,14 @@ pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture
-def keys(monkeypatch: pytest.MonkeyPatch) -> None:
+def keys(monkeypatch) -> None:
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "of-a-test")
     monkeypatch.setenv("AWS_EC2_METADATA_DISABLED", "true")
 
 
 @pytest.fixture
-def use(keys: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+def use(keys, monkeypatch) -> Callable[[str], None]:
     """Has the home keep its recordings in a bucket."""
     return lambda url: monkeypatch.setenv("MIMUCAL_STORE", url)
 

@@ -34,12 +34,12 @@ KEPT = sorted(path.name.split(".")[0] for path in HOMES.glob("*.tar.xz"))
 
 
 @pytest.fixture(params=KEPT)
-def revision(request: pytest.FixtureRequest) -> str:
+def revision(request) -> str:
     return str(request.param)
 
 
 @pytest.fixture
-def earlier(revision: str, fresh: Home) -> Home:
+def earlier(revision, fresh) -> Home:
     """The home of a revision as it was left."""
     with tarfile.open(HOMES / f"{revision}.tar.xz") as archive:
         archive.extractall(fresh.path, filter="data")
@@ -48,12 +48,7 @@ def earlier(revision: str, fresh: Home) -> Home:
 
 @pytest.fixture(params=["sqlite", "postgresql"])
 def upgraded(
-    request: pytest.FixtureRequest,
-    revision: str,
-    earlier: Home,
-    server: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    request, revision, earlier, server, tmp_path, monkeypatch
 ) -> tuple[Home, dict[str, list[dict[str, Any]]]]:
     """The home brought to this version, in either database, and the rows that were in it."""
     before = rows(earlier)

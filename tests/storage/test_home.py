@@ -52,7 +52,7 @@ except Unusable as error:
 
 
 @pytest.fixture
-def read_only(fresh: Home) -> Iterator[tuple[Home, Run]]:
+def read_only(fresh) -> Iterator[tuple[Home, Run]]:
     """A copy of a home with one run, readable for everybody and writable for nobody."""
     run = runs.add(small(), fresh)[0]
     with tempfile.TemporaryDirectory(prefix="mimucal-ro-") as name:

@@ -19,7 +19,7 @@ from tests.storage.small import calibrated, certified, small
 
 
 @pytest.fixture
-def filled(fresh: Home) -> Run:
+def filled(fresh) -> Run:
     """A run in the fresh home, with a result and a certificate A-1."""
     recording = small()
     run = runs.add(recording, fresh)[0]

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -47,7 +46,7 @@ carry_out(ProduceOrder(station="LINE-1", number="1"), work)
 
 
 @pytest.fixture
-def line(home: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+def line(home, monkeypatch) -> Home:
     """A home with a station and three orders for it, which nobody takes yet."""
     add_station(home)
     add_station(home, "LINE-2")
@@ -81,7 +80,7 @@ class Work:
 
 
 @pytest.fixture
-def worked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Work], Work]:
+def worked(monkeypatch) -> Callable[[Work], Work]:
     def use(work: Work) -> Work:
         monkeypatch.setattr(execute, "produce", lambda order: carry_out(order, work))
         return work
@@ -96,7 +95,7 @@ def states(home: Home) -> list[str]:
     return [each.state for each in orders.listed(home)]
 
 
-def test_a_station_takes_its_orders_in_their_sequence_with_unit_and_person(line, worked) -> None:
+def test_a_station_takes_its_orders_in_their_sequence_with_unit_and_person(line, worked):
     work, reported = worked(Work()), []
     assert work_at("LINE-1", line, reported.append)
     assert work.serials == ["S1", "S2", "S3"]
@@ -107,14 +106,14 @@ def test_a_station_takes_its_orders_in_their_sequence_with_unit_and_person(line,
     assert len(work.done) == 3
 
 
-def test_an_order_that_fails_says_why_and_keeps_no_other_from_being_taken(line, worked) -> None:
+def test_an_order_that_fails_says_why_and_keeps_no_other_from_being_taken(line, worked):
     worked(Work(S1=Unusable("mount S1, or order S9"), S2=BrokenOff("unit S2 was given up")))
     assert work_at("LINE-1", line, ignore)
     assert states(line) == ["failed", "failed", "done"]
     assert orders.find("1", line).fault == "mount S1, or order S9"
 
 
-def test_after_an_operators_stop_nothing_begins_to_turn_by_itself(line, worked) -> None:
+def test_after_an_operators_stop_nothing_begins_to_turn_by_itself(line, worked):
     stop = BrokenOff("stopped by the operator")
     stop.__cause__ = KeyboardInterrupt()
     work = worked(Work(S1=stop))
@@ -124,7 +123,7 @@ def test_after_an_operators_stop_nothing_begins_to_turn_by_itself(line, worked) 
     assert work.serials == ["S1"]
 
 
-def test_an_order_of_another_station_is_not_carried_out(line) -> None:
+def test_an_order_of_another_station_is_not_carried_out(line):
     work = Work()
     with pytest.raises(Unusable, match="order 1 is for station LINE-1, and this is LINE-2"):
         carry_out(ProduceOrder(station="LINE-2", number="1"), work)
@@ -132,7 +131,7 @@ def test_an_order_of_another_station_is_not_carried_out(line) -> None:
     assert states(line) == ["waiting"] * 3
 
 
-def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line) -> None:
+def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line):
     work = Work()
     orders.cancel("2", "Li", line)
     for number in ("1", "1", "2"):
@@ -141,7 +140,7 @@ def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line) -> None:
     assert states(line) == ["done", "cancelled", "waiting"]
 
 
-def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(line) -> None:
+def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(line):
     work = Work()
     for number in "123":
         orders.cancel(number, "Li", line)
@@ -152,8 +151,8 @@ def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(l
 
 
 def test_an_order_whose_unit_is_mounted_does_not_wait_behind_one_whose_unit_is_not(
-    line: Home, worked, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    line, worked, monkeypatch
+):
     mounted = ["S2"]
 
     def confirm(unit: Unit, _: object) -> None:
@@ -173,7 +172,7 @@ def test_an_order_whose_unit_is_mounted_does_not_wait_behind_one_whose_unit_is_n
     assert states(line) == ["done", "done", "failed"]
 
 
-def test_a_schedule_takes_the_queue(line: Home) -> None:
+def test_a_schedule_takes_the_queue(line):
     work = Work()
     carry_out(ProduceOrder(station="LINE-1"), work)
     assert work.serials == ["S1"]
@@ -181,8 +180,8 @@ def test_a_schedule_takes_the_queue(line: Home) -> None:
 
 
 def test_after_an_invalid_run_an_order_is_measured_again_under_its_number(
-    line: Home, worked, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    line, worked, monkeypatch
+):
     orders.claim("1", line)
     orders.note("1", line, runs=("r1",))
     orders.finish("1", "failed", line, "run r1 is invalid: the unit was touched")
@@ -200,7 +199,7 @@ def test_after_an_invalid_run_an_order_is_measured_again_under_its_number(
     ]  # fmt: skip
 
 
-def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> None:
+def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch):
     waited = []
 
     def end(_: float) -> None:
@@ -216,8 +215,8 @@ def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> N
 
 
 def test_after_a_stop_the_next_order_waits_until_somebody_releases_the_station(
-    line: Home, monkeypatch: pytest.MonkeyPatch, mimucal
-) -> None:
+    line, monkeypatch, mimucal
+):
     waited = []
 
     def see(_: float) -> None:
@@ -232,7 +231,7 @@ def test_after_a_stop_the_next_order_waits_until_somebody_releases_the_station(
     assert "not locked out" in mimucal("station", "release", "LINE-1").out
 
 
-def test_one_worker_takes_the_orders_of_a_station_and_another_leaves_them(line, worked) -> None:
+def test_one_worker_takes_the_orders_of_a_station_and_another_leaves_them(line, worked):
     work = worked(Work())
     with only_worker_of("LINE-1", line):
         assert not work_at("LINE-1", line, ignore)
@@ -240,7 +239,7 @@ def test_one_worker_takes_the_orders_of_a_station_and_another_leaves_them(line, 
 
 
 @pytest.fixture
-def killed(line: Home) -> Home:
+def killed(line) -> Home:
     """The home after a process was killed in the middle of order 1."""
     process = POPEN(
         [sys.executable, "-c", HOLD], stdout=subprocess.PIPE, text=True,
@@ -254,7 +253,7 @@ def killed(line: Home) -> Home:
 
 
 @pytest.mark.real_time
-def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed, worked) -> None:
+def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed, worked):
     assert states(killed)[0] == "running"
     work = worked(Work())
     assert work_at("LINE-1", killed, ignore)
@@ -266,7 +265,7 @@ def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed
 
 @pytest.mark.real_time
 @pytest.mark.parametrize("seen_by", ["submit", "retry", "another"])
-def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, seen_by) -> None:
+def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, seen_by):
     with one_order_at("LINE-1", killed):
         assert take_up_left(killed) == []  # somebody has the orders of the station
     if seen_by == "submit":
@@ -279,7 +278,7 @@ def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, se
     assert orders.find("1", killed).is_interrupted
 
 
-def test_an_order_whose_process_lives_is_left_to_it(line) -> None:
+def test_an_order_whose_process_lives_is_left_to_it(line):
     orders.claim("1", line)
     assert take_up_left(line) == []
     assert states(line)[0] == "running"
@@ -287,7 +286,7 @@ def test_an_order_whose_process_lives_is_left_to_it(line) -> None:
 
 def test_what_was_measured_is_not_measured_again_and_what_was_interrupted_goes_on(
     line, worked, monkeypatch
-) -> None:
+):
     orders.claim("1", line)
     orders.note("1", line, runs=("r1",))
     orders.claim("2", line)
@@ -309,7 +308,7 @@ def test_what_was_measured_is_not_measured_again_and_what_was_interrupted_goes_o
     assert seen == [("1", ("r1",), False), ("2", (), True), ("3", ("r3",), False)]
 
 
-def test_a_client_s_order_and_a_deployment_s_files_go_together(line) -> None:
+def test_a_client_s_order_and_a_deployment_s_files_go_together(line):
     work = Work()
     order = ProduceOrder(station="LINE-1", number="1", laboratory="lab.toml", client_order="c.toml")
     carry_out(order, work)

@@ -3,7 +3,6 @@
 import socket
 import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 
@@ -36,8 +35,8 @@ def hindered(number: str, home: Home) -> str:
 
 
 def test_the_queue_waits_for_the_unit_that_is_ordered_or_for_the_orders_cancellation(
-    home: Path, monkeypatch: pytest.MonkeyPatch, unprinted
-) -> None:
+    home, monkeypatch, unprinted
+):
     no_workers(monkeypatch)
     place, hindrances = Home(home), {}
     (home / "stations").mkdir(parents=True)

@@ -35,9 +35,7 @@ def contents(home: Home) -> dict[str, list[bytes]]:
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
-def earlier(
-    request, fresh: Home, tmp_path: Path, server: str, monkeypatch: pytest.MonkeyPatch
-) -> Home:
+def earlier(request, fresh, tmp_path, server, monkeypatch) -> Home:
     """A home that an earlier version left, in either database."""
     with tarfile.open(OLD) as archive:
         archive.extractall(fresh.path, filter="data")
@@ -99,7 +97,7 @@ def test_an_upgrade_that_fails_leaves_everything_as_it_was(earlier, monkeypatch)
 
 
 @pytest.fixture
-def of_sqlite(fresh: Home) -> Home:
+def of_sqlite(fresh) -> Home:
     with tarfile.open(OLD) as archive:
         archive.extractall(fresh.path, filter="data")
     return fresh

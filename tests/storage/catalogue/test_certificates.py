@@ -23,7 +23,7 @@ PDF = b"%PDF made up"
 
 
 @pytest.fixture
-def kept(fresh: Home) -> Keep:
+def kept(fresh) -> Keep:
     """Keeps a certificate of a unit and gives it."""
 
     def build(number: str, serial: str = "1", **changes: object) -> Certificate:

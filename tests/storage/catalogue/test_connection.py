@@ -1,7 +1,6 @@
 """Connections to the catalogue: how often its file is opened, and that it is closed again."""
 
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
@@ -19,7 +18,7 @@ def read(home: Home) -> None:
 
 
 @pytest.fixture
-def home(tmp_path: Path) -> Home:
+def home(tmp_path) -> Home:
     made = Home(tmp_path)
     with database.changing(made):
         pass

@@ -22,7 +22,7 @@ TAKE_NUMBER = "from tests.keep import take_number\nnumber = take_number(home)"
 
 
 @pytest.fixture(autouse=True)
-def _every_revision(monkeypatch: pytest.MonkeyPatch) -> None:
+def _every_revision(monkeypatch) -> None:
     monkeypatch.setattr(database, "_migrate", every_revision)
 
 

@@ -25,7 +25,7 @@ RENEWED = standard("C-2", calibrated_on=SECOND, valid_until=date(2027, 2, 28))
 
 
 @pytest.fixture
-def home(fresh: Home) -> Home:
+def home(fresh) -> Home:
     equipment.add([standard()], fresh, "Li")
     return fresh
 

@@ -5,12 +5,11 @@ import pytest
 from storage.catalogue import results, runs
 from storage.catalogue.results import keep, keep_fault, made_under, to_make
 from storage.catalogue.runs import Run
-from storage.home import Home
 from tests.storage.small import calibrated, small
 
 
 @pytest.fixture
-def run(fresh: Home) -> Run:
+def run(fresh) -> Run:
     return runs.add(small(), fresh)[0]
 
 

@@ -302,7 +302,7 @@ TABLE = {"name": "Table", "name_zh": "转台", "serial": "T-7", "accuracy": "1�
 
 
 @pytest.fixture
-def recorded(fresh: Home) -> Callable[..., str]:
+def recorded(fresh) -> Callable[..., str]:
     """Keeps a run whose manifest has further fields; gives its id."""
 
     def keep(start: float, station: str = "T1", serial: str = "1", **fields: Any) -> str:

@@ -16,7 +16,7 @@ TRAIL = tables.trail
 
 
 @pytest.fixture
-def written(fresh: Home) -> Home:
+def written(fresh) -> Home:
     """A home with a trail of four entries."""
     with database.changing(fresh) as connection:
         for number in range(1, 5):

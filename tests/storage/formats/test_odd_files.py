@@ -14,7 +14,7 @@ from storage.formats import recordings
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path) -> Path:
     """A small recording as a folder with imu.csv."""
     t = np.arange(20) / 100
     table = pd.DataFrame({"t": t} | {name: t + k for k, name in enumerate(GYRO + ACCEL)})

@@ -15,7 +15,7 @@ SCHEMAS = Path(os.environ.get("MIMUCAL_DCC_SCHEMA", "../shared/dcc"))
 
 
 @pytest.fixture
-def made(tmp_path: Path):
+def made(tmp_path):
     def write(*results: str) -> Path:
         path = tmp_path / "dcc.xml"
         path.write_text(document(*results), encoding="utf-8")

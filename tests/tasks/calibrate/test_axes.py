@@ -6,7 +6,6 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.laboratory import EquipmentLimit, ResultAxes
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import EXAMPLE, evaluation_for
 from tasks.specifications.jjf2003 import JJF2003
 from tests.own_limits import as_table_1
@@ -17,7 +16,7 @@ CODE = "mounting_unknown"
 
 
 @pytest.fixture(scope="module")
-def made(ideal_run: Callable[..., Recording]) -> Callable[..., Calibration]:
+def made(ideal_run) -> Callable[..., Calibration]:
     recording = ideal_run(dwell=1.0)
 
     def build(axes: ResultAxes | None, stated: bool) -> Calibration:

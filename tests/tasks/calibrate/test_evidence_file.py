@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -113,7 +113,7 @@ def test_points_that_scatter_and_fits_that_are_not_linear_are_told(real, tmp_pat
 
 
 @pytest.fixture(scope="module")
-def earth(plant: Callable[[str], Recording]) -> tuple[Calibration, EvidenceFile]:
+def earth(plant) -> tuple[Calibration, EvidenceFile]:
     return made("jjf2003", plant("plant_earth_rotation"))
 
 

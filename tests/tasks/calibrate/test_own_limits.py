@@ -6,13 +6,11 @@ the rate about another one, gravity that is off by δ makes an accelerometer's K
 """
 
 import math
-from collections.abc import Callable
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import evaluation_for, without_information
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536 import JJF1536
@@ -27,7 +25,7 @@ SHOWN = 1 - 1e-9  # rounding
 
 
 @pytest.fixture(scope="module")
-def evidence(ideal_run: Callable[..., Recording]) -> ClauseEvidence:
+def evidence(ideal_run) -> ClauseEvidence:
     return JJF2003.gather(ideal_run(dwell=1.0, noise=1e-6))
 
 

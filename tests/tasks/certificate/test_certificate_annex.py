@@ -1,13 +1,11 @@
 """What the client reads, and what stands in the annex for the laboratory."""
 
 import re
-from collections.abc import Callable
 
 import pypdfium2
 import pytest
 
 from schemas.certificate import Certificate
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
@@ -43,7 +41,7 @@ def parts(made: Certificate, language: str) -> tuple[list[str], list[str]]:
 
 
 @pytest.fixture(scope="module", params=list(RECORDINGS))
-def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> Certificate:
+def made(request, plant) -> Certificate:
     recording = plant(RECORDINGS[request.param])
     result = calibrate(BY_STANDARD[request.param], recording, run="r1", code_version="test")
     curves = curves_of_run(recording, result)

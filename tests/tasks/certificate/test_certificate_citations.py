@@ -1,12 +1,10 @@
 """What a certificate cites: clauses and equations of its own specification and of no other."""
 
 import re
-from collections.abc import Callable
 from dataclasses import asdict
 
 import pytest
 
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.content import Content
 from tasks.conformity import decide
@@ -39,9 +37,7 @@ CITED = re.compile(r"(?<![\d.(])([5-9]\.\d(?:\.\d){0,2})(?![\d.]|\s*[×·%°])")
 
 
 @pytest.fixture(scope="module", params=list(RECORDINGS))
-def made(
-    request: pytest.FixtureRequest, plant: Callable[[str], Recording]
-) -> tuple[str, Content, dict[str, str]]:
+def made(request, plant) -> tuple[str, Content, dict[str, str]]:
     """The specification, what its certificate says, and the clause of each item."""
     standard = request.param
     recording = plant(RECORDINGS[standard])

@@ -5,7 +5,7 @@ import math
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from datetime import date
 from decimal import Decimal
 from pathlib import Path
@@ -64,7 +64,7 @@ MADE = {"full": full, "adjusted": adjusted, "bare": bare, "amendment": amendment
 
 
 @pytest.fixture(scope="module", params=["2003", "1536", *MADE])
-def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> Certificate:
+def made(request, plant) -> Certificate:
     if request.param == "2003":
         return of_specification(JJF2003, plant("plant_earth_rotation"))
     if request.param == "1536":
@@ -73,7 +73,7 @@ def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> C
 
 
 @pytest.fixture(scope="module")
-def faces(made: Certificate) -> Faces:
+def faces(made) -> Faces:
     return faces_of(made, None)
 
 

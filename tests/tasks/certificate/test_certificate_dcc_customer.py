@@ -3,7 +3,7 @@
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from dcclib.conversion import JSONConverter
 from lxml import etree
 
 from schemas.laboratory import ErrorBound
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.dcc import dcc_of
 from tasks.conformity import decide
@@ -37,7 +36,7 @@ def of_type(root: Any, ref_type: str, tag: str = "dcc:quantity") -> list[Any]:
 
 
 @pytest.fixture(scope="module", params=list(RECORDINGS))
-def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> Any:
+def made(request, plant) -> Any:
     recording = plant(RECORDINGS[request.param])
     result = calibrate(BY_STANDARD[request.param], recording, run="r1", code_version="test")
     curves = curves_of_run(recording, result)

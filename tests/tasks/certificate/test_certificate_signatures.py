@@ -37,12 +37,12 @@ def needs(program: str) -> pytest.MarkDecorator:
 
 
 @pytest.fixture(scope="module", params=["rsa", "elliptic"])
-def seal(request: pytest.FixtureRequest) -> Keys:
+def seal(request) -> Keys:
     return keys(elliptic=request.param == "elliptic")
 
 
 @pytest.fixture(scope="module")
-def files(seal: Keys, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def files(seal, tmp_path_factory) -> Path:
     """The three files of a signed certificate, and the certificate of the authority."""
     folder = tmp_path_factory.mktemp("signed")
     write(faces_of(certificate(), opened(seal, folder)), folder)
@@ -51,7 +51,7 @@ def files(seal: Keys, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def sealed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sealed(tmp_path_factory) -> Path:
     """The files under an elliptic key, for what is the same under every key."""
     folder = tmp_path_factory.mktemp("sealed")
     write(faces_of(certificate(), opened(keys(elliptic=True), folder)), folder)
@@ -59,7 +59,7 @@ def sealed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def unsigned(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def unsigned(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("unsigned")
     write(faces_of(certificate(), None), folder)
     return folder

@@ -1,7 +1,5 @@
 """Correcting gives what the unit went through, which the tests know from plain algebra."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -35,12 +33,12 @@ def truth(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.fixture(scope="module")
-def recording(ideal_run: Callable[..., Recording]) -> Recording:
+def recording(ideal_run) -> Recording:
     return ideal_run(dwell=5.0, **UNIT)
 
 
 @pytest.fixture(scope="module")
-def calibration(recording: Recording):
+def calibration(recording):
     return items_only(JJF2003, recording)
 
 

@@ -48,7 +48,7 @@ def recording(plant) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def calibration(recording: Recording):
+def calibration(recording):
     return calibrate(JJF2003, recording, run="r", code_version="v")
 
 

@@ -1,13 +1,11 @@
 """The uncertainty of corrected readings, against true readings of simulated units and by draws."""
 
-from collections.abc import Callable
 from dataclasses import fields
 
 import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import evaluation_for, without_information
 from tasks.coefficients.correct import (
     Coefficients,
@@ -62,7 +60,7 @@ def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_sa
 
 
 @pytest.fixture(scope="module")
-def joint(plant: Callable[[str], Recording]) -> Calibration:
+def joint(plant) -> Calibration:
     return items_only(JOINT, plant("plant_lever_arm"))
 
 

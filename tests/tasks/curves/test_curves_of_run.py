@@ -1,6 +1,5 @@
 """What the figures of a certificate show of a run: planted deviations, and their U."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +24,7 @@ def bumped(recording: Recording, channel: str, segment: str, bump: float) -> Rec
 
 
 @pytest.fixture(scope="module")
-def run(ideal_run: Callable[..., Recording]) -> Recording:
+def run(ideal_run) -> Recording:
     made = bumped(ideal_run(), "gyro_x", "rate_x_+300", RATE_BUMP)
     made = bumped(made, "accel_y", "position_+x_180", FORCE_BUMP)
     noise = np.random.default_rng(1).normal(0.0, SIGMA, len(made.imu.t))
@@ -34,12 +33,12 @@ def run(ideal_run: Callable[..., Recording]) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def result(run: Recording) -> Calibration:
+def result(run) -> Calibration:
     return calibrate(JJF2003, run, run="r", code_version="-")
 
 
 @pytest.fixture(scope="module")
-def curves(run: Recording, result: Calibration) -> dict[tuple[str, str, str], Curve]:
+def curves(run, result) -> dict[tuple[str, str, str], Curve]:
     made = curves_of_run(run, result)
     return {(curve.figure, curve.quantity, curve.axis): curve for curve in made}
 

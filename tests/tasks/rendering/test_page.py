@@ -11,7 +11,7 @@ TITLE = Statement(en="a < b", zh="甲 < 乙")
 
 
 @pytest.fixture
-def template(tmp_path: Path) -> Path:
+def template(tmp_path) -> Path:
     path = tmp_path / "page.html"
     path.write_text(
         '{% extends "base.html" %}{% from "macros.html" import table %}'

@@ -284,7 +284,7 @@ def turned(t: np.ndarray, from_s: float) -> np.ndarray:
 
 
 @pytest.fixture
-def recorded(ideal_run: Any) -> Any:
+def recorded(ideal_run) -> Any:
     """A recording of that motion, whose unit is so many seconds late."""
 
     def make(from_s: float, late_s: float) -> ClauseEvidence:
@@ -373,7 +373,7 @@ SENTENCE = "The recording states a latitude of 39.9°, but that of the laborator
 
 
 @pytest.fixture
-def at_39_9(ideal_run: Callable[..., Recording]) -> Recording:
+def at_39_9(ideal_run) -> Recording:
     return at_station(ideal_run(dwell=1.0), latitude_deg=39.9)
 
 

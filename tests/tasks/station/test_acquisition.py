@@ -50,7 +50,7 @@ class Run:
 
 
 @pytest.fixture(scope="module")
-def exact(short: Procedure, new_sink: Any) -> Run:
+def exact(short, new_sink) -> Run:
     """A run on a sound station in simulated time."""
     sink, progress = new_sink(), []
     station = InMemoryStation(VirtualStation())
@@ -59,7 +59,7 @@ def exact(short: Procedure, new_sink: Any) -> Run:
 
 
 @pytest.fixture(scope="module")
-def real(short: Procedure, new_sink: Any) -> Run:
+def real(short, new_sink) -> Run:
     """A run over sockets on a sound station in another process, after one that was killed."""
     sink, progress = new_sink(), []
     with running(VirtualStation(), SPEED) as station:
@@ -69,7 +69,7 @@ def real(short: Procedure, new_sink: Any) -> Run:
 
 
 @pytest.fixture(params=["exact", pytest.param("real", marks=pytest.mark.real_time)])
-def run(request: pytest.FixtureRequest) -> Run:
+def run(request) -> Run:
     return request.getfixturevalue(request.param)
 
 

@@ -43,7 +43,7 @@ def in_rehearsal(name: str, others: tuple[str, ...]) -> Any:
 
 
 @pytest.fixture
-def long(short: Procedure) -> Procedure:
+def long(short) -> Procedure:
     """In its rates from 20 s of station time on, and still at 80 s."""
     update = {"rates_deg_s": (-50, 100, -30, 60), "dwell_s": 60.0}
     return short.model_copy(

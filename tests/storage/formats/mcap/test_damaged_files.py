@@ -18,7 +18,7 @@ FOLDER = "data/real/vn200_57630_six_position"
 
 
 @pytest.fixture
-def long_file(tmp_path: Path) -> Path:
+def long_file(tmp_path) -> Path:
     """Eight minutes, so that there are several chunks of each topic."""
     write_mcap(read_folder(shared_path(FOLDER)), tmp_path / "long.mcap")
     return tmp_path / "long.mcap"
@@ -104,7 +104,7 @@ def refusal_of(path: Path, salvage: bool) -> str:
 
 
 @pytest.fixture(scope="module")
-def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+def content(tmp_path_factory) -> bytes:
     path = tmp_path_factory.mktemp("whole") / "raw.mcap"
     write_mcap(read_folder(shared_path(FOLDER)), path)
     return path.read_bytes()

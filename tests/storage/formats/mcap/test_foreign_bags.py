@@ -53,7 +53,7 @@ class Bag:
 
 
 @pytest.fixture
-def bag(tmp_path: Path) -> Bag:
+def bag(tmp_path) -> Bag:
     return Bag(tmp_path / "drive.mcap", CompressionType.ZSTD, chunked=True)
 
 

@@ -42,7 +42,7 @@ def without_latitude(recording: Recording) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def results(plant: Callable[[str], Recording]) -> Callable[[str], tuple[Calibration, Calibration]]:
+def results(plant) -> Callable[[str], tuple[Calibration, Calibration]]:
     """Both methods on a simulated recording, computed once."""
 
     @cache
