@@ -109,7 +109,13 @@ def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command):
 # The joint method as it is ordered: by --method, from any kind of recording.
 
 
-@pytest.mark.parametrize("name", ["real/xsens_multiposition", "real/ln100_two_position"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("real/xsens_multiposition", marks=pytest.mark.rehearsal),
+        "real/ln100_two_position",
+    ],
+)
 def test_a_joint_calibration_and_its_certificate_are_ordered_by_method(mimucal, shared, name):
     found = mimucal("calibrate", shared / name, "--method", "joint", "--json")
     assert found.code == 0

@@ -2,10 +2,12 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -48,12 +50,16 @@ carry_out(ProduceOrder(station="LINE-1", number="1"), work)
 @pytest.fixture
 def line(home, monkeypatch) -> Home:
     """A home with a station and three orders for it, which nobody takes yet."""
+    with_orders(home, monkeypatch)
+    return Home(home)
+
+
+def with_orders(home: Path, patch: pytest.MonkeyPatch) -> None:
     add_station(home)
     add_station(home, "LINE-2")
-    no_workers(monkeypatch)
+    no_workers(patch)
     for number in "123":
         give(request(number), "Li", Home(home))
-    return Home(home)
 
 
 def request(number: str | None, serial: str | None = None) -> OrderRequest:
@@ -238,18 +244,27 @@ def test_one_worker_takes_the_orders_of_a_station_and_another_leaves_them(line, 
     assert work.done == []
 
 
+@pytest.fixture(scope="module")
+def left_in_the_middle(tmp_path_factory) -> Home:
+    """A home whose process was killed in the middle of order 1."""
+    home = Home(tmp_path_factory.mktemp("killed") / "home")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MIMUCAL_HOME", str(home.path))
+        with_orders(home.path, patch)
+        command = [sys.executable, "-c", HOLD]
+        with POPEN(command, stdout=subprocess.PIPE, text=True, env=os.environ) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "begun\n"
+            os.kill(process.pid, signal.SIGKILL)
+    return home
+
+
 @pytest.fixture
-def killed(line) -> Home:
-    """The home after a process was killed in the middle of order 1."""
-    process = POPEN(
-        [sys.executable, "-c", HOLD], stdout=subprocess.PIPE, text=True,
-        env=os.environ | {"MIMUCAL_HOME": str(line.path)},
-    )  # fmt: skip
-    with process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "begun\n"
-        os.kill(process.pid, signal.SIGKILL)
-    return line
+def killed(left_in_the_middle, home, monkeypatch) -> Home:
+    """A copy of it."""
+    no_workers(monkeypatch)
+    shutil.copytree(left_in_the_middle.path, home)
+    return Home(home)
 
 
 @pytest.mark.real_time
