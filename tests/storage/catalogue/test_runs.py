@@ -289,13 +289,6 @@ def test_path_that_is_no_recording_is_refused(fresh, tmp_path, make, says):
     assert not fresh.path.exists()
 
 
-def test_shared_recording_is_kept_and_loaded(fresh, shared):
-    path = shared / "plant" / "ahrs_clean"
-    run = runs.add(recordings.read(path), fresh, source=path)[0]
-    assert digest(runs.load(run, fresh)) == run.digest
-    assert run.standard == "JJF 1536-2015"
-
-
 # Runs chosen by what the catalogue says of them; those of earlier versions, too.
 
 TABLE = {"name": "Table", "name_zh": "转台", "serial": "T-7", "accuracy": "1″", "certificate": "C1"}

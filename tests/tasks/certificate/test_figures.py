@@ -144,23 +144,6 @@ def text_of(pdf: bytes) -> str:
     return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in pages))
 
 
-@pytest.mark.rehearsal
-def test_the_budgets_are_printed_only_where_they_were_asked_for(made):
-    without, asked = (text_of(render(printed(made, wanted))) for wanted in (False, True))
-    assert "Uncertainty budgets" not in without
-    for words in (
-        "不确定度评定 Uncertainty budgets",
-        "repeatability",
-        "squareness of axes",
-        "rectangular",
-        "Sensitivity",
-        "Share %",
-        "Effective dof",
-        "95 % half width",
-    ):
-        assert words in asked
-
-
 def test_every_item_has_the_lines_of_its_most_uncertain_element(made):
     found = budgets(made)
     assert found is not None

@@ -128,20 +128,6 @@ def test_ros_file_of_an_ideal_unit_is_still_of_floats(correction):
     assert {type(value) for value in values} == {float}
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "imu_correction: {K_g: [1.0]}",
-        "/**:\n  ros__parameters:\n    a: [1.0, 0]",
-        "/**:\n  ros__parameters:\n    a: [[1.0], [2.0]]",
-        "/**:\n  ros__parameters:\n    a: &a [1.0]\n    b: *a",
-    ],
-)
-def test_what_ros_refuses_the_reader_here_refuses(text):
-    with pytest.raises(ros_reader.RosRefusesError):
-        ros_reader.read(text)
-
-
 def test_csv_has_a_row_for_each_element(correction):
     rows = list(csv.DictReader(io.StringIO(as_csv(correction))))
     found = {(r["coefficient"], r["reads"], r["input"]): r for r in rows}
@@ -176,26 +162,6 @@ def test_kalibr_reads_the_file_and_its_model_gives_the_units_readings(
     ours = matrix(correction, "K_g") @ rate + matrix(correction, "G") @ force
     np.testing.assert_allclose(gyro, ours, rtol=1e-12)
     np.testing.assert_allclose(accel, matrix(correction, "K_a") @ force, rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("field", "value", "why"),
-    [
-        ("gyroscope_random_walk", None, "missing"),
-        ("update_rate", 0.0, "invalid update_rate"),
-        ("accelerometer_noise_density", "1e-5", "no float"),
-        ("rostopic", 0, "string"),
-    ],
-)
-def test_what_kalibr_refuses_the_reader_here_refuses(
-    calibration, correction, recording, field, value, why
-):
-    data = yaml.safe_load(as_kalibr(correction, calibration, recording))
-    changed = {name: content for name, content in data.items() if name != field}
-    if value is not None:
-        changed[field] = value
-    with pytest.raises(kalibr_reader.KalibrRefusesError, match=why):
-        kalibr_reader.read(yaml.safe_dump(changed))
 
 
 def test_kalibr_is_refused_where_no_noise_shows(calibration, correction, recording):

@@ -1,15 +1,14 @@
 """Budgets by the law of propagation, against the GUM, GTC and the specifications' examples."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Decimal
 
 import GTC
 import numpy as np
 import pytest
-from gum_functions import combine_function, propagate, repeatability, sensitivities
-from hypothesis import given, settings
+from gum_functions import combine_function
+from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.base import Unusable
@@ -68,7 +67,7 @@ def test_gum_h2_gives_the_published_resistance_reactance_and_impedance(name, val
     budget = combine_function(name, "Ω", IMPEDANCE[name], inputs, correlation)
     assert round(budget.value, 3) == value
     # For X the unrounded inputs give 0.29558, as they do in GTC; the GUM prints 0.295 for both
-    # of its ways, which is what the second way gives (the test below).
+    # of its ways, which is what the second way gives.
     assert budget.u_c == pytest.approx(u, abs=0.0006)
     assert budget.dof == pytest.approx(4)
     assert {(c.first, c.second): round(c.r, 2) for c in budget.correlations} == {
@@ -78,24 +77,6 @@ def test_gum_h2_gives_the_published_resistance_reactance_and_impedance(name, val
     }
 
 
-@pytest.mark.parametrize(("name", "u"), [("R", 0.071), ("X", 0.295), ("Z", 0.236)])
-def test_gum_h2_second_way_gives_the_published_scatter_of_the_single_results(name, u):
-    singles = IMPEDANCE[name](*READINGS)
-    line = repeatability(np.full(5, 0.2), singles.var(ddof=1) * np.eye(5), "Ω", dof=4)
-    assert round(combine(name, "Ω", singles.mean(), [line]).u_c, 3) == u
-
-
-def test_gum_h2_gives_the_published_correlations_of_the_results():
-    inputs, correlation = electrical()
-    x = np.array([q.estimate for q in inputs])
-    u = np.array([q.u for q in inputs])
-    jacobian = np.array([sensitivities(f, x, u) for f in IMPEDANCE.values()])
-    covariance = propagate(jacobian, correlation * np.outer(u, u))
-    spread = np.sqrt(np.diag(covariance))
-    found = (covariance / np.outer(spread, spread))[np.triu_indices(3, 1)]
-    assert found.round(3) == pytest.approx([-0.588, -0.485, 0.993])
-
-
 def test_gum_h3_thermometer_line_gives_the_published_correction_at_30_degrees():
     design = np.column_stack([np.ones(11), READ - 20.0])
     line = solve(design)
@@ -103,7 +84,7 @@ def test_gum_h3_thermometer_line_gives_the_published_correction_at_30_degrees():
     residuals = OBSERVED - design @ parameters
     variance = residuals @ residuals / 9
     u = line.uncertainty(variance * np.eye(11))
-    covariance = propagate(line.operator, variance * np.eye(11))
+    covariance = variance * line.operator @ line.operator.T
     r = covariance[0, 1] / u[0] / u[1]
     assert [round(parameters[0], 4), round(parameters[1], 5)] == [-0.1712, 0.00218]
     assert [round(u[0], 4), round(u[1], 5)] == [0.0029, 0.00067]
@@ -114,16 +95,6 @@ def test_gum_h3_thermometer_line_gives_the_published_correction_at_30_degrees():
     )
     assert round(budget.value, 4) == -0.1494
     assert round(budget.u_c, 4) == 0.0041
-    assert budget.dof == pytest.approx(9)
-
-
-def test_the_line_collapsed_to_its_repeatability_has_the_same_uncertainty():
-    design = np.column_stack([np.ones(11), READ - 20.0])
-    predict = np.array([1.0, 10.0]) @ solve(design).operator
-    line = repeatability(predict, 0.0035**2 * np.eye(11), "°C", dof=9)
-    budget = combine("b", "°C", -0.1494, [line])
-    assert round(budget.u_c, 4) == 0.0041
-    assert budget.inputs[0].kind == "A"
     assert budget.dof == pytest.approx(9)
 
 
@@ -177,21 +148,6 @@ def test_shares_of_the_variance_add_up_to_one(pairs, seed):
     expected = 1.0 if budget.u_c > 0 else 0.0
     assert sum(line.share for line in budget.inputs) == pytest.approx(expected)
     assert pytest.approx(budget.U) == budget.k * budget.u_c
-
-
-def test_numerical_sensitivities_agree_with_the_analytic_ones():
-    inputs = [quantity("a", 1e-6, 3.0), quantity("b", 0.2, -2.0), quantity("c", 0.1)]
-
-    def model(a: float, b: float, c: float) -> float:
-        return a**2 * math.exp(b) + math.sin(c)
-
-    def gradient(a: float, b: float, c: float) -> tuple[float, float, float]:
-        return 2 * a * math.exp(b), a**2 * math.exp(b), math.cos(c)
-
-    numerical = combine_function("y", "1", model, inputs)
-    analytic = combine_function("y", "1", model, inputs, gradient=gradient)
-    for found, right in zip(numerical.inputs, analytic.inputs, strict=True):
-        assert found.sensitivity == pytest.approx(right.sensitivity, rel=1e-9)
 
 
 def test_correlated_inputs_of_finite_dof_from_different_samples_are_refused():
@@ -328,27 +284,6 @@ def test_linear_budgets_agree(parts):
     agrees(budget.u_c, budget.dof, sum(n * float(ci) for n, ci in zip(numbers, c, strict=True)))
 
 
-def product_and_sines(sin: Callable[[object], object], numbers: list[object]) -> object:
-    total: object = 1.0
-    for number in numbers:
-        total = total * number  # type: ignore[operator]
-    for number in numbers:
-        total = total + sin(number * number) / number  # type: ignore[operator]
-    return total
-
-
-@settings(max_examples=50)
-@given(budgets)
-def test_budgets_of_a_function_agree(parts):
-    quantities, correlation = for_us(parts)
-    budget = combine_function(
-        "y", "1", lambda *x: product_and_sines(math.sin, list(x)), quantities, correlation
-    )
-    judge = product_and_sines(GTC.sin, for_gtc(parts))
-    assert budget.value == pytest.approx(GTC.value(judge), rel=1e-12)
-    agrees(budget.u_c, budget.dof, judge)
-
-
 @pytest.mark.parametrize("dof", [3.0, 10.0, 60.0])
 def test_coverage_factor_at_whole_degrees_of_freedom_agrees(dof):
     x = InputQuantity("x", "x", "1", 1.0, "A", "t", dof=dof)
@@ -356,14 +291,6 @@ def test_coverage_factor_at_whole_degrees_of_freedom_agrees(dof):
     assert budget.k == pytest.approx(
         GTC.reporting.k_factor(dof, 100 * budget.coverage_probability), rel=1e-9
     )
-
-
-def test_both_refuse_correlation_between_inputs_of_finite_dof_that_are_not_one_sample():
-    with pytest.raises(RuntimeError, match="not in the same ensemble"):
-        GTC.set_correlation(0.5, GTC.ureal(1, 1, 5), GTC.ureal(1, 1, 5))
-    x = [InputQuantity(s, s, "1", 1.0, "A", "t", dof=5) for s in ("a", "b")]
-    with pytest.raises(Unusable, match="sample"):
-        combine("y", "1", 0.0, [Contribution(q, 1.0) for q in x], np.array([[1, 0.5], [0.5, 1]]))
 
 
 # Appendix A of both specifications, digit for digit.

@@ -177,30 +177,6 @@ def test_the_linear_budget_of_p_stands_beside_monte_carlo(clean, element):
     )
 
 
-def test_the_linear_budget_of_the_gyro_scale_factor_stands_beside_monte_carlo(clean):
-    budget = clean.items["gyro_scale_factor"].budgets["x"]
-    across, ripple = slope(budget, "α1"), slope(budget, "ε2")
-
-    def model(x):
-        tilt = x["α1"] + x["α2"] + x["α3"] + x["α4"]
-        read = budget.value * np.cos(tilt) + across * np.sin(tilt) + x["u_A"] + ripple * x["ε2"]
-        return read / (1.0 - x["ε1"])
-
-    stands_beside(budget, model)
-
-
-def test_the_linear_budget_of_the_accel_scale_factor_stands_beside_monte_carlo(clean):
-    budget = clean.items["accel_scale_factor"].budgets["y"]
-    gravity = -budget.value / slope(budget, "g")
-    each, common = slope(budget, "α1"), slope(budget, "α3")
-
-    def model(x):
-        tilt = each * (x["α1"] + x["α2"]) + common * (x["α3"] + x["α4"])
-        return (budget.value + tilt) * gravity / (gravity + x["g"]) + x["u_A"]
-
-    stands_beside(budget, model)
-
-
 def test_the_linear_budget_of_the_misalignment_stands_beside_monte_carlo(ahrs):
     budget = ahrs.items["ahrs_misalignment"].budgets["yx"]
     relative, fixture = -slope(budget, "α1θ") / budget.value, slope(budget, "α4")
@@ -210,13 +186,6 @@ def test_the_linear_budget_of_the_misalignment_stands_beside_monte_carlo(ahrs):
             (budget.value + x["u_A"]) / (1.0 + relative * x["α1θ"]) + fixture * np.tan(x["α4"])
         ),
     )
-
-
-def test_a_linear_budget_that_does_not_stand_is_found_out():
-    x = quantity("x", "rectangular", 0.5)
-    budget = combine("y", "1", 0.0, [Contribution(x, 1.0)])
-    with pytest.raises(AssertionError):
-        stands_beside(budget, lambda x: x["x"] + x["x"] ** 2)
 
 
 def test_two_digits_of_the_width_agree_with_monte_carlo():

@@ -141,8 +141,3 @@ def test_unknown_latitude_leaves_the_value_without_earth_rotation_null(ideal_run
     item = calibration.items["gyro_g_sensitivity"]
     assert set(item.value_without_earth_rotation.values()) == {None}
     assert "latitude" in calibration.unavailable["gyro_g_sensitivity"]
-
-
-def test_the_same_recording_gives_the_same_result_to_the_last_digit(ideal_run):
-    recording = ideal_run(Kg=planted(0, 1, 0.01, 1.0))
-    assert result(recording).model_dump_json() == result(recording).model_dump_json()
