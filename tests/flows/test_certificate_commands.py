@@ -182,12 +182,6 @@ def test_a_step_of_nobody_is_refused_with_the_way_out(mimucal, key, command, mon
     assert "MIMUCAL_USER" in refused.err
 
 
-def test_a_form_of_the_trail_that_is_none_is_refused(mimucal, key):
-    refused = mimucal("trail", "--as", "pdf")
-    assert refused.code == 2
-    assert "choose one of table, csv, jsonl" in refused.err
-
-
 @pytest.mark.rehearsal
 def test_the_evidence_lies_beside_the_certificate_and_its_hash_in_the_record(
     mimucal, run_on_earth, home, tmp_path, unprinted

@@ -212,6 +212,12 @@ def test_a_cut_off_mcap_is_refused_and_what_is_whole_is_offered(
         (("certify", "x", "--calibrated-on", "yesterday"), "--calibrated-on"),
         (("certify", "x", "--calibrated-on", "2999-01-01"), "in the future"),
         (("acquire", "missing.json"), "missing.json"),
+        (
+            ("calibrate", "x", "--uncertainty", "guess"),
+            "gum, montecarlo, example",
+        ),
+        (("certify", "x", "--uncertainty", "guess"), "--uncertainty guess"),
+        (("trail", "--as", "pdf"), "choose one of table, csv, jsonl"),
         (("reprocess", "--since", "2026-13-01"), "'2026-13-01' is not a date"),
         (("reprocess", "--workers", "0"), "1. See"),
         (("remind", "--within", "-1"), "--within"),

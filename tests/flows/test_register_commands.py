@@ -1,6 +1,5 @@
 """What used a measurement standard: runs, results, certificates, and nothing else."""
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import date
@@ -111,20 +110,3 @@ def test_a_failed_check_is_shown_at_once_and_listed(home, mimucal, tmp_path):
     assert (nobody.code, "TT-8 is not in the register" in nobody.err) == (2, True)
     no_number = mimucal(*asked, "--result", "nan")
     assert (no_number.code, "the check of TT-07: result" in no_number.err) == (2, True)
-
-
-def test_a_table_that_is_none_is_refused_by_file_field_and_value(home, mimucal, tmp_path):
-    entry = {"name": "T", "name_zh": "T", "serial": "1", "accuracy": "", "certificate": "C"}
-    row = {"at": 10.0, "deviation": 0.0, "U": 1e-5}
-    path = tmp_path / "bad.json"
-    for rows, sentence in (
-        ([], "equipment.0.functions.rate: give either rows or polynomials"),
-        ([row, row], "row at = 10 follows at = 10"),
-        ([row | {"U": -1.0}], "equipment.0.functions.rate.rows.0.U"),
-    ):
-        functions = {"rate": {"deviation": "corrected", "rows": rows}}
-        path.write_text(json.dumps({"equipment": [entry | {"functions": functions}]}))
-        refused = mimucal("equipment", "add", path, "--by", "Li")
-        assert refused.code == 2
-        assert str(path) in refused.err
-        assert sentence in refused.err

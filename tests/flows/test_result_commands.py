@@ -408,11 +408,6 @@ def test_the_base_is_a_procedure_by_its_name_or_a_file(run, answered, mimucal, t
     assert (refused.code, "jjf2003" in refused.err) == (2, True)
 
 
-def test_two_runs_of_a_pair_are_asked_in_turn(run, answered, mimucal, tmp_path):
-    answered(80.0)
-    assert mimucal("next", run, run, "--out", str(tmp_path / "n.json")).code == 0
-
-
 def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(run, answered, mimucal):
     answered(20.0)
     text = mimucal("next", run, "--json").json["statement"]["en"]

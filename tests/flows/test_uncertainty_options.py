@@ -97,15 +97,6 @@ def test_the_home_s_laboratory_tells_its_limits_to_calibrate(
     assert done["items"]["gyro_scale_factor"]["u"]["x"] == pytest.approx(1e-4, rel=0.01)
 
 
-@pytest.mark.parametrize("command", ["calibrate", "certify"])
-def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command):
-    done = mimucal(command, "x", "--uncertainty", "guess")
-    assert (done.code, done.out) == (2, "")
-    assert done.err.count("\n") == 1
-    assert "--uncertainty guess" in done.err
-    assert "gum, montecarlo, example" in done.err
-
-
 # The joint method as it is ordered: by --method, from any kind of recording.
 
 

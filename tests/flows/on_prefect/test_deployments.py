@@ -1,15 +1,13 @@
 """What `mimucal deploy` and `mimucal station add` make on a real server, behind its password."""
 
-import asyncio
 import os
 from collections.abc import Iterator
-from datetime import datetime, timedelta
+from datetime import datetime
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
 import httpx
 import pytest
-from prefect.server.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 
 from flows.on_prefect import flows
@@ -68,22 +66,6 @@ def test_what_is_scheduled_keeps_the_hour_of_its_zone(line):
     local = [moment.astimezone(ZoneInfo(ZONE)) for moment in there]
     assert {(moment.hour, moment.minute) for moment in local} == {(8, 0)}
     assert {moment.weekday() for moment in local} <= set(range(5))
-
-
-@pytest.mark.parametrize(
-    ("zone", "change"), [("Europe/Berlin", "2027-03-28"), ("Europe/Berlin", "2027-10-31")]
-)
-def test_the_servers_schedule_keeps_the_hour_over_a_change_of_daylight_saving(zone, change):
-    """It fails with whenever 0.10 on Python 3.11, of which every cron of Prefect 3.9.1 died."""
-    day = datetime.fromisoformat(change).replace(tzinfo=ZoneInfo(zone))
-    schedule = CronSchedule(cron="0 8 * * *", timezone=zone)
-    dates = asyncio.run(schedule.get_dates(4, day - timedelta(days=2)))
-    local = [each.astimezone(ZoneInfo(zone)) for each in dates]
-    assert [each.hour for each in local] == [8, 8, 8, 8]
-    assert [each.date() for each in local] == [
-        (day + timedelta(days=number)).date() for number in (-2, -1, 0, 1)
-    ]
-    assert local[0].utcoffset() == local[1].utcoffset() != local[2].utcoffset()
 
 
 def test_a_station_has_a_pool_of_one_run_at_a_time_and_the_line_another(line):

@@ -73,6 +73,9 @@ def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name,
     kept_until(stop, kept, 20.0)  # 25 s of the station, which began with the run; a flush is 4 s
     assert station.table.has_been_left
     assert "原因见日志" not in cause_of(stop.value).zh  # on the pages it is told, too
+    last = kept.manifests[-1].model_extra["log"][-1]
+    assert last["state"] == "stopped"
+    assert name != "emergency_stop" or "emergency stop" in last["en"]
 
 
 @pytest.mark.real_time
