@@ -60,7 +60,7 @@ def test_all_faults_of_a_bad_file_are_told_at_once(tmp_path):
     lines[71], lines[70] = lines[70], lines[71]
     log.write_text("\n".join(lines))
     rows = stated.read_text().splitlines()
-    rows[2] = rows[2].replace("-x", "up?")
+    rows[2] = rows[2].replace("-z", "up?")
     rows[3] = "ten,20,+y,,,"
     stated.write_text("\n".join(rows))
     with pytest.raises(Unusable) as refused:
